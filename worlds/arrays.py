@@ -1,0 +1,89 @@
+"""Array types and rigid-motion arithmetic. Quaternions are (w, x, y, z); poses map local to world coordinates."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .spec.shapes import Pose
+
+__all__ = ["F64", "I32", "RigidPose", "compose", "euler_to_quaternion", "pose_of", "quaternion_product", "rotation_matrix"]
+
+F64: TypeAlias = NDArray[np.float64]
+I32: TypeAlias = NDArray[np.int32]
+
+
+class RigidPose(NamedTuple):
+    """Position [m], shape (3,), and unit quaternion, shape (4,)."""
+
+    position: F64
+    quaternion: F64
+
+    def apply(self, points: F64) -> F64:
+        """Map local points, shape (n, 3), to world coordinates."""
+        return points @ rotation_matrix(self.quaternion).T + self.position
+
+    def inverse(self) -> RigidPose:
+        """The pose that undoes this one."""
+        conjugate = self.quaternion * np.array([1.0, -1.0, -1.0, -1.0])
+        return RigidPose(-rotation_matrix(conjugate) @ self.position, conjugate)
+
+
+def rotation_matrix(quaternion: F64) -> F64:
+    """Rotation matrix of unit quaternions, shape (..., 4) -> (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def quaternion_product(a: F64, b: F64) -> F64:
+    """Hamilton product of quaternions, shape (..., 4)."""
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def euler_to_quaternion(euler: tuple[float, float, float]) -> F64:
+    """Quaternion of rotations [rad] about the fixed x, then y, then z axis."""
+    result = np.array([1.0, 0.0, 0.0, 0.0])
+    for axis, angle in enumerate(euler):
+        turn = np.zeros(4)
+        turn[0], turn[1 + axis] = math.cos(angle / 2), math.sin(angle / 2)
+        result = quaternion_product(turn, result)
+    return result
+
+
+def pose_of(pose: Pose) -> RigidPose:
+    """Numbers of a specified pose; the quaternion is normalised."""
+    if pose.euler is not None:
+        quaternion = euler_to_quaternion(pose.euler)
+    elif pose.quaternion is not None:
+        quaternion = np.array(pose.quaternion, dtype=np.float64)
+        quaternion /= np.linalg.norm(quaternion)
+    else:
+        quaternion = np.array([1.0, 0.0, 0.0, 0.0])
+    return RigidPose(np.array(pose.position, dtype=np.float64), quaternion)
+
+
+def compose(outer: RigidPose, inner: RigidPose) -> RigidPose:
+    """The pose that applies `inner` first, then `outer`."""
+    return RigidPose(
+        rotation_matrix(outer.quaternion) @ inner.position + outer.position,
+        quaternion_product(outer.quaternion, inner.quaternion),
+    )

@@ -1,0 +1,195 @@
+"""Built entities: the geometry that construction makes and everybody else reads (R54).
+
+A built entity lies in its own frame. `bodies` are what a solver moves: an ordinary entity has one, named
+`body`; a rope has one per segment. Each part belongs to one body; part geometry is in the *body's* frame, and a
+body's frame at frame 0 is `entity pose o body.pose`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .arrays import F64, I32, RigidPose
+from .errors import EvidenceError
+
+__all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """Triangle mesh: vertices [m], shape (n, 3); faces, shape (m, 3), counter-clockwise seen from outside."""
+
+    vertices: F64
+    faces: I32
+
+
+@dataclass(frozen=True)
+class Convex:
+    """One convex collision piece in the body's frame.
+
+    `kind` is `box` (params: half extents), `sphere` (radius), `cylinder` (radius, half height), `capsule`
+    (radius, half length), `hull` (vertices in `points`), or `heightfield` (params: half extents x, y; `points` is
+    the height grid, shape (rows, cols), row 0 at -y, above the body's z = 0; base thickness is params[2]).
+    """
+
+    kind: str
+    params: tuple[float, ...]
+    pose: RigidPose
+    points: F64
+
+
+@dataclass(frozen=True)
+class BuiltPart:
+    """One part: visible surface, collision pieces and how far they differ."""
+
+    part: str
+    body: str
+    material: str
+    render: TriangleMesh
+    """Visible surface, in the body's frame. This is the surface that the checks inspect."""
+    collision: tuple[Convex, ...]
+    closed: bool
+    deviation: tuple[float, float]
+    """[m] (largest distance of the collision surface outside the visible one, and of the visible outside it)."""
+    smooth: bool
+    """Whether the renderer should interpolate normals."""
+
+
+@dataclass(frozen=True)
+class BuiltBody:
+    """One rigid body of an entity, mass properties included."""
+
+    name: str
+    pose: RigidPose
+    """In the entity's frame."""
+    mass: float
+    """[kg]"""
+    center: F64
+    """Centre of mass in the body's frame [m], shape (3,)."""
+    inertia: F64
+    """About the centre of mass, body axes [kg m^2], shape (3, 3)."""
+    volume: float
+    """[m^3]"""
+
+
+@dataclass(frozen=True)
+class BuiltEntity:
+    """Everything geometric about one entity, independent of where it stands."""
+
+    entity: str
+    bodies: tuple[BuiltBody, ...]
+    parts: tuple[BuiltPart, ...]
+    recipe: str
+    """Hash of what it was built from."""
+
+    def parts_of(self, body: str) -> tuple[BuiltPart, ...]:
+        """Parts that belong to `body`."""
+        return tuple(p for p in self.parts if p.body == body)
+
+    def digest(self) -> str:
+        """SHA-256 over the content (not the recipe), hex."""
+        return hashlib.sha256(_encode(self, with_recipe=False)).hexdigest()
+
+
+def _pose_list(pose: RigidPose) -> list[float]:
+    return [*map(float, pose.position), *map(float, pose.quaternion)]
+
+
+def _pose_from(values: list[float]) -> RigidPose:
+    return RigidPose(np.array(values[:3]), np.array(values[3:]))
+
+
+def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
+    arrays: dict[str, Any] = {}
+    parts = []
+    for i, part in enumerate(built.parts):
+        arrays[f"p{i}/v"], arrays[f"p{i}/f"] = part.render.vertices, part.render.faces
+        pieces = []
+        for j, piece in enumerate(part.collision):
+            arrays[f"p{i}/c{j}"] = piece.points
+            pieces.append({"kind": piece.kind, "params": list(piece.params), "pose": _pose_list(piece.pose)})
+        parts.append(
+            {
+                "part": part.part,
+                "body": part.body,
+                "material": part.material,
+                "collision": pieces,
+                "closed": part.closed,
+                "deviation": list(part.deviation),
+                "smooth": part.smooth,
+            }
+        )
+    bodies = [
+        {
+            "name": b.name,
+            "pose": _pose_list(b.pose),
+            "mass": b.mass,
+            "center": b.center.tolist(),
+            "inertia": b.inertia.tolist(),
+            "volume": b.volume,
+        }
+        for b in built.bodies
+    ]
+    meta = {"entity": built.entity, "bodies": bodies, "parts": parts, "recipe": built.recipe if with_recipe else ""}
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        archive.writestr(zipfile.ZipInfo("meta.json"), json.dumps(meta, sort_keys=True))
+        for name in sorted(arrays):
+            raw = io.BytesIO()
+            np.lib.format.write_array(raw, np.ascontiguousarray(arrays[name]), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(name), raw.getvalue())
+    return buffer.getvalue()
+
+
+def save_built(built: BuiltEntity, path: Path) -> None:
+    """Write to `path` through a temporary name."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(".tmp")
+    temporary.write_bytes(_encode(built, with_recipe=True))
+    temporary.replace(path)
+
+
+def load_built(path: Path) -> BuiltEntity:
+    """Read what `save_built` wrote.
+
+    Raises:
+        EvidenceError: the file is missing or damaged.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            meta = json.loads(archive.read("meta.json"))
+
+            def array(name: str) -> Any:
+                return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+
+            parts = tuple(
+                BuiltPart(
+                    part=p["part"],
+                    body=p["body"],
+                    material=p["material"],
+                    render=TriangleMesh(array(f"p{i}/v"), array(f"p{i}/f")),
+                    collision=tuple(
+                        Convex(c["kind"], tuple(c["params"]), _pose_from(c["pose"]), array(f"p{i}/c{j}"))
+                        for j, c in enumerate(p["collision"])
+                    ),
+                    closed=p["closed"],
+                    deviation=(p["deviation"][0], p["deviation"][1]),
+                    smooth=p["smooth"],
+                )
+                for i, p in enumerate(meta["parts"])
+            )
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise EvidenceError(f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again") from error
+    bodies = tuple(
+        BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
+        for b in meta["bodies"]
+    )
+    return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"])

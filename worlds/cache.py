@@ -1,0 +1,172 @@
+"""Frame caches: one container of named channels per solver instance and frame.
+
+A container is an uncompressed zip of `.npy` members, so that one channel can be read without the others. Its
+bytes depend only on the content. Frame k is the state at time k / fps.
+
+Channels written by a rigid instance (n bodies in the order of `CacheIndex.bodies`):
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `position` | f8 (n, 3) | body frame origin, world [m] |
+| `quaternion` | f8 (n, 4) | body frame orientation (w, x, y, z) |
+| `velocity` | f8 (n, 3) | of the centre of mass, world [m/s] |
+| `angular_velocity` | f8 (n, 3) | world axes [rad/s] |
+| `asleep` | u1 (n,) | body sleeps |
+| `joint` | f8 (j,) | coordinate of hinge/slide joints in the order of `CacheIndex.joints` [rad or m] |
+| `contact/pair` | i4 (m, 2) | indices into `CacheIndex.colliders` of pairs that touched since the last frame, a < b |
+| `contact/impulse` | f8 (m,) | summed normal impulse over the frame [N s] |
+| `contact/max_force` | f8 (m,) | largest normal force in the frame [N] |
+| `contact/min_gap` | f8 (m,) | smallest distance of collision shapes over the steps [m] |
+| `event/time` | f8 (e,) | contact begins, in order of time [s] |
+| `event/pair` | i4 (e, 2) | indices into `CacheIndex.colliders` |
+| `event/point` | f8 (e, 3) | world [m] |
+| `event/speed` | f8 (e,) | closing speed at the contact [m/s] |
+| `event/impulse` | f8 (e,) | normal impulse within the frame, from the event on [N s] |
+| `driver/active` | u1 (d,) | driver acted during the frame, in the order of `CacheIndex.drivers` |
+| `record/<quantity>` | f8 () | quantities of `worlds/records.py` |
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .arrays import F64, RigidPose
+from .errors import EvidenceError
+
+__all__ = ["Cache", "CacheIndex", "digest_arrays", "read_container", "write_container"]
+
+
+@dataclass(frozen=True)
+class CacheIndex:
+    """What the rows of the channels stand for; `index.json` beside the frames."""
+
+    solver: str
+    engine: str
+    fps: int
+    frames: int
+    """Number of frames the cache holds when complete."""
+    bodies: tuple[str, ...]
+    """`entity/body` of every moving body."""
+    colliders: tuple[str, ...]
+    """Entity ids, static ones included; contact pairs index into it."""
+    joints: tuple[str, ...]
+    drivers: tuple[str, ...]
+    settings: str
+    """Settings hash that the freeze records."""
+    versions: dict[str, str]
+
+
+def write_container(path: Path, channels: Mapping[str, Any]) -> str:
+    """Write named arrays to `path` (temporary name, then rename); returns their digest."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(".tmp")
+    with zipfile.ZipFile(temporary, "w") as archive:
+        for name in sorted(channels):
+            raw = io.BytesIO()
+            np.lib.format.write_array(raw, np.asarray(channels[name]), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(name + ".npy"), raw.getvalue())
+    temporary.replace(path)
+    return digest_arrays(channels)
+
+
+def digest_arrays(channels: Mapping[str, Any]) -> str:
+    """SHA-256 over names, dtypes, shapes and bytes of the arrays, hex."""
+    state = hashlib.sha256()
+    for name in sorted(channels):
+        array = np.ascontiguousarray(channels[name])
+        state.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
+        state.update(array.tobytes())
+    return state.hexdigest()
+
+
+def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, Any]:
+    """Read all channels of a container, or just `names`.
+
+    Raises:
+        EvidenceError: the container is missing or damaged, or a channel is not in it.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            wanted = [n.removesuffix(".npy") for n in archive.namelist()] if names is None else list(names)
+            return {n: np.lib.format.read_array(io.BytesIO(archive.read(n + ".npy")), allow_pickle=False) for n in wanted}
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
+
+
+class Cache:
+    """Reader of one instance's frames in `folder`; frame files are `frame_000000.npz`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @cached_property
+    def index(self) -> CacheIndex:
+        """The cache's index.
+
+        Raises:
+            EvidenceError: `index.json` is missing or damaged.
+        """
+        try:
+            data = json.loads((self.folder / "index.json").read_text())
+            for name in ("bodies", "colliders", "joints", "drivers"):
+                data[name] = tuple(data[name])
+            return CacheIndex(**data)
+        except (OSError, ValueError, TypeError) as error:
+            raise EvidenceError(f"cache {self.folder.name!r} has no readable index.json ({error}); bake again") from error
+
+    def write_index(self, index: CacheIndex) -> None:
+        """Write `index.json`."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        (self.folder / "index.json").write_text(json.dumps(asdict(index), indent=1, sort_keys=True))
+
+    def path(self, frame: int) -> Path:
+        """File of one frame."""
+        return self.folder / f"frame_{frame:06d}.npz"
+
+    def complete(self) -> bool:
+        """Whether every frame is there."""
+        return all(self.path(k).exists() for k in range(self.index.frames))
+
+    def read(self, frame: int, names: Iterable[str] | None = None) -> dict[str, Any]:
+        """Channels of one frame; see `read_container`."""
+        return read_container(self.path(frame), names)
+
+    def series(self, name: str) -> Any:
+        """One channel over all frames, stacked: shape (frames, ...). Only for channels of constant shape."""
+        return self._series(name)
+
+    @lru_cache(maxsize=64)  # noqa: B019 - a reader lives as long as one verification
+    def _series(self, name: str) -> Any:
+        return np.stack([self.read(k, (name,))[name] for k in range(self.index.frames)])
+
+    @lru_cache(maxsize=8)  # noqa: B019
+    def ragged(self, *names: str) -> list[dict[str, Any]]:
+        """Channels of varying length, one dict per frame."""
+        return [self.read(k, names) for k in range(self.index.frames)]
+
+    def body_row(self, entity: str, body: str = "body") -> int | None:
+        """Row of a body in the pose channels; None when the instance does not move it."""
+        try:
+            return self.index.bodies.index(f"{entity}/{body}")
+        except ValueError:
+            return None
+
+    def pose(self, row: int, frame: int) -> RigidPose:
+        """Pose of one body at one frame."""
+        position: F64 = self.series("position")[frame, row]
+        quaternion: F64 = self.series("quaternion")[frame, row]
+        return RigidPose(position, quaternion)
+
+    def frame_digest(self, frame: int) -> str:
+        """Digest of one frame's arrays."""
+        return digest_arrays(self.read(frame))

@@ -1,0 +1,141 @@
+"""A candidate: one frozen specification with its built entities and caches, as verifiers and renderers read it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from .arrays import F64, RigidPose, compose, pose_of
+from .built import BuiltBody, BuiltEntity
+from .cache import Cache
+from .errors import EvidenceError
+from .spec import WorldSpec
+
+__all__ = ["Candidate", "Stage"]
+
+Stage = Literal["static", "probe", "full"]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What is checked, rendered and exported.
+
+    `stage` is `static` before any simulation (only frame 0, from the specification), `probe` for a probe's
+    caches, `full` for a complete bake.
+    """
+
+    folder: Path
+    """The world folder."""
+    spec: WorldSpec
+    built: Mapping[str, BuiltEntity]
+    stage: Stage
+    caches: Mapping[str, Cache] = field(default_factory=dict)
+    """Per solver instance."""
+    artifact: str = "world.json"
+    """Relative path of what is inspected, for the `artifact` column of rows."""
+    digest: str = ""
+    """Content digest of the inspected caches; empty at the static stage."""
+
+    @cached_property
+    def frame_count(self) -> int:
+        """Frames that can be inspected: 1 at the static stage."""
+        return min((c.index.frames for c in self.caches.values()), default=1)
+
+    @property
+    def last_frame(self) -> int:
+        """Index of the last frame that can be inspected."""
+        return self.frame_count - 1
+
+    @cached_property
+    def _rows(self) -> dict[tuple[str, str], tuple[Cache, int]]:
+        found: dict[tuple[str, str], tuple[Cache, int]] = {}
+        for cache in self.caches.values():
+            for row, name in enumerate(cache.index.bodies):
+                entity, body = name.split("/", 1)
+                found[entity, body] = (cache, row)
+        return found
+
+    def cache_row(self, entity: str, body: str = "body") -> tuple[Cache, int] | None:
+        """Cache and row that hold a body's motion; None when nothing moves it (static, or static stage)."""
+        return self._rows.get((entity, body))
+
+    def body(self, entity: str, body: str = "body") -> BuiltBody:
+        """Mass properties of a body.
+
+        Raises:
+            EvidenceError: the entity is not built.
+        """
+        for candidate in self.entity(entity).bodies:
+            if candidate.name == body:
+                return candidate
+        raise EvidenceError(f"entity {entity!r} has no body {body!r}")
+
+    def entity(self, entity: str) -> BuiltEntity:
+        """Geometry of an entity.
+
+        Raises:
+            EvidenceError: the entity is not built.
+        """
+        try:
+            return self.built[entity]
+        except KeyError:
+            raise EvidenceError(f"entity {entity!r} is not built; call place_object") from None
+
+    def pose(self, entity: str, frame: int, body: str = "body") -> RigidPose:
+        """Pose of a body frame in the world at `frame`."""
+        place = self.cache_row(entity, body)
+        if place is not None:
+            return place[0].pose(place[1], frame)
+        return compose(pose_of(self.spec.entities[entity].pose), self.body(entity, body).pose)
+
+    def track(self, entity: str, body: str = "body") -> tuple[F64, F64]:
+        """Positions (frames, 3) and quaternions (frames, 4) of a body frame over all frames."""
+        place = self.cache_row(entity, body)
+        if place is not None:
+            cache, row = place
+            return cache.series("position")[: self.frame_count, row], cache.series("quaternion")[: self.frame_count, row]
+        pose = self.pose(entity, 0, body)
+        return np.repeat(pose.position[None], self.frame_count, 0), np.repeat(pose.quaternion[None], self.frame_count, 0)
+
+    def center(self, entity: str, frame: int) -> F64:
+        """Centre of mass of the whole entity in the world, shape (3,)."""
+        bodies = self.entity(entity).bodies
+        total = sum(b.mass for b in bodies)
+        weighted = sum(
+            (b.mass * self.pose(entity, frame, b.name).apply(b.center[None])[0] for b in bodies), start=np.zeros(3)
+        )
+        return weighted / total
+
+    def moves(self, entity: str) -> bool:
+        """Whether any body of the entity is in a cache."""
+        return any((entity, b.name) in self._rows for b in self.entity(entity).bodies)
+
+    def vertices(self, entity: str, frame: int) -> F64:
+        """Visible vertices of all parts in the world, shape (n, 3)."""
+        built = self.entity(entity)
+        return np.concatenate([self.pose(entity, frame, p.body).apply(p.render.vertices) for p in built.parts])
+
+    def recipe(self, check: str, entities: Iterable[str] = (), extra: Any = None) -> str:
+        """Hash of what a row is derived from, for `Row.recipe`.
+
+        At the static stage that is the pose and geometry of `entities`; later the caches' digest. `extra` is
+        any JSON-able slice of the specification the verdict also depends on (a predicate, a bound).
+        """
+        names = sorted(set(entities))
+        source: dict[str, Any] = {"check": check, "stage": self.stage, "extra": extra, "entities": names}
+        if self.stage == "static":
+            source["inputs"] = [
+                (n, self.built[n].digest() if n in self.built else None, self.spec.entities[n].pose.model_dump(mode="json"))
+                for n in names
+                if n in self.spec.entities
+            ]
+        else:
+            source["inputs"] = self.digest
+        return hashlib.sha256(json.dumps(source, sort_keys=True, default=str).encode()).hexdigest()[:32]

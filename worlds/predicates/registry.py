@@ -1,0 +1,99 @@
+"""Metadata of every predicate kind: unit, needed evidence, and which way a bound tightens (for R157)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+from ..spec.base import Ref, SpecModel
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["PREDICATES", "PredicateInfo", "describe_predicate", "entities_of"]
+
+Tightens = Literal["up", "down", "none"]
+
+
+@dataclass(frozen=True)
+class PredicateInfo:
+    """What a verifier needs to judge one kind."""
+
+    kind: str
+    unit: str
+    """Unit of the measured value; `1` for counts and truth values."""
+    channels: tuple[str, ...]
+    """Cache channels that must be present; a missing one makes the row `unverified`."""
+    tightens: Mapping[str, Tightens] = field(default_factory=dict)
+    """Per numeric field: the direction in which the requirement becomes harder to meet."""
+
+
+_BAND: dict[str, Tightens] = {"min": "up", "max": "down"}
+_POSE = ("position", "quaternion")
+_KINDS = (
+    PredicateInfo("reaches", "m", _POSE),
+    PredicateInfo("stays_in", "m", _POSE),
+    PredicateInfo("crosses", "m", _POSE),
+    PredicateInfo("contact", "N s", ("contact/pair", "contact/impulse"), {"min_impulse": "up"}),
+    PredicateInfo("no_contact", "N s", ("contact/pair", "contact/impulse")),
+    PredicateInfo("rests_on", "m/s", (*_POSE, "velocity", "angular_velocity"), {"max_speed": "down"}),
+    PredicateInfo("supported", "1", _POSE),
+    PredicateInfo("tilts", "rad", _POSE, _BAND),
+    PredicateInfo("topples", "rad", _POSE, {"min_angle": "up"}),
+    PredicateInfo("speed", "m/s", ("velocity",), _BAND),
+    PredicateInfo("displacement", "m", _POSE, _BAND),
+    PredicateInfo("separation", "m", _POSE, _BAND),
+    PredicateInfo("joint_angle", "rad", ("joint",), _BAND),
+    PredicateInfo("count", "1", (), _BAND),
+    PredicateInfo("always", "1", ()),
+    PredicateInfo("eventually", "1", ()),
+    PredicateInfo("until", "1", ()),
+    PredicateInfo("before", "frame", ()),
+    PredicateInfo("after", "frame", ()),
+    PredicateInfo("within", "frame", (), {"frames": "down"}),
+    PredicateInfo("and", "1", ()),
+    PredicateInfo("or", "1", ()),
+    PredicateInfo("not", "1", ()),
+)
+PREDICATES: Mapping[str, PredicateInfo] = {info.kind: info for info in _KINDS}
+
+
+def _children(predicate: SpecModel) -> list[SpecModel]:
+    found: list[SpecModel] = []
+    for name in type(predicate).model_fields:
+        value = getattr(predicate, name)
+        for item in value if isinstance(value, list) else [value]:
+            if isinstance(item, SpecModel):
+                found.append(item)
+    return found
+
+
+def entities_of(predicate: SpecModel) -> tuple[str, ...]:
+    """Entity ids a predicate speaks of, in order of appearance, without `each`."""
+    names: dict[str, None] = {}
+    for name, info in type(predicate).model_fields.items():
+        value = getattr(predicate, name)
+        if any(isinstance(m, Ref) and m.target == "entity" for m in info.metadata) and isinstance(value, str):
+            names[value] = None
+        if name == "entities" and isinstance(value, list):
+            names.update(dict.fromkeys(str(v) for v in value))
+    for child in _children(predicate):
+        names.update(dict.fromkeys(entities_of(child)))
+    names.pop("each", None)
+    return tuple(names)
+
+
+def describe_predicate(predicate: SpecModel) -> str:
+    """One line for the requirements matrix, e.g. `topples(entity=d1, min_angle=0.6)`."""
+    shown = []
+    for name, value in predicate.model_dump(exclude={"kind"}, exclude_none=True).items():
+        raw = getattr(predicate, name)
+        if isinstance(raw, SpecModel):
+            shown.append(describe_predicate(raw))
+        elif isinstance(raw, list) and raw and isinstance(raw[0], SpecModel):
+            shown.extend(describe_predicate(item) for item in raw)
+        elif isinstance(raw, list) and len(raw) > 4:
+            shown.append(f"{name}=[{raw[0]}..{raw[-1]}: {len(raw)}]")
+        else:
+            shown.append(f"{name}={value}")
+    return f"{getattr(predicate, 'kind', '?')}({', '.join(shown)})"

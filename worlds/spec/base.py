@@ -1,0 +1,95 @@
+"""Vocabulary shared by all specification models: ids, references, vectors, intervals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
+__all__ = [
+    "BeatRef",
+    "DriverRef",
+    "EntityRef",
+    "Finite",
+    "FrameInterval",
+    "Id",
+    "JointRef",
+    "MaterialRef",
+    "NodeRef",
+    "NonNegative",
+    "OwnerRef",
+    "PartRef",
+    "Positive",
+    "Ref",
+    "RegionRef",
+    "SolverRef",
+    "SpecModel",
+    "Text",
+    "Vec2",
+    "Vec3",
+]
+
+ID_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]{0,63}$"
+PART_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]{0,63}/[A-Za-z][A-Za-z0-9_-]{0,63}$"
+
+
+class SpecModel(BaseModel):
+    """Base of every specification model: unknown keys are errors, numbers are finite."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, ser_json_inf_nan="null")
+
+
+RefTarget = Literal["entity", "part", "region", "node", "beat", "solver", "driver", "joint", "material", "owner"]
+
+
+@dataclass(frozen=True)
+class Ref:
+    """Marks a string field as a reference, so that the audit can resolve every one of them.
+
+    `node` is an entity or a region; `owner` is a solver instance or a driver.
+    """
+
+    target: RefTarget
+
+
+Id = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
+EntityRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("entity")]
+PartRef = Annotated[str, StringConstraints(pattern=PART_PATTERN), Ref("part")]
+RegionRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("region")]
+NodeRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("node")]
+BeatRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("beat")]
+SolverRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("solver")]
+DriverRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("driver")]
+JointRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("joint")]
+MaterialRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("material")]
+OwnerRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("owner")]
+
+Text = Annotated[str, StringConstraints(max_length=2000)]
+
+
+def _bounded(value: float) -> float:
+    if not math.isfinite(value) or abs(value) > 1e9:
+        raise ValueError("must be finite and within +-1e9")
+    return value
+
+
+Finite = Annotated[float, AfterValidator(_bounded)]
+Positive = Annotated[float, Field(gt=0, le=1e9)]
+NonNegative = Annotated[float, Field(ge=0, le=1e9)]
+Vec2 = tuple[Finite, Finite]
+Vec3 = tuple[Finite, Finite, Finite]
+
+
+def _ordered(value: tuple[int, int]) -> tuple[int, int]:
+    if value[1] < value[0]:
+        raise ValueError("frames [first, last]: last must be >= first")
+    return value
+
+
+FrameInterval = Annotated[
+    tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]],
+    AfterValidator(_ordered),
+    Field(description="[first, last], 0-based, inclusive"),
+]

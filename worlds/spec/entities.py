@@ -1,0 +1,204 @@
+"""Entity contracts: what each body of matter is, what it is made of, who moves it (R17-R19, R61-R66)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from .base import (
+    EntityRef,
+    FrameInterval,
+    Id,
+    MaterialRef,
+    NonNegative,
+    Positive,
+    SpecModel,
+    Text,
+    Vec3,
+)
+from .shapes import Pose, Shape
+
+__all__ = [
+    "Appearance",
+    "Category",
+    "ClothPhysics",
+    "Dimensions",
+    "ElasticPhysics",
+    "Entity",
+    "GasPhysics",
+    "LiquidPhysics",
+    "Material",
+    "Part",
+    "ParticlePhysics",
+    "RigidPhysics",
+    "Rope",
+    "StateChannel",
+]
+
+Category = Literal["rigid", "elastic", "cloth", "liquid", "gas", "particles"]
+Unit = Annotated[float, Field(ge=0, le=1)]
+
+
+class Appearance(SpecModel):
+    """How a material looks (principled BSDF); never used by physics."""
+
+    color: tuple[Unit, Unit, Unit] = Field(default=(0.6, 0.6, 0.6), description="linear RGB, 0..1")
+    roughness: Unit = 0.5
+    metallic: Unit = 0.0
+    transmission: Unit = 0.0
+    pattern: Literal["plain", "wood", "checker", "concrete"] = "plain"
+    pattern_scale: Positive = Field(default=0.1, description="size of one pattern period [m]")
+
+
+class Material(SpecModel):
+    """Physical and visible properties of a material.
+
+    Contact between two materials uses the larger friction and the smaller restitution, unless
+    `simulation.contacts` gives the pair its own.
+    """
+
+    density: Positive = Field(description="[kg/m^3]")
+    friction: NonNegative = Field(default=0.5, le=4, description="Coulomb coefficient")
+    rolling_friction: NonNegative = Field(default=0.0, le=0.1, description="rolling resistance length [m]")
+    restitution: Unit = Field(default=0.0, description="ratio of separation to approach speed in a normal impact")
+    substance: (
+        Literal["steel", "aluminium", "wood", "stone", "concrete", "glass", "plastic", "rubber", "ceramic", "ice", "paper", "foam", "other"]
+    ) = Field(default="other", description="lets the audit compare the density with the substance's real range")
+    appearance: Appearance = Appearance()
+
+
+class Part(SpecModel):
+    """One piece of an entity. Parts of an entity move together unless a generator says otherwise."""
+
+    shape: Shape
+    pose: Pose = Field(default=Pose(), description="relative to the entity's frame")
+    material: MaterialRef | None = Field(default=None, description="default: the entity's material")
+    collides: bool = Field(default=True, description="false: drawn only, and listed as an approximation")
+
+
+class Rope(SpecModel):
+    """Generator: a chain of capsules with ball joints along a polyline in the entity's frame."""
+
+    kind: Literal["rope"] = "rope"
+    points: Annotated[list[Vec3], Field(min_length=2, max_length=64)]
+    radius: Positive
+    segments: int = Field(default=12, ge=2, le=200)
+    stiffness: NonNegative = Field(default=0.0, description="bending stiffness per joint [N m/rad]")
+    damping: NonNegative = Field(default=1e-4, description="bending damping per joint [N m s/rad]")
+    attach_start: EntityRef | Literal["world"] | None = None
+    attach_end: EntityRef | Literal["world"] | None = None
+
+
+class RigidPhysics(SpecModel):
+    """Rigid body."""
+
+    category: Literal["rigid"] = "rigid"
+    mass: Positive | None = Field(default=None, description="[kg]; default: density x volume")
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
+    angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
+    linear_damping: NonNegative = Field(default=0.0, description="viscous drag on the body [N s/m]")
+
+
+class ElasticPhysics(SpecModel):
+    """Elastic body; rest shape is the entity's parts."""
+
+    category: Literal["elastic"] = "elastic"
+    young_modulus: Positive = Field(description="[Pa]")
+    poisson_ratio: float = Field(default=0.3, ge=0, lt=0.5)
+    damping: NonNegative = Field(default=0.0, description="Rayleigh stiffness damping [s]")
+    max_strain: Positive = Field(default=0.5, description="largest allowed principal strain")
+    recovery: Positive = Field(default=0.02, description="allowed residual deformation / size at rest")
+
+
+class ClothPhysics(SpecModel):
+    """Cloth sheet."""
+
+    category: Literal["cloth"] = "cloth"
+    area_density: Positive = Field(description="[kg/m^2]")
+    thickness: Positive = Field(description="[m]")
+    stretch_stiffness: Positive = Field(description="[N/m]")
+    bend_stiffness: NonNegative = Field(default=0.0, description="[N m]")
+    damping: NonNegative = 0.0
+    self_collision: bool = True
+
+
+class LiquidPhysics(SpecModel):
+    """Free-surface liquid; the entity's parts are its initial volume."""
+
+    category: Literal["liquid"] = "liquid"
+    viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s]")
+    surface_tension: NonNegative = Field(default=0.072, description="[N/m]")
+    resolution: Positive = Field(description="particle spacing or cell size [m]")
+
+
+class GasPhysics(SpecModel):
+    """Smoke or fire; the entity's parts are its source."""
+
+    category: Literal["gas"] = "gas"
+    temperature: Positive = Field(default=400.0, description="source temperature [K]")
+    soot_density: NonNegative = Field(default=1.0, description="[kg/m^3]")
+    fuel: bool = False
+    resolution: Positive = Field(description="cell size [m]")
+
+
+class ParticlePhysics(SpecModel):
+    """Ballistic or granular matter; the entity's parts are its initial volume."""
+
+    category: Literal["particles"] = "particles"
+    radius: Positive
+    young_modulus: Positive = Field(default=1e7, description="[Pa]")
+    law: Literal["granular", "ballistic"] = "granular"
+
+
+Physics = Annotated[
+    RigidPhysics | ElasticPhysics | ClothPhysics | LiquidPhysics | GasPhysics | ParticlePhysics,
+    Field(discriminator="category"),
+]
+
+
+class Dimensions(SpecModel):
+    """Declared size of the entity as placed: bounding box in the entity's own frame (R87)."""
+
+    size: tuple[Positive, Positive, Positive] = Field(description="bounding box x, y, z in the entity's frame [m]")
+    tolerance: float = Field(default=0.01, gt=0, le=0.2, description="allowed relative deviation")
+
+
+class StateChannel(SpecModel):
+    """One exchanged quantity of an entity's solver (R17)."""
+
+    quantity: Literal["motion", "wrench", "pressure", "heat", "mass"]
+    with_entity: EntityRef
+    direction: Literal["in", "out", "both"]
+
+
+class Entity(SpecModel):
+    """Contract of one object or body of matter.
+
+    `motion`: `static` never moves; `dynamic` is moved by the solver instance that lists it as a member;
+    `kinematic` follows an authored driver and is not affected by anything.
+    """
+
+    role: Text = Field(description="what it is and what it is for")
+    motion: Literal["static", "dynamic", "kinematic"]
+    physics: Physics = RigidPhysics()
+    dimensions: Dimensions
+    pose: Pose = Pose()
+    material: MaterialRef
+    parts: Annotated[dict[Id, Part], Field(max_length=256)] = {}
+    generator: Rope | None = None
+    inputs: list[Text] = Field(default=[], description="what its solver reads: drivers, initial velocity, colliders")
+    outputs: list[Text] = Field(default=[], description="what its solver writes: motion, contacts")
+    exchanges: dict[Id, StateChannel] = {}
+    active: FrameInterval | None = Field(default=None, description="frames in which it exists; default all")
+    nominal_diagonal: Positive | None = Field(
+        default=None, description="[m] real-world bounding-box diagonal of such an object, where the role implies one"
+    )
+
+    @model_validator(mode="after")
+    def _has_geometry(self) -> Entity:
+        if not self.parts and self.generator is None:
+            raise ValueError("an entity needs parts or a generator")
+        if self.parts and self.generator is not None:
+            raise ValueError("give parts or a generator, not both")
+        return self

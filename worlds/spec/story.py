@@ -1,0 +1,210 @@
+"""World story, scene graph and shot plan (R14-R16, R20-R24)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ..predicates.models import Predicate
+from .base import (
+    BeatRef,
+    EntityRef,
+    FrameInterval,
+    Id,
+    NodeRef,
+    NonNegative,
+    OwnerRef,
+    Positive,
+    RegionRef,
+    SpecModel,
+    Text,
+    Vec2,
+    Vec3,
+)
+
+__all__ = [
+    "Adjacent",
+    "Beat",
+    "BoxRegion",
+    "CameraKey",
+    "Connects",
+    "Contains",
+    "CylinderRegion",
+    "Fastened",
+    "Interacts",
+    "Region",
+    "Relation",
+    "Requirement",
+    "SceneGraph",
+    "Shot",
+    "SphereRegion",
+    "Story",
+    "Supports",
+]
+
+
+class Beat(SpecModel):
+    """One event of the world story."""
+
+    text: Text = Field(description="the event in words")
+    owner: OwnerRef = Field(description="solver instance or authored driver responsible for it")
+    subject: EntityRef = Field(description="the entity it happens to")
+    frames: FrameInterval
+    predicate: Predicate
+    causes: list[BeatRef] = Field(default=[], description="beats that must happen before and bring this one about")
+    mandatory: bool = True
+    observe: bool = Field(default=True, description="must be visible in the shots that cover it")
+
+
+class Requirement(SpecModel):
+    """A further requirement of the prompt that is no event."""
+
+    text: Text
+    predicate: Predicate
+    frames: FrameInterval | None = Field(default=None, description="default: the whole sequence")
+    mandatory: bool = True
+
+
+class Story(SpecModel):
+    """Global scene semantics and events."""
+
+    semantics: Text = ""
+    beats: Annotated[dict[Id, Beat], Field(max_length=200)] = {}
+    requirements: Annotated[dict[Id, Requirement], Field(max_length=200)] = {}
+
+
+class _Region(SpecModel):
+    role: Text = ""
+    relative_to: EntityRef | None = Field(default=None, description="entity whose frame the region moves with; default the world")
+
+
+class BoxRegion(_Region):
+    """Axis-aligned box."""
+
+    kind: Literal["box"] = "box"
+    min: Vec3
+    max: Vec3
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> BoxRegion:
+        if any(a >= b for a, b in zip(self.min, self.max, strict=True)):
+            raise ValueError("min must be < max in every component")
+        return self
+
+
+class CylinderRegion(_Region):
+    """Upright cylinder."""
+
+    kind: Literal["cylinder"] = "cylinder"
+    center: Vec3
+    radius: Positive
+    height: Positive
+
+
+class SphereRegion(_Region):
+    """Ball."""
+
+    kind: Literal["sphere"] = "sphere"
+    center: Vec3
+    radius: Positive
+
+
+Region = Annotated[BoxRegion | CylinderRegion | SphereRegion, Field(discriminator="kind")]
+
+
+class _Edge(SpecModel):
+    a: NodeRef
+    b: NodeRef
+    text: Text = ""
+    ratio: tuple[Positive, Positive] | None = Field(
+        default=None, description="allowed [min, max] of bounding-box diagonal a / b; default by kind of relation"
+    )
+
+
+class Supports(_Edge):
+    """`a` carries `b` over `frames`."""
+
+    kind: Literal["supports"] = "supports"
+    a: EntityRef
+    b: EntityRef
+    frames: FrameInterval | None = Field(default=None, description="default: until a declared beat moves b, else all frames")
+
+
+class Contains(_Edge):
+    """`a` (entity or region) holds `b` inside it over `frames`."""
+
+    kind: Literal["contains"] = "contains"
+    b: EntityRef
+    frames: FrameInterval | None = None
+
+
+class Adjacent(_Edge):
+    """`a` and `b` stand next to each other, at most `gap` apart at frame 0."""
+
+    kind: Literal["adjacent"] = "adjacent"
+    gap: NonNegative = 0.5
+
+
+class Connects(_Edge):
+    """A route leads from region `a` to region `b` for `carrier` (R21, R94)."""
+
+    kind: Literal["connects"] = "connects"
+    a: RegionRef
+    b: RegionRef
+    carrier: Literal["walker", "object", "fluid"] = "walker"
+    width: Positive = Field(default=0.8, description="clear width [m]")
+    headroom: Positive = Field(default=2.0, description="clear height [m]")
+    max_slope: Positive = Field(default=0.6, lt=1.57, description="[rad]")
+    max_step: Positive = Field(default=0.2, description="[m]")
+    waypoints: list[Vec2] = Field(default=[], description="points the route passes, in order")
+    frames: FrameInterval | None = Field(default=None, description="checked at the first and last of these; default frame 0")
+
+
+class Interacts(_Edge):
+    """`a` and `b` are meant to touch or act on each other: makes them a contact pair to watch."""
+
+    kind: Literal["interacts"] = "interacts"
+    a: EntityRef
+    b: EntityRef
+
+
+class Fastened(_Edge):
+    """`a` and `b` are meant to overlap (embedded, glued, screwed): allowed down to `max_depth`."""
+
+    kind: Literal["fastened"] = "fastened"
+    a: EntityRef
+    b: EntityRef
+    max_depth: Positive
+    reason: Annotated[str, Field(min_length=10, max_length=300)]
+
+
+Relation = Annotated[Supports | Contains | Adjacent | Connects | Interacts | Fastened, Field(discriminator="kind")]
+
+
+class SceneGraph(SpecModel):
+    """Vertices are entities and regions; edges are relations."""
+
+    regions: Annotated[dict[Id, Region], Field(max_length=500)] = {}
+    relations: Annotated[dict[Id, Relation], Field(max_length=5000)] = {}
+
+
+class CameraKey(SpecModel):
+    """Camera at one frame. Angles of shot plans are in degrees."""
+
+    frame: Annotated[int, Field(ge=0)]
+    position: Vec3
+    target: Vec3
+    fov_deg: float = Field(default=40.0, gt=5, lt=120, description="vertical field of view")
+
+
+class Shot(SpecModel):
+    """One camera move over a range of frames; shots follow each other without gap or overlap."""
+
+    frames: FrameInterval
+    keys: Annotated[dict[Id, CameraKey], Field(min_length=1, max_length=32)]
+    follow: EntityRef | None = Field(default=None, description="target is offset by this entity's motion since the first key")
+    covers: list[BeatRef] = []
+    subjects: list[EntityRef] = Field(default=[], description="entities that must be framed; default the beats' subjects")
+    transition: Literal["cut", "continue"] = "cut"
+    intent: Text = ""

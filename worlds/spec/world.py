@@ -1,0 +1,68 @@
+"""The whole specification (R13): `world.json`."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Annotated, Literal
+
+from pydantic import Field, StringConstraints
+
+from .base import Id, NonNegative, Positive, SpecModel, Text, Vec3
+from .entities import Entity, Material
+from .simulation import SimulationPlan
+from .story import SceneGraph, Shot, Story
+
+__all__ = ["SPEC_VERSION", "AreaLight", "Clause", "Look", "WorldSpec", "prompt_digest"]
+
+SPEC_VERSION = "1"
+
+
+class Clause(SpecModel):
+    """How one clause of the prompt is met (R155): pointers into the specification, or why it is not."""
+
+    met_by: list[Annotated[str, StringConstraints(pattern=r"^/(entities|graph|story|shots|simulation|look)/.+")]] = []
+    unmet: Text | None = None
+
+
+class AreaLight(SpecModel):
+    """Square light facing `target`."""
+
+    position: Vec3
+    target: Vec3
+    size: Positive = 1.0
+    power: Positive = Field(default=200.0, description="radiant flux [W]")
+    color: tuple[NonNegative, NonNegative, NonNegative] = (1.0, 1.0, 1.0)
+
+
+class Look(SpecModel):
+    """Light and picture format; no influence on physics."""
+
+    width: int = Field(default=640, ge=64, le=1920)
+    height: int = Field(default=360, ge=64, le=1080)
+    samples: int = Field(default=16, ge=1, le=1024, description="samples per pixel of the final sequence")
+    sky: Literal["sunsky", "overcast", "studio"] = "sunsky"
+    sun_elevation_deg: float = Field(default=40.0, ge=2, le=90)
+    sun_azimuth_deg: float = Field(default=-60.0, ge=-360, le=360, description="from +x towards +y")
+    exposure: float = Field(default=0.0, ge=-10, le=10, description="stops")
+    lights: Annotated[dict[Id, AreaLight], Field(max_length=16)] = {}
+
+
+class WorldSpec(SpecModel):
+    """A world: prompt, story, contracts, scene graph, shot plan, simulation plan."""
+
+    spec_version: Literal["1"] = SPEC_VERSION
+    title: Annotated[str, StringConstraints(min_length=1, max_length=200)]
+    prompt: Annotated[str, StringConstraints(min_length=1, max_length=20000)] = Field(description="immutable after creation")
+    clauses: Annotated[dict[Id, Clause], Field(max_length=500)] = {}
+    story: Story = Story()
+    materials: Annotated[dict[Id, Material], Field(max_length=500)] = {}
+    entities: Annotated[dict[Id, Entity], Field(max_length=20000)] = {}
+    graph: SceneGraph = SceneGraph()
+    shots: Annotated[dict[Id, Shot], Field(max_length=200)] = {}
+    simulation: SimulationPlan
+    look: Look = Look()
+
+
+def prompt_digest(prompt: str) -> str:
+    """SHA-256 of the prompt's UTF-8 bytes, hex."""
+    return hashlib.sha256(prompt.encode()).hexdigest()

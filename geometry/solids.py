@@ -1,0 +1,280 @@
+"""A triangle mesh prepared for distance queries: topology, convex facets, mass properties, search trees.
+
+Everything derived is computed on first use and kept, so that a solid is built once and queried many times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64, I32
+from ..worlds.built import TriangleMesh
+from ..worlds.errors import InputError
+
+__all__ = ["Facets", "Solid"]
+
+CONVEX_TOLERANCE = 1e-9
+"""Own choice: a vertex may stand this far above a face plane, relative to the size, and the mesh still be convex."""
+COPLANAR = 1e-11
+"""Own choice: triangles whose corners lie this close to one plane, relative to the size, count as one facet."""
+CHUNK = 4_000_000
+"""Elements of a temporary matrix; bounds memory to tens of megabytes."""
+
+
+@dataclass(frozen=True)
+class Facets:
+    """Faces of a convex polyhedron with coplanar triangles merged."""
+
+    normals: F64
+    """Outward unit normals, shape (k, 3)."""
+    offsets: F64
+    """Plane offsets h [m], shape (k,): inside means normal . x <= h."""
+    centers: F64
+    """Mean of the vertices of each facet [m], shape (k, 3)."""
+    tangents: F64
+    """Two unit vectors in each facet plane, shape (k, 2, 3)."""
+    members: NDArray[np.bool_]
+    """Which vertices lie on which facet, shape (k, n)."""
+    edges: I32
+    """Edges between different facets, as vertex indices, shape (e, 2)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A surface ready for queries. Build it with `from_mesh`.
+
+    `closed` is the promise that the surface bounds a volume; without it nothing lies inside.
+    """
+
+    vertices: F64
+    """Welded vertices [m], shape (n, 3)."""
+    faces: I32
+    """Triangles without the degenerate ones, shape (m, 3), counter-clockwise seen from outside."""
+    closed: bool
+
+    @classmethod
+    def from_mesh(cls, mesh: TriangleMesh, *, closed: bool) -> Solid:
+        """Weld equal vertices and drop triangles without area.
+
+        Args:
+            mesh: the surface; vertices that coincide bit for bit are merged.
+            closed: whether the surface is meant to bound a volume.
+
+        Raises:
+            InputError: no triangle with area is left, or a coordinate is not finite.
+        """
+        points = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3) + 0.0
+        triangles = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
+        if not np.isfinite(points).all():
+            raise InputError("mesh has vertices that are not finite; rebuild the part from finite dimensions")
+        vertices, index = np.unique(points, axis=0, return_inverse=True)
+        faces = index.reshape(-1)[triangles]
+        corner = vertices[faces]
+        area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+        faces = faces[area > 0.0]
+        if len(faces) == 0:
+            raise InputError(f"mesh with {len(triangles)} triangles has none with area > 0; give it at least one")
+        used, index = np.unique(faces, return_inverse=True)
+        return cls(np.ascontiguousarray(vertices[used]), np.ascontiguousarray(index.reshape(-1, 3).astype(np.int32)), closed)
+
+    @cached_property
+    def lower(self) -> F64:
+        """Least corner of the local bounding box [m], shape (3,)."""
+        return np.asarray(self.vertices.min(axis=0))
+
+    @cached_property
+    def upper(self) -> F64:
+        """Greatest corner of the local bounding box [m], shape (3,)."""
+        return np.asarray(self.vertices.max(axis=0))
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the local bounding box [m]."""
+        return float(np.linalg.norm(self.upper - self.lower))
+
+    @cached_property
+    def sphere_center(self) -> F64:
+        """Centre of a bounding sphere (that of the bounding box) [m], shape (3,)."""
+        return 0.5 * (self.lower + self.upper)
+
+    @cached_property
+    def sphere_radius(self) -> float:
+        """Radius of the bounding sphere about `sphere_center` [m]."""
+        return float(np.linalg.norm(self.vertices - self.sphere_center, axis=1).max())
+
+    @cached_property
+    def triangles(self) -> F64:
+        """Corners of all triangles [m], shape (m, 3, 3)."""
+        return np.ascontiguousarray(self.vertices[self.faces])
+
+    @cached_property
+    def face_normals(self) -> F64:
+        """Outward unit normals, shape (m, 3)."""
+        t = self.triangles
+        n = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+        return np.asarray(n / np.linalg.norm(n, axis=1)[:, None])
+
+    @cached_property
+    def edges(self) -> I32:
+        """Unique undirected edges as vertex indices, shape (e, 2)."""
+        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        return np.asarray(np.unique(pairs, axis=0), dtype=np.int32)
+
+    @cached_property
+    def is_watertight(self) -> bool:
+        """Whether every directed edge is met by its opposite exactly as often (no rim, consistent winding)."""
+        directed = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+        n = len(self.vertices)
+        forth = np.sort(directed[:, 0] * n + directed[:, 1])
+        back = np.sort(directed[:, 1] * n + directed[:, 0])
+        return bool(np.array_equal(forth, back))
+
+    @cached_property
+    def convex(self) -> bool:
+        """Whether it is closed, watertight and no vertex stands above any face plane (1e-9 of the size)."""
+        if not (self.closed and self.is_watertight):
+            return False
+        offsets = np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])
+        step = max(1, CHUNK // len(self.vertices))
+        for i in range(0, len(self.faces), step):
+            height = self.face_normals[i : i + step] @ self.vertices.T - offsets[i : i + step, None]
+            if height.max() > CONVEX_TOLERANCE * self.size:
+                return False
+        return True
+
+    @cached_property
+    def facets(self) -> Facets:
+        """Merged faces of a convex solid.
+
+        Raises:
+            InputError: the solid is not convex.
+        """
+        if not self.convex:
+            raise InputError("facets exist for convex solids only; query this one through its triangles")
+        offsets = np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])
+        step = max(1, CHUNK // len(self.vertices))
+        bits = []
+        for i in range(0, len(self.faces), step):
+            height = self.face_normals[i : i + step] @ self.vertices.T - offsets[i : i + step, None]
+            bits.append(np.packbits(height > -COPLANAR * self.size, axis=1))
+        keys, label = np.unique(np.concatenate(bits), axis=0, return_inverse=True)
+        label = label.reshape(-1)
+        members = np.unpackbits(keys, axis=1, count=len(self.vertices)).astype(bool)
+        t = self.triangles
+        area = np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
+        order = np.lexsort((area, label))
+        largest = order[np.searchsorted(label[order], np.arange(len(keys)), side="right") - 1]
+        normals = self.face_normals[largest]
+        first = t[largest, 1] - t[largest, 0]
+        first /= np.linalg.norm(first, axis=1)[:, None]
+        centers = (members @ self.vertices) / members.sum(axis=1)[:, None]
+        return Facets(
+            normals=normals,
+            offsets=np.einsum("ij,ij->i", normals, t[largest, 0]),
+            centers=centers,
+            tangents=np.stack([first, np.cross(normals, first)], axis=1),
+            members=members,
+            edges=self._sharp_edges(label),
+        )
+
+    def _sharp_edges(self, label: NDArray[np.intp]) -> I32:
+        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        unique, index = np.unique(pairs, axis=0, return_inverse=True)
+        side = np.repeat(label, 3)
+        low = np.full(len(unique), np.iinfo(np.int64).max)
+        high = np.full(len(unique), -1)
+        np.minimum.at(low, index.reshape(-1), side)
+        np.maximum.at(high, index.reshape(-1), side)
+        return np.asarray(unique[low != high], dtype=np.int32)
+
+    @cached_property
+    def volume(self) -> float:
+        """Enclosed volume by the divergence theorem [m^3]; negative where the winding is inside out."""
+        t = self.triangles - self.sphere_center
+        return float(np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6.0)
+
+    @cached_property
+    def center(self) -> F64:
+        """Centroid of the enclosed volume [m], shape (3,); of the surface where the volume is zero."""
+        t = self.triangles - self.sphere_center
+        six = np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2]))
+        if not self.closed or abs(self.volume) < 1e-14 * self.size**3:
+            weight = np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
+            return np.asarray(self.sphere_center + (weight[:, None] * t.mean(axis=1)).sum(axis=0) / weight.sum())
+        return np.asarray(self.sphere_center + (six[:, None] * t.sum(axis=1)).sum(axis=0) / (24.0 * self.volume))
+
+    def inertia(self, density: float) -> F64:
+        """Inertia tensor about the centroid [kg m^2], shape (3, 3), for a uniform density [kg/m^3].
+
+        Second moments of signed tetrahedra (exact for polyhedra): the integral of x x^T over a tetrahedron with one
+        corner at the origin is det / 120 * (sum_i v_i v_i^T + (sum_i v_i)(sum_i v_i)^T).
+        Source: Blow and Binstock (2004), "How to find the inertia tensor of a 3D solid body".
+        """
+        t = self.triangles - self.center
+        det = np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2]))
+        total = t.sum(axis=1)
+        second = np.einsum("f,fki,fkj->ij", det, t, t) + np.einsum("f,fi,fj->ij", det, total, total)
+        second *= density / 120.0
+        return np.asarray(np.trace(second) * np.eye(3) - second)
+
+    @cached_property
+    def bvh(self) -> Any:
+        """The mesh as an `fcl.BVHModel` in local coordinates."""
+        import fcl
+
+        model = fcl.BVHModel()
+        model.beginModel(len(self.vertices), len(self.faces))
+        model.addSubModel(self.vertices, self.faces)
+        model.endModel()
+        return model
+
+    @cached_property
+    def component(self) -> I32:
+        """Connected component of each vertex, shape (n,)."""
+        return connected(len(self.vertices), self.edges)
+
+    @cached_property
+    def interior_point(self) -> F64 | None:
+        """A point well inside a closed solid [m], shape (3,); None for open ones."""
+        if not self.closed:
+            return None
+        if self.convex:
+            return self.center
+        from .inside import contains, distance_to_surface
+
+        few = np.linspace(0, len(self.faces) - 1, min(len(self.faces), 32)).astype(int)
+        steps = self.size * np.array([0.2, 0.05, 0.0125, 0.003, 1e-4])
+        inward = self.triangles[few].mean(axis=1)[:, None] - steps[None, :, None] * self.face_normals[few][:, None]
+        points = np.concatenate([self.center[None], inward.reshape(-1, 3)])
+        distance, _ = distance_to_surface(self, points)
+        depth = np.where(contains(self, points), distance, -1.0)
+        best = int(depth.argmax())
+        return points[best] if depth[best] > 0.0 else None
+
+    @cached_property
+    def vertex_tree(self) -> Any:
+        """k-d tree over the vertices."""
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.vertices)
+
+    @cached_property
+    def centroid_tree(self) -> Any:
+        """k-d tree over the triangle centroids."""
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.triangles.mean(axis=1))
+
+
+def connected(count: int, edges: I32) -> I32:
+    """Label connected components of `count` nodes joined by `edges`, shape (e, 2)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int32)

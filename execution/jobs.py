@@ -1,0 +1,163 @@
+"""Durable jobs: submit, look, wait, cancel. They live in the workspace and outlive the process that asked for them."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+from typing import Any
+
+from ..worlds.errors import InputError
+from .entries import as_json, check_entry
+from .job import Job, JobState
+from .launch import pump, start
+from .processes import core_count
+from .table import JobTable
+
+__all__ = ["JobStore"]
+
+_KIND = re.compile(r"[a-z][a-z0-9_.-]{0,63}")
+_NAME_MAX = 200
+_POLL_S = (0.005, 0.05)
+"""Shortest and longest pause between two looks at a job that is waited for [s]."""
+_PUMP_S = 0.5
+
+
+class JobStore:
+    """The jobs of one workspace. Cheap to make, safe from several threads and processes at once.
+
+    Every look at a job that has not ended also notices workers that died and starts jobs whose turn it is.
+    """
+
+    def __init__(self, workspace: Path, *, slots: int | None = None) -> None:
+        """`slots` caps how many jobs of the workspace run at a time; default: the cores of this process."""
+        if slots is not None and slots < 1:
+            raise InputError(f"slots {slots} must be >= 1")
+        self.slots = core_count() if slots is None else slots
+        self._table = JobTable(workspace)
+
+    @property
+    def workspace(self) -> Path:
+        """Absolute path of the workspace."""
+        return self._table.workspace
+
+    def submit(
+        self,
+        kind: str,
+        world: str | None,
+        payload: dict[str, Any],
+        *,
+        entry: str,
+        key: str | None = None,
+        exclusive: bool = False,
+        priority: int = 0,
+        wall_s: float | None = None,
+        memory_bytes: int | None = None,
+    ) -> Job:
+        """Queue a job and start it if it is its turn.
+
+        Args:
+            kind: What sort of work it is, for lists and logs: lower case, digits, `_.-`.
+            world: The world it belongs to, if any.
+            payload: Plain JSON data for the entry.
+            entry: `worldagent.module:function`, called as `function(payload, context)` in a process of its own.
+            key: Idempotency key. A job of the same kind, world, and key that is queued, running, or done is
+                returned instead; one that failed, was cancelled, or got lost is run anew.
+            exclusive: Whether it writes its world: such jobs of one world run one after another.
+            priority: Higher starts first.
+            wall_s: Cap of its running time [s].
+            memory_bytes: Cap of the address space of each of its processes [bytes]. Engines that reserve address
+                space they never touch (CUDA, LLVM) need a generous one.
+
+        Raises:
+            InputError: An argument is out of range or the payload is no plain data.
+            RefusedError: The entry lies outside `worldagent.`.
+        """
+        if not _KIND.fullmatch(kind):
+            raise InputError(f"kind {kind!r} must be a lower-case word of at most 64 letters, digits, '_', '.', '-'")
+        for name, text in (("world", world), ("key", key)):
+            if text is not None and not 1 <= len(text) <= _NAME_MAX:
+                raise InputError(f"{name} must have 1 to {_NAME_MAX} characters, it has {len(text)}")
+        if exclusive and world is None:
+            raise InputError("an exclusive job needs the world that it writes")
+        if wall_s is not None and not wall_s > 0:
+            raise InputError(f"wall_s {wall_s} must be > 0 s")
+        if memory_bytes is not None and not memory_bytes >= 2**26:
+            raise InputError(f"memory_bytes {memory_bytes} must be >= {2**26} (64 MiB)")
+        text = as_json(payload, "the payload")
+        self._recover_running()
+        job_id = self._table.insert(
+            key=key,
+            kind=kind,
+            world=world,
+            entry=check_entry(entry),
+            payload=text,
+            exclusive=exclusive,
+            priority=priority,
+            wall_s=wall_s,
+            memory_bytes=memory_bytes,
+        )
+        return start(self._table, self._table.read(job_id), slots=self.slots)
+
+    def get(self, job_id: str) -> Job:
+        """The job as it stands.
+
+        Raises:
+            InputError: No such job.
+        """
+        job = self._table.read(job_id)
+        if job.state == "queued":
+            self.pump()
+            return self._table.read(job_id)
+        return self._settled(job)
+
+    def list(
+        self, world: str | None = None, state: JobState | None = None, *, limit: int = 50, offset: int = 0
+    ) -> tuple[Job, ...]:
+        """Jobs, the newest first."""
+        self.pump()
+        return self._table.read_all(world=world, state=state, limit=limit, offset=offset)
+
+    def request_cancel(self, job_id: str) -> Job:
+        """Ask a job to end; at once if it is queued, within 2 s if it runs. An ended job stays as it is.
+
+        The entry may stop by itself (`JobContext.check`); after 1.0 s its process group gets SIGTERM, after 1.8 s
+        SIGKILL. The call does not wait for that.
+        """
+        self._table.ask_cancel(job_id)
+        return self.get(job_id)
+
+    def wait(self, job_id: str, timeout_s: float) -> Job:
+        """The job when it has ended, or as it stands after `timeout_s` [s]."""
+        deadline = time.monotonic() + timeout_s
+        pause, longest = _POLL_S
+        next_pump = 0.0
+        while True:
+            job = self._settled(self._table.read(job_id))
+            now = time.monotonic()
+            if job.ended or now >= deadline:
+                return job
+            if now >= next_pump:
+                self.pump()
+                next_pump = now + _PUMP_S
+            time.sleep(min(pause, deadline - now))
+            pause = min(pause * 1.5, longest)
+
+    def pump(self) -> int:
+        """Notice dead workers and start jobs whose turn it is; how many were started."""
+        self._recover_running()
+        return pump(self._table, slots=self.slots)
+
+    def log_path(self, job: Job) -> Path:
+        """Where the output and the traces of a job lie."""
+        return self._table.log_path(job)
+
+    def _recover_running(self) -> None:
+        for job in self._table.read_all(state="running", limit=1000):
+            self._table.recover(job)
+
+    def _settled(self, job: Job) -> Job:
+        if not self._table.recover(job):
+            return job if job.state != "running" else self._table.read(job.id)
+        pump(self._table, slots=self.slots)
+        return self._table.read(job.id)

@@ -1,0 +1,67 @@
+"""Start workers for the jobs whose turn it is.
+
+There is no daemon: whoever touches the queue moves it. `pump` runs when a job is submitted, looked at, or waited
+for, and when a worker ends. Claiming is atomic, so it does not matter how many processes pump at once.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+
+from ..worlds.errors import EngineError
+from .job import Job
+from .processes import core_count
+from .table import JobTable
+
+__all__ = ["pump", "settle", "start"]
+
+_starting: list[subprocess.Popen[bytes]] = []
+_starting_lock = threading.Lock()
+
+
+def pump(table: JobTable, *, slots: int | None = None) -> int:
+    """Start queued jobs up to `slots` running ones (default: cores); how many were started."""
+    slots = core_count() if slots is None else slots
+    _reap()
+    claimed = table.claim(slots)
+    for job_id in claimed:
+        try:
+            _spawn(table, job_id, slots)
+        except OSError as error:
+            described = {"type": EngineError.__name__, "message": f"the worker process could not be started: {error}"}
+            table.finish(job_id, None, "failed", error=described)
+    return len(claimed)
+
+
+def start(table: JobTable, job: Job, *, slots: int | None = None) -> Job:
+    """Start the job if it is its turn, otherwise leave it queued; its row afterwards."""
+    pump(table, slots=slots)
+    return table.read(job.id)
+
+
+def _spawn(table: JobTable, job_id: str, slots: int) -> None:
+    # -P: the workspace is the current folder and must not become a place to import from.
+    command = [sys.executable, "-P", "-m", f"{__package__}.worker"]
+    command += ["--workspace", str(table.workspace), "--job", job_id, "--slots", str(slots)]
+    with table.log_path(table.read(job_id)).open("ab") as log:
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd=table.workspace, start_new_session=True
+        )
+    with _starting_lock:
+        _starting.append(process)
+
+
+def _reap() -> None:
+    """Collect the first processes of earlier starts: they fork the worker and end at once."""
+    with _starting_lock:
+        _starting[:] = [process for process in _starting if process.poll() is None]
+
+
+def settle(timeout_s: float = 5.0) -> None:
+    """Wait until every start of this process has forked its worker [s]; before the process ends."""
+    with _starting_lock:
+        for process in _starting:
+            process.wait(timeout=timeout_s)
+        _starting.clear()

@@ -1,0 +1,63 @@
+"""The task: the process forked by the worker that runs the entry. It knows no database, only board and pipe."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import json
+import os
+import resource
+import signal
+import sys
+import traceback
+from pathlib import Path
+from typing import Any, NoReturn
+
+from .context import Board, JobContext
+from .entries import checked_result, error_of, load_entry
+from .job import Cancelled, Job
+from .processes import die_with_parent
+
+__all__ = ["run_task"]
+
+
+def run_task(job: Job, workspace: Path, board: Board, pipe: int, worker: int) -> NoReturn:
+    """Run the entry, write its outcome to the pipe as one line of JSON, and end the process.
+
+    The outcome is `{"state": ..., "result" or "error": ...}`. The process ends without the interpreter's shutdown,
+    since native libraries may hang there; threads that the entry left behind end with it.
+    """
+    code = 1
+    try:
+        _settle_in(job, worker)
+        outcome = _outcome(job, workspace, board)
+        with os.fdopen(pipe, "wb") as stream:
+            stream.write(json.dumps(outcome).encode() + b"\n")
+        code = 0
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _settle_in(job: Job, worker: int) -> None:
+    os.setpgid(0, 0)
+    die_with_parent(worker)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, signal.SIG_DFL)
+    faulthandler.enable()
+    if job.memory_bytes is not None:
+        resource.setrlimit(resource.RLIMIT_AS, (job.memory_bytes, job.memory_bytes))
+
+
+def _outcome(job: Job, workspace: Path, board: Board) -> dict[str, Any]:
+    context = JobContext(job_id=job.id, report=board.write, cancel_asked=board.cancel_asked, workspace=str(workspace))
+    try:
+        result = checked_result(job.entry, load_entry(job.entry)(job.payload, context))
+    except Cancelled:
+        return {"state": "cancelled"}
+    except BaseException as error:  # whatever ends an entry, SystemExit included, must reach the row
+        traceback.print_exc()
+        return {"state": "failed", "error": error_of(error)}
+    return {"state": "done", "result": result}

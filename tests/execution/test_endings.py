@@ -1,0 +1,158 @@
+"""Jobs that end otherwise than by themselves: cancelled, killed, over a cap."""
+
+import os
+import signal
+import sqlite3
+from contextlib import closing
+
+import pytest
+from worldagent.execution import Cancelled, result_of
+from worldagent.execution.processes import is_alive, start_time
+from worldagent.execution.table import JobTable
+from worldagent.worlds.errors import EngineError, InputError, LimitError
+
+E = "execution_entries:"
+
+
+def _running(store, until, entry, payload, *, at, **options):
+    job = store.submit("task", "isle", payload, entry=E + entry, **options)
+    return until(lambda: (row := store.get(job.id)).progress_done >= at and row)
+
+
+def test_a_cooperative_entry_stops_by_itself_and_tidies_up(store, tmp_path, until):
+    job = _running(store, until, "cooperative", {"tidied": str(tmp_path / "tidied")}, at=1)
+    store.request_cancel(job.id)
+    ended = store.wait(job.id, 10)
+    assert ended.state == "cancelled"
+    assert ended.finished - ended.cancel_requested < 1.0  # before the first signal
+    assert (tmp_path / "tidied").exists()
+    with pytest.raises(Cancelled):
+        result_of(ended)
+
+
+@pytest.mark.parametrize("deaf", [False, True])
+def test_cancel_ends_native_code_within_two_seconds(store, until, deaf):
+    """Brief: 2 s also where the entry never asks and, if deaf, ignores SIGTERM while it holds the interpreter lock."""
+    job = _running(store, until, "native_loop", {"deaf": deaf}, at=2)
+    beats = {store.get(job.id).heartbeat}
+    until(lambda: beats.add(store.get(job.id).heartbeat) or len(beats) >= 3)  # it says that it lives all the while
+    store.request_cancel(job.id)
+    ended = store.wait(job.id, 10)
+    assert ended.state == "cancelled"
+    assert ended.finished - ended.cancel_requested < 2.0
+    assert not is_alive(job.task_pid, job.task_started)
+
+
+def test_a_queued_job_is_cancelled_at_once_and_an_ended_one_stays(store, tmp_path):
+    gate = {"gate": str(tmp_path / "gate")}
+    first, second = (store.submit("g", "w", gate, entry=E + "gated", exclusive=True) for _ in range(2))
+    assert store.request_cancel(second.id).state == "cancelled"
+    (tmp_path / "gate").touch()
+    assert store.wait(first.id, 15).state == "done"
+    assert store.request_cancel(first.id).state == "done"
+
+
+def test_a_job_cancelled_while_it_starts_does_not_run(store, tmp_path):
+    job = store.submit("c", None, {"tidied": str(tmp_path / "tidied")}, entry=E + "cooperative")
+    store.request_cancel(job.id)
+    assert store.wait(job.id, 10).state == "cancelled"
+
+
+def test_a_killed_worker_is_lost_and_takes_its_task_along(store, until):
+    job = _running(store, until, "native_loop", {}, at=2, key="k")
+    os.kill(job.pid, signal.SIGKILL)
+    until(lambda: start_time(job.pid) is None)
+    ended = store.get(job.id)
+    assert ended.state == "lost"
+    assert "gone" in ended.error["message"]
+    until(lambda: not is_alive(job.task_pid, job.task_started))
+    with pytest.raises(EngineError, match="gone"):
+        result_of(ended)
+    again = store.submit("task", "isle", {}, entry=E + "native_loop", key="k")
+    assert again.id != job.id
+
+
+def test_a_killed_task_is_lost_at_once(store, until):
+    job = _running(store, until, "native_loop", {}, at=2)
+    os.kill(job.task_pid, signal.SIGKILL)
+    ended = store.wait(job.id, 10)
+    assert ended.state == "lost"
+    assert "SIGKILL" in ended.error["message"]
+
+
+def test_a_native_crash_is_lost_with_a_trace_in_the_log(store):
+    job = store.wait(store.submit("dies", None, {"signal": "SIGSEGV"}, entry=E + "dies").id, 15)
+    assert job.state == "lost"
+    assert "SIGSEGV" in job.error["message"]
+    assert "execution_entries.py" in store.log_path(job).read_text()
+
+
+def test_a_worker_told_to_end_ends_its_task(store, until):
+    job = _running(store, until, "native_loop", {}, at=2)
+    os.kill(job.pid, signal.SIGTERM)
+    ended = store.wait(job.id, 10)
+    assert ended.state == "lost"
+    assert not is_alive(job.task_pid, job.task_started)
+
+
+def test_a_reused_pid_is_not_mistaken_for_the_worker(store, until):
+    job = _running(store, until, "native_loop", {}, at=2)
+    with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db", timeout=3)) as connection, connection:
+        connection.execute("UPDATE jobs SET pid_started = '1'")
+    assert store.get(job.id).state == "lost"
+    assert is_alive(job.pid, job.pid_started)  # not ours to kill, by that start time
+    until(lambda: not is_alive(job.task_pid, job.task_started))
+    until(lambda: not is_alive(job.pid, job.pid_started))  # it learns that the job was taken away
+
+
+def test_a_worker_that_lives_but_is_silent_is_killed_and_lost(store, until, monkeypatch):
+    monkeypatch.setattr("worldagent.execution.table.STALE_S", 1.2)
+    job = _running(store, until, "native_loop", {}, at=2)
+    os.kill(job.pid, signal.SIGSTOP)
+    ended = until(lambda: (row := store.get(job.id)).ended and row)
+    assert ended.state == "lost"
+    assert "silent" in ended.error["message"]
+    assert not is_alive(job.pid, job.pid_started)
+    assert not is_alive(job.task_pid, job.task_started)
+
+
+def test_a_cancelled_job_whose_worker_is_gone_is_cancelled(store, until):
+    job = _running(store, until, "native_loop", {}, at=2)
+    os.kill(job.pid, signal.SIGSTOP)
+    store.request_cancel(job.id)
+    os.kill(job.pid, signal.SIGKILL)
+    assert store.wait(job.id, 10).state == "cancelled"
+
+
+def test_only_one_of_two_ends_counts(store, until):
+    """Every change of state names the state it starts from."""
+    job = _running(store, until, "native_loop", {}, at=2)
+    table = JobTable(store.workspace)
+    assert not table.register(job.id, os.getpid())
+    assert not table.finish(job.id, os.getpid(), "done", result="{}")
+    store.request_cancel(job.id)
+    assert store.wait(job.id, 10).state == "cancelled"
+    assert not table.finish(job.id, job.pid, "done", result="{}")
+    assert not table.beat(job.id, job.pid, None)
+
+
+def test_the_wall_time_cap_ends_a_job_and_names_the_cap(store):
+    job = store.wait(store.submit("n", None, {}, entry=E + "native_loop", wall_s=0.5).id, 15)
+    assert job.state == "failed"
+    with pytest.raises(LimitError, match=r"wall_s = 0\.5 s"):
+        result_of(job)
+
+
+def test_the_memory_cap_ends_a_job(store):
+    job = store.submit("h", None, {"bytes": 2**31}, entry=E + "hungry", memory_bytes=2**29)
+    ended = store.wait(job.id, 15)
+    assert (ended.state, ended.error["type"]) == ("failed", "MemoryError")
+
+
+def test_the_file_of_another_layout_is_refused(store):
+    with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db")) as connection:
+        connection.execute("PRAGMA user_version = 99")
+    with pytest.raises(InputError, match="layout 99"):
+        JobTable(store.workspace)
+    with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db")) as connection:
+        connection.execute("PRAGMA user_version = 1")

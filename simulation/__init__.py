@@ -1,1 +1,1 @@
-"""TODO"""
+"""Floor 4: scene to motion."""

@@ -187,7 +187,9 @@ def load_built(path: Path) -> BuiltEntity:
                 for i, p in enumerate(meta["parts"])
             )
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise EvidenceError(f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again") from error
+        raise EvidenceError(
+            f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again"
+        ) from error
     bodies = tuple(
         BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
         for b in meta["bodies"]

@@ -108,9 +108,7 @@ class Candidate:
         """Centre of mass of the whole entity in the world, shape (3,)."""
         bodies = self.entity(entity).bodies
         total = sum(b.mass for b in bodies)
-        weighted = sum(
-            (b.mass * self.pose(entity, frame, b.name).apply(b.center[None])[0] for b in bodies), start=np.zeros(3)
-        )
+        weighted = sum((b.mass * self.pose(entity, frame, b.name).apply(b.center[None])[0] for b in bodies), start=np.zeros(3))
         return weighted / total
 
     def moves(self, entity: str) -> bool:

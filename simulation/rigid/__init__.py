@@ -1,1 +1,5 @@
-"""TODO"""
+"""Rigid bodies on MuJoCo."""
+
+from .solver import SolverRigid
+
+__all__ = ["SolverRigid"]

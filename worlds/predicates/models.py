@@ -11,7 +11,19 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field, StringConstraints, model_validator
 
-from ..spec.base import BeatRef, EntityRef, Finite, FrameInterval, JointRef, NonNegative, Positive, Ref, RegionRef, SpecModel, Vec3
+from ..spec.base import (
+    BeatRef,
+    EntityRef,
+    Finite,
+    FrameInterval,
+    JointRef,
+    NonNegative,
+    Positive,
+    Ref,
+    RegionRef,
+    SpecModel,
+    Vec3,
+)
 
 __all__ = [
     "ATOMS",

@@ -62,9 +62,21 @@ class Material(SpecModel):
     friction: NonNegative = Field(default=0.5, le=4, description="Coulomb coefficient")
     rolling_friction: NonNegative = Field(default=0.0, le=0.1, description="rolling resistance length [m]")
     restitution: Unit = Field(default=0.0, description="ratio of separation to approach speed in a normal impact")
-    substance: (
-        Literal["steel", "aluminium", "wood", "stone", "concrete", "glass", "plastic", "rubber", "ceramic", "ice", "paper", "foam", "other"]
-    ) = Field(default="other", description="lets the audit compare the density with the substance's real range")
+    substance: Literal[
+        "steel",
+        "aluminium",
+        "wood",
+        "stone",
+        "concrete",
+        "glass",
+        "plastic",
+        "rubber",
+        "ceramic",
+        "ice",
+        "paper",
+        "foam",
+        "other",
+    ] = Field(default="other", description="lets the audit compare the density with the substance's real range")
     appearance: Appearance = Appearance()
 
 

@@ -46,11 +46,13 @@ class RigidSettings(SpecModel):
     """Settings of a MuJoCo instance."""
 
     step: float = Field(default=5e-4, ge=2e-5, le=5e-3, description="time step [s]")
-    skin: float = Field(default=5e-4, ge=0, le=0.02, description="collision skin of every part [m]; contacts act at the sum of two")
+    skin: float = Field(
+        default=5e-4, ge=0, le=0.02, description="collision skin of every part [m]; contacts act at the sum of two"
+    )
     contact_steps: float = Field(default=4.0, ge=2.0, le=40.0, description="natural period / 2 pi of a contact, in steps")
     impratio: float = Field(default=20.0, ge=1, le=1000, description="friction to normal impedance ratio")
     iterations: int = Field(default=60, ge=5, le=1000)
-    tolerance: float = Field(default=1e-10, ge=0, le=1e-4)
+    tolerance: float = Field(default=1e-8, ge=0, le=1e-4)
     sleep: bool = Field(default=True, description="islands at rest are put to sleep")
     speculative: bool = Field(default=False, description="contacts ahead of time for fast thin bodies")
     refine: int = Field(default=3, ge=0, le=6, description="most halvings of the step within one frame that would overlap")
@@ -216,7 +218,9 @@ class Limits(SpecModel):
     visible_share: float = Field(
         default=0.25, ge=0.05, le=1, description="S9: smallest unoccluded share of a subject, over the beat's best frame"
     )
-    beat_seen_frames: float = Field(default=0.3, ge=0.05, le=1, description="S10: share of a beat's frames with its subject in view")
+    beat_seen_frames: float = Field(
+        default=0.3, ge=0.05, le=1, description="S10: share of a beat's frames with its subject in view"
+    )
 
 
 class SimulationPlan(SpecModel):
@@ -234,5 +238,3 @@ class SimulationPlan(SpecModel):
     contacts: Annotated[dict[Id, ContactPair], Field(max_length=5000)] = {}
     couplings: Annotated[dict[Id, Coupling], Field(max_length=64)] = {}
     limits: Limits = Limits()
-
-

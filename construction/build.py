@@ -1,0 +1,179 @@
+"""Specification -> built entity (R52-R54): geometry, mass properties, and the measured deviation between shapes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..geometry.inside import contains, distance_to_surface
+from ..geometry.solids import Solid
+from ..worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
+from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
+from ..worlds.canonical import digest_of, source_digest
+from ..worlds.errors import InputError
+from ..worlds.spec import Entity, Part, RigidPhysics, Rope, WorldSpec
+from .primitives import ShapeGeometry, build_shape
+from .ropes import rope_segments
+
+__all__ = ["build_entity", "entity_recipe"]
+
+EXACT_KINDS = ("box", "wedge", "extrusion", "revolution")
+"""Shapes whose collision pieces tile the visible mesh exactly."""
+IDENTITY = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+
+
+def _slice(spec: WorldSpec, entity: Entity) -> dict[str, Any]:
+    """What an entity's geometry depends on: not its pose, not its look."""
+    names = {entity.material, *(p.material for p in entity.parts.values() if p.material is not None)}
+    return {
+        "spec_version": spec.spec_version,
+        "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
+        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
+        "material": entity.material,
+        "densities": {n: spec.materials[n].density for n in sorted(names)},
+        "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
+    }
+
+
+def entity_recipe(spec: WorldSpec, name: str, assets: Path) -> str:
+    """Hash of everything a built entity derives from: its slice, mesh files, and this folder's source.
+
+    Raises:
+        InputError: a material is not declared.
+    """
+    entity = spec.entities[name]
+    try:
+        inputs = _slice(spec, entity)
+    except KeyError as error:
+        raise InputError(
+            f"entity {name!r} uses material {error} which is not declared; add /materials/{error.args[0]}"
+        ) from error
+    files = {}
+    for part in entity.parts.values():
+        if part.shape.kind == "mesh" and part.shape.file is not None:
+            path = assets / part.shape.file
+            files[part.shape.file] = digest_of(path.read_bytes().hex()) if path.is_file() else "missing"
+    return digest_of(inputs, files, source_digest(Path(__file__).parent))
+
+
+def _placed(mesh: TriangleMesh, pose: RigidPose) -> TriangleMesh:
+    return TriangleMesh(pose.apply(mesh.vertices), mesh.faces)
+
+
+def _moved(piece: Convex, pose: RigidPose) -> Convex:
+    if piece.kind == "hull":
+        return Convex("hull", (), IDENTITY, compose(pose, piece.pose).apply(piece.points))
+    return Convex(piece.kind, piece.params, compose(pose, piece.pose), piece.points)
+
+
+def _hull_halfspaces(points: F64) -> F64:
+    from scipy.spatial import ConvexHull
+
+    return np.asarray(ConvexHull(points).equations, dtype=np.float64)
+
+
+def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
+    """Two-sided deviation [m] between collision pieces and visible mesh, measured on their vertices and face centres."""
+    if shape_kind in EXACT_KINDS:
+        return (0.0, 0.0)
+    if shape_kind != "mesh":
+        return (geometry.facet_error, 0.0)
+    visible = Solid.from_mesh(geometry.render, closed=True)
+    outside = 0.0
+    for piece in geometry.collision:
+        distance, _ = distance_to_surface(visible, piece.points)
+        outward = distance[~contains(visible, piece.points)]
+        outside = max(outside, float(outward.max(initial=0.0)))
+    samples = np.concatenate([geometry.render.vertices, geometry.render.vertices[geometry.render.faces].mean(1)])
+    reach = np.full(len(samples), np.inf)
+    for piece in geometry.collision:
+        planes = _hull_halfspaces(piece.points)
+        reach = np.minimum(reach, (samples @ planes[:, :3].T + planes[:, 3]).max(1))
+    return (outside, max(0.0, float(reach.max(initial=0.0))))
+
+
+def _mass_of(geometry: ShapeGeometry, density: float) -> tuple[float, F64, F64, float]:
+    """Mass [kg], centre (3,), inertia about it (3, 3), volume [m^3] in the part's frame."""
+    if geometry.mass is not None:
+        volume, center, inertia = geometry.mass
+        return density * volume, center, density * inertia, volume
+    solid = Solid.from_mesh(geometry.render, closed=True)
+    return density * solid.volume, solid.center, solid.inertia(density), solid.volume
+
+
+def _combine(pieces: list[tuple[float, F64, F64, float]]) -> tuple[float, F64, F64, float]:
+    """Parallel-axis sum of masses in one frame."""
+    total = sum(p[0] for p in pieces)
+    center = sum((p[0] * p[1] for p in pieces), start=np.zeros(3)) / total
+    inertia = np.zeros((3, 3))
+    for mass, where, own, _ in pieces:
+        arm = where - center
+        inertia += own + mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+    return total, center, inertia, sum(p[3] for p in pieces)
+
+
+def _body(name: str, pose: RigidPose, masses: list[tuple[float, F64, F64, float]], scale: float) -> BuiltBody:
+    mass, center, inertia, volume = _combine(masses)
+    return BuiltBody(name, pose, mass * scale, center, inertia * scale, volume)
+
+
+def _build_part(
+    spec: WorldSpec, entity: Entity, name: str, part: Part, assets: Path, body: str, where: str
+) -> tuple[BuiltPart, Any]:
+    try:
+        geometry = build_shape(part.shape, assets)
+    except InputError as error:
+        raise InputError(f"{where}/parts/{name}/shape: {error}") from error
+    material = part.material or entity.material
+    pose = pose_of(part.pose)
+    mass, center, inertia, volume = _mass_of(geometry, spec.materials[material].density)
+    turn = rotation_matrix(pose.quaternion)
+    built = BuiltPart(
+        part=name,
+        body=body,
+        material=material,
+        render=_placed(geometry.render, pose),
+        collision=tuple(_moved(c, pose) for c in geometry.collision) if part.collides else (),
+        closed=True,
+        deviation=_deviation(part.shape.kind, geometry),
+        smooth=geometry.smooth,
+    )
+    return built, (mass, pose.apply(center[None])[0], turn @ inertia @ turn.T, volume)
+
+
+def _build_rope(spec: WorldSpec, name: str, entity: Entity, rope: Rope, assets: Path) -> tuple[list[BuiltBody], list[BuiltPart]]:
+    bodies, parts, scale = [], [], 1.0
+    for k, (shape, pose) in enumerate(rope_segments(rope)):
+        part, mass = _build_part(spec, entity, f"seg{k:03d}", Part(shape=shape), assets, f"seg{k:03d}", f"/entities/{name}")
+        bodies.append(_body(part.body, pose, [mass], scale))
+        parts.append(part)
+    declared = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
+    if declared is not None:
+        scale = declared / sum(b.mass for b in bodies)
+        bodies = [BuiltBody(b.name, b.pose, b.mass * scale, b.center, b.inertia * scale, b.volume) for b in bodies]
+    return bodies, parts
+
+
+def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
+    """Build the geometry of one entity.
+
+    Args:
+        spec: the specification.
+        name: entity id.
+        assets: the world's assets folder, for mesh files.
+
+    Raises:
+        InputError: a shape is no closed solid, a mesh file is missing, or a material is not declared.
+    """
+    entity = spec.entities[name]
+    recipe = entity_recipe(spec, name, assets)
+    if entity.generator is not None:
+        bodies, parts = _build_rope(spec, name, entity, entity.generator, assets)
+        return BuiltEntity(name, tuple(bodies), tuple(parts), recipe)
+    made = [_build_part(spec, entity, k, p, assets, "body", f"/entities/{name}") for k, p in entity.parts.items()]
+    masses = [m for _, m in made]
+    declared = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
+    scale = 1.0 if declared is None else declared / sum(m[0] for m in masses)
+    return BuiltEntity(name, (_body("body", IDENTITY, masses, scale),), tuple(p for p, _ in made), recipe)

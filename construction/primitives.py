@@ -1,0 +1,281 @@
+"""Visible meshes and collision pieces of every shape kind, in the part's own frame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from ..worlds.arrays import F64, RigidPose
+from ..worlds.built import Convex, TriangleMesh
+from ..worlds.errors import InputError
+from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Shape, Sphere, Wedge
+from .imports import load_mesh
+from .polygons import convex_partition, signed_area, triangulate
+
+__all__ = ["ShapeGeometry", "build_shape"]
+
+FACETS = 64
+"""Segments around cylinders and capsules: facet error 0.12 % of the radius."""
+SPHERE_SUBDIVISIONS = 4
+"""Icosphere level: 5,120 triangles, facet error about 0.06 % of the radius."""
+IDENTITY = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+NO_POINTS: F64 = np.zeros((0, 3))
+
+
+@dataclass(frozen=True)
+class ShapeGeometry:
+    """A shape made concrete.
+
+    `mass` is (volume [m^3], centre [m] (3,), inertia of unit density about the centre (3, 3)) where an exact
+    formula exists, else None (then the closed visible mesh is integrated).
+    """
+
+    render: TriangleMesh
+    collision: tuple[Convex, ...]
+    smooth: bool
+    facet_error: float
+    """Largest distance of the analytic collision surface outside the visible mesh [m]."""
+    mass: tuple[float, F64, F64] | None
+
+
+def _mesh(vertices: object, faces: object) -> TriangleMesh:
+    return TriangleMesh(np.ascontiguousarray(vertices, dtype=np.float64), np.ascontiguousarray(faces, dtype=np.int32))
+
+
+def _hull(points: F64) -> Convex:
+    return Convex("hull", (), IDENTITY, np.ascontiguousarray(points, dtype=np.float64))
+
+
+def _box(shape: Box) -> ShapeGeometry:
+    x, y, z = (s / 2 for s in shape.size)
+    vertices = [(sx * x, sy * y, sz * z) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
+    faces = [
+        (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+        (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+    ]  # fmt: skip
+    return ShapeGeometry(_mesh(vertices, faces), (Convex("box", (x, y, z), IDENTITY, NO_POINTS),), False, 0.0, None)
+
+
+@lru_cache(maxsize=4)
+def _icosphere(level: int) -> tuple[F64, tuple[tuple[int, int, int], ...]]:
+    """Unit icosphere: vertices on the sphere and faces."""
+    g = (1 + math.sqrt(5)) / 2
+    points = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]  # fmt: skip
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]  # fmt: skip
+    vertices = [np.array(p) / np.linalg.norm(p) for p in points]
+    for _ in range(level):
+        middle: dict[tuple[int, int], int] = {}
+
+        def split(a: int, b: int, middle: dict[tuple[int, int], int] = middle) -> int:
+            key = (min(a, b), max(a, b))
+            if key not in middle:
+                point = vertices[a] + vertices[b]
+                vertices.append(point / np.linalg.norm(point))
+                middle[key] = len(vertices) - 1
+            return middle[key]
+
+        finer = []
+        for a, b, c in faces:
+            ab, bc, ca = split(a, b), split(b, c), split(c, a)
+            finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+        faces = finer
+    return np.array(vertices), tuple(faces)
+
+
+def _sphere(shape: Sphere) -> ShapeGeometry:
+    r = shape.radius
+    unit, faces = _icosphere(SPHERE_SUBDIVISIONS)
+    triangles = np.array(faces)
+    sagitta = 1 - float(np.linalg.norm(unit[triangles].mean(1), axis=1).min())
+    volume = 4 / 3 * math.pi * r**3
+    inertia = np.eye(3) * (0.4 * volume * r * r)
+    return ShapeGeometry(
+        _mesh(unit * r, triangles),
+        (Convex("sphere", (r,), IDENTITY, NO_POINTS),),
+        True,
+        sagitta * r,
+        (volume, np.zeros(3), inertia),
+    )
+
+
+def _lathe(rings: list[tuple[float, float]], segments: int) -> TriangleMesh:
+    """Closed surface from an open profile of (r, z) that starts and ends on the axis, walked upwards outside."""
+    vertices: list[tuple[float, float, float]] = []
+    index: list[list[int]] = []
+    for r, z in rings:
+        if r <= 0:
+            vertices.append((0.0, 0.0, z))
+            index.append([len(vertices) - 1] * segments)
+        else:
+            start = len(vertices)
+            vertices += [(r * math.cos(t), r * math.sin(t), z) for t in (2 * math.pi * k / segments for k in range(segments))]
+            index.append(list(range(start, start + segments)))
+    faces = []
+    for low, high in zip(index, index[1:], strict=False):
+        for k in range(segments):
+            n = (k + 1) % segments
+            if low[k] != low[n]:
+                faces.append((low[k], low[n], high[n]))
+            if high[k] != high[n]:
+                faces.append((low[k], high[n], high[k]))
+    return _mesh(vertices, faces)
+
+
+def _cylinder(shape: Cylinder) -> ShapeGeometry:
+    r, h = shape.radius, shape.height
+    mesh = _lathe([(0, -h / 2), (r, -h / 2), (r, h / 2), (0, h / 2)], FACETS)
+    volume = math.pi * r * r * h
+    side = volume * (3 * r * r + h * h) / 12
+    inertia = np.diag([side, side, volume * r * r / 2])
+    error = r * (1 - math.cos(math.pi / FACETS))
+    return ShapeGeometry(
+        mesh, (Convex("cylinder", (r, h / 2), IDENTITY, NO_POINTS),), False, error, (volume, np.zeros(3), inertia)
+    )
+
+
+def _capsule(shape: Capsule) -> ShapeGeometry:
+    r, half = shape.radius, shape.length / 2
+    steps = 12
+    cap = [(r * math.cos(t), r * math.sin(t)) for t in (math.pi / 2 * k / steps for k in range(steps))]
+    rings = [(0.0, -half - r), *[(c, -half - s) for c, s in reversed(cap)], *[(c, half + s) for c, s in cap], (0.0, half + r)]
+    barrel, balls = math.pi * r * r * 2 * half, 4 / 3 * math.pi * r**3
+    axial = barrel * r * r / 2 + balls * 0.4 * r * r
+    side = barrel * (3 * r * r + 4 * half * half) / 12 + balls * (0.4 * r * r + half * half + 0.75 * half * r)
+    error = r * (1 - math.cos(math.pi / FACETS) * math.cos(math.pi / 4 / steps))
+    return ShapeGeometry(
+        _lathe(rings, FACETS),
+        (Convex("capsule", (r, half), IDENTITY, NO_POINTS),),
+        True,
+        error,
+        (barrel + balls, np.zeros(3), np.diag([side, side, axial])),
+    )
+
+
+def _prism(polygon: list[tuple[float, float]], height: float) -> ShapeGeometry:
+    if signed_area(polygon) < 0:
+        polygon = polygon[::-1]
+    n, half = len(polygon), height / 2
+    vertices = [(x, y, -half) for x, y in polygon] + [(x, y, half) for x, y in polygon]
+    faces = []
+    for a, b, c in triangulate(polygon):
+        faces += [(c, b, a), (a + n, b + n, c + n)]
+    for k in range(n):
+        m = (k + 1) % n
+        faces += [(k, m, m + n), (k, m + n, k + n)]
+    mesh = _mesh(vertices, faces)
+    pieces = tuple(_hull(mesh.vertices[[*ring, *(i + n for i in ring)]]) for ring in convex_partition(polygon))
+    return ShapeGeometry(mesh, pieces, False, 0.0, None)
+
+
+def _wedge(shape: Wedge) -> ShapeGeometry:
+    x, y, z = (s / 2 for s in shape.size)
+    vertices = [(-x, -y, -z), (x, -y, -z), (-x, -y, z), (-x, y, -z), (x, y, -z), (-x, y, z)]
+    faces = [(0, 1, 2), (3, 5, 4), (0, 3, 4), (0, 4, 1), (0, 2, 5), (0, 5, 3), (1, 4, 5), (1, 5, 2)]
+    mesh = _mesh(vertices, faces)
+    return ShapeGeometry(mesh, (_hull(mesh.vertices),), False, 0.0, None)
+
+
+def _extrusion(shape: Extrusion) -> ShapeGeometry:
+    return _prism(list(shape.polygon), shape.height)
+
+
+def _revolution(shape: Revolution) -> ShapeGeometry:
+    """Each convex piece of the profile, times each segment, is a convex piece: an exact decomposition."""
+    profile = list(shape.profile)
+    if signed_area(profile) < 0:
+        profile = profile[::-1]
+    n, segments = len(profile), shape.segments
+    angles = [2 * math.pi * k / segments for k in range(segments)]
+    on_axis = [r <= 1e-9 for r, _ in profile]
+    vertices: list[tuple[float, float, float]] = []
+    index: list[list[int]] = []
+    for (r, z), axis in zip(profile, on_axis, strict=True):
+        start = len(vertices)
+        if axis:
+            vertices.append((0.0, 0.0, z))
+            index.append([start] * segments)
+        else:
+            vertices += [(r * math.cos(t), r * math.sin(t), z) for t in angles]
+            index.append(list(range(start, start + segments)))
+    faces = []
+    for k in range(n):
+        low, high = index[k], index[(k + 1) % n]
+        if on_axis[k] and on_axis[(k + 1) % n]:
+            continue
+        for s in range(segments):
+            m = (s + 1) % segments
+            if low[s] != low[m]:
+                faces.append((low[s], low[m], high[m]))
+            if high[s] != high[m]:
+                faces.append((low[s], high[m], high[s]))
+    mesh = _mesh(vertices, faces)
+    pieces = []
+    for ring in convex_partition(profile):
+        for s in range(segments):
+            corners = sorted({index[i][t] for i in ring for t in (s, (s + 1) % segments)})
+            pieces.append(_hull(mesh.vertices[corners]))
+    return ShapeGeometry(mesh, tuple(pieces), True, 0.0, None)
+
+
+def _heightfield(shape: HeightField) -> ShapeGeometry:
+    z = np.array(shape.heights, dtype=np.float64)
+    rows, cols = z.shape
+    x = np.linspace(-shape.size[0] / 2, shape.size[0] / 2, cols)
+    y = np.linspace(-shape.size[1] / 2, shape.size[1] / 2, rows)
+    xx, yy = np.meshgrid(x, y)
+    floor = float(z.min()) - shape.base
+    top = np.stack([xx, yy, z], axis=-1).reshape(-1, 3)
+    bottom = top * [1, 1, 0] + [0, 0, floor]
+    count = rows * cols
+    faces: list[tuple[int, int, int]] = []
+    for r in range(rows - 1):
+        for c in range(cols - 1):
+            a, b, d, e = r * cols + c, r * cols + c + 1, (r + 1) * cols + c, (r + 1) * cols + c + 1
+            faces += [(a, b, e), (a, e, d), (a + count, e + count, b + count), (a + count, d + count, e + count)]
+    south = [(c, c + 1) for c in range(cols - 1)]
+    north = [((rows - 1) * cols + c + 1, (rows - 1) * cols + c) for c in range(cols - 1)]
+    west = [((r + 1) * cols, r * cols) for r in range(rows - 1)]
+    east = [(r * cols + cols - 1, (r + 1) * cols + cols - 1) for r in range(rows - 1)]
+    for a, b in [*south, *north, *west, *east]:
+        faces += [(a + count, b + count, b), (a + count, b, a)]
+    piece = Convex("heightfield", (shape.size[0] / 2, shape.size[1] / 2, shape.base), IDENTITY, z)
+    # Both triangulations of a cell share its corners; they differ by at most a quarter of its twist.
+    twist = float(np.abs(z[:-1, :-1] - z[:-1, 1:] - z[1:, :-1] + z[1:, 1:]).max())
+    return ShapeGeometry(_mesh(np.concatenate([top, bottom]), faces), (piece,), True, twist / 4, None)
+
+
+def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
+    """Visible mesh and collision pieces of a shape.
+
+    Args:
+        shape: any of the specification's shapes.
+        assets: folder that mesh files are read from.
+
+    Raises:
+        InputError: a polygon or mesh that is not a closed solid.
+    """
+    match shape:
+        case Box():
+            return _box(shape)
+        case Sphere():
+            return _sphere(shape)
+        case Cylinder():
+            return _cylinder(shape)
+        case Capsule():
+            return _capsule(shape)
+        case Wedge():
+            return _wedge(shape)
+        case Extrusion():
+            return _extrusion(shape)
+        case Revolution():
+            return _revolution(shape)
+        case HeightField():
+            return _heightfield(shape)
+        case Mesh():
+            mesh, pieces = load_mesh(shape, assets)
+            return ShapeGeometry(mesh, pieces, False, 0.0, None)
+    raise InputError(f"unknown shape kind {shape!r}")

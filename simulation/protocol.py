@@ -1,0 +1,86 @@
+"""The solver protocol and the coupling interfaces that every engine implements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from ..worlds.arrays import F64
+from ..worlds.cache import CacheIndex
+
+__all__ = ["Channel", "Exchange", "Port", "Solver"]
+
+PortKind = Literal["motion", "wrench", "pressure", "heat", "mass"]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What a solver writes per frame."""
+
+    name: str
+    dtype: str
+    unit: str
+    shape: tuple[str, ...]
+    """Symbolic, e.g. `("bodies", "3")`."""
+    where: Literal["body", "joint", "pair", "event", "frame", "vertex", "cell", "particle"]
+
+
+@dataclass(frozen=True)
+class Port:
+    """A place where two solver instances exchange state."""
+
+    entity: str
+    part: str
+    kind: PortKind
+    direction: Literal["in", "out", "both"]
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """What passed through a port during [t0, t1], each side computed by itself."""
+
+    port: Port
+    t0: float
+    t1: float
+    given: F64
+    received: F64
+
+    @property
+    def residual(self) -> F64:
+        """`given + received`; zero when action equals reaction."""
+        return self.given + self.received
+
+
+class Solver(Protocol):
+    """One running engine. States are opaque bytes; equal bytes and settings continue equally."""
+
+    def prepare(self) -> None:
+        """Build the engine's model and the state at frame 0."""
+
+    def max_stable_dt(self) -> float:
+        """Largest stable time step in the present state [s]."""
+
+    def advance(self, frame: int) -> None:
+        """Advance from frame - 1 to `frame` by the instance's own sub-steps."""
+
+    def checkpoint(self) -> bytes:
+        """The full state; also makes the running solver continue from exactly these bytes."""
+
+    def restore(self, state: bytes, frame: int) -> None:
+        """Continue from a checkpoint taken at `frame`."""
+
+    def index(self) -> CacheIndex:
+        """What the channels' rows stand for."""
+
+    def channels(self) -> tuple[Channel, ...]:
+        """What `frame_data` holds."""
+
+    def frame_data(self) -> Mapping[str, Any]:
+        """Channels and records of the present frame, by name."""
+
+    def ports(self) -> tuple[Port, ...]:
+        """Where other instances can act on this one."""
+
+    def respond(self, port: Port, wrench: F64) -> F64:
+        """Velocity change (6,) [linear, angular] of the port's body per unit time under a wrench (6,) at its centre of mass."""

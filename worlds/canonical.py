@@ -1,0 +1,47 @@
+"""Canonical JSON (RFC 8785) and hashes over it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+__all__ = ["canonical_json", "digest_of", "source_digest"]
+
+
+def canonical_json(value: Any) -> bytes:
+    """RFC 8785 bytes of a JSON value; models are dumped first. Numbers are doubles, as the RFC has them."""
+    import rfc8785
+
+    if isinstance(value, BaseModel):
+        value = value.model_dump(mode="json")
+    return rfc8785.dumps(json.loads(json.dumps(value, default=_plain)))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    raise TypeError(f"{type(value).__name__} is not JSON")
+
+
+def digest_of(*values: Any) -> str:
+    """SHA-256 over the canonical JSON of the values, hex."""
+    state = hashlib.sha256()
+    for value in values:
+        state.update(canonical_json(value))
+        state.update(b"\x00")
+    return state.hexdigest()
+
+
+@lru_cache(maxsize=64)
+def source_digest(folder: Path) -> str:
+    """SHA-256 over the Python files of a producer's folder: part of what its artifacts derive from."""
+    state = hashlib.sha256()
+    for path in sorted(folder.rglob("*.py")):
+        state.update(path.relative_to(folder).as_posix().encode())
+        state.update(path.read_bytes())
+    return state.hexdigest()

@@ -1,0 +1,122 @@
+"""The world folder: where everything of one world lives, and how paths are kept inside it.
+
+world.json             current specification
+ledger.sqlite          revisions, matrix, iterations, freezes, acceptances
+assets/                mesh files that the specification names
+built/                 one file per built entity and recipe
+candidates/<id>/       candidate.json, probe/<solver>/, bake/<solver>/, final/
+pictures/              previews, contact sheets, plots
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .errors import EvidenceError, InputError
+
+__all__ = ["WorldFolder", "safe_join", "world_ids", "write_atomically"]
+
+WORLD_ID = re.compile(r"^[a-z0-9][a-z0-9_-]{0,63}$")
+
+
+def safe_join(base: Path, relative: str) -> Path:
+    """`base / relative`, resolved, guaranteed to stay inside `base` (symlinks included).
+
+    Raises:
+        InputError: the path is absolute, climbs out, or leads out through a link.
+    """
+    root = base.resolve()
+    joined = (root / relative).resolve()
+    if Path(relative).is_absolute() or (joined != root and root not in joined.parents):
+        raise InputError(f"path {relative!r} leads out of {base.name!r}; give a relative path inside it")
+    return joined
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write to a temporary name beside `path`, then rename."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary.write_bytes(data)
+    temporary.replace(path)
+
+
+def world_ids(workspace: Path) -> list[str]:
+    """Ids of the worlds in a workspace, sorted."""
+    if not workspace.is_dir():
+        return []
+    return sorted(p.name for p in workspace.iterdir() if WORLD_ID.match(p.name) and (p / "world.json").is_file())
+
+
+@dataclass(frozen=True)
+class WorldFolder:
+    """Paths of one world."""
+
+    root: Path
+
+    @classmethod
+    def of(cls, workspace: Path, world: str, *, create: bool = False) -> WorldFolder:
+        """The folder of world `world` in `workspace`.
+
+        Raises:
+            InputError: the id is malformed, or there is no such world.
+        """
+        if not WORLD_ID.match(world):
+            raise InputError(f"world id {world!r} must match {WORLD_ID.pattern}, e.g. 'domino_run'")
+        root = safe_join(workspace, world)
+        if not create and not (root / "world.json").is_file():
+            known = world_ids(workspace)
+            raise InputError(f"there is no world {world!r}; known worlds: {known[:20]}. Create one with edit_spec")
+        return cls(root)
+
+    @property
+    def id(self) -> str:
+        """The world's id: its folder name."""
+        return self.root.name
+
+    @property
+    def spec_path(self) -> Path:
+        """`world.json`."""
+        return self.root / "world.json"
+
+    @property
+    def ledger_path(self) -> Path:
+        """`ledger.sqlite`."""
+        return self.root / "ledger.sqlite"
+
+    @property
+    def assets(self) -> Path:
+        """Folder of mesh files."""
+        return self.root / "assets"
+
+    @property
+    def pictures(self) -> Path:
+        """Folder of pictures."""
+        return self.root / "pictures"
+
+    def built(self, entity: str, recipe: str) -> Path:
+        """File of a built entity."""
+        return self.root / "built" / f"{entity}.{recipe[:16]}.zip"
+
+    def candidate(self, freeze: str) -> Path:
+        """Folder of a candidate."""
+        return self.root / "candidates" / freeze[:16]
+
+    def relative(self, path: Path) -> str:
+        """Path inside the world folder, with forward slashes."""
+        return path.resolve().relative_to(self.root.resolve()).as_posix()
+
+    def read_json(self, path: Path) -> Any:
+        """Parse a JSON file of this world.
+
+        Raises:
+            EvidenceError: missing or damaged.
+        """
+        try:
+            return json.loads(path.read_text())
+        except (OSError, ValueError) as error:
+            raise EvidenceError(f"{self.relative(path)} is missing or damaged: {error}") from error

@@ -1,0 +1,339 @@
+"""Visible surfaces of a candidate and the clearances between them, computed once and shared by the spatial checks.
+
+A coarse search over axis-aligned boxes finds the pairs of entities that come within reach of each other; the signed
+clearance of their visible surfaces decides. Pairs inside one entity are not inspected.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Solid, aabb_of, candidate_pairs, clearance_series, query_noise, signed_clearance
+from ..worlds.arrays import F64, RigidPose
+from ..worlds.errors import EvidenceError, InputError
+from ..worlds.spec import Fastened, Rope
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+
+__all__ = ["Gap", "PartSurface", "Surfaces", "Track", "surfaces_of"]
+
+UNIT = 1e-6
+"""A quaternion whose length differs from 1 by more than this is not an orientation."""
+GAP_CAP = 0.01
+"""[m] Facet error cannot widen the contact tolerance beyond this, the largest `limits.contact_gap` (S3)."""
+SUPPORT_SLOPE = 0.1
+"""Own choice: a contact carries when its normal rises at least this steeply (sine), about 6 degrees above level."""
+NOWHERE = 1e300
+"""[m] Corner of the empty box that stands for a broken pose."""
+
+Pair = tuple[str, str]
+
+
+class Track(NamedTuple):
+    """Motion of one body frame: positions [m], shape (frames, 3), and quaternions, shape (frames, 4)."""
+
+    position: F64
+    quaternion: F64
+
+    def at(self, frame: int) -> RigidPose:
+        """Pose at one frame."""
+        return RigidPose(self.position[frame], self.quaternion[frame])
+
+    def take(self, frames: NDArray[np.intp]) -> Track:
+        """Motion at some frames."""
+        return Track(self.position[frames], self.quaternion[frames])
+
+
+@dataclass(frozen=True)
+class PartSurface:
+    """Visible surface of one part."""
+
+    entity: str
+    part: str
+    body: str
+    solid: Solid
+    deviation: float
+    """[m] how far the collision surface may stand outside the visible one."""
+
+
+class Gap(NamedTuple):
+    """Signed clearance of two entities at one frame."""
+
+    distance: float
+    """[m]"""
+    point_a: F64
+    """World [m], shape (3,)."""
+    point_b: F64
+    part_a: str
+    part_b: str
+
+
+class Surfaces:
+    """Geometry and motion of one candidate; obtain it with `surfaces_of`."""
+
+    def __init__(self, candidate: Candidate) -> None:
+        self.candidate = candidate
+        self.frames = candidate.frame_count
+        self._tracks: dict[tuple[str, str], Track] = {}
+        self._support: dict[tuple[str, str], NDArray[np.bool_]] = {}
+
+    @cached_property
+    def parts(self) -> tuple[PartSurface, ...]:
+        """Every visible surface, in the order of the specification.
+
+        Raises:
+            EvidenceError: an entity is not built or has no usable surface.
+        """
+        found = []
+        for entity in self.candidate.spec.entities:
+            built = self.candidate.entity(entity)
+            if not built.parts:
+                raise EvidenceError(f"entity {entity!r} has no visible geometry; call place_object")
+            for part in built.parts:
+                try:
+                    solid = Solid.from_mesh(part.render, closed=part.closed)
+                except InputError as error:
+                    raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
+                found.append(PartSurface(entity, part.part, part.body, solid, float(part.deviation[0])))
+        return tuple(found)
+
+    @cached_property
+    def parts_of(self) -> Mapping[str, tuple[int, ...]]:
+        """Indices of the parts of every entity."""
+        found: dict[str, list[int]] = {name: [] for name in self.candidate.spec.entities}
+        for i, part in enumerate(self.parts):
+            found[part.entity].append(i)
+        return {name: tuple(rows) for name, rows in found.items()}
+
+    def track(self, entity: str, body: str) -> Track:
+        """Motion of a body over the inspected frames.
+
+        Raises:
+            EvidenceError: the entity moves and no cache holds it, although there are caches.
+        """
+        key = (entity, body)
+        if key not in self._tracks:
+            if self.candidate.cache_row(entity, body) is None and self.candidate.stage != "static" and not self.is_static(entity):
+                raise EvidenceError(
+                    f"no cache holds the motion of {entity}/{body}; list {entity!r} as a member of a solver and bake"
+                )
+            self._tracks[key] = Track(*self.candidate.track(entity, body))
+        return self._tracks[key]
+
+    def is_static(self, entity: str) -> bool:
+        """Whether the contract says that it never moves."""
+        return self.candidate.spec.entities[entity].motion == "static"
+
+    @cached_property
+    def broken(self) -> dict[str, int]:
+        """Entities with a pose that is not finite or no rotation, and the first frame of it."""
+        found: dict[str, int] = {}
+        for entity in self.candidate.spec.entities:
+            for body in self.candidate.entity(entity).bodies:
+                position, quaternion = self.track(entity, body.name)
+                with np.errstate(invalid="ignore", over="ignore"):
+                    good = np.isfinite(position).all(axis=1) & (np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) <= UNIT)
+                if not good.all():
+                    frame = int(np.argmin(good))
+                    found[entity] = min(frame, found.get(entity, frame))
+        return found
+
+    def size(self, entity: str) -> float:
+        """Largest diagonal among its parts [m]."""
+        return max(self.parts[i].solid.size for i in self.parts_of[entity])
+
+    def thickness(self, entity: str) -> float:
+        """Smallest extent of the local boxes of its parts [m]."""
+        return min(float((s.upper - s.lower).min()) for s in (self.parts[i].solid for i in self.parts_of[entity]))
+
+    def noise(self, a: str, b: str) -> float:
+        """eps of the penetration checks for a pair [m] (S1): query noise and the rounding of the poses, no allowance."""
+        size = self.size(a) + self.size(b)
+        offset = max(float(np.abs(p).max(initial=0.0)) for p in (self._start(a), self._start(b)))
+        return query_noise(size) + 8.0 * float(np.finfo(np.float64).eps) * offset
+
+    def _start(self, entity: str) -> F64:
+        position = self.track(entity, self.parts[self.parts_of[entity][0]].body).position
+        return np.where(np.isfinite(position), position, 0.0)
+
+    def skins(self, a: str, b: str) -> float:
+        """Sum of the two collision skins [m] in the solver instance that both belong to."""
+        return 2.0 * max((skin for members, skin in self._members if a in members and b in members), default=0.0)
+
+    @cached_property
+    def _members(self) -> list[tuple[frozenset[str], float]]:
+        return [(frozenset(s.members), s.settings.skin) for s in self.candidate.spec.simulation.solvers.values()]
+
+    def contact_gap(self, a: str, b: str) -> float:
+        """Largest gap that counts as actual contact [m] (S3): declared limit, or skins and facet error if larger."""
+        facets = sum(max(self.parts[i].deviation for i in self.parts_of[n]) for n in (a, b))
+        skins = self.skins(a, b)
+        covered = min(skins + facets, max(GAP_CAP, skins))
+        return max(self.candidate.spec.simulation.limits.contact_gap, covered)
+
+    @cached_property
+    def reach(self) -> float:
+        """Clearance up to which pairs are inspected [m]: twice the largest contact tolerance."""
+        plan = self.candidate.spec.simulation
+        skins = max((2.0 * s.settings.skin for s in plan.solvers.values()), default=0.0)
+        facets = 2.0 * max((p.deviation for p in self.parts), default=0.0)
+        return 2.0 * max(plan.limits.contact_gap, min(skins + facets, max(GAP_CAP, skins)))
+
+    def allowed_depth(self, a: str, b: str) -> float:
+        """Overlap that the specification declares intended for the pair [m] (R91); 0 where it declares none.
+
+        A `fastened` relation allows its depth; the end of a rope may sink into what it is attached to by its radius.
+        """
+        return max(self._fastened.get((a, b), 0.0), self._fastened.get((b, a), 0.0))
+
+    @cached_property
+    def _fastened(self) -> dict[Pair, float]:
+        found: dict[Pair, float] = {}
+        for relation in self.candidate.spec.graph.relations.values():
+            if isinstance(relation, Fastened):
+                found[relation.a, relation.b] = max(relation.max_depth, found.get((relation.a, relation.b), 0.0))
+        for name, entity in self.candidate.spec.entities.items():
+            if isinstance(entity.generator, Rope):
+                for end in (entity.generator.attach_start, entity.generator.attach_end):
+                    if end is not None and end != "world":
+                        found[name, end] = max(entity.generator.radius, found.get((name, end), 0.0))
+        return found
+
+    def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
+        """World boxes of all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
+        low, high = np.empty((2, len(self.parts), len(frames), 3))
+        for i, part in enumerate(self.parts):
+            track = self.track(part.entity, part.body).take(frames)
+            good = np.flatnonzero(frames < self.broken.get(part.entity, self.frames))
+            low[i], high[i] = NOWHERE, -NOWHERE
+            if self.is_static(part.entity):
+                low[i, good], high[i, good] = aabb_of(part.solid.vertices, track.position[:1], track.quaternion[:1])
+            else:
+                low[i, good], high[i, good] = aabb_of(part.solid.vertices, track.position[good], track.quaternion[good])
+        return low, high
+
+    def scan(self, frames: NDArray[np.intp], *, static: bool) -> dict[Pair, F64]:
+        """Signed clearance of every pair of entities that comes within `reach`, per frame [m], shape (frames,).
+
+        Where a pair is farther apart than `reach` the value is some larger lower bound, or infinite.
+
+        Args:
+            frames: frames to inspect.
+            static: whether to inspect pairs of static entities too.
+        """
+        low, high = self.boxes(frames)
+        found: dict[Pair, F64] = {}
+        for i, j in candidate_pairs(low, high, self.reach):
+            a, b = self.parts[i].entity, self.parts[j].entity
+            if a == b or not (static or not (self.is_static(a) and self.is_static(b))):
+                continue
+            near = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= self.reach).all(axis=1))
+            self._measure(i, j, frames, near, found)
+        return {pair: series for pair, series in found.items() if series.min() <= self.reach}
+
+    def _measure(self, i: int, j: int, frames: NDArray[np.intp], near: NDArray[np.intp], found: dict[Pair, F64]) -> None:
+        a, b = self.parts[i], self.parts[j]
+        at = frames[near]
+        track_a, track_b = self.track(a.entity, a.body).take(at), self.track(b.entity, b.body).take(at)
+        values = clearance_series(a.solid, track_a, b.solid, track_b, skip_above=self.reach)
+        pair = (a.entity, b.entity)
+        series = found.setdefault(pair, np.full(len(frames), np.inf))
+        series[near] = np.minimum(series[near], values)
+
+    @cached_property
+    def first(self) -> dict[Pair, float]:
+        """Clearance [m] at frame 0 of every pair within `reach`, static pairs included."""
+        return {pair: float(series[0]) for pair, series in self.scan(np.zeros(1, dtype=np.intp), static=True).items()}
+
+    @cached_property
+    def moving(self) -> dict[Pair, F64]:
+        """Clearance [m] over all frames of every pair that comes within `reach` and of which one moves."""
+        return self.scan(np.arange(self.frames), static=False)
+
+    def series(self, a: str, b: str) -> F64:
+        """Clearance of two entities over all frames [m]; infinite where they are farther apart than `reach`."""
+        found = self.moving.get((a, b), self.moving.get((b, a)))
+        if found is not None:
+            return found
+        if self.is_static(a) and self.is_static(b):
+            return np.full(self.frames, self.first.get((a, b), self.first.get((b, a), math.inf)))
+        return np.full(self.frames, math.inf)
+
+    def gap(self, a: str, b: str, frame: int) -> Gap:
+        """Exact clearance of two entities at one frame, with its points."""
+        best: Gap | None = None
+        for i in self.parts_of[a]:
+            for j in self.parts_of[b]:
+                one, two = self.parts[i], self.parts[j]
+                pose_a, pose_b = self.track(a, one.body).at(frame), self.track(b, two.body).at(frame)
+                found = signed_clearance(one.solid, pose_a, two.solid, pose_b)
+                if best is None or found.distance < best.distance:
+                    best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
+        assert best is not None
+        return best
+
+    def carries(self, below: str, above: str) -> NDArray[np.bool_]:
+        """At which frames `below` touches `above` and stands in the way of its falling, shape (frames,).
+
+        Clearance is measured again with `above` moved along gravity by the contact tolerance: it must shrink by at
+        least `SUPPORT_SLOPE` of that move, which is the rise of the contact normal.
+        """
+        key = (below, above)
+        if key not in self._support:
+            self._support[key] = self._carries(below, above)
+        return self._support[key]
+
+    def _carries(self, below: str, above: str) -> NDArray[np.bool_]:
+        distance = self.series(below, above)
+        gap = self.contact_gap(below, above)
+        touching = np.flatnonzero(distance <= gap)
+        result = np.zeros(self.frames, dtype=bool)
+        if len(touching) == 0:
+            return result
+        gravity = np.array(self.candidate.spec.simulation.gravity)
+        strength = float(np.linalg.norm(gravity))
+        if strength < 1e-12:
+            result[touching] = True
+            return result
+        shift = gap * gravity / strength
+        moved = np.full(len(touching), np.inf)
+        for i in self.parts_of[above]:
+            for j in self.parts_of[below]:
+                one, two = self.parts[i], self.parts[j]
+                track = self.track(above, one.body).take(touching)
+                lowered = Track(track.position + shift, track.quaternion)
+                other = self.track(below, two.body).take(touching)
+                moved = np.minimum(moved, clearance_series(one.solid, lowered, two.solid, other, skip_above=self.reach))
+        result[touching] = moved <= distance[touching] - SUPPORT_SLOPE * gap
+        return result
+
+    @cached_property
+    def neighbours(self) -> Mapping[str, tuple[str, ...]]:
+        """Entities that come within `reach` of each entity at some frame."""
+        found: dict[str, list[str]] = {name: [] for name in self.candidate.spec.entities}
+        for a, b in self.moving:
+            found[a].append(b)
+            found[b].append(a)
+        return {name: tuple(others) for name, others in found.items()}
+
+
+_recent: list[Surfaces] = []
+
+
+def surfaces_of(candidate: Candidate) -> Surfaces:
+    """Surfaces of a candidate; the last two candidates are remembered."""
+    for known in _recent:
+        if known.candidate is candidate:
+            return known
+    made = Surfaces(candidate)
+    _recent.insert(0, made)
+    del _recent[2:]
+    return made

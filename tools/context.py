@@ -1,0 +1,77 @@
+"""What a tool gets and what it gives back; the server turns these into MCP messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..execution import JobStore
+
+__all__ = ["Picture", "ToolBinding", "ToolContext", "ToolReply"]
+
+
+@dataclass(frozen=True)
+class ToolContext:
+    """One call's surroundings."""
+
+    workspace: Path
+    """Root of all worlds; no path leads out of it."""
+    jobs: JobStore
+    progress: Callable[[float, float | None, str], None]
+    """Reports (done, total, message) to the client; safe from any thread; never raises."""
+    cancelled: Callable[[], bool]
+    """Whether the client gave up on this call (a started job lives on)."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An encoded image for the client to show."""
+
+    data: bytes
+    format: str
+    """`jpeg` or `png`."""
+
+
+@dataclass(frozen=True)
+class ToolReply:
+    """Result of a tool.
+
+    A reply with pictures carries no structured content (some clients then drop the pictures): its `data` becomes
+    one compact JSON text block beside them. A reply without pictures is structured content plus the same JSON as text.
+    """
+
+    data: dict[str, Any]
+    pictures: tuple[Picture, ...] = ()
+    links: tuple[tuple[str, str, str], ...] = ()
+    """Resource links: (name, `worldagent://...` URI, MIME type)."""
+
+
+@dataclass(frozen=True)
+class ToolBinding:
+    """One MCP tool. `function(context, ...)` has typed, described parameters after the context."""
+
+    function: Callable[..., ToolReply]
+    title: str
+    read_only: bool
+    destructive: bool = False
+    idempotent: bool = False
+    pictures: bool = False
+    """Whether replies can hold pictures: then the tool declares no output schema."""
+
+    @property
+    def name(self) -> str:
+        """The tool's name: the function's."""
+        return self.function.__name__
+
+    @property
+    def description(self) -> str:
+        """What the calling model reads: the function's docstring."""
+        import inspect
+
+        text = inspect.getdoc(self.function)
+        if not text:
+            raise ValueError(f"tool {self.name} has no docstring")
+        return text

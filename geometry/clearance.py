@@ -82,11 +82,11 @@ def _box_gap(a: Solid, b: Solid, poses: Relative) -> F64:
 class _Mesh:
     """fcl objects of one pair; a moves in the frame of b."""
 
-    def __init__(self, a: Solid, b: Solid) -> None:
+    def __init__(self, a: Solid, b: Solid, *, witness: bool) -> None:
         import fcl
 
         self.fcl = fcl
-        self.a, self.b = a, b
+        self.a, self.b, self.witness = a, b, witness
         self.first, self.second = fcl.CollisionObject(a.bvh), fcl.CollisionObject(b.bvh)
         self.request = fcl.DistanceRequest()
 
@@ -98,6 +98,12 @@ class _Mesh:
         result: Any = self.fcl.DistanceResult()
         value = self.fcl.distance(self.first, self.second, self.request, result)
         return float(value), result.b1, result.b2
+
+    def nearest(self, one: Relative, i: int, j: int) -> tuple[F64, F64]:
+        """Nearest points of triangle i of a and triangle j of b, in the frame of b; zeros where nobody asks."""
+        if not self.witness:
+            return np.zeros(3), np.zeros(3)
+        return triangle_pair(one.forward(self.a.triangles[i])[0], self.b.triangles[j])
 
     def crossings(self) -> I32:
         """Pairs of triangles that cross or touch, shape (k, 2)."""
@@ -121,10 +127,10 @@ class _Found:
         self.value[index], self.point_a[index], self.point_b[index], self.method[index] = value, point_a, point_b, method
 
 
-def _measure(a: Solid, b: Solid, poses: Relative) -> _Found:
+def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool) -> _Found:
     count = len(poses.translation)
     found = _Found(np.empty(count), np.empty((count, 3)), np.empty((count, 3)), np.full(count, "", dtype="<U10"))
-    mesh = _Mesh(a, b)
+    mesh = _Mesh(a, b, witness=witness)
     if not (a.convex and b.convex):
         for k in range(count):
             _general(mesh, poses, k, found)
@@ -150,8 +156,7 @@ def _apart_by_mesh(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:
     one = poses.take(np.array([k]))
     if contains(b, one.forward(a.vertices[:1])[0])[0] or contains(a, one.backward(b.vertices[:1])[0])[0]:
         return False
-    point_a, point_b = triangle_pair(one.forward(a.triangles[i])[0], b.triangles[j])
-    found.put(np.array([k]), np.array(value), point_a, point_b, "mesh")
+    found.put(np.array([k]), np.array(value), *mesh.nearest(one, i, j), "mesh")
     return True
 
 
@@ -183,8 +188,8 @@ def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: 
         for k in rest:
             mesh.place(poses, int(index[k]))
             value, i, j = mesh.distance()
-            point_a, point_b = triangle_pair(here.take(np.array([k])).forward(a.triangles[i])[0], b.triangles[j])
-            found.put(index[k : k + 1], np.array(max(value, 0.0)), point_a, point_b, "edges")
+            points = mesh.nearest(here.take(np.array([k])), i, j)
+            found.put(index[k : k + 1], np.array(max(value, 0.0)), *points, "edges")
         return
     step = max(1, BLOCK // (10 * pairs))
     for s in range(0, len(rest), step):
@@ -221,37 +226,37 @@ def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
 def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
-    one = poses.take(np.array([k]))
+    here = np.array([k])
+    one = poses.take(here)
     if _is_copy(a, b, one, noise) and _coincident(mesh, poses, k, found):
         return
     mesh.place(poses, k)
     value, i, j = mesh.distance()
-    va, vb = one.forward(a.vertices)[0], one.backward(b.vertices)[0]
     touching = value <= noise
-    if not touching and not (_may_hold(b, va) or _may_hold(a, vb)):
-        found.put(np.array([k]), np.array(value), *triangle_pair(va[a.faces[i]], b.triangles[j]), "mesh")
+    if not touching and not (_holds(b, one.forward(a.component_heads)[0]) or _holds(a, one.backward(b.component_heads)[0])):
+        found.put(here, np.array(value), *mesh.nearest(one, i, j), "mesh")
         return
     pairs = mesh.crossings() if touching else np.empty((0, 2), dtype=np.int32)
-    into_b = surface_depth(a, va, b, pairs, noise=noise)
-    into_a = surface_depth(b, vb, a, pairs[:, ::-1], noise=noise)
+    into_b = surface_depth(a, one, b, pairs, noise=noise)
+    into_a = surface_depth(b, one.inverse(), a, pairs[:, ::-1], noise=noise)
     if max(into_a.depth, into_b.depth) > noise:
         point_a, point_b, depth = _deep_points(one, into_b, into_a)
-        found.put(np.array([k]), np.array(-depth), point_a, point_b, "depth")
+        found.put(here, np.array(-depth), point_a, point_b, "depth")
         return
-    point_a, point_b = triangle_pair(va[a.faces[i]], b.triangles[j])
-    found.put(np.array([k]), np.array(max(value, 0.0)), point_a, point_b, "mesh")
+    found.put(here, np.array(max(value, 0.0)), *mesh.nearest(one, i, j), "mesh")
     if not touching:
         return
     if a.closed and b.closed:
         _coincident(mesh, poses, k, found)
     elif not a.closed and not b.closed:
-        reach = crossing_excursion(va[a.faces], b.triangles, pairs, noise=noise)
+        triangles = one.forward(a.triangles[pairs[:, 0]].reshape(-1, 3)).reshape(-1, 3, 3)
+        reach = crossing_excursion(triangles, b.triangles[pairs[:, 1]], noise=noise)
         if reach > noise:
-            found.put(np.array([k]), np.array(-reach), point_a, point_b, "crossing")
+            found.put(here, np.array(-reach), *mesh.nearest(one, i, j), "crossing")
 
 
-def _may_hold(solid: Solid, points: F64) -> bool:
-    return solid.closed and bool(((points > solid.lower) & (points < solid.upper)).all(axis=1).any())
+def _holds(solid: Solid, points: F64) -> bool:
+    return solid.closed and bool(contains(solid, points).any())
 
 
 def _deep_points(one: Relative, into_b: Deep, into_a: Deep) -> tuple[F64, F64, float]:
@@ -271,7 +276,7 @@ def signed_clearance(a: Solid, pose_a: RigidPose, b: Solid, pose_b: RigidPose) -
         pose_b: its pose in the world.
     """
     relative = _relative((pose_a[0][None], pose_a[1][None]), (pose_b[0][None], pose_b[1][None]))
-    found = _measure(a, b, relative)
+    found = _measure(a, b, relative, witness=True)
     points = pose_b.apply(np.stack([found.point_a[0], found.point_b[0]]))
     return Clearance(float(found.value[0]), points[0], points[1], str(found.method[0]))
 
@@ -302,7 +307,7 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     changed |= np.abs(flat - flat[anchor]).max(axis=1) > SAME_POSE
     compute = np.flatnonzero(changed)
     values = np.empty(len(near))
-    values[compute] = _measure(a, b, poses.take(near[compute])).value
+    values[compute] = _measure(a, b, poses.take(near[compute]), witness=False).value
     anchor[compute] = compute
     result[near] = values[anchor]
     return result

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
 from .inside import contains, distance_to_surface
@@ -18,6 +17,7 @@ from .solids import connected
 from .triangles import nearest_on_triangles, triangle_pair_segments
 
 if TYPE_CHECKING:
+    from .polytopes import Relative
     from .solids import Solid
 
 __all__ = ["Deep", "crossing_excursion", "surface_depth"]
@@ -61,59 +61,64 @@ def _evaluate(other: Solid, points: F64, best: Deep) -> Deep:
     return best
 
 
-def surface_depth(surface: Solid, moved: F64, other: Solid, pairs: I32, *, noise: float) -> Deep:
+def surface_depth(surface: Solid, pose: Relative, other: Solid, pairs: I32, *, noise: float) -> Deep:
     """Depth of `surface` inside the closed solid `other`.
 
     Args:
         surface: the surface whose points may be inside.
-        moved: its vertices in the frame of `other` [m], shape (n, 3).
+        pose: its one pose in the frame of `other`.
         other: the solid; an open one has no inside and gives 0.
         pairs: crossing or touching triangles as (triangle of surface, triangle of other), shape (k, 2).
         noise: depths [m] up to this are not refined.
+
+    Returns:
+        Depth and points in the frame of `other`.
     """
-    nothing = Deep(0.0, moved[0], moved[0])
+    nothing = Deep(0.0, np.zeros(3), np.zeros(3))
     if not other.closed:
+        return nothing
+    if len(pairs) == 0:
+        near = contains(other, pose.forward(surface.component_heads)[0])[surface.component[surface.faces[:, 0]]]
+    else:
+        center = pose.backward(other.sphere_center[None])[0, 0]
+        low, high = surface.face_bounds
+        near = ((low <= center + other.sphere_radius) & (high >= center - other.sphere_radius)).all(axis=1)
+    if not near.any():
         return nothing
     cut = np.zeros(len(surface.faces), dtype=bool)
     cut[pairs[:, 0]] = True
-    label = _uncut_components(surface, cut)
-    heads, first = np.unique(label, return_index=True)
-    head_inside = np.zeros(len(heads), dtype=bool)
-    head_inside[:] = contains(other, moved[first])
-    vertex_inside = head_inside[np.searchsorted(heads, label)]
+    cut = cut[near]
+    used, index = np.unique(surface.faces[near], return_inverse=True)
+    faces = index.reshape(-1, 3)
+    moved = pose.forward(surface.vertices[used])[0]
+    # Vertices joined by triangles that nothing cuts are all inside or all outside.
+    kept = faces[~cut]
+    label = connected(len(used), np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]]]))
+    vertex_inside = contains(other, moved[np.unique(label, return_index=True)[1]])[label]
     best = _evaluate(other, moved[vertex_inside], nothing)
     if len(pairs):
-        best = _evaluate(other, _curve_points(moved[surface.faces], other.triangles, pairs), best)
+        triangles = pose.forward(surface.triangles[pairs[:, 0]].reshape(-1, 3)).reshape(-1, 3, 3)
+        best = _evaluate(other, _curve_points(triangles, other.triangles[pairs[:, 1]], pairs[:, 0]), best)
     if best.depth <= noise:
         return best
-    candidates = cut | vertex_inside[surface.faces].any(axis=1)
-    return _refine(moved[surface.faces[candidates]], other, best, noise)
+    return _refine(moved[faces[cut | vertex_inside[faces].any(axis=1)]], other, best, noise)
 
 
-def _uncut_components(surface: Solid, cut: NDArray[np.bool_]) -> I32:
-    """Label vertices that are joined by uncut triangles: such a patch is all inside or all outside."""
-    if not cut.any():
-        return surface.component
-    kept = surface.faces[~cut]
-    return connected(len(surface.vertices), np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]]]))
+def _curve_points(triangles: F64, others: F64, triangle: I32) -> F64:
+    """Midpoints between points where the other surface cuts each triangle: they lie in the cut's own scale.
 
-
-def _curve_points(triangles: F64, others: F64, pairs: I32) -> F64:
-    """Midpoints between points where the other surface cuts each triangle: they lie in the cut's own scale."""
-    pierced = triangle_pair_segments(triangles[pairs[:, 0]], others[pairs[:, 1]])
-    owner = np.repeat(pairs[:, 0], pierced.shape[1])
-    points = pierced.reshape(-1, 3)
+    `triangles` and `others` are pairs of corners, shape (k, 3, 3); `triangle` names the first of each pair.
+    """
+    names, first = np.unique(triangle, return_index=True)
+    pierced = triangle_pair_segments(triangles, others)
+    owner = np.concatenate([np.repeat(triangle, pierced.shape[1]), np.repeat(names, 3)])
+    points = np.concatenate([pierced.reshape(-1, 3), triangles[first].reshape(-1, 3)])
     real = ~np.isnan(points[:, 0])
-    owner, points = owner[real], points[real]
-    corners = np.unique(pairs[:, 0])
-    owner = np.concatenate([owner, np.repeat(corners, 3)])
-    points = np.concatenate([points, triangles[corners].reshape(-1, 3)])
-    order = np.argsort(owner, kind="stable")
-    owner, points = owner[order], points[order]
-    start = np.searchsorted(owner, corners)
-    stop = np.searchsorted(owner, corners, side="right")
+    order = np.argsort(owner[real], kind="stable")
+    owner, points = owner[real][order], points[real][order]
     found = [np.empty((0, 3))]
-    for i, j in zip(start, stop, strict=True):
+    stops = np.searchsorted(owner, names, side="right")
+    for i, j in zip(np.searchsorted(owner, names), stops, strict=True):
         group = points[i:j]
         if len(group) > CURVE_POINTS:
             group = group[np.linspace(0, len(group) - 1, CURVE_POINTS).astype(int)]
@@ -164,29 +169,27 @@ def _split(pieces: F64) -> F64:
     return np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
 
 
-def crossing_excursion(a: F64, b: F64, pairs: I32, *, noise: float) -> float:
+def crossing_excursion(one: F64, two: F64, *, noise: float) -> float:
     """How far triangles of two open sheets reach through each other [m]; 0 where they only touch.
 
     For each crossing pair the smaller of the two heights to which the corners of one rise on either side of the
     plane of the other; the larger of the two ways; the largest over the pairs.
 
     Args:
-        a: triangles of one sheet, shape (m, 3, 3), in a common frame.
-        b: triangles of the other sheet.
-        pairs: candidate pairs, shape (k, 2).
+        one: triangles of one sheet, shape (k, 3, 3), in a common frame.
+        two: for each of them a triangle of the other sheet that it may cross, same shape.
         noise: intersection segments [m] shorter than this are touches.
     """
-    if len(pairs) == 0:
+    if len(one) == 0:
         return 0.0
-    one, two = a[pairs[:, 0]], b[pairs[:, 1]]
     pierced = triangle_pair_segments(one, two)
     filled = np.where(np.isnan(pierced), np.inf, pierced).min(axis=1), np.where(np.isnan(pierced), -np.inf, pierced).max(axis=1)
     with np.errstate(invalid="ignore"):
         length = np.nan_to_num(np.linalg.norm(filled[1] - filled[0], axis=1), nan=0.0, posinf=0.0)
     # Both corners of each must rise on both sides: an edge laid on a face rises on one side only.
-    reach = np.minimum(_through(one, two), _through(two, one))
-    larger = np.maximum(_through(one, two), _through(two, one))
-    crossing = (length > noise) & (reach > -noise) & (larger > noise)
+    first, second = _through(one, two), _through(two, one)
+    larger = np.maximum(first, second)
+    crossing = (length > noise) & (np.minimum(first, second) > -noise) & (larger > noise)
     return float(larger[crossing].max(initial=0.0))
 
 

@@ -19,6 +19,8 @@ PAIRS = 400_000
 """Point-triangle pairs per chunk."""
 BRUTE_FACES = 200
 """Own choice, measured: below this many triangles a full sweep beats the k-d tree."""
+GRID_FACES = 500
+"""Own choice: above this many triangles points are classified by counting crossings."""
 
 
 def winding_number(triangles: F64, points: F64) -> F64:
@@ -62,7 +64,12 @@ def contains(solid: Solid, points: F64) -> NDArray[np.bool_]:
         facets = solid.facets
         return np.asarray((points @ facets.normals.T <= facets.offsets).all(axis=1))
     near = np.flatnonzero(((points >= solid.lower) & (points <= solid.upper)).all(axis=1))
-    result[near] = np.abs(winding_number(solid.triangles, points[near])) > 0.5
+    if len(solid.faces) <= GRID_FACES or not solid.is_watertight:
+        result[near] = np.abs(winding_number(solid.triangles, points[near])) > 0.5
+        return result
+    winding, doubtful = solid.ray_grid.winding(points[near])
+    winding[doubtful] = winding_number(solid.triangles, points[near[doubtful]])
+    result[near] = np.abs(winding) > 0.5
     return result
 
 
@@ -79,19 +86,30 @@ def distance_to_surface(solid: Solid, points: F64) -> Nearest:
             distance[i : i + step], nearest[i : i + step] = d[rows, k], q[rows, k]
         return Nearest(distance, nearest)
     center = solid.triangles.mean(axis=1)
-    reach = np.linalg.norm(solid.triangles - center[:, None], axis=-1).max(axis=1)
-    bound = solid.vertex_tree.query(points)[0] * (1.0 + 1e-12)
-    center = center - solid.sphere_center
-    step = max(1, 2 * PAIRS // len(center))
+    bound = solid.vertex_tree.query(points)[0] * (1.0 + 1e-12) + 1e-12 * solid.size
+    # Few large triangles among many small ones (the base of a terrain) are always compared, the small ones by tree.
+    common = float(np.quantile(solid.reaches, 0.9)) * 2.0
+    large = np.flatnonzero(solid.reaches > common)
+    step = max(1, PAIRS // (64 + len(large)))
     for i in range(0, len(points), step):
         block = points[i : i + step]
-        local = block - solid.sphere_center
-        square = (local * local).sum(axis=1)[:, None] - 2.0 * local @ center.T + (center * center).sum(axis=1)
-        # The expanded square loses digits; 1e-6 of the size more keeps every possible triangle.
-        limit = bound[i : i + step, None] + reach + 1e-6 * solid.size
-        rows, columns = np.nonzero(square <= limit * limit)
-        d, q = nearest_on_triangles(block[rows], solid.triangles[columns])
+        near = solid.centroid_tree.query_ball_point(block, bound[i : i + step] + common)
+        count = np.array([len(n) for n in near])
+        columns = np.concatenate([np.asarray(n, dtype=np.intp) for n in near])
+        rows = np.repeat(np.arange(len(block)), count)
+        gap = np.linalg.norm(block[rows] - center[columns], axis=1) - solid.reaches[columns]
+        keep = gap <= bound[i : i + step][rows]
+        rows = np.concatenate([rows[keep], np.repeat(np.arange(len(block)), len(large))])
+        columns = np.concatenate([columns[keep], np.tile(large, len(block))])
+        d, q = _pairwise(block, solid.triangles, rows, columns)
         order = np.lexsort((d, rows))
         first = order[np.searchsorted(rows[order], np.arange(len(block)))]
         distance[i : i + step], nearest[i : i + step] = d[first], q[first]
     return Nearest(distance, nearest)
+
+
+def _pairwise(points: F64, triangles: F64, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Nearest:
+    parts = [
+        nearest_on_triangles(points[rows[s : s + PAIRS]], triangles[columns[s : s + PAIRS]]) for s in range(0, len(rows), PAIRS)
+    ]
+    return Nearest(np.concatenate([d for d, _ in parts]), np.concatenate([q for _, q in parts]))

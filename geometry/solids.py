@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64, I32
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import InputError
+from .crossings import RayGrid
 
 __all__ = ["Facets", "Solid"]
 
@@ -111,6 +112,11 @@ class Solid:
     def triangles(self) -> F64:
         """Corners of all triangles [m], shape (m, 3, 3)."""
         return np.ascontiguousarray(self.vertices[self.faces])
+
+    @cached_property
+    def face_bounds(self) -> tuple[F64, F64]:
+        """Bounding box of each triangle [m]: least and greatest corners, shape (m, 3) each."""
+        return np.asarray(self.triangles.min(axis=1)), np.asarray(self.triangles.max(axis=1))
 
     @cached_property
     def face_normals(self) -> F64:
@@ -269,6 +275,21 @@ class Solid:
         from scipy.spatial import cKDTree
 
         return cKDTree(self.triangles.mean(axis=1))
+
+    @cached_property
+    def reaches(self) -> F64:
+        """Largest distance from the centroid of each triangle to its corners [m], shape (m,)."""
+        return np.asarray(np.linalg.norm(self.triangles - self.triangles.mean(axis=1)[:, None], axis=-1).max(axis=1))
+
+    @cached_property
+    def ray_grid(self) -> RayGrid:
+        """Grid for winding numbers of large watertight meshes."""
+        return RayGrid(self.triangles)
+
+    @cached_property
+    def component_heads(self) -> F64:
+        """One vertex of each connected component [m], shape (k, 3)."""
+        return np.asarray(self.vertices[np.unique(self.component, return_index=True)[1]])
 
 
 def connected(count: int, edges: I32) -> I32:

@@ -1,0 +1,213 @@
+"""Which instance is seen in which pixel, by exact ray casting without GL, JIT or a device.
+
+A ray through a pixel centre is linear in the pixel's coordinates, so the three signed volumes of the ray with the edges
+of a triangle, and the reciprocal depth, are linear too: they are evaluated over the pixels of each triangle's bounding
+rectangle only. Homogeneous edge functions need no clipping at the eye plane. Source: Olano and Greer (1997),
+doi:10.1145/258694.258723.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64, I32, RigidPose, rotation_matrix
+from ..worlds.built import TriangleMesh
+from ..worlds.errors import InputError
+from .camera import Camera
+
+__all__ = ["IdCaster", "IdImage", "coverage"]
+
+F32 = NDArray[np.float32]
+LARGE = 512
+"""Pixels of a bounding rectangle from which on a triangle is drawn by itself; measured."""
+CHUNK = 1_000_000
+"""Triangle-pixel pairs drawn at once."""
+SEAM = 1e-12
+"""Barycentric overlap of neighbouring triangles, so that no ray slips through their common edge."""
+NEAR = 1e-9
+"""Least depth [m] of a hit."""
+
+
+class IdImage(NamedTuple):
+    """What one view sees."""
+
+    ids: I32
+    """Index of the instance in front, shape (height, width); -1 where nothing is."""
+    depth: F32
+    """Depth along the viewing axis [m], shape (height, width); inf where nothing is."""
+    normals: F32
+    """World normal of the triangle hit, outward by its winding, shape (height, width, 3); 0 where nothing is."""
+
+
+def coverage(ids: I32, instance_groups: Sequence[str]) -> dict[str, int]:
+    """Pixels per group; groups that are not seen have 0.
+
+    Args:
+        ids: `IdImage.ids`.
+        instance_groups: the group of each instance, e.g. the entity whose body it is.
+    """
+    counts = np.bincount(ids[ids >= 0].reshape(-1), minlength=len(instance_groups))
+    result = dict.fromkeys(instance_groups, 0)
+    for group, count in zip(instance_groups, counts, strict=True):
+        result[group] += int(count)
+    return result
+
+
+class IdCaster:
+    """Casts rays at a fixed list of rigid instances. Both sides of every triangle are seen."""
+
+    def __init__(self, meshes: Sequence[TriangleMesh]) -> None:
+        self._count = len(meshes)
+        counts = [len(m.vertices) for m in meshes]
+        starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        empty = np.empty((0, 3))
+        self._vertices = np.concatenate([empty, *(np.asarray(m.vertices, dtype=np.float64).reshape(-1, 3) for m in meshes)])
+        self._vertex_start = starts
+        faces = [np.asarray(m.faces, dtype=np.int64).reshape(-1, 3) + s for m, s in zip(meshes, starts, strict=False)]
+        self._faces = np.concatenate([empty.astype(np.int64), *faces])
+        self._owner = np.repeat(np.arange(self._count), [len(f) for f in faces])
+
+    def cast(self, camera: Camera, poses: Sequence[RigidPose], *, only: Sequence[int] | None = None) -> IdImage:
+        """Look at the instances at `poses`.
+
+        Args:
+            camera: the view.
+            poses: pose of each instance.
+            only: indices of the instances to look at, as if the others were not there; default all.
+
+        Raises:
+            InputError: the number of poses differs from the number of instances.
+        """
+        if len(poses) != self._count:
+            raise InputError(f"{len(poses)} poses for {self._count} instances; give one pose per instance")
+        local = self._camera_vertices(camera, poses)
+        shown = np.ones(len(self._faces), dtype=bool)
+        if only is not None:
+            chosen = np.zeros(self._count, dtype=bool)
+            chosen[list(only)] = True
+            shown = chosen[self._owner]
+        index, rectangle = _rectangles(camera, local, self._faces, np.flatnonzero(shown))
+        buffer = _Buffer(camera)
+        buffer.draw(local[self._faces[index]], index, rectangle)
+        return self._image(camera, local, buffer)
+
+    def _camera_vertices(self, camera: Camera, poses: Sequence[RigidPose]) -> F64:
+        """All vertices in camera coordinates with the viewing axis as +z: (right, down, forward)."""
+        flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
+        local = np.empty_like(self._vertices)
+        for i, pose in enumerate(poses):
+            part = slice(self._vertex_start[i], self._vertex_start[i + 1])
+            turn = flip @ rotation_matrix(pose.quaternion)
+            local[part] = self._vertices[part] @ turn.T + flip @ (pose.position - camera.position)
+        return local
+
+    def _image(self, camera: Camera, local: F64, buffer: _Buffer) -> IdImage:
+        face = buffer.face.reshape(camera.height, camera.width)
+        hit = face >= 0
+        ids = np.full(face.shape, -1, dtype=np.int32)
+        ids[hit] = self._owner[face[hit]]
+        seen, inverse = np.unique(face[hit], return_inverse=True)
+        corner = local[self._faces[seen]]
+        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        normals = np.zeros((*face.shape, 3), dtype=np.float32)
+        flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
+        normals[hit] = (normal @ flip)[inverse]
+        depth = np.where(hit, buffer.depth.reshape(face.shape), np.inf).astype(np.float32)
+        return IdImage(ids, depth, normals)
+
+
+def _rectangles(camera: Camera, local: F64, faces: NDArray[np.int64], index: NDArray[np.intp]) -> tuple[NDArray[np.intp], I32]:
+    """Triangles that can cover a pixel centre and the pixels they may cover: x0, x1, y0, y1 (exclusive ends)."""
+    z = local[:, 2]
+    front = z > NEAR
+    scale = camera.focal / np.where(front, z, 1.0)
+    x = 0.5 * camera.width + local[:, 0] * scale
+    y = 0.5 * camera.height + local[:, 1] * scale
+    in_front = front[faces[index]]
+    index = index[in_front.any(axis=1)]
+    whole = front[faces[index]].all(axis=1)
+    bounds = np.empty((len(index), 4))
+    for k, (value, size) in enumerate(((x, camera.width), (y, camera.height))):
+        corner = value[faces[index]]
+        # Triangles through the eye plane may cover anything.
+        bounds[:, 2 * k] = np.where(whole, np.ceil(corner.min(axis=1) - 0.5), 0)
+        bounds[:, 2 * k + 1] = np.where(whole, np.floor(corner.max(axis=1) - 0.5) + 1, size)
+        bounds[:, 2 * k : 2 * k + 2] = np.clip(bounds[:, 2 * k : 2 * k + 2], 0, size)
+    some = (bounds[:, 0] < bounds[:, 1]) & (bounds[:, 2] < bounds[:, 3])
+    return index[some], bounds[some].astype(np.int32)
+
+
+class _Buffer:
+    """Depth buffer of triangles, flat over the pixels."""
+
+    def __init__(self, camera: Camera) -> None:
+        self.camera = camera
+        self.depth = np.full(camera.width * camera.height, np.inf)
+        self.face = np.full(camera.width * camera.height, -1, dtype=np.int64)
+
+    def draw(self, corner: F64, index: NDArray[np.intp], rectangle: I32) -> None:
+        """Draw triangles with camera-space corners, shape (n, 3, 3)."""
+        a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
+        edge = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+        volume = np.einsum("ni,ni->n", a, edge[:, 0])
+        solid = volume != 0.0
+        edge, index, rectangle = edge[solid] / volume[solid][:, None, None], index[solid], rectangle[solid]
+        # Ray (x, y, 1) with x = (column + 0.5 - w / 2) / f: the edge functions as column, row, constant coefficients.
+        camera = self.camera
+        edge[:, :, 2] += (edge[:, :, 0] * (0.5 - 0.5 * camera.width) + edge[:, :, 1] * (0.5 - 0.5 * camera.height)) / camera.focal
+        edge[:, :, :2] /= camera.focal
+        wide, high = rectangle[:, 1] - rectangle[:, 0], rectangle[:, 3] - rectangle[:, 2]
+        area = wide.astype(np.int64) * high
+        for k in np.flatnonzero(area > LARGE):
+            self._draw_large(edge[k], int(index[k]), rectangle[k])
+        small = np.flatnonzero(area <= LARGE)
+        total = np.cumsum(area[small])
+        start = 0
+        while start < len(small):
+            stop = max(start + 1, int(np.searchsorted(total, (total[start - 1] if start else 0) + CHUNK, side="right")))
+            part = small[start:stop]
+            self._draw_small(edge[part], index[part], rectangle[part], wide[part], area[part])
+            start = stop
+
+    def _draw_large(self, edge: F64, index: int, rectangle: I32) -> None:
+        x0, x1, y0, y1 = (int(v) for v in rectangle)
+        column, row = np.arange(x0, x1), np.arange(y0, y1)[:, None]
+        inverse = np.zeros((y1 - y0, x1 - x0))
+        least = np.full(inverse.shape, np.inf)
+        for k in range(3):
+            value = (edge[k, 0] * column + edge[k, 2]) + edge[k, 1] * row
+            np.minimum(least, value, out=least)
+            inverse += value
+        shape = (self.camera.height, self.camera.width)
+        depth, face = self.depth.reshape(shape)[y0:y1, x0:x1], self.face.reshape(shape)[y0:y1, x0:x1]
+        inside = (least >= -SEAM * inverse) & (inverse > 0.0)
+        hit = np.where(inside, 1.0 / np.where(inside, inverse, 1.0), np.inf)
+        hit[hit < NEAR] = np.inf
+        closer = hit < depth
+        depth[closer] = hit[closer]
+        face[closer] = index
+
+    def _draw_small(self, edge: F64, index: NDArray[np.intp], rectangle: I32, wide: I32, area: NDArray[np.int64]) -> None:
+        owner = np.repeat(np.arange(len(index)), area)
+        offset = np.arange(len(owner)) - np.repeat(np.cumsum(area) - area, area)
+        row, column = np.divmod(offset, wide[owner])
+        row += rectangle[owner, 2]
+        column += rectangle[owner, 0]
+        inverse = np.zeros(len(owner))
+        least = np.full(len(owner), np.inf)
+        for k in range(3):
+            value = edge[owner, k, 0] * column + edge[owner, k, 1] * row + edge[owner, k, 2]
+            np.minimum(least, value, out=least)
+            inverse += value
+        hit = np.flatnonzero((least >= -SEAM * inverse) & (inverse > 0.0))
+        depth = 1.0 / inverse[hit]
+        pixel = row[hit] * self.camera.width + column[hit]
+        np.minimum.at(self.depth, pixel, np.where(depth >= NEAR, depth, np.inf))
+        front = depth == self.depth[pixel]
+        # The first triangle of equals wins, whatever the chunking.
+        self.face[pixel[front][::-1]] = index[owner[hit[front]]][::-1]

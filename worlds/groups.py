@@ -1,0 +1,79 @@
+"""Registry of causal parameter groups: JSON pointer -> group and class of edit (R111-R113)."""
+
+from __future__ import annotations
+
+import re
+from typing import Literal, NamedTuple
+
+__all__ = ["GROUPS", "EditClass", "GroupInfo", "group_of"]
+
+EditClass = Literal["scene", "solver", "shot", "story", "text"]
+
+
+class GroupInfo(NamedTuple):
+    """One causal parameter group."""
+
+    name: str
+    edit_class: EditClass
+    meaning: str
+
+
+GROUPS: dict[str, GroupInfo] = {
+    g.name: g
+    for g in (
+        GroupInfo("placement", "scene", "where entities stand and how they are turned"),
+        GroupInfo("dimensions", "scene", "declared sizes"),
+        GroupInfo("shape", "scene", "parts, collision shapes, generators, entities added or removed"),
+        GroupInfo("joints", "scene", "hinges, slides, balls, welds, springs"),
+        GroupInfo("relations", "scene", "scene graph: regions and relations"),
+        GroupInfo("material", "solver", "friction, restitution, density"),
+        GroupInfo("mass", "solver", "declared masses and damping"),
+        GroupInfo("initial_state", "solver", "velocities at frame 0"),
+        GroupInfo("contact", "solver", "collision skins, special contact pairs, contact stiffness"),
+        GroupInfo("step", "solver", "time step, iterations and other solver settings"),
+        GroupInfo("drivers", "solver", "authored drivers, gravity, couplings"),
+        GroupInfo("interval", "solver", "frames, frame rate, preroll, seed"),
+        GroupInfo("story", "story", "beats and requirements"),
+        GroupInfo("limits", "story", "bounds of checks"),
+        GroupInfo("shots", "shot", "shot plan"),
+        GroupInfo("look", "shot", "light, picture format, appearance"),
+        GroupInfo("text", "text", "titles, roles, clause mapping: no influence on anything simulated"),
+    )
+}
+
+_RULES: tuple[tuple[str, str], ...] = (
+    (r"/entities/[^/]+/pose(/.*)?", "placement"),
+    (r"/entities/[^/]+/(dimensions|nominal_diagonal)(/.*)?", "dimensions"),
+    (r"/entities/[^/]+/physics/(linear_velocity|angular_velocity)(/.*)?", "initial_state"),
+    (r"/entities/[^/]+/physics(/.*)?", "mass"),
+    (r"/entities/[^/]+/material", "material"),
+    (r"/entities/[^/]+/(role|inputs|outputs)(/.*)?", "text"),
+    (r"/entities/[^/]+/parts/[^/]+/material", "material"),
+    (r"/entities(/.*)?", "shape"),
+    (r"/materials/[^/]+/appearance(/.*)?", "look"),
+    (r"/materials(/.*)?", "material"),
+    (r"/graph(/.*)?", "relations"),
+    (r"/story/semantics", "text"),
+    (r"/story(/.*)?", "story"),
+    (r"/shots(/.*)?", "shots"),
+    (r"/look(/.*)?", "look"),
+    (r"/(title|clauses)(/.*)?", "text"),
+    (r"/simulation/limits(/.*)?", "limits"),
+    (r"/simulation/joints(/.*)?", "joints"),
+    (r"/simulation/(drivers|gravity|couplings|order)(/.*)?", "drivers"),
+    (r"/simulation/contacts(/.*)?", "contact"),
+    (r"/simulation/solvers/[^/]+/settings/(skin|contact_steps|impratio|speculative)", "contact"),
+    (r"/simulation/solvers/[^/]+/members(/.*)?", "shape"),
+    (r"/simulation/solvers(/.*)?", "step"),
+    (r"/simulation/(fps|frames|preroll|seed)", "interval"),
+    (r"/simulation", "interval"),
+)
+_COMPILED = tuple((re.compile(pattern + "$"), group) for pattern, group in _RULES)
+
+
+def group_of(pointer: str) -> GroupInfo:
+    """Group of a JSON pointer into `world.json`; `text` for what nothing depends on."""
+    for pattern, group in _COMPILED:
+        if pattern.match(pointer):
+            return GROUPS[group]
+    return GROUPS["text"]

@@ -1,0 +1,289 @@
+"""The ledger of a world: revisions, matrix, iterations, freezes, bakes, acceptances (SQLite, rollback journal)."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .requirements import Row, fail_closed
+
+__all__ = ["Ledger"]
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS revisions (
+    n INTEGER PRIMARY KEY, created REAL NOT NULL, digest TEXT NOT NULL, spec TEXT NOT NULL, patch TEXT NOT NULL,
+    hypothesis TEXT NOT NULL, groups TEXT NOT NULL, weakenings TEXT NOT NULL, reason TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS matrix (
+    id TEXT PRIMARY KEY, revision INTEGER NOT NULL, stage TEXT NOT NULL, status TEXT NOT NULL, row TEXT NOT NULL, updated REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS history (
+    seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL, revision INTEGER NOT NULL, stage TEXT NOT NULL, status TEXT NOT NULL,
+    measured REAL, bound REAL, entity TEXT, frame INTEGER, at REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS iterations (
+    n INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, hypothesis TEXT NOT NULL, grp TEXT NOT NULL,
+    failing_before TEXT NOT NULL, probe TEXT, failing_after TEXT, at REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS freezes (
+    freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, passed INTEGER NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS bakes (freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS acceptances (
+    n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL, verdict TEXT NOT NULL,
+    record TEXT NOT NULL, at REAL NOT NULL);
+"""
+
+
+class Ledger:
+    """Outcomes of one world. Append-only but for the matrix, whose changes are kept in `history`."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with self._open() as db:
+            db.executescript(_SCHEMA)
+
+    @contextmanager
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        db = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
+        try:
+            db.row_factory = sqlite3.Row
+            yield db
+        finally:
+            db.close()
+
+    @contextmanager
+    def _write(self) -> Iterator[sqlite3.Connection]:
+        with self._open() as db:
+            db.execute("BEGIN IMMEDIATE")
+            try:
+                yield db
+            except BaseException:
+                db.execute("ROLLBACK")
+                raise
+            db.execute("COMMIT")
+
+    # ---------------------------------------------------------------- revisions
+
+    def add_revision(
+        self,
+        spec_json: str,
+        digest: str,
+        *,
+        expected: int,
+        patch: Any = (),
+        hypothesis: str = "",
+        groups: Iterable[str] = (),
+        weakenings: Iterable[str] = (),
+        reason: str = "",
+    ) -> int | None:
+        """Append a revision if the latest one is `expected`; returns its number, or None when another came first."""
+        with self._write() as db:
+            latest = db.execute("SELECT COALESCE(MAX(n), 0) FROM revisions").fetchone()[0]
+            if latest != expected:
+                return None
+            db.execute(
+                "INSERT INTO revisions VALUES (?,?,?,?,?,?,?,?,?)",
+                (
+                    latest + 1,
+                    time.time(),
+                    digest,
+                    spec_json,
+                    json.dumps(list(patch)),
+                    hypothesis,
+                    json.dumps(sorted(groups)),
+                    json.dumps(list(weakenings)),
+                    reason,
+                ),
+            )
+            return int(latest) + 1
+
+    def revision(self) -> int:
+        """Number of the latest revision; 0 before the first."""
+        with self._open() as db:
+            return int(db.execute("SELECT COALESCE(MAX(n), 0) FROM revisions").fetchone()[0])
+
+    def revision_spec(self, n: int) -> tuple[str, str] | None:
+        """(spec JSON, digest) of a revision."""
+        with self._open() as db:
+            row = db.execute("SELECT spec, digest FROM revisions WHERE n=?", (n,)).fetchone()
+        return None if row is None else (row["spec"], row["digest"])
+
+    def revisions(self, limit: int = 50, offset: int = 0) -> list[dict[str, Any]]:
+        """Revisions, newest first, without their specs."""
+        with self._open() as db:
+            rows = db.execute(
+                "SELECT n, created, digest, patch, hypothesis, groups, weakenings, reason FROM revisions ORDER BY n DESC LIMIT ? OFFSET ?",
+                (limit, offset),
+            ).fetchall()
+        parsed = ("patch", "groups", "weakenings")
+        return [{k: json.loads(r[k]) if k in parsed else r[k] for k in r.keys()} for r in rows]  # noqa: SIM118
+
+    def weakenings(self) -> list[dict[str, Any]]:
+        """All weakening edits with their reasons, oldest first (R157)."""
+        with self._open() as db:
+            rows = db.execute("SELECT n, weakenings, reason FROM revisions WHERE weakenings != '[]' ORDER BY n").fetchall()
+        return [{"revision": r["n"], "weakenings": json.loads(r["weakenings"]), "reason": r["reason"]} for r in rows]
+
+    # ---------------------------------------------------------------- matrix
+
+    def put_rows(self, rows: Iterable[Row], *, revision: int, stage: str, checks: Iterable[str] = ()) -> list[Row]:
+        """Write rows; returns those whose status or measurement changed.
+
+        Args:
+            rows: verdicts of one run.
+            revision: of the specification they were derived from.
+            stage: `audit`, `static`, `probe`, `full` or `acceptance`.
+            checks: checks that were run completely: their older rows of any stage that are not among `rows` go.
+        """
+        changed: list[Row] = []
+        now = time.time()
+        closed = [fail_closed(r) for r in rows]
+        kept = {r.id for r in closed}
+        with self._write() as db:
+            for check in checks:
+                for old in db.execute("SELECT id, row FROM matrix").fetchall():
+                    if old["id"] not in kept and json.loads(old["row"])["check"] == check:
+                        db.execute("DELETE FROM matrix WHERE id=?", (old["id"],))
+            for row in closed:
+                before = db.execute("SELECT status, row FROM matrix WHERE id=?", (row.id,)).fetchone()
+                text = row.model_dump_json()
+                if before is None or before["status"] != row.status or json.loads(before["row"]).get("measured") != row.measured:
+                    changed.append(row)
+                    db.execute(
+                        "INSERT INTO history (id, revision, stage, status, measured, bound, entity, frame, at) VALUES (?,?,?,?,?,?,?,?,?)",
+                        (
+                            row.id,
+                            revision,
+                            stage,
+                            row.status,
+                            row.measured,
+                            row.bound,
+                            row.first_failing_entity,
+                            row.first_failing_frame,
+                            now,
+                        ),
+                    )
+                db.execute("INSERT OR REPLACE INTO matrix VALUES (?,?,?,?,?,?)", (row.id, revision, stage, row.status, text, now))
+        return changed
+
+    def mark_stale(self, stale: Mapping[str, str], revision: int) -> int:
+        """Turn rows into `unverified` because what they judged changed; id -> reason. Returns how many."""
+        count = 0
+        with self._write() as db:
+            for row_id, reason in stale.items():
+                found = db.execute("SELECT row FROM matrix WHERE id=?", (row_id,)).fetchone()
+                if found is None:
+                    continue
+                row = Row.model_validate_json(found["row"])
+                if row.status == "unverified" and row.evidence.get("stale"):
+                    continue
+                evidence = {"stale": reason, "was": row.status, "was_measured": row.measured}
+                text = row.model_copy(update={"status": "unverified", "evidence": evidence}).model_dump_json()
+                db.execute("UPDATE matrix SET status='unverified', row=?, updated=? WHERE id=?", (text, time.time(), row_id))
+                db.execute(
+                    "INSERT INTO history (id, revision, stage, status, at) VALUES (?,?,?,?,?)",
+                    (row_id, revision, "stale", "unverified", time.time()),
+                )
+                count += 1
+        return count
+
+    def rows(self) -> list[Row]:
+        """The matrix: failing rows first, then unverified, then the rest, each by id."""
+        with self._open() as db:
+            found = [Row.model_validate_json(r["row"]) for r in db.execute("SELECT row FROM matrix").fetchall()]
+        rank = {"fail": 0, "unverified": 1, "pass": 2, "not_applicable": 3}
+        return sorted(found, key=lambda r: (rank[r.status], not r.mandatory, r.id))
+
+    def stages(self) -> dict[str, str]:
+        """Stage each row of the matrix was judged at."""
+        with self._open() as db:
+            return {r["id"]: r["stage"] for r in db.execute("SELECT id, stage FROM matrix").fetchall()}
+
+    def ever_failed(self) -> bool:
+        """Whether any row other than of the audit ever failed."""
+        with self._open() as db:
+            return db.execute("SELECT 1 FROM history WHERE status='fail' AND stage != 'audit' LIMIT 1").fetchone() is not None
+
+    def history(self, row_id: str, limit: int = 20) -> list[dict[str, Any]]:
+        """Past verdicts of one row, newest first."""
+        with self._open() as db:
+            rows = db.execute("SELECT * FROM history WHERE id=? ORDER BY seq DESC LIMIT ?", (row_id, limit)).fetchall()
+        return [dict(r) for r in rows]
+
+    # ---------------------------------------------------------------- iterations, freezes, bakes, acceptances
+
+    def add_iteration(self, revision: int, hypothesis: str, group: str, failing: Iterable[str]) -> None:
+        """Record an attempt at repair, before its probe."""
+        with self._write() as db:
+            db.execute(
+                "INSERT INTO iterations (revision, hypothesis, grp, failing_before, at) VALUES (?,?,?,?,?)",
+                (revision, hypothesis, group, json.dumps(list(failing)), time.time()),
+            )
+
+    def close_iterations(self, probe: str, failing: Iterable[str]) -> None:
+        """Record the outcome of the probe that tested all open iterations."""
+        with self._write() as db:
+            db.execute("UPDATE iterations SET probe=?, failing_after=? WHERE probe IS NULL", (probe, json.dumps(list(failing))))
+
+    def open_iterations(self) -> list[dict[str, Any]]:
+        """Iterations whose change no probe has tested yet."""
+        with self._open() as db:
+            return [dict(r) for r in db.execute("SELECT * FROM iterations WHERE probe IS NULL ORDER BY n").fetchall()]
+
+    def iterations(self, limit: int = 50) -> list[dict[str, Any]]:
+        """Iterations, newest first."""
+        with self._open() as db:
+            rows = db.execute("SELECT * FROM iterations ORDER BY n DESC LIMIT ?", (limit,)).fetchall()
+        return [
+            {
+                **dict(r),
+                "failing_before": json.loads(r["failing_before"]),
+                "failing_after": json.loads(r["failing_after"] or "null"),
+            }
+            for r in rows
+        ]
+
+    def put_freeze(self, freeze: str, revision: int, *, passed: bool, detail: Mapping[str, Any]) -> None:
+        """Record a probe's outcome for these settings; only a passed one is a freeze."""
+        with self._write() as db:
+            db.execute(
+                "INSERT OR REPLACE INTO freezes VALUES (?,?,?,?,?)",
+                (freeze, revision, int(passed), json.dumps(detail, sort_keys=True), time.time()),
+            )
+
+    def freeze(self, freeze: str) -> dict[str, Any] | None:
+        """The probe's record for these settings."""
+        with self._open() as db:
+            row = db.execute("SELECT * FROM freezes WHERE freeze=?", (freeze,)).fetchone()
+        return None if row is None else {**dict(row), "detail": json.loads(row["detail"]), "passed": bool(row["passed"])}
+
+    def put_bake(self, freeze: str, revision: int, digest: str, detail: Mapping[str, Any]) -> None:
+        """Record a complete bake."""
+        with self._write() as db:
+            db.execute(
+                "INSERT OR REPLACE INTO bakes VALUES (?,?,?,?,?)",
+                (freeze, revision, digest, json.dumps(detail, sort_keys=True), time.time()),
+            )
+
+    def bake(self, freeze: str) -> dict[str, Any] | None:
+        """The record of a complete bake."""
+        with self._open() as db:
+            row = db.execute("SELECT * FROM bakes WHERE freeze=?", (freeze,)).fetchone()
+        return None if row is None else {**dict(row), "detail": json.loads(row["detail"])}
+
+    def add_acceptance(self, freeze: str, revision: int, subject: str, verdict: str, record: Mapping[str, Any]) -> None:
+        """Record the verdict of a fresh process about one candidate; `subject` hashes all it depends on."""
+        with self._write() as db:
+            db.execute(
+                "INSERT INTO acceptances (freeze, revision, subject, verdict, record, at) VALUES (?,?,?,?,?,?)",
+                (freeze, revision, subject, verdict, json.dumps(record, sort_keys=True), time.time()),
+            )
+
+    def acceptance(self, subject: str | None = None) -> dict[str, Any] | None:
+        """The latest verdict, or the latest about `subject`."""
+        where, values = ("", ()) if subject is None else (" WHERE subject=?", (subject,))
+        with self._open() as db:
+            row = db.execute(f"SELECT * FROM acceptances{where} ORDER BY n DESC LIMIT 1", values).fetchone()  # noqa: S608 - fixed text
+        return None if row is None else {**dict(row), "record": json.loads(row["record"])}

@@ -1,0 +1,157 @@
+"""Edits of a specification: JSON Patch (RFC 6902), validation with pointers, differences, weakening (R1, R113, R157)."""
+
+from __future__ import annotations
+
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from .errors import SpecError
+from .predicates import PREDICATES
+from .spec import WorldSpec
+
+__all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
+
+MAX_OPERATIONS = 2000
+
+
+def parse_spec(document: Any) -> WorldSpec:
+    """Validate a document.
+
+    Raises:
+        SpecError: with every problem as (JSON pointer, message), at most 20 of them in the text.
+    """
+    try:
+        return WorldSpec.model_validate(document)
+    except ValidationError as error:
+        problems = []
+        for item in error.errors(include_url=False):
+            place = "/" + "/".join(str(p) for p in item["loc"])
+            shown = repr(item.get("input"))
+            message = f"{item['msg']} (got {shown[:80]}{'...' if len(shown) > 80 else ''})"
+            problems.append((place, message))
+        text = "\n".join(f"  {place}: {message}" for place, message in problems[:20])
+        more = f"\n  and {len(problems) - 20} more" if len(problems) > 20 else ""
+        raise SpecError(
+            f"the specification does not validate, nothing was changed:\n{text}{more}\n"
+            "Read worldagent://schema/world for fields and ranges, then send the patch again.",
+            tuple(problems),
+        ) from error
+
+
+def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> WorldSpec:
+    """Apply RFC 6902 operations; the prompt cannot change.
+
+    Raises:
+        SpecError: an operation fails, the result does not validate, or the prompt would change.
+    """
+    import jsonpatch
+    import jsonpointer
+
+    if len(operations) > MAX_OPERATIONS:
+        raise SpecError(f"patch has {len(operations)} operations, at most {MAX_OPERATIONS}; split it")
+    document = spec.model_dump(mode="json", exclude_none=True)
+    try:
+        changed = jsonpatch.apply_patch(document, [dict(o) for o in operations])
+    except (jsonpatch.JsonPatchException, jsonpointer.JsonPointerException, TypeError, KeyError) as error:
+        raise SpecError(
+            f"patch cannot be applied, nothing was changed: {error}. Paths are JSON pointers into world.json"
+        ) from error
+    if not isinstance(changed, dict) or changed.get("prompt") != spec.prompt:
+        raise SpecError("the prompt is immutable; create another world for another prompt")
+    return parse_spec(changed)
+
+
+def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:
+    """JSON pointers at which two documents differ, leaves or whole added and removed subtrees."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in sorted({*old, *new}):
+            place = f"{pointer}/{key}"
+            if key not in old or key not in new:
+                yield place
+            else:
+                yield from differences(old[key], new[key], place)
+    elif old != new:
+        yield pointer
+
+
+def _predicate_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
+    """Whether a changed predicate is, or may be, easier to satisfy."""
+    if old.get("kind") != new.get("kind"):
+        return True
+    tightens = PREDICATES[old["kind"]].tightens if old.get("kind") in PREDICATES else {}
+    for key in {*old, *new}:
+        a, b = old.get(key), new.get(key)
+        if a == b:
+            continue
+        if isinstance(a, dict) and isinstance(b, dict):
+            if _predicate_weaker(a, b):
+                return True
+            continue
+        direction = tightens.get(key, "none")
+        if direction == "none" or a is None or b is None:
+            if not (direction != "none" and a is None):
+                return True
+            continue
+        if (direction == "up" and b < a) or (direction == "down" and b > a):
+            return True
+    return False
+
+
+def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str) -> Iterator[str]:
+    for key, beat in old.items():
+        now = new.get(key)
+        if now is None:
+            yield f"{place}/{key} removed"
+            continue
+        if beat.get("mandatory", True) and not now.get("mandatory", True):
+            yield f"{place}/{key} made optional"
+        if beat.get("observe", True) and not now.get("observe", True):
+            yield f"{place}/{key} need not be seen any more"
+        if beat.get("frames") != now.get("frames"):
+            yield f"{place}/{key}/frames {beat.get('frames')} -> {now.get('frames')}"
+        if not set(beat.get("causes", [])) <= set(now.get("causes", [])):
+            yield f"{place}/{key}/causes lost {sorted(set(beat['causes']) - set(now.get('causes', [])))}"
+        if beat.get("subject") != now.get("subject"):
+            yield f"{place}/{key}/subject {beat.get('subject')} -> {now.get('subject')}"
+        if _predicate_weaker(beat["predicate"], now["predicate"]):
+            yield f"{place}/{key}/predicate loosened or replaced"
+
+
+def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
+    """Changes that make the specification easier to satisfy (R157), in words."""
+    old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
+    found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
+    found += _beat_weakenings(old["story"]["requirements"], new["story"]["requirements"], "/story/requirements")
+    now = new["graph"]["relations"]
+    for key, relation in old["graph"]["relations"].items():
+        if key not in now:
+            if relation["kind"] != "fastened":
+                found.append(f"/graph/relations/{key} ({relation['kind']}) removed")
+        elif relation != now[key] and relation["kind"] != "interacts":
+            found.append(f"/graph/relations/{key} changed")
+    for key, relation in now.items():
+        if relation["kind"] == "fastened" and key not in old["graph"]["relations"]:
+            found.append(f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended")
+    for key, value in old["simulation"]["limits"].items():
+        changed = new["simulation"]["limits"][key]
+        tighter_up = key in ("visible_pixels", "visible_share", "beat_seen_frames")
+        if key == "scale_ratio":
+            weaker = changed[0] < value[0] or changed[1] > value[1]
+        else:
+            weaker = changed < value if tighter_up else changed > value
+        if weaker:
+            found.append(f"/simulation/limits/{key} {value} -> {changed}")
+    for key, entity in old["entities"].items():
+        if key not in new["entities"]:
+            found.append(f"/entities/{key} removed")
+        elif new["entities"][key]["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
+            found.append(f"/entities/{key}/dimensions/tolerance widened")
+    for key, clause in new["clauses"].items():
+        if clause.get("unmet") and not old["clauses"].get(key, {}).get("unmet"):
+            found.append(f"/clauses/{key} given up: {clause['unmet']}")
+    if new["simulation"]["frames"] < old["simulation"]["frames"]:
+        found.append(f"/simulation/frames {old['simulation']['frames']} -> {new['simulation']['frames']}")
+    return found

@@ -1,0 +1,214 @@
+"""Interpenetration: no unintended overlap of visible surfaces at frame 0 (R89-R91), static pairs included.
+
+The bound is query noise and no allowance (R90). Overlap that a `fastened` relation declares is judged against its
+depth; everything else fails, seen by a camera or not.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..worlds.arrays import F64
+from ..worlds.requirements import Correction
+from .rows import guarded, guarded_rows, pointer, row, translation_patch
+from .surfaces import surfaces_of
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row
+    from .surfaces import Gap, Surfaces
+
+__all__ = ["MARGIN", "check", "correction_order", "separating_move"]
+
+MARGIN = 1e-4
+"""[m] Own choice: a suggested move leaves this clearance, so that its rounding cannot touch again."""
+WIDEST = 4.0
+"""Own choice: a suggested move longer than this many sizes of the moved body is not suggested."""
+HALVINGS = 8
+DETAILED = 20
+"""Failing pairs whose separating move is computed; a pile of failures is mended one by one anyway."""
+
+
+@guarded("interpenetration", "visible surfaces of different entities do not overlap at frame 0")
+def check(candidate: Candidate) -> list[Row]:
+    """One row per pair that comes within twice the contact tolerance, and one for the scene."""
+    surfaces = surfaces_of(candidate)
+    rows: list[Row] = []
+    for a, b in surfaces.first:
+        failed = sum(r.status == "fail" for r in rows)
+        rows += guarded_rows(
+            candidate,
+            lambda a=a, b=b, n=failed: [_pair(surfaces, a, b, detailed=n < DETAILED)],  # type: ignore[misc]
+            id=f"interpenetration:{a}:{b}",
+            check="interpenetration",
+            predicate=_predicate(surfaces, a, b),
+            entities=(a, b),
+        )
+    return [_scene(surfaces, rows), *rows]
+
+
+def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
+    depth = surfaces.allowed_depth(a, b)
+    if depth > 0.0:
+        return f"clearance({a}, {b}) >= -{depth:g} m at frame 0 (declared fastened)"
+    return f"clearance({a}, {b}) >= -eps at frame 0, eps = query noise {surfaces.noise(a, b):.2g} m"
+
+
+def _scene(surfaces: Surfaces, rows: list[Row]) -> Row:
+    names = list(surfaces.candidate.spec.entities)
+    broken = [n for n, frame in surfaces.broken.items() if frame == 0]
+    bad = [r for r in rows if r.status != "pass"]
+    failing = list(dict.fromkeys([*broken, *(n for r in bad for n in r.entities)]))
+    worst = min((d for (a, b), d in surfaces.first.items() if surfaces.allowed_depth(a, b) == 0.0), default=None)
+    unverified = not names or bool(surfaces.missing) or any(r.status == "unverified" for r in bad)
+    failed = bool(broken) or any(r.status == "fail" for r in bad)
+    if broken:
+        text = f"the pose of {broken[0]!r} is not finite at frame 0"
+    elif not names:
+        text = "the scene has no entity to inspect"
+    elif surfaces.missing:
+        text = f"{len(surfaces.missing)} of {len(names)} entities cannot be inspected: {next(iter(surfaces.missing.values()))}"
+    else:
+        pairs = len(names) * (len(names) - 1) // 2
+        text = f"{pairs} pairs of {len(names)} entities searched, {len(rows)} within {surfaces.reach:g} m, {len(bad)} overlap"
+    return row(
+        surfaces.candidate,
+        id="interpenetration:scene",
+        check="interpenetration",
+        predicate="every pair of entities is inspected and none overlaps at frame 0",
+        status="fail" if failed else "unverified" if unverified else "pass",
+        explanation=text,
+        measured=float(len(bad) + len(broken)),
+        bound=0.0,
+        comparison="<=",
+        unit="1",
+        frames=(0, 0),
+        entities=failing or names,
+        evidence={
+            "entities": len(names),
+            "missing": list(surfaces.missing)[:20],
+            "pairs_near": len(rows),
+            "worst_clearance_m": worst,
+            "overlapping": [r.id for r in bad][:20],
+        },
+    )
+
+
+def _pair(surfaces: Surfaces, a: str, b: str, *, detailed: bool) -> Row:
+    candidate = surfaces.candidate
+    gap = surfaces.gap(a, b, 0)
+    allowed = surfaces.allowed_depth(a, b)
+    noise = surfaces.noise(a, b)
+    bound = -(allowed + noise)
+    ok = gap.distance >= bound
+    names = correction_order(surfaces, a, b)
+    if gap.distance >= 0.0:
+        text = f"{a!r} and {b!r} are {gap.distance * 1e3:.4g} mm apart"
+    else:
+        text = f"{a}/{gap.part_a} and {b}/{gap.part_b} overlap by {-gap.distance * 1e3:.4g} mm"
+        text += f", allowed {allowed * 1e3:.4g} mm" if allowed else ", which no relation declares"
+    return row(
+        candidate,
+        id=f"interpenetration:{a}:{b}",
+        check="interpenetration",
+        predicate=_predicate(surfaces, a, b),
+        status="pass" if ok else "fail",
+        explanation=text,
+        measured=gap.distance,
+        bound=bound,
+        comparison=">=",
+        unit="m",
+        frames=(0, 0),
+        entities=names,
+        corrections=() if ok else _corrections(surfaces, names, gap, swapped=names[0] != a, detailed=detailed),
+        evidence={
+            "point_a": gap.point_a.tolist(),
+            "point_b": gap.point_b.tolist(),
+            "part_a": gap.part_a,
+            "part_b": gap.part_b,
+            "eps_m": noise,
+            "allowed_depth_m": allowed,
+        },
+        extra=[allowed],
+    )
+
+
+def correction_order(surfaces: Surfaces, a: str, b: str) -> tuple[str, str]:
+    """The pair with the entity first that is easier to move: a moving one before a static one, then the smaller."""
+    rank = {name: (surfaces.is_static(name), surfaces.size(name)) for name in (a, b)}
+    return (a, b) if rank[a] <= rank[b] else (b, a)
+
+
+def separating_move(surfaces: Surfaces, mover: str, other: str, frame: int, direction: F64, depth: float) -> float | None:
+    """Distance along a unit `direction` after which `mover` clears `other` by `MARGIN` [m], short to within 1 %.
+
+    Starts at the measured `depth` [m], which no move can undercut, then doubles and bisects; None where it takes more
+    than four sizes of the mover.
+    """
+
+    def clear(distance: float) -> bool:
+        return surfaces.gap(mover, other, frame, offset=distance * direction).distance >= MARGIN
+
+    low, high = 0.0, depth + 2.0 * MARGIN
+    while not clear(high):
+        low, high = high, 2.0 * high
+        if high > WIDEST * surfaces.size(mover) + depth:
+            return None
+    for _ in range(HALVINGS if low > 0.0 else 0):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if clear(middle) else (middle, high)
+    return high
+
+
+def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool) -> list[Correction]:
+    mover, other = names
+    out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
+    length = float(np.linalg.norm(out))
+    gravity = np.array(surfaces.candidate.spec.simulation.gravity)
+    strength = float(np.linalg.norm(gravity))
+    up = -gravity / strength if strength > 0 else np.array([0.0, 0.0, 1.0])
+    directions = {"up": up}
+    if length > 0.0:
+        directions["out along the shortest way"] = out / length
+    moves = {}
+    for name, direction in directions.items():
+        distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance) if detailed else None
+        if distance is not None:
+            moves[name] = distance * direction
+    pose = pointer("entities", mover, "pose")
+    found = []
+    for name, offset in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1]))):
+        text = ", ".join(f"{c:+.4g}" for c in offset)
+        found.append(
+            Correction(
+                cause=f"{mover!r} is placed inside {other!r}",
+                edit_class="scene",
+                group="placement",
+                action=f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m.",
+                pointers=(pose,),
+                patch=translation_patch(surfaces.candidate, mover, offset),
+            )
+        )
+    if not found:
+        found.append(
+            Correction(
+                cause=f"{mover!r} is inside {other!r}",
+                edit_class="scene",
+                group="placement",
+                action=f"Place {mover!r} elsewhere, at least {-gap.distance:.4g} m away, or make an opening in {other!r}.",
+                pointers=(pose, pointer("entities", other, "parts")),
+            )
+        )
+    found.append(
+        Correction(
+            cause="the two are meant to be embedded or fastened",
+            edit_class="scene",
+            group="relations",
+            action=f"If the prompt says so, declare a `fastened` relation of {mover!r} and {other!r} with max_depth >= "
+            f"{-gap.distance:.4g} m and the reason.",
+            pointers=("/graph/relations",),
+        )
+    )
+    return found

@@ -1,1 +1,84 @@
-"""TODO"""
+"""Evaluators of predicates, one per kind, joined one to one with `worlds.predicates.PREDICATES` by EVALUATORS."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ...worlds.candidate import Candidate
+from ...worlds.errors import EvidenceError
+from ...worlds.predicates import PREDICATES
+from . import combine, kinematic, touching
+from .outcome import Outcome, Truth, missing
+from .scope import Beats, Evaluator, Scope
+from .times import BeatTimes
+
+if TYPE_CHECKING:
+    from ...worlds.spec import SpecModel
+
+__all__ = ["EVALUATORS", "BeatTimes", "Outcome", "Truth", "beat_times", "evaluate"]
+
+EVALUATORS: Mapping[str, Evaluator] = {
+    "reaches": kinematic.reaches,
+    "stays_in": kinematic.stays_in,
+    "crosses": kinematic.crosses,
+    "contact": touching.contact,
+    "no_contact": touching.no_contact,
+    "rests_on": touching.rests_on,
+    "supported": touching.supported,
+    "tilts": kinematic.tilts,
+    "topples": kinematic.topples,
+    "speed": kinematic.speed,
+    "displacement": kinematic.displacement,
+    "separation": touching.separation,
+    "joint_angle": kinematic.joint_angle,
+    "count": combine.count,
+    "always": combine.always,
+    "eventually": combine.eventually,
+    "until": combine.until,
+    "before": combine.before,
+    "after": combine.after,
+    "within": combine.within,
+    "and": combine.and_,
+    "or": combine.or_,
+    "not": combine.not_,
+}
+
+
+def evaluate(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int], *, beats: Beats | None = None) -> Outcome:
+    """Judge a predicate over the frames [first, last], inclusive.
+
+    Missing channels, frames or geometry give `unverified`; coordinates that are not finite give `fail`.
+
+    Args:
+        candidate: what is judged.
+        predicate: any predicate model.
+        frames: the interval; frames that the candidate does not hold make the outcome `unverified`.
+        beats: first true frames of the story's beats, for `before`, `after` and `within`; default the candidate's own.
+    """
+    kind = str(getattr(predicate, "kind", type(predicate).__name__))
+    evaluator = EVALUATORS.get(kind)
+    unit = PREDICATES[kind].unit if kind in PREDICATES else "1"
+    if evaluator is None:
+        return missing(frames, unit, f"there is no evaluator for predicate kind {kind!r}")
+    if frames[0] < 0 or frames[1] > candidate.last_frame:
+        held = f"the {candidate.stage} holds frames 0..{candidate.last_frame}"
+        return missing(frames, unit, f"frames {frames[0]}..{frames[1]} are needed and {held}")
+    times = beats if beats is not None else beat_times(candidate)
+
+    def nested(inner: SpecModel, span: tuple[int, int]) -> Outcome:
+        return evaluate(candidate, inner, span, beats=times)
+
+    try:
+        return evaluator(Scope(candidate, frames, times, nested), predicate)
+    except EvidenceError as error:
+        return missing(frames, unit, str(error))
+
+
+def beat_times(candidate: Candidate) -> BeatTimes:
+    """The candidate's beats, evaluated at most once however many verifiers ask."""
+    store = vars(candidate)
+    if "_beat_times" not in store:
+        store["_beat_times"] = BeatTimes(candidate, lambda c, p, f, b: evaluate(c, p, f, beats=b))
+    times: BeatTimes = store["_beat_times"]
+    return times

@@ -1,0 +1,284 @@
+"""Evaluators of predicates about surfaces and forces between entities.
+
+Touching in the past tense comes from the contact log of the solver; resting, support and separation come from the
+visible surfaces. The log of a sleeping body is empty, so where both bodies sleep or are static, surfaces decide there too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import clearance_series
+from ...worlds.arrays import F64
+from ...worlds.errors import EvidenceError
+from ...worlds.predicates import Contact, NoContact, RestsOn, Separation, Supported
+from .. import motion
+from ..surfaces import Surfaces, Track, surfaces_of
+from .outcome import Comparison, Outcome, Series, Truth, band, judge
+
+if TYPE_CHECKING:
+    from ...worlds.spec import SpecModel
+    from .scope import Scope
+
+__all__ = ["contact", "no_contact", "rests_on", "separation", "supported"]
+
+P = TypeVar("P")
+
+
+def _typed(predicate: SpecModel, kind: type[P]) -> P:
+    assert isinstance(predicate, kind)
+    return predicate
+
+
+def _clearance(surfaces: Surfaces, a: str, b: str, frames: NDArray[np.intp], skip_above: float = np.inf) -> F64:
+    """Signed clearance of two entities at some frames [m]; NaN at and after a broken pose.
+
+    Raises:
+        EvidenceError: an entity is unknown or the two are the same.
+    """
+    for name in (a, b):
+        motion.require_motion(surfaces.candidate, name)
+    if a == b:
+        raise EvidenceError(f"{a!r} cannot be compared with itself")
+    broken = min(surfaces.broken.get(n, surfaces.frames) for n in (a, b))
+    good = frames < broken
+    result = np.full(len(frames), np.nan)
+    result[good] = np.inf
+    for i in surfaces.parts_of[a]:
+        for j in surfaces.parts_of[b]:
+            one, two = surfaces.parts[i], surfaces.parts[j]
+            tracks: list[Track] = [surfaces.track(p.entity, p.body).take(frames[good]) for p in (one, two)]
+            values = clearance_series(one.solid, tracks[0], two.solid, tracks[1], skip_above=skip_above)
+            result[good] = np.minimum(result[good], values)
+    return result
+
+
+def _still(scope: Scope, entity: str) -> Truth:
+    """Where nothing would be logged for the entity although it may touch: it sleeps or is static."""
+    if scope.candidate.spec.entities[entity].motion == "static":
+        return np.ones(scope.length, dtype=bool)
+    return motion.asleep(scope.candidate, entity)[scope.window]
+
+
+def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
+    """Whether the two touched since the last frame, and with how much impulse [N s], per frame of the interval."""
+    for name in (a, b):
+        motion.require_motion(scope.candidate, name)
+    touched, impulse = np.zeros(scope.length, dtype=bool), np.zeros(scope.length)
+    for cache in motion.caches_with(scope.candidate, a, b):
+        pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))
+        log = cache.ragged("contact/pair", "contact/impulse")
+        for i, frame in enumerate(range(scope.frames[0], scope.frames[1] + 1)):
+            rows = np.flatnonzero((log[frame]["contact/pair"] == pair).all(axis=1))
+            touched[i] |= bool(len(rows))
+            impulse[i] += float(log[frame]["contact/impulse"][rows].sum())
+    silent = np.flatnonzero(_still(scope, a) & _still(scope, b) & ~touched)
+    if len(silent):
+        surfaces = surfaces_of(scope.candidate)
+        gap = surfaces.contact_gap(a, b)
+        distance = _clearance(surfaces, a, b, silent + scope.frames[0], 2 * gap)
+        touched[silent] = distance <= gap
+    return touched, impulse
+
+
+def contact(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: summed normal impulse. First true: when they have touched and the sum has reached `min_impulse`."""
+    p = _typed(predicate, Contact)
+    touched, impulse = _touched(scope, p.a, p.b)
+    if not np.isfinite(impulse).all():
+        frame = scope.frames[0] + int(np.argmax(~np.isfinite(impulse)))
+        return _not_finite(scope, p.a, frame)
+    summed = np.cumsum(impulse)
+    reached = np.flatnonzero(np.maximum.accumulate(touched) & (summed >= p.min_impulse))
+    ok = len(reached) > 0
+    total = float(summed[-1])
+    details: dict[str, object] = {"touched_frames": int(touched.sum())}
+    if touched.any():
+        first = scope.frames[0] + int(np.argmax(touched))
+        text = f"{p.a} and {p.b} first touch at frame {first}, {total:.4g} N s in all (needed {p.min_impulse:g})"
+        details["first_touch"] = first
+    else:
+        distance, frame = _closest(scope, p.a, p.b)
+        text = f"{p.a} and {p.b} never touch; nearest {distance:.3g} m at frame {frame}"
+        details |= {"nearest_gap": distance, "frame": frame}
+    return Outcome(
+        "pass" if ok else "fail",
+        scope.frames,
+        "N s",
+        text,
+        value=total,
+        bound=p.min_impulse,
+        comparison=">=",
+        truth=touched,
+        margin=total - p.min_impulse if touched.any() else -max(p.min_impulse, float(np.finfo(float).tiny)),
+        first_true_frame=scope.frames[0] + int(reached[0]) if ok else None,
+        first_failing_entity=None if ok else p.a,
+        first_failing_frame=None if ok else scope.frames[1],
+        failing=() if ok else (p.a, p.b),
+        details=details,
+    )
+
+
+def no_contact(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: summed normal impulse, which must be absent; a touch without impulse fails as well."""
+    p = _typed(predicate, NoContact)
+    touched, impulse = _touched(scope, p.a, p.b)
+    if not np.isfinite(impulse).all():
+        return _not_finite(scope, p.a, scope.frames[0] + int(np.argmax(~np.isfinite(impulse))))
+    total, hit = float(impulse.sum()), bool(touched.any())
+    frame = scope.frames[0] + int(np.argmax(touched)) if hit else None
+    text = f"{p.a} and {p.b} touch first at frame {frame}, {total:.4g} N s in all" if hit else f"{p.a} and {p.b} never touch"
+    return Outcome(
+        "fail" if hit else "pass",
+        scope.frames,
+        "N s",
+        text,
+        value=total,
+        bound=0.0,
+        comparison="<=",
+        truth=~touched,
+        margin=-max(total, float(np.finfo(float).tiny)) if hit else 0.0,
+        first_true_frame=None if touched.all() else scope.frames[0] + int(np.argmin(touched)),
+        first_failing_entity=p.a if hit else None,
+        first_failing_frame=frame,
+        failing=(p.a, p.b) if hit else (),
+        details={"touched_frames": int(touched.sum())},
+    )
+
+
+def _not_finite(scope: Scope, entity: str, frame: int) -> Outcome:
+    return Outcome(
+        "fail",
+        scope.frames,
+        "N s",
+        f"contact impulse of {entity} is not finite at frame {frame}",
+        first_failing_entity=entity,
+        first_failing_frame=frame,
+        failing=(entity,),
+        details={"non_finite": True},
+    )
+
+
+def _closest(scope: Scope, a: str, b: str) -> tuple[float, int]:
+    """Least clearance of the two in the interval [m] and its frame."""
+    surfaces = surfaces_of(scope.candidate)
+    distance = _clearance(surfaces, a, b, np.arange(scope.frames[0], scope.frames[1] + 1))
+    if np.isnan(distance).all():
+        return float("nan"), scope.frames[0]
+    at = int(np.nanargmin(distance))
+    return float(distance[at]), scope.frames[0] + at
+
+
+def rests_on(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: speed of the fastest point. Where `on` does not carry the entity the margin is -max_speed.
+
+    "Above it at the contact" is a contact normal that rises: the clearance shrinks when the entity is lowered.
+    """
+    p = _typed(predicate, RestsOn)
+    for name in (p.entity, p.on):
+        motion.require_motion(scope.candidate, name)
+    surfaces = surfaces_of(scope.candidate)
+    if p.entity == p.on:
+        raise EvidenceError(f"{p.entity!r} cannot rest on itself")
+    speed = motion.fastest_points(scope.candidate, p.entity)[scope.window]
+    carried = surfaces.carries(p.on, p.entity)[scope.window]
+    margin = np.where(
+        np.isnan(speed), np.nan, np.where(carried, p.max_speed - speed, np.minimum(-p.max_speed, p.max_speed - speed))
+    )
+
+    def tell(i: int) -> str:
+        frame = scope.frames[0] + i
+        text = f"{p.entity}'s fastest point moves at {speed[i]:.3g} m/s at frame {frame} (allowed {p.max_speed:g})"
+        if carried[i]:
+            return f"{p.on} carries {p.entity}; {text}"
+        gap = surfaces.gap(p.entity, p.on, frame).distance
+        allowed = surfaces.contact_gap(p.entity, p.on)
+        if gap > allowed:
+            return f"{p.entity} is {gap:.3g} m away from {p.on} (contact: up to {allowed:g} m); {text}"
+        return f"{p.entity} touches {p.on} from the side or from below ({gap:.3g} m); {text}"
+
+    def detail(i: int) -> dict[str, object]:
+        return {"carried_frames": int(carried.sum()), "carried": bool(carried[i])}
+
+    side: tuple[float, Comparison] = (p.max_speed, "<=")
+    return judge(Series(scope.frames, speed, margin, "m/s", p.entity, lambda i: side, tell, detail), p.when)
+
+
+def supported(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: 1 where a chain of bodies that carry each other leads down to a static or kinematic one, else 0."""
+    p = _typed(predicate, Supported)
+    motion.require_motion(scope.candidate, p.entity)
+    surfaces = surfaces_of(scope.candidate)
+    held = _held(surfaces, p.entity)[scope.window]
+    broken = surfaces.broken.get(p.entity, surfaces.frames)
+    number = held.astype(float)
+    number[np.arange(scope.frames[0], scope.frames[1] + 1) >= broken] = np.nan
+    below = [n for n in surfaces.neighbours[p.entity] if surfaces.carries(n, p.entity)[scope.window].any()]
+
+    def tell(i: int) -> str:
+        frame = scope.frames[0] + i
+        if held[i]:
+            return (
+                f"{p.entity} is supported at {int(held.sum())} of {len(held)} frames ({', '.join(below) or 'nothing'} carries it)"
+            )
+        nearest = _nearest_below(surfaces, p.entity, frame)
+        return f"nothing supports {p.entity} at frame {frame}{nearest}; supported at {int(held.sum())} of {len(held)} frames"
+
+    side: tuple[float, Comparison] = (1.0, ">=")
+    series = Series(scope.frames, number, number - 0.5, "1", p.entity, lambda i: side, tell, lambda i: {"carried_by": below})
+    outcome = judge(series, p.when)
+    return replace(outcome, margin=None if outcome.margin is None else outcome.margin * 2)
+
+
+def _held(surfaces: Surfaces, entity: str) -> Truth:
+    """Frames at which the entity hangs on ground, shape (frames,): the least fixed point over what carries what."""
+    motions = {n: e.motion for n, e in surfaces.candidate.spec.entities.items()}
+    known: dict[str, Truth] = {}
+    todo = [entity]
+    below: dict[str, list[str]] = {}
+    while todo:
+        name = todo.pop()
+        if name in known:
+            continue
+        known[name] = np.full(surfaces.frames, motions[name] != "dynamic")
+        if motions[name] == "dynamic":
+            below[name] = [n for n in surfaces.neighbours[name] if surfaces.carries(n, name).any()]
+            todo += below[name]
+    changed = True
+    while changed:
+        changed = False
+        for name, carriers in below.items():
+            for carrier in carriers:
+                better = known[name] | (known[carrier] & surfaces.carries(carrier, name))
+                if (better != known[name]).any():
+                    known[name], changed = better, True
+    return known[entity]
+
+
+def _nearest_below(surfaces: Surfaces, entity: str, frame: int) -> str:
+    others = [n for n in surfaces.neighbours[entity] if frame < min(surfaces.broken.get(m, surfaces.frames) for m in (n, entity))]
+    if not others:
+        return ""
+    gaps = {n: surfaces.gap(entity, n, frame).distance for n in others}
+    nearest = min(gaps, key=lambda n: gaps[n])
+    return f" ({nearest} is nearest, {gaps[nearest]:.3g} m away)"
+
+
+def separation(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: signed clearance of the visible surfaces, negative when they overlap."""
+    p = _typed(predicate, Separation)
+    for name in (p.a, p.b):
+        motion.require_motion(scope.candidate, name)
+    frames = np.arange(scope.frames[0], scope.frames[1] + 1)
+    distance = _clearance(surfaces_of(scope.candidate), p.a, p.b, frames)
+    margin, side = band(distance, p.min, p.max)
+
+    def tell(i: int) -> str:
+        low, high = float(np.min(distance)), float(np.max(distance))
+        return f"{p.a} and {p.b} are {distance[i]:.4g} m apart at frame {frames[i]} (range {low:.4g} to {high:.4g} m)"
+
+    return judge(Series(scope.frames, distance, margin, "m", p.a, side, tell), p.when)

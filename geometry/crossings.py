@@ -51,7 +51,7 @@ class RayGrid:
     def _cells(self, flat: F64) -> NDArray[np.int64]:
         return np.asarray(np.clip((flat - self._low) / self._cell, 0, self._count - 1), dtype=np.int64)
 
-    def winding(self, points: F64) -> tuple[F64, NDArray[np.bool_]]:
+    def winding(self, points: F64) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Winding numbers, shape (n,), and which of them are doubtful because the ray grazes an edge."""
         local = (points - self._origin) @ self._frame.T
         cell = self._cells(local[:, :2])
@@ -69,6 +69,7 @@ class RayGrid:
         # Corner k is weighted by the edge opposite to it.
         height = np.einsum("nk,nk->n", np.roll(edge, -1, axis=1), z)
         above = np.where(area != 0.0, height / np.where(area != 0.0, area, 1.0), 0.0) > 0.0
-        winding = np.bincount(owner, weights=np.where(above, sign, 0), minlength=len(points))
+        winding = np.zeros(len(points), dtype=np.int64)
+        np.add.at(winding, owner, np.where(above, sign, 0))
         grazes = (np.abs(edge) <= margin).any(axis=1) & ((edge >= -margin).all(axis=1) | (edge <= margin).all(axis=1))
         return winding, np.bincount(owner, weights=grazes, minlength=len(points)) > 0

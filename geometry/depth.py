@@ -10,9 +10,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
-from .inside import contains, distance_to_surface
+from .inside import contains, distance_to_surface, nearest_faces
 from .solids import connected
 from .triangles import nearest_on_triangles, triangle_pair_segments
 
@@ -24,9 +25,11 @@ __all__ = ["Deep", "crossing_excursion", "surface_depth"]
 
 PRECISION = 0.004
 """Own choice: refinement ends when no piece can be deeper than the best by more than this fraction (1 % is promised)."""
-PIECES = 1500
+PIECES = 600
 """Pieces kept per refinement level, largest bound first."""
 LEVELS = 14
+PATIENCE = 8
+"""Levels after which one without a gain ends the refinement: its pieces are 256 times smaller than the triangles."""
 CURVE_POINTS = 12
 """Intersection points per triangle whose midpoints are tried."""
 
@@ -127,46 +130,87 @@ def _curve_points(triangles: F64, others: F64, triangle: I32) -> F64:
     return np.concatenate(found)
 
 
+class _Samples(NamedTuple):
+    """Points on the surface with what is known of them; all arrays share their leading axes."""
+
+    point: F64
+    distance: F64
+    face: NDArray[np.intp]
+    """Nearest triangle of the other surface."""
+    inside: NDArray[np.bool_]
+
+    def take(self, index: NDArray[np.intp] | NDArray[np.bool_]) -> _Samples:
+        return _Samples(self.point[index], self.distance[index], self.face[index], self.inside[index])
+
+
+def _sample(other: Solid, points: F64) -> _Samples:
+    flat = points.reshape(-1, 3)
+    distance, _, face = nearest_faces(other, flat)
+    shape = points.shape[:-1]
+    return _Samples(points, distance.reshape(shape), face.reshape(shape), contains(other, flat).reshape(shape))
+
+
 def _refine(pieces: F64, other: Solid, best: Deep, noise: float) -> Deep:
-    for _ in range(LEVELS):
-        center = pieces.mean(axis=1)
-        reach = np.linalg.norm(pieces - center[:, None], axis=-1).max(axis=1)
+    """Split triangles, shape (n, 3, 3), until none can hold a point deeper than the best found."""
+    corners = _sample(other, pieces)
+    for level in range(LEVELS):
+        before = best.depth
+        best = _deepest(corners, other, best)
+        if level >= PATIENCE and best.depth <= before * (1.0 + PRECISION / 4.0):
+            break
         goal = best.depth * (1.0 + PRECISION) + noise
-        upper = other.vertex_tree.query(center)[0] + reach
-        near = upper > goal
-        pieces, center, reach = pieces[near], center[near], reach[near]
-        if len(pieces) == 0:
+        sides = np.linalg.norm(corners.point - np.roll(corners.point, -1, axis=1), axis=2)
+        # Farthest that a point of the piece lies from each corner.
+        reach = np.maximum(sides, np.roll(sides, 1, axis=1))
+        upper = (corners.distance + reach).min(axis=1)
+        keep = (upper > goal) & ~(~corners.inside & (corners.distance > reach)).any(axis=1)
+        corners, upper = corners.take(keep), upper[keep]
+        if len(upper) == 0 or level == LEVELS - 1:
             break
-        distance, foot = distance_to_surface(other, center)
-        upper = np.minimum(distance + reach, _corner_bound(pieces, center, other))
-        keep = upper > goal
-        inside = np.zeros(len(keep), dtype=bool)
-        inside[keep] = contains(other, center[keep])
-        keep &= inside | (distance <= reach)
-        deep = np.where(inside, distance, 0.0)
-        k = int(deep.argmax())
-        if deep[k] > best.depth:
-            best = Deep(float(deep[k]), center[k], foot[k])
-        keep &= upper > best.depth * (1.0 + PRECISION) + noise
-        pieces, upper = pieces[keep], upper[keep]
-        if len(pieces) == 0:
+        upper = np.minimum(upper, _corner_bound(corners, other))
+        order = np.argsort(-upper)[:PIECES]
+        corners = corners.take(order[upper[order] > goal])
+        if len(corners.face) == 0:
             break
-        pieces = _split(pieces[np.argsort(-upper)[:PIECES]])
+        middle = _sample(other, 0.5 * (corners.point + np.roll(corners.point, -1, axis=1)))
+        corners = _split(corners, middle)
     return best
 
 
-def _corner_bound(pieces: F64, center: F64, other: Solid) -> F64:
-    """Upper bound of the distance over each piece: the largest corner distance to one triangle near its centre."""
-    _, index = other.centroid_tree.query(center, k=min(4, len(other.faces)))
-    index = index.reshape(len(center), -1)
-    corner = nearest_on_triangles(pieces[:, None], other.triangles[index][:, :, None]).distance
-    return np.asarray(corner.max(axis=2).min(axis=1))
+def _deepest(samples: _Samples, other: Solid, best: Deep) -> Deep:
+    depth = np.where(samples.inside, samples.distance, 0.0)
+    k = np.unravel_index(int(depth.argmax()), depth.shape)
+    if depth[k] <= best.depth:
+        return best
+    foot = nearest_on_triangles(samples.point[k], other.triangles[samples.face[k]]).point
+    return Deep(float(depth[k]), samples.point[k], foot)
 
 
-def _split(pieces: F64) -> F64:
-    a, b, c = pieces[:, 0], pieces[:, 1], pieces[:, 2]
-    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
-    return np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+def _corner_bound(corners: _Samples, other: Solid) -> F64:
+    """Upper bound of the distance over each piece from what is nearest to its corners.
+
+    The distance to one convex triangle is convex, so that its largest corner value bounds the piece. Corners that are
+    The distance to one convex triangle is convex, so that its largest corner value bounds the piece. Corners nearest to
+    coplanar triangles bound it alike where those cover its shadow on their plane. A hole between them could hide a
+    deeper point from this bound, not from the candidates of the intersection curve (own choice: without it, seams of
+    parallel surfaces would split for ever).
+    """
+    nearest = other.triangles[corners.face]
+    single = nearest_on_triangles(corners.point[:, :, None], nearest[:, None]).distance.max(axis=1).min(axis=1)
+    plane = other.coplanar[corners.face]
+    flat = (plane == plane[:, :1]).all(axis=1)
+    return np.asarray(np.where(flat, np.minimum(single, corners.distance.max(axis=1)), single))
+
+
+def _split(corners: _Samples, middle: _Samples) -> _Samples:
+    """Four pieces of each: `middle` holds the midpoints of sides 01, 12, 20."""
+    parts = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+    point, distance, face, inside = (np.concatenate([c, m], axis=1) for c, m in zip(corners, middle, strict=True))
+    both = _Samples(point, distance, face, inside)
+    count = len(point)
+    rows = np.tile(np.arange(count), len(parts))[:, None]
+    columns = np.repeat(np.array(parts), count, axis=0)
+    return _Samples(both.point[rows, columns], both.distance[rows, columns], both.face[rows, columns], both.inside[rows, columns])
 
 
 def crossing_excursion(one: F64, two: F64, *, noise: float) -> float:

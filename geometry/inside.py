@@ -13,7 +13,7 @@ from .triangles import Nearest, nearest_on_triangles
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["contains", "distance_to_surface", "winding_number"]
+__all__ = ["contains", "distance_to_surface", "nearest_faces", "winding_number"]
 
 PAIRS = 400_000
 """Point-triangle pairs per chunk."""
@@ -68,15 +68,22 @@ def contains(solid: Solid, points: F64) -> NDArray[np.bool_]:
         result[near] = np.abs(winding_number(solid.triangles, points[near])) > 0.5
         return result
     winding, doubtful = solid.ray_grid.winding(points[near])
-    winding[doubtful] = winding_number(solid.triangles, points[near[doubtful]])
-    result[near] = np.abs(winding) > 0.5
+    result[near] = winding != 0
+    result[near[doubtful]] = np.abs(winding_number(solid.triangles, points[near[doubtful]])) > 0.5
     return result
 
 
 def distance_to_surface(solid: Solid, points: F64) -> Nearest:
     """Unsigned distance [m], shape (n,), and nearest surface point, shape (n, 3), in the solid's frame. Exact."""
+    distance, point, _ = nearest_faces(solid, points)
+    return Nearest(distance, point)
+
+
+def nearest_faces(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.intp]]:
+    """`distance_to_surface` with the index of the nearest triangle, shape (n,)."""
     points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     distance, nearest = np.empty(len(points)), np.empty((len(points), 3))
+    face = np.zeros(len(points), dtype=np.intp)
     if len(solid.faces) <= BRUTE_FACES:
         step = max(1, PAIRS // len(solid.faces))
         for i in range(0, len(points), step):
@@ -84,28 +91,42 @@ def distance_to_surface(solid: Solid, points: F64) -> Nearest:
             k = d.argmin(axis=1)
             rows = np.arange(len(k))
             distance[i : i + step], nearest[i : i + step] = d[rows, k], q[rows, k]
-        return Nearest(distance, nearest)
-    center = solid.triangles.mean(axis=1)
+            face[i : i + step] = k
+        return distance, nearest, face
+    center = solid.centroids
     bound = solid.vertex_tree.query(points)[0] * (1.0 + 1e-12) + 1e-12 * solid.size
     # Few large triangles among many small ones (the base of a terrain) are always compared, the small ones by tree.
-    common = float(np.quantile(solid.reaches, 0.9)) * 2.0
-    large = np.flatnonzero(solid.reaches > common)
-    step = max(1, PAIRS // (64 + len(large)))
+    common, large = solid.common_reach, solid.large_faces
+    box_low, box_high = solid.face_bounds
+    low, high = box_low[large], box_high[large]
+    step = 256
     for i in range(0, len(points), step):
         block = points[i : i + step]
         near = solid.centroid_tree.query_ball_point(block, bound[i : i + step] + common)
         count = np.array([len(n) for n in near])
         columns = np.concatenate([np.asarray(n, dtype=np.intp) for n in near])
         rows = np.repeat(np.arange(len(block)), count)
+        reached = bound[i : i + step]
+        far = _box_gap(low, high, (block - reached[:, None]).min(axis=0), (block + reached[:, None]).max(axis=0))
+        some = large[far <= 0.0]
+        more_rows = np.repeat(np.arange(len(block)), len(some))
+        more = np.tile(some, len(block))
+        close = _box_gap(box_low[more], box_high[more], block[more_rows], block[more_rows]) <= reached[more_rows]
         gap = np.linalg.norm(block[rows] - center[columns], axis=1) - solid.reaches[columns]
-        keep = gap <= bound[i : i + step][rows]
-        rows = np.concatenate([rows[keep], np.repeat(np.arange(len(block)), len(large))])
-        columns = np.concatenate([columns[keep], np.tile(large, len(block))])
+        keep = gap <= reached[rows]
+        rows = np.concatenate([rows[keep], more_rows[close]])
+        columns = np.concatenate([columns[keep], more[close]])
         d, q = _pairwise(block, solid.triangles, rows, columns)
         order = np.lexsort((d, rows))
         first = order[np.searchsorted(rows[order], np.arange(len(block)))]
         distance[i : i + step], nearest[i : i + step] = d[first], q[first]
-    return Nearest(distance, nearest)
+        face[i : i + step] = columns[first]
+    return distance, nearest, face
+
+
+def _box_gap(low: F64, high: F64, other_low: F64, other_high: F64) -> F64:
+    """Distance between boxes [m]; 0 where they meet."""
+    return np.asarray(np.linalg.norm(np.maximum(np.maximum(low - other_high, other_low - high), 0.0), axis=-1))
 
 
 def _pairwise(points: F64, triangles: F64, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Nearest:

@@ -274,12 +274,38 @@ class Solid:
         """k-d tree over the triangle centroids."""
         from scipy.spatial import cKDTree
 
-        return cKDTree(self.triangles.mean(axis=1))
+        return cKDTree(self.centroids)
+
+    @cached_property
+    def centroids(self) -> F64:
+        """Centroids of the triangles [m], shape (m, 3)."""
+        return np.asarray(self.triangles.mean(axis=1))
 
     @cached_property
     def reaches(self) -> F64:
         """Largest distance from the centroid of each triangle to its corners [m], shape (m,)."""
-        return np.asarray(np.linalg.norm(self.triangles - self.triangles.mean(axis=1)[:, None], axis=-1).max(axis=1))
+        return np.asarray(np.linalg.norm(self.triangles - self.centroids[:, None], axis=-1).max(axis=1))
+
+    @cached_property
+    def common_reach(self) -> float:
+        """Twice the reach that nine in ten triangles stay below [m]."""
+        return 2.0 * float(np.quantile(self.reaches, 0.9))
+
+    @cached_property
+    def large_faces(self) -> NDArray[np.intp]:
+        """The few triangles beyond `common_reach`."""
+        return np.flatnonzero(self.reaches > self.common_reach)
+
+    @cached_property
+    def coplanar(self) -> I32:
+        """Label of each triangle: equal for coplanar triangles joined across their edges, shape (m,)."""
+        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
+        key = pairs[:, 0] * len(self.vertices) + pairs[:, 1]
+        order = np.argsort(key, kind="stable")
+        same = np.flatnonzero(key[order][1:] == key[order][:-1])
+        joined = np.stack([order[same] // 3, order[same + 1] // 3], axis=1)
+        turn = np.linalg.norm(self.face_normals[joined[:, 0]] - self.face_normals[joined[:, 1]], axis=1)
+        return connected(len(self.faces), joined[turn < CONVEX_TOLERANCE])
 
     @cached_property
     def ray_grid(self) -> RayGrid:
@@ -292,7 +318,7 @@ class Solid:
         return np.asarray(self.vertices[np.unique(self.component, return_index=True)[1]])
 
 
-def connected(count: int, edges: I32) -> I32:
+def connected(count: int, edges: NDArray[Any]) -> I32:
     """Label connected components of `count` nodes joined by `edges`, shape (e, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

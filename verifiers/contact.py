@@ -300,7 +300,7 @@ def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: i
     else:
         text = (
             f"{len(movers)} moving entities among {len(candidate.spec.entities)}, {surfaces.frames} frames: "
-            f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves tested for passing through"
+            f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves tested for passages"
         )
     failing = [*broken, *(r.first_failing_entity for r in bad if r.first_failing_entity)]
     return row(

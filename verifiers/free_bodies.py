@@ -1,0 +1,142 @@
+"""Support of free bodies that no relation covers: contact, joint, driver or launch at frame 0 (R154)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..worlds.arrays import F64
+from ..worlds.requirements import Correction
+from ..worlds.spec import ForceDriver, ReleaseDriver, RigidPhysics
+from . import motion
+from .rows import pointer, row, translation_patch
+from .support_graph import drop, gravity_direction
+
+if TYPE_CHECKING:
+    from ..worlds.requirements import Row
+    from .support_graph import SupportGraph
+    from .surfaces import Surfaces
+
+__all__ = ["DERIVED", "LEFT", "along_up", "derived_row", "placement"]
+
+LAUNCH_SPEED = 0.1
+"""[m/s] Own choice: a slower initial velocity is no launch and does not explain a body in the air."""
+LIFT = 0.9
+"""Own choice: a force driver holds a body when it carries this share of its weight at frame 0."""
+LEFT = 1e-4
+"""[m] Own choice: clearance that a suggested move leaves."""
+DERIVED = "at frame 0 a chain of contacts, joints or drivers leads from the free body to something static, or it is launched"
+"""Predicate of the derived rows."""
+
+
+def along_up(surfaces: Surfaces, distance: float) -> F64 | None:
+    """A way of `distance` [m] against gravity, shape (3,); None without gravity."""
+    direction = gravity_direction(surfaces)
+    return None if direction is None else -distance * direction
+
+
+def placement(surfaces: Surfaces, entity: str, offset: F64 | None, cause: str) -> Correction:
+    """Correction that moves the entity by `offset` [m], or asks for a better place where no number determines it."""
+    action = f"Place {entity!r} so that it rests on its support with a gap of {LEFT * 1e3:g} mm."
+    if offset is not None:
+        text = ", ".join(f"{c:+.5g}" for c in offset)
+        action = f"Move {entity!r} by ({text}) m, which leaves a gap of {LEFT * 1e3:g} mm."
+    return Correction(
+        cause=cause,
+        edit_class="scene",
+        group="placement",
+        action=action,
+        pointers=(pointer("entities", entity, "pose"),),
+        patch=() if offset is None else translation_patch(surfaces.candidate, entity, offset),
+    )
+
+
+def derived_row(graph: SupportGraph, entity: str) -> Row:
+    """The row that no edit of the scene graph removes (R154)."""
+    surfaces = graph.surfaces
+    surfaces.require(entity)
+    reason, evidence = _excuse(graph, entity)
+    if entity in surfaces.broken and surfaces.broken[entity] == 0:
+        reason = ""
+    common: dict[str, Any] = {"id": f"support:derived:{entity}", "check": "support", "predicate": DERIVED, "frames": (0, 0)}
+    gap = surfaces.candidate.spec.simulation.limits.contact_gap
+    if reason:
+        return row(
+            surfaces.candidate,
+            status="pass",
+            explanation=f"{entity!r} {reason}",
+            entities=(entity,),
+            evidence=evidence,
+            extra=_declared(surfaces, entity),
+            **common,
+        )
+    fall = drop(surfaces, entity, 0) if entity not in surfaces.broken else None
+    corrections = []
+    if fall is None:
+        text = f"{entity!r} floats: nothing lies beneath it, no joint or driver holds it and it has no initial velocity"
+    elif fall[0] <= gap:
+        text = f"{entity!r} touches {fall[1]!r}, which is itself not held up"
+    else:
+        text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
+        offset = along_up(surfaces, LEFT - fall[0])
+        corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
+    corrections.append(
+        Correction(
+            cause="it is meant to be dropped, thrown or hung",
+            edit_class="solver",
+            group="drivers",
+            action=f"Declare what holds {entity!r}: a `release` driver, a joint, or an initial velocity >= {LAUNCH_SPEED:g} m/s.",
+            pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
+        )
+    )
+    return row(
+        surfaces.candidate,
+        status="fail",
+        explanation=text,
+        measured=fall[0] if fall else None,
+        bound=gap,
+        comparison="<=",
+        unit="m",
+        entities=(entity,) if fall is None else (entity, fall[1]),
+        corrections=corrections,
+        evidence={"beneath": fall[1] if fall else None},
+        extra=_declared(surfaces, entity),
+        **common,
+    )
+
+
+def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
+    """Why the body need not fall at frame 0 by surprise; an empty text when there is no reason."""
+    surfaces = graph.surfaces
+    spec = surfaces.candidate.spec
+    if gravity_direction(surfaces) is None:
+        return "is in a world without gravity", {}
+    if bool(graph.grounded(entity)[0]):
+        chain = graph.chain(entity, 0)
+        return f"is held up through {' -> '.join(chain)}", {"chain": chain}
+    released = [n for n, d in spec.simulation.drivers.items() if isinstance(d, ReleaseDriver) and d.entity == entity]
+    if released:
+        return f"is let go by driver {released[0]!r}", {"driver": released[0]}
+    weight = motion.entity_mass(surfaces.candidate, entity) * np.array(spec.simulation.gravity)
+    for name, driver in spec.simulation.drivers.items():
+        if isinstance(driver, ForceDriver) and driver.entity == entity and driver.start <= 0.0:
+            share = -float(np.dot(driver.force, weight) / np.dot(weight, weight))
+            if share >= LIFT:
+                return f"is carried by driver {name!r} with {share:.3g} of its weight", {"driver": name}
+    physics = spec.entities[entity].physics
+    if isinstance(physics, RigidPhysics):
+        speed = float(np.linalg.norm(physics.linear_velocity))
+        if speed >= LAUNCH_SPEED:
+            return f"is launched with {speed:.4g} m/s", {"speed_m_s": speed}
+    return "", {}
+
+
+def _declared(surfaces: Surfaces, entity: str) -> Any:
+    """What of the specification the derived row depends on besides the geometry."""
+    spec = surfaces.candidate.spec
+    drivers = {
+        n: d.model_dump(mode="json") for n, d in sorted(spec.simulation.drivers.items()) if getattr(d, "entity", None) == entity
+    }
+    joints = {n: j.model_dump(mode="json") for n, j in sorted(spec.simulation.joints.items()) if entity in (j.parent, j.child)}
+    return [spec.entities[entity].physics.model_dump(mode="json"), drivers, joints, list(spec.simulation.gravity)]

@@ -1,0 +1,399 @@
+"""Support: actual contact and a continuous chain to something static, over the frames that need it (R92, R93, R154).
+
+Declared `supports` relations are judged over their interval. Every free body that no relation covers at frame 0 is
+judged there anyhow: no edit of the scene graph removes that row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.requirements import Correction
+from ..worlds.spec import Supports
+from . import motion
+from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
+from .rows import Comparison, guarded, guarded_rows, pointer, row, translation_patch
+from .support_graph import SupportGraph, balance, drop
+from .surfaces import surfaces_of
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row
+    from ..worlds.spec import SpecModel, WorldSpec
+    from .surfaces import Surfaces
+
+__all__ = ["check", "support_interval"]
+
+OUTSIDE = 0.002
+"""[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
+MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses"})
+"""Predicates that say that an entity leaves its place."""
+
+
+@guarded("support", "every free body is held up by contact, joint or driver")
+def check(candidate: Candidate) -> list[Row]:
+    """Rows per `supports` relation, per balanced body, per free body without a relation, and one for the scene."""
+    surfaces = surfaces_of(candidate)
+    graph = SupportGraph(surfaces)
+    rows: list[Row] = []
+    covered: set[str] = set()
+    for name, relation in candidate.spec.graph.relations.items():
+        if not isinstance(relation, Supports):
+            continue
+        first, last = support_interval(candidate.spec, relation)
+        if first == 0:
+            covered.add(relation.b)
+        if first > candidate.last_frame:
+            if candidate.stage == "full":
+                rows.append(_not_reached(candidate, name, relation, first))
+            continue
+        frames = (first, min(last, candidate.last_frame))
+        rows += guarded_rows(
+            candidate,
+            lambda n=name, r=relation, f=frames: [_relation(graph, n, r, f)],  # type: ignore[misc]
+            id=f"support:{name}:{relation.b}",
+            check="support",
+            predicate=f"{relation.a} carries {relation.b}",
+            entities=(relation.b, relation.a),
+        )
+        if first == 0 and last > 0 and candidate.spec.entities[relation.b].motion == "dynamic":
+            rows += guarded_rows(
+                candidate,
+                lambda n=name, b=relation.b: _balance(graph, n, b),  # type: ignore[misc]
+                id=f"support:balance:{relation.b}",
+                check="support",
+                predicate="the centre of mass lies above the contact polygon",
+                entities=(relation.b, relation.a),
+            )
+    for name, entity in candidate.spec.entities.items():
+        if entity.motion == "dynamic" and name not in covered:
+            rows += guarded_rows(
+                candidate,
+                lambda n=name: [derived_row(graph, n)],  # type: ignore[misc]
+                id=f"support:derived:{name}",
+                check="support",
+                predicate=DERIVED,
+                entities=(name,),
+            )
+    unique = {r.id: r for r in rows}
+    return [_scene(surfaces, list(unique.values())), *unique.values()]
+
+
+def _atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
+    """(kind, entity) of every atom in a dumped predicate; `each` of a count stands for its entities."""
+    if isinstance(data, list):
+        for item in data:
+            yield from _atoms(item, each)
+    elif isinstance(data, dict):
+        each = tuple(data.get("entities", each))
+        entity = data.get("entity")
+        if isinstance(entity, str):
+            for name in each if entity == "each" else (entity,):
+                yield str(data.get("kind")), name
+        for value in data.values():
+            if isinstance(value, dict | list):
+                yield from _atoms(value, each)
+
+
+def support_interval(spec: WorldSpec, relation: Supports) -> tuple[int, int]:
+    """Frames over which `a` must carry `b`: declared, else from frame 0 until the frame before a beat moves `b`.
+
+    A beat moves `b` when `b` is its subject, or when its predicate asks `b` to topple, tilt, be displaced, reach or
+    cross something.
+    """
+    if relation.frames is not None:
+        return relation.frames
+    last = spec.simulation.frames - 1
+    for beat in spec.story.beats.values():
+        moved = beat.subject == relation.b or _asks_to_move(beat.predicate, relation.b)
+        if moved:
+            last = min(last, max(0, beat.frames[0] - 1))
+    return 0, last
+
+
+def _asks_to_move(predicate: SpecModel, entity: str) -> bool:
+    return any(kind in MOVING_KINDS and name == entity for kind, name in _atoms(predicate.model_dump()))
+
+
+def _not_reached(candidate: Candidate, name: str, relation: Supports, first: int) -> Row:
+    return row(
+        candidate,
+        id=f"support:{name}:{relation.b}",
+        check="support",
+        predicate=f"{relation.a} carries {relation.b}",
+        status="unverified",
+        explanation=f"the interval begins at frame {first}, the last inspected frame is {candidate.last_frame}",
+        entities=(relation.b, relation.a),
+    )
+
+
+class _Fault(NamedTuple):
+    """Something wrong with a relation, from `frame` on."""
+
+    frame: int
+    text: str
+    measured: float
+    bound: float
+    comparison: Comparison
+    unit: str
+    correction: Correction
+
+
+def _relation(graph: SupportGraph, name: str, relation: Supports, frames: tuple[int, int]) -> Row:
+    surfaces = graph.surfaces
+    a, b = relation.a, relation.b
+    surfaces.require(a, b)
+    window = slice(frames[0], frames[1] + 1)
+    distance = surfaces.series(a, b)[window]
+    linked = graph.linked(a, b)[window]
+    gap = surfaces.contact_gap(a, b)
+    creep = _creep(surfaces, a, b, window)
+    faults = list(_faults(graph, relation, frames, distance, linked, creep))
+    predicate = (
+        f"{a} carries {b} over frames {frames[0]}..{frames[1]}: gap <= {gap:g} m, no overlap, {a} beneath {b}, "
+        f"creep <= {surfaces.candidate.spec.simulation.limits.support_drift:g} m, chain to something static"
+    )
+    evidence: dict[str, Any] = {
+        "largest_gap_m": float(distance.max()) if np.isfinite(distance).all() else None,
+        "least_clearance_m": float(distance.min()) if np.isfinite(distance).any() else None,
+        "creep_m": float(creep.max()) if np.isfinite(creep).all() else None,
+        "jointed": bool(linked.any()),
+        "chain": graph.chain(b, frames[0]),
+        "interval": list(frames),
+    }
+    common: dict[str, Any] = {
+        "id": f"support:{name}:{b}",
+        "check": "support",
+        "predicate": predicate,
+        "frames": frames,
+        "extra": [relation.model_dump(mode="json"), frames, gap],
+    }
+    if not faults:
+        worst = float(distance.max()) if np.isfinite(distance).all() else 0.0
+        text = (
+            f"{a!r} carries {b!r} over {len(distance)} frames: gap at most {worst * 1e3:.4g} mm, creep {creep.max() * 1e3:.4g} mm"
+        )
+        return row(
+            surfaces.candidate,
+            status="pass",
+            explanation=text if not linked.all() else f"a joint holds {b!r} at {a!r} over {len(distance)} frames",
+            measured=worst,
+            bound=gap,
+            comparison="<=",
+            unit="m",
+            entities=(b, a),
+            evidence=evidence,
+            **common,
+        )
+    faults.sort(key=lambda f: f.frame)
+    first = faults[0]
+    return row(
+        surfaces.candidate,
+        status="fail",
+        explanation="; ".join(f.text for f in faults),
+        measured=first.measured,
+        bound=first.bound,
+        comparison=first.comparison,
+        unit=first.unit,
+        entities=(b, a),
+        first_failing_frame=first.frame,
+        corrections=[f.correction for f in faults],
+        evidence=evidence,
+        **common,
+    )
+
+
+def _creep(surfaces: Surfaces, a: str, b: str, window: slice) -> F64:
+    """How far the centre of mass of b, seen from a, is from where it was at the interval's start [m], shape (frames,)."""
+    position, quaternion = surfaces.track(a, surfaces.candidate.entity(a).bodies[0].name)
+    with np.errstate(invalid="ignore", over="ignore"):
+        offset = motion.centers(surfaces.candidate, b) - position
+        local = np.einsum("fji,fj->fi", rotation_matrix(quaternion), offset)[window]
+        return np.asarray(np.linalg.norm(local - local[0], axis=1))
+
+
+def _faults(
+    graph: SupportGraph, relation: Supports, frames: tuple[int, int], distance: F64, linked: NDArray[np.bool_], creep: F64
+) -> Iterator[_Fault]:
+    """Everything that is wrong, each with the first frame of it."""
+    surfaces, a, b, begin = graph.surfaces, relation.a, relation.b, frames[0]
+    gap, drift = surfaces.contact_gap(a, b), surfaces.candidate.spec.simulation.limits.support_drift
+    bound = -(surfaces.allowed_depth(a, b) + surfaces.noise(a, b))
+    window = slice(frames[0], frames[1] + 1)
+
+    def first(wrong: NDArray[np.bool_]) -> int | None:
+        return int(np.argmax(wrong)) if wrong.any() else None
+
+    k = first(~(np.isfinite(creep)))
+    if k is not None:
+        yield _Fault(
+            begin + k,
+            f"a pose of {a!r} or {b!r} is not finite at frame {begin + k}",
+            float("nan"),
+            0.0,
+            "==",
+            "m",
+            _finer(surfaces),
+        )
+    k = first(~linked & ~(distance <= gap))
+    if k is not None:
+        yield _apart(surfaces, relation, begin + k, gap)
+    k = first(distance < bound)
+    if k is not None:
+        depth = -float(distance[k])
+        text = f"{b!r} overlaps {a!r} by {depth * 1e3:.4g} mm at frame {begin + k}"
+        lift = along_up(surfaces, depth + LEFT) if begin + k == 0 else None
+        yield _Fault(begin + k, text, -depth, bound, ">=", "m", placement(surfaces, b, lift, f"{b!r} sinks into {a!r}"))
+    k = first(~linked & (distance <= gap) & ~surfaces.carries(a, b)[window])
+    if k is not None:
+        text = f"{a!r} touches {b!r} at frame {begin + k} but does not stand beneath it, so it cannot carry it"
+        yield _Fault(
+            begin + k, text, 0.0, 1.0, "==", "1", placement(surfaces, b, None, f"{b!r} is beside or below {a!r}, not on it")
+        )
+    k = first(creep > drift)
+    if k is not None:
+        text = f"{b!r} creeps {creep.max() * 1e3:.4g} mm on {a!r}, beyond {drift * 1e3:.4g} mm from frame {begin + k} on"
+        yield _Fault(begin + k, text, float(creep.max()), drift, "<=", "m", _slips(surfaces, a, b))
+    k = first(~graph.grounded(a)[window])
+    if k is not None:
+        text = f"no chain of contacts, joints or drivers leads from {a!r} to something static at frame {begin + k}"
+        fall = drop(surfaces, a, begin + k) if begin + k == 0 else None
+        offset = along_up(surfaces, LEFT - fall[0]) if fall else None
+        yield _Fault(begin + k, text, 0.0, 1.0, "==", "1", placement(surfaces, a, offset, f"{a!r} itself is not supported"))
+
+
+def _finer(surfaces: Surfaces) -> Correction:
+    solvers = surfaces.candidate.spec.simulation.solvers
+    name, solver = next(iter(solvers.items())) if solvers else ("", None)
+    path = pointer("simulation", "solvers", name, "settings", "step")
+    return Correction(
+        cause="the simulation became unstable",
+        edit_class="solver",
+        group="step",
+        action=f"Halve the step of solver {name!r}."
+        if solver is None
+        else f"Cut the step of {name!r} to {solver.settings.step / 2:g} s.",
+        pointers=(path,),
+        patch=() if solver is None else ({"op": "replace", "path": path, "value": solver.settings.step / 2},),
+    )
+
+
+def _slips(surfaces: Surfaces, a: str, b: str) -> Correction:
+    spec = surfaces.candidate.spec
+    names = [spec.entities[n].material for n in (a, b)]
+    friction = max(spec.materials[n].friction if n in spec.materials else 0.0 for n in names)
+    return Correction(
+        cause="the body slides or tips off, or the interval reaches into its motion",
+        edit_class="solver",
+        group="material",
+        action=f"Raise the friction between {a!r} and {b!r} (now {friction:g}), or end the relation's `frames` before it moves.",
+        pointers=tuple(pointer("materials", n, "friction") for n in dict.fromkeys(names)),
+    )
+
+
+def _apart(surfaces: Surfaces, relation: Supports, frame: int, gap: float) -> _Fault:
+    a, b = relation.a, relation.b
+    found = surfaces.gap(a, b, frame)
+    text = f"{b!r} is {found.distance * 1e3:.4g} mm away from {a!r} at frame {frame}, contact means at most {gap * 1e3:.4g} mm"
+    if frame > 0:
+        correction = Correction(
+            cause=f"{b!r} leaves {a!r} before its interval ends",
+            edit_class="scene",
+            group="relations",
+            action=f"End `frames` of the relation at {frame - 1} if {b!r} is meant to move then; otherwise find what moves it.",
+            pointers=("/graph/relations",),
+        )
+        return _Fault(frame, text, found.distance, gap, "<=", "m", correction)
+    fall = drop(surfaces, b, 0)
+    offset = None
+    cause = f"{b!r} floats above {a!r}"
+    if fall is not None and fall[1] == a:
+        text += f", {fall[0] * 1e3:.4g} mm above it"
+        offset = along_up(surfaces, LEFT - fall[0])
+    elif fall is not None:
+        cause = f"{fall[1]!r}, not {a!r}, lies beneath {b!r}"
+    else:
+        cause = f"nothing lies beneath {b!r}"
+    return _Fault(0, text, found.distance, gap, "<=", "m", placement(surfaces, b, offset, cause))
+
+
+def _balance(graph: SupportGraph, relation: str, entity: str) -> list[Row]:
+    """Whether a body that is to stay can stay at frame 0; nothing to judge where joints or drivers hold it."""
+    surfaces = graph.surfaces
+    surfaces.require(entity)
+    if graph.jointed(entity) or graph.held(entity)[0]:
+        return []
+    carriers = [n for n in surfaces.neighbours[entity] if surfaces.carries(n, entity)[0]]
+    found = balance(surfaces, entity, carriers, 0)
+    if found is None:
+        return []  # the relation's own row says that there is no contact
+    distance, back = found
+    ok = distance <= OUTSIDE
+    where = f"{abs(distance) * 1e3:.4g} mm {'outside' if distance > 0 else 'inside'}"
+    text = f"the centre of mass of {entity!r} lies {where} the polygon of its contacts with {', '.join(carriers)}"
+    shift = np.zeros(3) if ok else back
+    return [
+        row(
+            surfaces.candidate,
+            id=f"support:balance:{entity}",
+            check="support",
+            predicate=f"the centre of mass of {entity}, seen along gravity, lies within {OUTSIDE:g} m of its contact polygon",
+            status="pass" if ok else "fail",
+            explanation=text,
+            measured=distance,
+            bound=OUTSIDE,
+            comparison="<=",
+            unit="m",
+            frames=(0, 0),
+            entities=(entity, *carriers),
+            corrections=[
+                Correction(
+                    cause=f"{entity!r} overhangs its support and tips over",
+                    edit_class="scene",
+                    group="placement",
+                    action=f"Move {entity!r} at least {distance * 1e3:.4g} mm towards the middle of its support, or widen that.",
+                    pointers=(pointer("entities", entity, "pose"),),
+                    patch=translation_patch(surfaces.candidate, entity, shift),
+                )
+            ],
+            evidence={"carriers": carriers, "relation": relation},
+        )
+    ]
+
+
+def _scene(surfaces: Surfaces, rows: list[Row]) -> Row:
+    candidate = surfaces.candidate
+    free = [n for n, e in candidate.spec.entities.items() if e.motion == "dynamic"]
+    bad = [r for r in rows if r.status == "fail"]
+    open_rows = [r for r in rows if r.status == "unverified"]
+    if not free and not rows:
+        return row(
+            candidate,
+            id="support:scene",
+            check="support",
+            predicate="every free body is held up",
+            status="not_applicable",
+            explanation="the specification has no free body and no supports relation",
+        )
+    failing = [r.first_failing_entity for r in bad if r.first_failing_entity]
+    frames = [r.first_failing_frame for r in bad if r.first_failing_frame is not None]
+    return row(
+        candidate,
+        id="support:scene",
+        check="support",
+        predicate="every free body is held up by contact, joint or driver, and every supports relation holds",
+        status="fail" if bad else "unverified" if open_rows else "pass",
+        explanation=f"{len(free)} free bodies, {len(rows)} rows: {len(bad)} fail, {len(open_rows)} without evidence",
+        measured=float(len(bad)),
+        bound=0.0,
+        comparison="<=",
+        unit="1",
+        entities=failing or free,
+        first_failing_frame=min(frames) if frames else None,
+        evidence={"rows": len(rows), "failing": [r.id for r in bad][:20], "unverified": [r.id for r in open_rows][:20]},
+    )

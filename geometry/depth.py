@@ -216,8 +216,8 @@ def _split(corners: _Samples, middle: _Samples) -> _Samples:
 def crossing_excursion(one: F64, two: F64, *, noise: float) -> float:
     """How far triangles of two open sheets reach through each other [m]; 0 where they only touch.
 
-    For each crossing pair the smaller of the two heights to which the corners of one rise on either side of the
-    plane of the other; the larger of the two ways; the largest over the pairs.
+    For each crossing pair the corners of one rise on both sides of the plane of the other; the smaller rise, the
+    smaller of the two ways, the largest over the pairs. Sheets cut into small triangles thus give less, never 0.
 
     Args:
         one: triangles of one sheet, shape (k, 3, 3), in a common frame.
@@ -230,11 +230,8 @@ def crossing_excursion(one: F64, two: F64, *, noise: float) -> float:
     filled = np.where(np.isnan(pierced), np.inf, pierced).min(axis=1), np.where(np.isnan(pierced), -np.inf, pierced).max(axis=1)
     with np.errstate(invalid="ignore"):
         length = np.nan_to_num(np.linalg.norm(filled[1] - filled[0], axis=1), nan=0.0, posinf=0.0)
-    # Both corners of each must rise on both sides: an edge laid on a face rises on one side only.
-    first, second = _through(one, two), _through(two, one)
-    larger = np.maximum(first, second)
-    crossing = (length > noise) & (np.minimum(first, second) > -noise) & (larger > noise)
-    return float(larger[crossing].max(initial=0.0))
+    reach = np.minimum(_through(one, two), _through(two, one))
+    return float(reach[(length > noise) & (reach > noise)].max(initial=0.0))
 
 
 def _through(one: F64, two: F64) -> F64:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry import Solid, clearance_series, signed_clearance
-from ..worlds.arrays import F64, RigidPose, rotation_matrix
+from ..worlds.arrays import F64, RigidPose, quaternion_product, rotation_matrix
 from ..worlds.built import TriangleMesh
 
 __all__ = ["run"]
@@ -78,7 +78,28 @@ def _depth_error(rng: np.random.Generator) -> float:
         heights = 2.0 - np.abs(np.clip(0.0, low, 0.5 + float((thing.vertices @ rotation_matrix(q)[2]).max())))
         if k % 3 != 0 and low <= 0.0:
             worst = max(worst, abs(found + heights) / heights)
+    for thing in (_frame(0.3, 0.5, 0.2), _box((1.0, 1.0, 0.2))):
+        worst = max(worst, _inclined_edge_error(thing))
     return worst
+
+
+def _inclined_edge_error(thing: Solid) -> float:
+    """Relative error where no vertex is the deepest point.
+
+    The edge at y = -0.5, z = -0.1 of `thing`, turned lowest and inclined by `slope`, cuts a post of width w from depth d
+    on one side. Along it the distance to the top, d + slope x, meets that to the far side, w - x: the depth there.
+    """
+    width, start, slope = 0.2, 0.05, 0.3
+    turned, tilted = math.pi / 8, math.atan(slope) / 2
+    about_x, about_y = np.array([math.cos(turned), math.sin(turned), 0, 0]), np.array([math.cos(tilted), 0, math.sin(tilted), 0])
+    quaternion = quaternion_product(about_y, about_x)
+    a, b = (rotation_matrix(quaternion) @ np.array([x, -0.5, -0.1]) for x in (-0.5, 0.5))
+    middle = a + (b - a) * 0.4
+    pose = RigidPose(np.array([0.0, 0.0, -start]) - middle, quaternion)
+    post = RigidPose(np.array([width / 2, 0.0, -2.0]), np.array([1.0, 0, 0, 0]))
+    expected = start + slope * (width - start) / (1.0 + slope)
+    found = signed_clearance(thing, pose, _box((width, 4.0, 4.0)), post).distance
+    return abs(found + expected) / expected
 
 
 def _speed(rng: np.random.Generator) -> tuple[float, float, float]:

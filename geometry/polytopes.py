@@ -67,6 +67,8 @@ class Faces(NamedTuple):
     """Where the separation is the distance itself."""
     point_a: F64
     point_b: F64
+    direction: F64
+    """Unit normal of the separating plane from b towards a, frame of b, shape (f, 3)."""
     slack_ab: F64
     """Depth of vertices of a below planes of b [m], shape (f, facets of b, vertices of a)."""
     slack_ba: F64
@@ -79,12 +81,13 @@ class Faces(NamedTuple):
             self.exact[index],
             self.point_a[index],
             self.point_b[index],
+            self.direction[index],
             self.slack_ab[index],
             self.slack_ba[index],
         )
 
 
-def _one_side(solid: Solid, vertices: F64, slack: F64, tolerance: float) -> tuple[F64, NDArray[np.bool_], F64, F64]:
+def _one_side(solid: Solid, vertices: F64, slack: F64, tolerance: float) -> tuple[F64, NDArray[np.bool_], F64, F64, F64]:
     facets = solid.facets
     deepest = slack.max(axis=2)
     facet = deepest.argmin(axis=1)
@@ -94,7 +97,7 @@ def _one_side(solid: Solid, vertices: F64, slack: F64, tolerance: float) -> tupl
     point = vertices[rows, vertex]
     foot = point - separation[:, None] * facets.normals[facet]
     inside = (slack[rows, :, vertex] + separation[:, None] * (facets.normals @ facets.normals.T)[facet]).min(axis=1) >= -tolerance
-    return separation, inside, point, foot
+    return separation, inside, point, foot, facets.normals[facet]
 
 
 def face_separation(a: Solid, b: Solid, poses: Relative) -> Faces:
@@ -103,8 +106,8 @@ def face_separation(a: Solid, b: Solid, poses: Relative) -> Faces:
     va, vb = poses.forward(a.vertices), poses.backward(b.vertices)
     slack_ab = b.facets.offsets[:, None] - b.facets.normals @ va.swapaxes(1, 2)
     slack_ba = a.facets.offsets[:, None] - a.facets.normals @ vb.swapaxes(1, 2)
-    sep_b, inside_b, on_a, foot_b = _one_side(b, va, slack_ab, tolerance)
-    sep_a, inside_a, on_b, foot_a = _one_side(a, vb, slack_ba, tolerance)
+    sep_b, inside_b, on_a, foot_b, normal_b = _one_side(b, va, slack_ab, tolerance)
+    sep_a, inside_a, on_b, foot_a, normal_a = _one_side(a, vb, slack_ba, tolerance)
     use_a = (sep_a > sep_b + tolerance) | ((sep_a >= sep_b - tolerance) & inside_a & ~inside_b)
     other = np.einsum("fij,fkj->fki", poses.rotation, np.stack([foot_a, on_b], axis=1)) + poses.translation[:, None]
     return Faces(
@@ -112,27 +115,57 @@ def face_separation(a: Solid, b: Solid, poses: Relative) -> Faces:
         np.where(use_a, inside_a, inside_b),
         np.where(use_a[:, None], other[:, 0], on_a),
         np.where(use_a[:, None], other[:, 1], foot_b),
+        np.where(use_a[:, None], -np.einsum("fij,fj->fi", poses.rotation, normal_a), normal_b),
         slack_ab,
         slack_ba,
     )
 
 
-def edge_distance(a: Solid, b: Solid, poses: Relative) -> Witness:
-    """Least distance between edges of a and edges of b, with its points."""
-    ends_a = poses.forward(a.vertices)[:, a.facets.edges]
-    ends_b = b.vertices[b.facets.edges]
-    p, u = ends_a[:, :, None, 0], (ends_a[:, :, 1] - ends_a[:, :, 0])[:, :, None]
-    q, v = ends_b[None, None, :, 0], (ends_b[:, 1] - ends_b[:, 0])[None, None]
-    u, v, p, q = np.broadcast_arrays(u, v, p, q)
+def edge_distance(a: Solid, b: Solid, poses: Relative, direction: F64) -> Witness:
+    """Least distance between edges of a and edges of b, with its points.
+
+    Args:
+        a: one polytope.
+        b: the other.
+        poses: poses of a in the frame of b; the bodies are apart in all of them.
+        direction: unit vectors from b towards a, shape (f, 3): the better they separate, the fewer edges are compared.
+    """
+    moved = poses.forward(a.vertices)
+    height_a = np.einsum("fvi,fi->fv", moved, direction)
+    height_b = direction @ b.vertices.T
+    top = height_b.max(axis=1, keepdims=True)
+    height_a -= top
+    height_b -= top
+    rows = np.arange(len(moved))
+    ends_a, ends_b = moved[:, a.facets.edges], b.vertices[b.facets.edges]
+    # Any pair of points bounds the distance from above: the foremost vertex of each with all edges of the other.
+    start, along = np.broadcast_arrays(ends_b[None, :, 0], (ends_b[:, 1] - ends_b[:, 0])[None])
+    bound = _point_edges(moved[rows, height_a.argmin(axis=1)], start, along)
+    bound = np.minimum(
+        bound, _point_edges(b.vertices[height_b.argmax(axis=1)], ends_a[:, :, 0], ends_a[:, :, 1] - ends_a[:, :, 0])
+    )
+    bound = bound * (1.0 + 1e-12) + ROUND * (a.size + b.size)
+    # Both nearest points lie in the slab that the bound leaves on either side of the separating plane.
+    near_a = height_a[:, a.facets.edges].min(axis=2) <= bound[:, None]
+    near_b = height_b[:, b.facets.edges].max(axis=2) >= (height_a.min(axis=1) - bound)[:, None]
+    row, i, j = np.nonzero(near_a[:, :, None] & near_b[:, None, :])
+    p, q = ends_a[row, i, 0], ends_b[j, 0]
+    u, v = ends_a[row, i, 1] - p, ends_b[j, 1] - q
     s, t = segment_points(p, u, q, v)
-    gap = q + t[..., None] * v - p - s[..., None] * u
-    square = np.einsum("...i,...i->...", gap, gap).reshape(len(gap), -1)
-    k = square.argmin(axis=1)
-    i, j = np.divmod(k, len(ends_b))
-    rows = np.arange(len(k))
-    point_a = p[rows, i, j] + s[rows, i, j, None] * u[rows, i, j]
-    point_b = q[rows, i, j] + t[rows, i, j, None] * v[rows, i, j]
-    return Witness(np.sqrt(square[rows, k]), point_a, point_b)
+    point_a, point_b = p + s[:, None] * u, q + t[:, None] * v
+    square = ((point_a - point_b) ** 2).sum(axis=1)
+    least = np.minimum.reduceat(square, np.searchsorted(row, rows))
+    hits = np.flatnonzero(square == least[row])
+    first = hits[np.searchsorted(row[hits], rows)]
+    return Witness(np.sqrt(square[first]), point_a[first], point_b[first])
+
+
+def _point_edges(point: F64, start: F64, along: F64) -> F64:
+    """Least distance of one point per row, shape (f, 3), to edges, shape (f, e, 3)."""
+    gap = point[:, None] - start
+    t = np.clip((gap * along).sum(axis=2) / (along * along).sum(axis=2), 0.0, 1.0)
+    gap = gap - t[..., None] * along
+    return np.asarray(np.sqrt((gap * gap).sum(axis=2).min(axis=1)))
 
 
 class _Side(NamedTuple):

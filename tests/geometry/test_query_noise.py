@@ -14,8 +14,8 @@ from .meshes import at, ball, box, random_pose, ring
 def test_noise_of_flush_contacts_stays_a_thousandfold_below_eps(size):
     """Law of the construction: the gap is known exactly; the common motion only adds rounding.
 
-    Bodies stand up to 100 sizes from the origin. Measured: below 3e-14 of the size at the origin, 5e-13 at 100 sizes,
-    where the poses themselves round.
+    Bodies stand up to 100 sizes from the origin. Measured: 1.3e-15 of the size at the origin, 2.3e-14 at 100
+    sizes, where the poses themselves round.
     """
     rng = np.random.default_rng(7)
     worst = 0.0

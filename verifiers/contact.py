@@ -33,8 +33,9 @@ SKIN_MAX = 0.02
 """[m] Largest skin that the specification takes."""
 STEP_MIN = 2e-5
 """[s] Smallest step that the specification takes."""
-TUNNEL_SHARE = 0.5
-"""Own choice: deeper than this share of the thinner body, in two frames running, is no contact any more."""
+TUNNEL_SHARE = 0.25
+"""Own choice: deeper than this share of the thinner body, in two frames running, is no contact any more. Depth is that of
+the deepest surface point and cannot exceed half the thinner body, so this is half of what is possible."""
 
 Pair = tuple[str, str]
 
@@ -135,7 +136,7 @@ def _pair(surfaces: Surfaces, a: str, b: str, series: F64, peaks: dict[Pair, tup
 
 
 def _tunnels(surfaces: Surfaces, a: str, b: str, series: F64) -> bool:
-    """Whether the pair is deeper than half the thinner body in two consecutive frames."""
+    """Whether the pair is deeper than `TUNNEL_SHARE` of the thinner body in two consecutive frames."""
     deep = series < -TUNNEL_SHARE * min(surfaces.thickness(a), surfaces.thickness(b))
     return bool((deep[1:] & deep[:-1]).any())
 

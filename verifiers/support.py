@@ -328,10 +328,14 @@ def _balance(graph: SupportGraph, relation: str, entity: str) -> list[Row]:
     surfaces.require(entity)
     if graph.jointed(entity) or graph.held(entity)[0]:
         return []
-    carriers = [n for n in surfaces.neighbours[entity] if surfaces.carries(n, entity)[0]]
+    others = surfaces.neighbours[entity]
+    if not any(surfaces.carries(n, entity)[0] for n in others):
+        return []  # the relation's own row says that nothing carries it
+    # What it leans on from the side counts too: wall and foot together hold a ladder.
+    carriers = [n for n in others if surfaces.series(n, entity)[0] <= surfaces.contact_gap(n, entity)]
     found = balance(surfaces, entity, carriers, 0)
     if found is None:
-        return []  # the relation's own row says that there is no contact
+        return []
     distance, back = found
     ok = distance <= OUTSIDE
     where = f"{abs(distance) * 1e3:.4g} mm {'outside' if distance > 0 else 'inside'}"

@@ -1,0 +1,193 @@
+"""The MCP server of one workspace: tools, resources and prompts joined from explicit lists."""
+
+from __future__ import annotations
+
+import difflib
+import mimetypes
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import anyio
+from mcp.server import CacheHint, MCPServer
+from mcp.server.auth.provider import TokenVerifier
+from mcp.server.auth.settings import AuthSettings
+from mcp.server.lowlevel.helper_types import ReadResourceContents
+from mcp.server.mcpserver import Context
+from mcp.types import CallToolResult, InputRequiredResult, Tool, ToolAnnotations
+from pydantic import AnyUrl
+
+from .. import __version__
+from ..execution import JobStore
+from ..tools.context import ToolBinding, ToolContext
+from ..worlds.errors import InputError
+from .arguments import Arguments
+from .calls import error_result, error_text, run_in_thread
+from .prompts import add_prompts
+from .resources import add_resources
+
+__all__ = ["INSTRUCTIONS", "WorldServer", "create_server"]
+
+INSTRUCTIONS = """\
+worldagent turns one prompt into a verified physical world. You write the specification; the server builds, \
+simulates, measures and judges, and no call can set a verdict. Evidence that is missing or stale never passes.
+
+The loop, for one world id:
+1. edit_spec: create the world from the prompt (the prompt is fixed from then on), then JSON Patch edits. Cover every \
+clause of the prompt. Read the audit in each reply.
+2. build_terrain, place_object: geometry on its support, at real-world scale.
+3. run_checks scope=static: everything must pass before physics starts.
+4. probe_sim: a short run through all phases; a pass freezes the settings.
+5. bake_sim: the whole sequence with the frozen settings. Long work answers with a job_id: use the job tool.
+6. run_checks scope=acceptance: a fresh process reopens the candidate read-only and passes or fails every row.
+7. render_shot mode=final, then export_world: only after acceptance. Previews are allowed at any time.
+
+After a failed row: state one hypothesis, change one parameter group with edit_spec, repeat from the first stale \
+step. Bounds are not a way out: weakening edits are refused or recorded. inspect_world gives numbers; trust them over \
+pictures.
+
+Units are SI, Z is up, quaternions are (w, x, y, z), frame k is the state at k / fps. Angles in degrees only where a \
+name says so.
+
+Read first: skill://world-building/SKILL.md (the procedure), worldagent://schema/world (the specification), \
+worldagent://capabilities (engines and caps)."""
+"""What a client shows its model about this server; clients cut it at 2 KB."""
+
+TOOLS_AT_A_TIME = 32
+"""Tools waiting for jobs hold a thread each; more calls queue."""
+DAY_MS = 86_400_000
+
+
+class WorldServer(MCPServer[Any]):
+    """An `MCPServer` that runs tools by their `ToolBinding`."""
+
+    def __init__(
+        self,
+        workspace: Path,
+        tools: Sequence[ToolBinding],
+        *,
+        store: JobStore | None,
+        auth: AuthSettings | None,
+        token_verifier: TokenVerifier | None,
+    ) -> None:
+        public = CacheHint(ttl_ms=DAY_MS, scope="public")
+        super().__init__(
+            "worldagent",
+            title="WorldAgent",
+            description="Builds, simulates, verifies and renders physical worlds from a prompt",
+            instructions=INSTRUCTIONS,
+            version=__version__,
+            log_level="WARNING",
+            cache_hints={"tools/list": public, "prompts/list": public, "resources/templates/list": public},
+            auth=auth,
+            token_verifier=token_verifier,
+        )
+        self.workspace = workspace
+        self._bindings: dict[str, tuple[ToolBinding, Arguments]] = {}
+        for binding in tools:
+            if binding.name in self._bindings:
+                raise ValueError(f"two tools are named {binding.name!r}")
+            self._bindings[binding.name] = (binding, Arguments(binding))
+        self._described = [_described(*pair) for pair in self._bindings.values()]
+        self._store = store
+        self._store_lock = threading.Lock()
+        self._limiter = anyio.CapacityLimiter(TOOLS_AT_A_TIME)
+
+    @property
+    def jobs(self) -> JobStore:
+        """Jobs of the workspace; opened at the first call, which makes the workspace."""
+        with self._store_lock:
+            if self._store is None:
+                self.workspace.mkdir(parents=True, exist_ok=True)
+                self._store = JobStore(self.workspace)
+            return self._store
+
+    async def list_tools(self) -> list[Tool]:
+        """Descriptions of all tools, in the order of the list that the server was made from."""
+        return list(self._described)
+
+    async def call_tool(
+        self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
+    ) -> CallToolResult | InputRequiredResult:
+        """Run a tool; what goes wrong comes back as an error result that its caller can act on."""
+        if name not in self._bindings:
+            close = difflib.get_close_matches(name, self._bindings, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            return error_result(f"invalid: there is no tool {name!r}{hint}. Tools: {', '.join(self._bindings)}")
+        binding, accepted = self._bindings[name]
+        try:
+            parsed = accepted.parse(arguments)
+        except InputError as error:
+            return error_result(error_text(error))
+
+        async def send(done: float, total: float | None, message: str | None) -> None:
+            if context is not None:
+                await context.report_progress(done, total, message)
+
+        return await run_in_thread(binding, parsed, self._context_of, send, self._limiter)
+
+    def _context_of(self, progress: Callable[[float, float | None, str], None], cancelled: Callable[[], bool]) -> ToolContext:
+        return ToolContext(workspace=self.workspace, jobs=self.jobs, progress=progress, cancelled=cancelled)
+
+    async def read_resource(
+        self, uri: AnyUrl | str, context: Context[Any, Any] | None = None
+    ) -> Iterable[ReadResourceContents] | InputRequiredResult:
+        """Read a resource; files of several kinds behind one template get the MIME type of their own name."""
+        found = await super().read_resource(uri, context)
+        if isinstance(found, InputRequiredResult):
+            return found
+        return [
+            ReadResourceContents(content=item.content, mime_type=_mime_type(str(uri)) or item.mime_type, meta=item.meta)
+            for item in found
+        ]
+
+
+def create_server(
+    workspace: Path,
+    *,
+    tools: Sequence[ToolBinding] | None = None,
+    store: JobStore | None = None,
+    auth: AuthSettings | None = None,
+    token_verifier: TokenVerifier | None = None,
+) -> WorldServer:
+    """The server of a workspace. Nothing is written and no heavy library is loaded before the first call.
+
+    Args:
+        workspace: Root of all worlds; made at the first tool call.
+        tools: Tools to serve; default: all of `worldagent.tools`.
+        store: Jobs of the workspace; default: opened at the first tool call.
+        auth: Settings of bearer authentication, for HTTP.
+        token_verifier: Judges bearer tokens, for HTTP.
+    """
+    if tools is None:
+        from ..tools import TOOLS
+
+        tools = TOOLS
+    server = WorldServer(workspace.expanduser().absolute(), tools, store=store, auth=auth, token_verifier=token_verifier)
+    add_resources(server, server.workspace)
+    add_prompts(server)
+    return server
+
+
+def _described(binding: ToolBinding, arguments: Arguments) -> Tool:
+    return Tool(
+        name=binding.name,
+        title=binding.title,
+        description=binding.description,
+        input_schema=arguments.schema,
+        output_schema=None if binding.pictures else {"type": "object", "additionalProperties": True},
+        annotations=ToolAnnotations(
+            title=binding.title,
+            read_only_hint=binding.read_only,
+            destructive_hint=binding.destructive,
+            idempotent_hint=binding.idempotent,
+            open_world_hint=False,
+        ),
+    )
+
+
+def _mime_type(uri: str) -> str | None:
+    if "/pictures/" not in uri and not uri.startswith("skill://"):
+        return None
+    return "text/markdown" if uri.endswith(".md") else mimetypes.guess_type(uri)[0]

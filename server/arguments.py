@@ -1,0 +1,105 @@
+"""Arguments of a tool: JSON Schema derived from the function's signature, and validation with texts for the caller."""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+from collections.abc import Mapping
+from typing import Any
+
+from mcp.server.mcpserver.utilities.func_metadata import func_metadata
+from pydantic import ValidationError
+
+from ..tools.context import ToolBinding
+from ..worlds.errors import InputError
+
+__all__ = ["Arguments"]
+
+_SHOWN_PROBLEMS = 12
+_SHOWN_CHARACTERS = 120
+
+
+class Arguments:
+    """What a tool accepts. Unknown names are refused; values are checked against type and range."""
+
+    def __init__(self, binding: ToolBinding) -> None:
+        context, *names = inspect.signature(binding.function).parameters
+        self.tool = binding.name
+        self.names: tuple[str, ...] = tuple(names)
+        self._metadata = func_metadata(binding.function, skip_names=[context], structured_output=False)
+        schema = self._metadata.arg_model.model_json_schema()
+        schema["additionalProperties"] = False
+        schema.setdefault("properties", {})
+        self.schema: dict[str, Any] = _without_titles(schema)
+        """JSON Schema (2020-12) of the arguments."""
+
+    def parse(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Keyword arguments of the function.
+
+        Raises:
+            InputError: An argument is unknown, missing or out of range.
+        """
+        for name in given:
+            if name not in self.names:
+                raise InputError(self._unknown(name))
+        try:
+            return self._metadata.validate_arguments(dict(given))
+        except ValidationError as error:
+            problems = [self._problem(dict(found)) for found in error.errors(include_url=False)]
+        more = len(problems) - _SHOWN_PROBLEMS
+        shown = problems[:_SHOWN_PROBLEMS] + ([f"... and {more} more"] if more > 0 else [])
+        raise InputError(f"arguments of {self.tool}: " + "; ".join(shown))
+
+    def _unknown(self, name: str) -> str:
+        close = difflib.get_close_matches(name, self.names, n=1, cutoff=0.5)
+        hint = f"; did you mean {close[0]!r}?" if close else "."
+        return f"{self.tool} has no argument {name!r}{hint} Its arguments: {', '.join(self.names) or 'none'}"
+
+    def _problem(self, found: dict[str, Any]) -> str:
+        """One validation problem: argument, value, what is wrong and what is allowed."""
+        argument, *inner = found["loc"]
+        where = ".".join(str(step) for step in (argument, *inner))
+        schema = self.schema["properties"].get(argument, {})
+        if found["type"] == "missing" and not inner:
+            described = schema.get("description")
+            return f"{where} is missing" + (f" ({described})" if described else "")
+        allowed = "" if inner else _allowed(schema)
+        return f"{where} = {_short(found['input'])}: {found['msg']}" + (f" (allowed: {allowed})" if allowed else "")
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
+
+
+def _allowed(schema: Mapping[str, Any]) -> str:
+    """Range of a value in words, read from its schema; empty where the schema says nothing."""
+    if "anyOf" in schema:
+        return " or ".join(part for part in (_allowed(option) for option in schema["anyOf"]) if part)
+    if "enum" in schema:
+        return "one of " + ", ".join(repr(value) for value in schema["enum"])
+    if "const" in schema:
+        return repr(schema["const"])
+    signs = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
+    sizes = {"minLength": "characters >=", "maxLength": "characters <=", "minItems": "items >=", "maxItems": "items <="}
+    bounds = [f"{sign} {schema[key]}" for key, sign in (signs | sizes).items() if key in schema]
+    if "pattern" in schema:
+        bounds.append(f"matching {schema['pattern']}")
+    return " ".join(part for part in (str(schema.get("type", "")), " and ".join(bounds)) if part)
+
+
+def _without_titles(node: Any) -> Any:
+    """A schema without the generated `title` of every node, which only costs the model tokens."""
+    if isinstance(node, list):
+        return [_without_titles(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    plain: dict[str, Any] = {}
+    for key, value in node.items():
+        if key in ("properties", "$defs"):
+            plain[key] = {name: _without_titles(child) for name, child in value.items()}
+        elif key not in ("title", "default", "enum", "const", "examples"):
+            plain[key] = _without_titles(value)
+        elif key != "title":
+            plain[key] = value
+    return plain

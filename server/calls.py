@@ -1,0 +1,175 @@
+"""One tool call: the function in a worker thread, its progress on the wire, its reply or error as an MCP result."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import logging
+import math
+import secrets
+import threading
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import Any
+
+import anyio
+import anyio.to_thread
+import pydantic_core
+from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, TextContent
+
+from ..tools.context import ToolBinding, ToolContext, ToolReply
+from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
+
+__all__ = ["Progress", "error_result", "error_text", "reply_result", "run_in_thread"]
+
+HEARTBEAT_S = 10.0
+"""Longest silence of a running call [s]; clients cut calls that stay silent for minutes."""
+ERROR_CHARACTERS = 8000
+"""Clients cut longer error texts."""
+_SHOWN_PROBLEMS = 20
+_KINDS: tuple[tuple[type[WorldAgentError], str], ...] = (
+    (LimitError, "over the limit"),
+    (InputError, "invalid"),
+    (RefusedError, "refused"),
+    (EvidenceError, "evidence"),
+    (EngineError, "engine"),
+    (WorldAgentError, "stopped"),
+)
+
+logger = logging.getLogger(__name__)
+
+
+class Progress:
+    """Carries a tool's reports from its thread to the client; the latest wins where they come too fast.
+
+    What is sent strictly increases, as the protocol demands.
+    """
+
+    def __init__(self, tool: str, send: Callable[[float, float | None, str | None], Awaitable[None]]) -> None:
+        self._send = send
+        self._loop = asyncio.get_running_loop()
+        self._news = asyncio.Event()
+        self._latest: tuple[float, float | None, str] = (0.0, None, f"{tool} is running")
+        self._last = 0.0
+
+    def report(self, done: float, total: float | None = None, message: str = "") -> None:
+        """Take a report, from any thread; never raises."""
+        with suppress(Exception):
+            finite = total is not None and math.isfinite(total)
+            self._latest = (
+                float(done) if math.isfinite(done) else self._last,
+                float(total) if finite and total is not None else None,
+                str(message),
+            )
+            self._loop.call_soon_threadsafe(self._news.set)
+
+    async def forward(self) -> None:
+        """Send reports as they come, and a sign of life where none come, until cancelled."""
+        while True:
+            with anyio.move_on_after(HEARTBEAT_S):
+                await self._news.wait()
+            self._news.clear()
+            await self._pass_on()
+
+    async def finish(self) -> None:
+        """Send the last report if it has not been sent."""
+        if self._news.is_set():
+            self._news.clear()
+            await self._pass_on()
+
+    async def _pass_on(self) -> None:
+        done, total, message = self._latest
+        step = 1e-6 * max(1.0, abs(self._last))
+        self._last = done if done > self._last else self._last + step
+        try:
+            await self._send(self._last, None if total is None else max(total, self._last), message or None)
+        except Exception:
+            logger.debug("progress could not be sent", exc_info=True)
+
+
+async def run_in_thread(
+    binding: ToolBinding,
+    arguments: dict[str, Any],
+    context_of: Callable[[Callable[[float, float | None, str], None], Callable[[], bool]], ToolContext],
+    send: Callable[[float, float | None, str | None], Awaitable[None]],
+    limiter: anyio.CapacityLimiter,
+) -> CallToolResult:
+    """Result of a tool whose arguments are valid.
+
+    The event loop stays free. When the client gives up, the thread is left to end by itself: its context's
+    `cancelled()` becomes true.
+
+    Args:
+        binding: The tool.
+        arguments: Validated keyword arguments.
+        context_of: Makes the call's context from its `progress` and `cancelled`.
+        send: Sends one progress notification (done, total, message).
+        limiter: Bounds how many tools run at a time.
+    """
+    gone = threading.Event()
+    progress = Progress(binding.name, send)
+
+    def work() -> CallToolResult:
+        try:
+            context = context_of(progress.report, gone.is_set)
+            return reply_result(binding, binding.function(context, **arguments))
+        except WorldAgentError as error:
+            return error_result(error_text(error))
+        except (Exception, SystemExit) as error:
+            return _unexpected(binding.name, error)
+
+    try:
+        async with anyio.create_task_group() as group:
+            group.start_soon(progress.forward)
+            result = await anyio.to_thread.run_sync(work, abandon_on_cancel=True, limiter=limiter)
+            group.cancel_scope.cancel()
+    finally:
+        gone.set()
+    await progress.finish()
+    return result
+
+
+def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
+    """A reply as content: compact JSON, pictures, links; structured content where there are no pictures.
+
+    NaN and infinities become null, since JSON has no such numbers.
+    """
+    if reply.pictures and not binding.pictures:
+        raise TypeError(f"tool {binding.name} returned pictures but is not declared to")
+    encoded = pydantic_core.to_json(reply.data, inf_nan_mode="null")
+    content: list[ContentBlock] = [TextContent(type="text", text=encoded.decode())]
+    content += [
+        ImageContent(type="image", data=base64.b64encode(picture.data).decode(), mime_type=f"image/{picture.format}")
+        for picture in reply.pictures
+    ]
+    content += [ResourceLink(type="resource_link", name=name, uri=uri, mime_type=kind) for name, uri, kind in reply.links]
+    if reply.pictures:
+        return CallToolResult(content=content)
+    return CallToolResult(content=content, structured_content=pydantic_core.from_json(encoded))
+
+
+def error_text(error: WorldAgentError) -> str:
+    """What the caller reads: the kind of error, its text, and each problem of a specification."""
+    kind = next(word for base, word in _KINDS if isinstance(error, base))
+    lines = [f"{kind}: {error}"]
+    if isinstance(error, SpecError):
+        lines += [f"- {pointer or '/'}: {message}" for pointer, message in error.problems[:_SHOWN_PROBLEMS]]
+        if len(error.problems) > _SHOWN_PROBLEMS:
+            lines.append(f"... and {len(error.problems) - _SHOWN_PROBLEMS} more")
+    text = "\n".join(lines)
+    return text if len(text) <= ERROR_CHARACTERS else text[:ERROR_CHARACTERS] + " ... (cut)"
+
+
+def error_result(text: str) -> CallToolResult:
+    """An error that the calling model reads."""
+    return CallToolResult(content=[TextContent(type="text", text=text)], is_error=True)
+
+
+def _unexpected(tool: str, error: BaseException) -> CallToolResult:
+    """A defect: the trace goes to the log, the caller gets its number."""
+    number = secrets.token_hex(4)
+    logger.error("error %s in tool %s", number, tool, exc_info=error)
+    return error_result(
+        f"internal error {number} in {tool}: a defect of the server, not of your arguments; the trace is in the "
+        "server's log. Nothing was accepted by this call. Look at the world with inspect_world before you go on"
+    )

@@ -1,0 +1,191 @@
+"""The `worldagent` command."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..worlds.errors import InputError, WorldAgentError
+
+__all__ = ["BENCHMARKS", "default_workspace", "leave", "main"]
+
+BENCHMARKS: dict[str, str] = {
+    "startup": "worldagent.bench.startup:run",
+    "edit-latency": "worldagent.bench.edit_latency:run",
+    "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
+    "clearance": "worldagent.bench.clearance:run",
+    "render": "worldagent.bench.render:run",
+}
+"""Benchmarks by name: `run()` returns the figures."""
+
+ENV_WORKSPACE = "WORLDAGENT_WORKSPACE"
+ENV_TOKEN = "WORLDAGENT_TOKEN"  # noqa: S105 - name of a variable
+OK, FAILED, MISUSED = 0, 1, 2
+
+
+def default_workspace() -> Path:
+    """`$WORLDAGENT_WORKSPACE`, or `worldagent` in the home folder."""
+    named = os.environ.get(ENV_WORKSPACE)
+    return Path(named) if named else Path.home() / "worldagent"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    arguments = _parser().parse_args(argv)
+    command: Callable[[argparse.Namespace], int] = arguments.command
+    try:
+        return command(arguments)
+    except WorldAgentError as error:
+        print(f"worldagent: {error}", file=sys.stderr)
+        return MISUSED
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="worldagent", description="MCP server that turns a prompt into a verified physical world.", allow_abbrev=False
+    )
+    parser.add_argument("--version", action="version", version=f"worldagent {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def add(name: str, function: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+        made = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
+        made.set_defaults(command=function)
+        return made
+
+    serve = add("serve", _serve, "Serve MCP over stdio (default) or HTTP.")
+    serve.add_argument(
+        "--workspace", type=Path, metavar="DIR", help=f"root of all worlds (default: ${ENV_WORKSPACE} or ~/worldagent)"
+    )
+    serve.add_argument("--transport", choices=("stdio", "http"), default="stdio")
+    serve.add_argument("--host", default="127.0.0.1", help="HTTP: address to bind (default: %(default)s; others need a token)")
+    serve.add_argument("--port", type=_port, default=8931, help="HTTP: port, 0 takes a free one (default: %(default)s)")
+    serve.add_argument("--token", help=f"HTTP: bearer token (default: ${ENV_TOKEN}, which other users' ps does not show)")
+    serve.add_argument(
+        "--allow-host", action="append", default=[], metavar="NAME", help="HTTP: further name in Host and Origin headers"
+    )
+
+    add("demo", _demo, "Build, check, accept and render the domino world, as a client would.")
+    doctor = add("doctor", _doctor, "Check this installation; exit code 0 when everything required works.")
+    doctor.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    doctor.add_argument("--workspace", type=Path, metavar="DIR", help="workspace to check")
+
+    verify = add("verify", _verify, "Judge a world folder by this installation's own verifiers; exit code 0 only when accepted.")
+    verify.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
+    verify.add_argument("--replay", action="store_true", help="also re-simulate intervals from checkpoints and compare")
+    recompute = add("recompute", _recompute, "Build and bake a world folder anew, then judge it; exit code 0 only when accepted.")
+    recompute.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
+
+    add("warm", _warm, "Compile kernels and prove the renderer's variant now rather than at first use.")
+    bench = add("bench", _bench, "Run a benchmark: progress on stderr, one JSON object as the last line of stdout.")
+    bench.add_argument(
+        "name", metavar="NAME|list", choices=("list", *BENCHMARKS), help=f"list, or one of: {', '.join(BENCHMARKS)}"
+    )
+    return parser
+
+
+def _port(text: str) -> int:
+    if not text.isdigit() or not 0 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError(f"{text!r} must be an integer from 0 to 65535")
+    return int(text)
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    import logging
+
+    logging.basicConfig(level=logging.WARNING, stream=sys.stderr, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    workspace: Path = (arguments.workspace or default_workspace()).expanduser().absolute()
+    if workspace.exists() and not workspace.is_dir():
+        raise InputError(f"workspace {str(workspace)!r} is a file; give a folder")
+    if arguments.transport == "http":
+        from .http import serve_http
+
+        serve_http(
+            workspace,
+            host=arguments.host,
+            port=arguments.port,
+            token=arguments.token or os.environ.get(ENV_TOKEN) or None,
+            allowed_hosts=arguments.allow_host,
+            announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
+        )
+    else:
+        from .app import create_server
+
+        create_server(workspace).run("stdio")
+    leave()
+    return OK
+
+
+def leave(*, patience_s: float = 2.0) -> None:
+    """End the process even if a thread does not: the client is gone, and jobs live in processes of their own.
+
+    Args:
+        patience_s: How long tools may take to notice that their call was given up [s].
+    """
+    import logging
+    import threading
+    import time
+
+    deadline = time.monotonic() + patience_s
+    others = [thread for thread in threading.enumerate() if thread is not threading.current_thread() and not thread.daemon]
+    for thread in others:
+        thread.join(max(0.0, deadline - time.monotonic()))
+    if any(thread.is_alive() for thread in others):
+        logging.shutdown()
+        sys.stderr.flush()
+        os._exit(OK)
+
+
+def _demo(arguments: argparse.Namespace) -> int:
+    from ..examples.domino_run import main as demo
+
+    return demo() or OK
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    from .doctor import examine, table
+
+    report = examine((arguments.workspace or default_workspace()).expanduser().absolute())
+    print(json.dumps(report) if arguments.json else table(report))
+    return OK if report["ok"] else FAILED
+
+
+def _verify(arguments: argparse.Namespace) -> int:
+    from ..tools.verify_folder import verify_folder
+
+    return _judged(verify_folder(arguments.folder.expanduser().absolute(), replay=arguments.replay))
+
+
+def _recompute(arguments: argparse.Namespace) -> int:
+    from ..tools.verify_folder import recompute_folder
+
+    return _judged(recompute_folder(arguments.folder.expanduser().absolute()))
+
+
+def _judged(verdict: dict[str, Any]) -> int:
+    print(json.dumps(verdict, indent=1))
+    return OK if verdict["verdict"] == "accepted" else FAILED
+
+
+def _warm(arguments: argparse.Namespace) -> int:
+    from .doctor import warm
+
+    steps = warm(lambda text: print(text, file=sys.stderr, flush=True))
+    return OK if all(step["ok"] for step in steps) else FAILED
+
+
+def _bench(arguments: argparse.Namespace) -> int:
+    if arguments.name == "list":
+        print("\n".join(BENCHMARKS))
+        return OK
+    from ..bench.machine import run_benchmark
+
+    print(json.dumps(run_benchmark(arguments.name, BENCHMARKS[arguments.name])))
+    return OK

@@ -1,0 +1,246 @@
+"""What a client can read without calling a tool: schema, capabilities, worlds and their matrices, pictures, skills."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pydantic_core
+from mcp.server import MCPServer
+from mcp.server.mcpserver.exceptions import ResourceError, ResourceNotFoundError
+from mcp.types import Completion, CompletionArgument, CompletionContext, PromptReference, ResourceTemplateReference
+
+from ..worlds.errors import EvidenceError, InputError, WorldAgentError
+from ..worlds.folder import WorldFolder, safe_join, world_ids
+from .report import world_report
+
+if TYPE_CHECKING:
+    from ..worlds.ledger import Ledger
+
+__all__ = ["SKILLS", "add_resources", "skill_files", "skill_names"]
+
+SKILLS = Path(__file__).resolve().parent.parent / "skills"
+"""Folder of the skills, one folder each."""
+JSON = "application/json"
+MAX_FILE_BYTES = 8_000_000
+_SHOWN_NAMES = 40
+_SKILL_KINDS = (".md", ".json")
+_DESCRIPTION = re.compile(r"^description:\s*(.+?)\s*$", re.MULTILINE)
+
+
+def add_resources(server: MCPServer[Any], workspace: Path) -> None:
+    """Register all resources, templates and completions on a server."""
+    _add_general(server, workspace)
+    _add_world(server, workspace)
+    _add_skills(server)
+
+    async def complete(
+        ref: PromptReference | ResourceTemplateReference, argument: CompletionArgument, context: CompletionContext | None
+    ) -> Completion | None:
+        return _completion(workspace, argument, context)
+
+    server.completion()(complete)  # type: ignore[no-untyped-call]
+
+
+def skill_names() -> list[str]:
+    """Names of the skills, sorted."""
+    return sorted(path.parent.name for path in SKILLS.glob("*/SKILL.md"))
+
+
+def skill_files(name: str) -> list[str]:
+    """Files of a skill, relative to its folder, sorted."""
+    root = SKILLS / name
+    return sorted(path.relative_to(root).as_posix() for path in root.rglob("*") if path.suffix in _SKILL_KINDS and path.is_file())
+
+
+def _add_general(server: MCPServer[Any], workspace: Path) -> None:
+    @server.resource(
+        "worldagent://schema/world",
+        name="world-schema",
+        title="Schema of a world",
+        description="JSON Schema of a world's specification (world.json): every field with unit, range and default",
+        mime_type="application/schema+json",
+    )
+    def schema() -> str:
+        from ..worlds.spec import WorldSpec
+
+        return _json(WorldSpec.model_json_schema())
+
+    @server.resource(
+        "worldagent://capabilities",
+        name="capabilities",
+        title="What this server can do",
+        description="Engines with versions, categories of physics that are available, renderer variant, caps",
+        mime_type=JSON,
+    )
+    def about() -> str:
+        from .capabilities import capabilities
+
+        return _json(capabilities())
+
+    @server.resource(
+        "worldagent://worlds",
+        name="worlds",
+        title="Worlds",
+        description="Ids of the worlds in this workspace",
+        mime_type=JSON,
+    )
+    def worlds() -> str:
+        return _json({"worlds": world_ids(workspace)})
+
+
+def _add_world(server: MCPServer[Any], workspace: Path) -> None:
+    base = "worldagent://worlds/{world}"
+
+    @server.resource(
+        f"{base}/spec", name="world-spec", title="Specification", description="The current world.json of a world", mime_type=JSON
+    )
+    def spec(world: str) -> str:
+        with _opened(workspace, world) as folder:
+            return folder.spec_path.read_text()
+
+    @server.resource(
+        f"{base}/matrix",
+        name="world-matrix",
+        title="Requirements matrix",
+        description="All rows of the requirements matrix with measurements and evidence, failing rows first",
+        mime_type=JSON,
+    )
+    def matrix(world: str) -> str:
+        with _opened(workspace, world) as folder:
+            ledger = _ledger(folder)
+            rows = [] if ledger is None else [row.model_dump(mode="json") for row in ledger.rows()]
+            return _json({"world": world, "revision": ledger.revision() if ledger else 0, "rows": rows})
+
+    @server.resource(
+        f"{base}/revisions",
+        name="world-revisions",
+        title="Revisions",
+        description="Edits of the specification, newest first: patch, hypothesis, parameter groups, weakenings with reasons",
+        mime_type=JSON,
+    )
+    def revisions(world: str) -> str:
+        with _opened(workspace, world) as folder:
+            ledger = _ledger(folder)
+            return _json({"world": world, "revisions": [] if ledger is None else ledger.revisions(limit=200)})
+
+    @server.resource(
+        f"{base}/report",
+        name="world-report",
+        title="Report",
+        description="A world at a glance: prompt, counts of verdicts, failing rows with corrections, weakenings, acceptance",
+        mime_type="text/markdown",
+    )
+    def report(world: str) -> str:
+        with _opened(workspace, world) as folder:
+            return world_report(folder, _ledger(folder))
+
+    @server.resource(
+        f"{base}/pictures/{{name}}",
+        name="world-picture",
+        title="Picture",
+        description="A preview, contact sheet, plot or plan that render_shot wrote",
+        mime_type="application/octet-stream",
+    )
+    def picture(world: str, name: str) -> bytes:
+        with _opened(workspace, world) as folder:
+            known = sorted(p.name for p in folder.pictures.iterdir() if p.is_file()) if folder.pictures.is_dir() else []
+            return _file(folder.pictures, name, known)
+
+
+def _add_skills(server: MCPServer[Any]) -> None:
+    for name in skill_names():
+        text = (SKILLS / name / "SKILL.md").read_text()
+        found = _DESCRIPTION.search(text[:2000])
+        _add_skill(server, name, found.group(1).strip("'\"") if found else f"Skill {name}")
+
+    @server.resource(
+        "skill://{name}/{+path}",
+        name="skill-file",
+        title="File of a skill",
+        description=f"SKILL.md and the other files of a skill. Skills: {', '.join(skill_names()) or 'none'}",
+        mime_type="text/markdown",
+    )
+    def skill_file(name: str, path: str) -> str:
+        if name not in skill_names():
+            raise ResourceNotFoundError(f"there is no skill {name!r}; known skills: {skill_names()}")
+        with _told():
+            return _file(SKILLS / name, path, skill_files(name)).decode()
+
+
+def _add_skill(server: MCPServer[Any], name: str, description: str) -> None:
+    @server.resource(
+        f"skill://{name}/SKILL.md",
+        name=f"skill-{name}",
+        title=f"Skill {name}",
+        description=description,
+        mime_type="text/markdown",
+    )
+    def skill() -> str:
+        return (SKILLS / name / "SKILL.md").read_text()
+
+
+def _completion(workspace: Path, argument: CompletionArgument, context: CompletionContext | None) -> Completion | None:
+    """Values that begin with what has been typed."""
+    given = (context.arguments or {}) if context else {}
+    if argument.name == "world":
+        known = world_ids(workspace)
+    elif argument.name == "path" and given.get("name") in skill_names():
+        known = skill_files(given["name"])
+    elif argument.name == "name" and given.get("world") in world_ids(workspace):
+        pictures = WorldFolder(workspace / given["world"]).pictures
+        known = sorted(path.name for path in pictures.iterdir()) if pictures.is_dir() else []
+    elif argument.name == "name":
+        known = skill_names()
+    else:
+        return None
+    fitting = [value for value in known if value.startswith(argument.value)]
+    return Completion(values=fitting[:100], total=len(fitting), has_more=len(fitting) > 100)
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Turns errors of the world floor into resource errors, whose text the client sees."""
+    try:
+        yield
+    except (InputError, EvidenceError) as error:
+        raise ResourceNotFoundError(str(error)) from error
+    except WorldAgentError as error:
+        raise ResourceError(str(error)) from error
+
+
+@contextmanager
+def _opened(workspace: Path, world: str) -> Iterator[WorldFolder]:
+    with _told():
+        yield WorldFolder.of(workspace, world)
+
+
+def _ledger(folder: WorldFolder) -> Ledger | None:
+    """The ledger, or None: reading never creates one."""
+    if not folder.ledger_path.is_file():
+        return None
+    from ..worlds.ledger import Ledger
+
+    return Ledger(folder.ledger_path)
+
+
+def _file(base: Path, relative: str, known: list[str]) -> bytes:
+    """Bytes of a file under `base`.
+
+    Raises:
+        InputError: It leads out of `base`, is missing, or is too large.
+    """
+    path = safe_join(base, relative)
+    if not path.is_file():
+        raise InputError(f"there is no {relative!r}; known: {known[-_SHOWN_NAMES:]}")
+    size = path.stat().st_size
+    if size > MAX_FILE_BYTES:
+        raise InputError(f"{relative!r} has {size} bytes, at most {MAX_FILE_BYTES} are sent; read it from the world folder")
+    return path.read_bytes()
+
+
+def _json(value: Any) -> str:
+    return pydantic_core.to_json(value, inf_nan_mode="null").decode()

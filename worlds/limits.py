@@ -1,0 +1,139 @@
+"""Declared caps, and the refusal of work that would exceed them before any of it is done."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import LimitError
+
+if TYPE_CHECKING:
+    from .spec import Entity, WorldSpec
+
+__all__ = ["CAPS", "Cap", "check_cap", "check_limits", "check_workspace", "estimate_counts", "workspace_bytes"]
+
+CACHE_BYTES_PER_BODY_FRAME = 160
+"""Pose and velocity in float64 (13 numbers), and as much again of records and index, halved by compression [bytes]."""
+
+
+@dataclass(frozen=True)
+class Cap:
+    """The largest amount of something that the server takes on."""
+
+    name: str
+    value: int
+    unit: str
+    knob: str
+    """What to change to stay below it."""
+
+
+def _caps(*caps: Cap) -> dict[str, Cap]:
+    return {cap.name: cap for cap in caps}
+
+
+CAPS: dict[str, Cap] = _caps(
+    Cap("bodies", 2_000, "bodies", "fewer entities with motion dynamic or kinematic, or fewer links of a rope generator"),
+    Cap("parts", 20_000, "parts", "fewer entities or fewer parts per entity"),
+    Cap("frames", 20_000, "frames", "/simulation/frames, /simulation/fps or /simulation/preroll"),
+    Cap("steps", 50_000_000, "solver steps", "a larger /simulation/solvers/<id>/settings/step or fewer frames"),
+    Cap("body_steps", 5_000_000_000, "body steps", "fewer bodies, fewer frames or a larger step"),
+    Cap("width", 1_920, "pixels", "/look/width"),
+    Cap("height", 1_080, "pixels", "/look/height"),
+    Cap("samples", 1_024, "samples per pixel", "/look/samples"),
+    Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid"),
+    Cap("triangles", 5_000_000, "triangles", "coarser meshes or fewer of them"),
+    Cap("cache_bytes", 20_000_000_000, "bytes", "fewer bodies or frames"),
+    Cap("running_jobs", 16, "jobs", "wait for running jobs or cancel some with the job tool"),
+    Cap("workspace_bytes", 100_000_000_000, "bytes", "delete old candidates or worlds from the workspace folder"),
+)
+"""All caps by name."""
+
+
+def check_cap(name: str, estimate: float, *, what: str = "") -> None:
+    """Refuse an amount above a cap.
+
+    Args:
+        name: Name of the cap.
+        estimate: The amount that the work would take, in the cap's unit.
+        what: Where the amount comes from, for the text.
+
+    Raises:
+        LimitError: The estimate exceeds the cap, or is no number.
+    """
+    cap = CAPS[name]
+    if estimate <= cap.value:
+        return
+    of = f" for {what}" if what else ""
+    raise LimitError(f"{name}: estimated {estimate:,.0f} {cap.unit}{of}, cap {cap.value:,}. Knob: {cap.knob}")
+
+
+def estimate_counts(spec: WorldSpec) -> dict[str, float]:
+    """What a specification would take, by name of the cap."""
+    plan, look = spec.simulation, spec.look
+    moving = {name: entity for name, entity in spec.entities.items() if entity.motion != "static"}
+    bodies = sum(_bodies(entity) for entity in moving.values())
+    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    counts: dict[str, float] = {
+        "bodies": bodies,
+        "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
+        "frames": plan.frames + plan.preroll * plan.fps,
+        "steps": sum(seconds / solver.settings.step for solver in plan.solvers.values()),
+        "body_steps": sum(
+            seconds / solver.settings.step * sum(_bodies(moving[name]) for name in solver.members if name in moving)
+            for solver in plan.solvers.values()
+        ),
+        "width": look.width,
+        "height": look.height,
+        "samples": look.samples,
+        "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME,
+    }
+    return counts
+
+
+def check_limits(spec: WorldSpec) -> dict[str, float]:
+    """Refuse a specification that would exceed a cap; returns the estimates.
+
+    Raises:
+        LimitError: Names the cap, the estimate and the knob to turn.
+    """
+    counts = estimate_counts(spec)
+    for name, estimate in counts.items():
+        check_cap(name, estimate, what="this specification")
+    return counts
+
+
+def workspace_bytes(workspace: Path) -> int:
+    """Bytes of all files under a workspace, links not followed."""
+    total, folders = 0, [workspace]
+    while folders:
+        try:
+            entries = list(os.scandir(folders.pop()))
+        except OSError:
+            continue
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                folders.append(Path(entry.path))
+            else:
+                total += entry.stat(follow_symlinks=False).st_size
+    return total
+
+
+def check_workspace(workspace: Path, more: float) -> None:
+    """Refuse `more` bytes that the workspace's cap or the free disk space does not hold.
+
+    Raises:
+        LimitError: Names what is used, what would be added and what is free.
+    """
+    import shutil
+
+    check_cap("workspace_bytes", workspace_bytes(workspace) + more, what=f"{workspace.name} with {more:,.0f} bytes more")
+    free = shutil.disk_usage(workspace).free
+    if more > 0.95 * free:
+        raise LimitError(f"disk: estimated {more:,.0f} bytes, free {free:,}. Knob: free space, or fewer bodies or frames")
+
+
+def _bodies(entity: Entity) -> int:
+    """Bodies that an entity becomes: one, or the segments of its rope."""
+    return 1 if entity.generator is None else entity.generator.segments

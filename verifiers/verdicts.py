@@ -7,20 +7,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..worlds.requirements import Check, Correction, Group, Row, Status, fail_closed
+from ..worlds.groups import GROUPS
+from ..worlds.requirements import Check, Correction, Group, Row, RowClass, Status, fail_closed
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
 __all__ = ["EDIT_CLASS", "correction", "make_row", "plain", "requested_frames"]
 
-EDIT_CLASS: Mapping[str, Any] = {
-    **dict.fromkeys(("placement", "dimensions", "shape", "relations"), "scene"),
-    **dict.fromkeys(("material", "mass", "contact", "step", "drivers", "joints", "initial_state", "interval"), "solver"),
-    **dict.fromkeys(("shots", "look"), "shot"),
-    **dict.fromkeys(("story", "limits", "text"), "text"),
+EDIT_CLASS: Mapping[str, RowClass] = {
+    name: "text" if group.edit_class == "story" else group.edit_class for name, group in GROUPS.items()
 }
-"""Class of an edit to each causal parameter group (R111, R112)."""
+"""Class of an edit to each causal parameter group (R111, R112); rows know no class of its own for the story."""
 
 
 def correction(

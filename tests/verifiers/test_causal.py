@@ -1,0 +1,189 @@
+"""Causal checks: order, impulse chains, and coincidences that must not pass for causes (R96, R97)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.verifiers.causal import check
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.predicates import Contact, Displacement, Reaches, Topples
+from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import Beat, BoxRegion, DetachDriver, ReleaseDriver, SpringJoint, WeldJoint
+
+from tests.worlds.small import Event, Touch, ball, box, ground, make_candidate, world
+
+FPS, N = 24, 49
+TIME = np.arange(N) / FPS
+
+
+def toppling(start: float, x: float, *, end: float = 1.4, rate: float = 3.0) -> tuple[Any, Any]:
+    """A domino at x that turns about +y from `start` [s]; it is past 0.6 rad 0.2 s later."""
+    angles = np.clip(rate * (TIME - start), 0, end)
+    quaternions = np.stack([np.cos(angles / 2), 0 * angles, np.sin(angles / 2), 0 * angles], axis=1)
+    positions = np.stack([x + 0.05 * np.sin(angles), 0 * angles, 0.1 * np.cos(angles)], axis=1)
+    return positions, quaternions
+
+
+def beat(subject: str, predicate: Any = None, *, causes: list[str] | None = None, **more: Any) -> Beat:
+    return Beat(
+        text="",
+        owner=more.pop("owner", "rigid"),
+        subject=subject,
+        frames=more.pop("frames", (0, N - 1)),
+        predicate=predicate or Topples(entity=subject),
+        causes=causes or [],
+    )
+
+
+def dominoes(
+    tmp_path: Path,
+    starts: list[float],
+    *,
+    contacts: list[tuple[float, str, str, float]],
+    beats: dict[str, Beat] | None = None,
+    **more: Any,
+) -> Candidate:
+    """Dominoes d0, d1, ... on a floor that all of them touch; `contacts` are (time, a, b, impulse)."""
+    entities = {"floor": ground()}
+    entities |= {f"d{i}": box(0.02, 0.1, 0.2, motion="dynamic", at=(0.1 * i, 0, 0.1)) for i in range(len(starts))}
+    last = f"d{len(starts) - 1}"
+    beats = beats or {"first": beat("d0"), "last": beat(last, causes=["first"])}
+    spec = world(entities, beats=beats, frames=N, drivers=more.pop("drivers", None), joints=more.pop("joints", None))
+    frames_of = [(int(np.ceil(t * FPS - 1e-9)), a, b, j) for t, a, b, j in contacts]
+    touches = [Touch(k, a, b, j) for k, a, b, j in frames_of]
+    touches += [Touch(k, "floor", f"d{i}", 1.0) for k in range(1, N) for i in range(len(starts))]
+    events = [Event(t, a, b, impulse=j) for t, a, b, j in contacts]
+    tracks = {f"d{i}": toppling(s, 0.1 * i) for i, s in enumerate(starts)}
+    return make_candidate(tmp_path, spec, tracks=tracks, touches=touches, events=events, **more)
+
+
+def only(candidate: Candidate) -> Row:
+    rows = check(candidate)
+    assert len(rows) == 1
+    return rows[0]
+
+
+def test_a_chain_of_contacts_is_a_cause(tmp_path: Path) -> None:
+    contacts = [(0.13, "d0", "d1", 0.05), (0.33, "d1", "d2", 0.05)]
+    row = only(dominoes(tmp_path, [0.0, 0.13, 0.33], contacts=contacts))
+    assert (row.id, row.status, row.check, row.group) == ("causal:first:last", "pass", "causal", "temporal")
+    assert (row.measured, row.unit) == (2.0, "hops")
+    assert [(h["source"], h["target"]) for h in row.evidence["chain"]] == [("d0", "d1"), ("d1", "d2")]
+    assert [h["time"] for h in row.evidence["chain"]] == pytest.approx([0.13, 0.33])
+    assert row.evidence["order_frames"] == 8  # 0.2 s after 0.0 and 0.33: frames 5 and 13
+
+
+def test_two_coincident_events_without_contact_are_no_cause(tmp_path: Path) -> None:
+    """R97: simultaneous glass break and leak must fail. The shared floor connects nothing."""
+    row = only(dominoes(tmp_path, [0.0, 0.1, 0.1], contacts=[]))
+    assert (row.status, row.measured, row.bound) == ("fail", 0.0, 1.0)
+    assert row.first_failing_entity == "d1"  # next to d0, and the first that received nothing
+    assert row.corrections[0].group == "placement"
+
+
+def test_a_gap_names_the_first_entity_that_never_received_the_chain(tmp_path: Path) -> None:
+    row = only(dominoes(tmp_path, [0.0, 0.1, 0.2, 0.3], contacts=[(0.1, "d0", "d1", 0.05), (0.3, "d2", "d3", 0.05)]))
+    assert (row.status, row.first_failing_entity, row.evidence["tip"]) == ("fail", "d2", "d1")
+    assert row.evidence["gap_between_centers"] == pytest.approx(0.1, abs=0.06)
+
+
+def test_contacts_in_the_wrong_order_carry_nothing(tmp_path: Path) -> None:
+    contacts = [(0.10, "d1", "d2", 0.05), (0.30, "d0", "d1", 0.05)]
+    row = only(dominoes(tmp_path, [0.0, 0.05, 0.33], contacts=contacts))
+    assert (row.status, row.first_failing_entity) == ("fail", "d2")
+
+
+def test_a_feather_touch_carries_nothing(tmp_path: Path) -> None:
+    mass = 600.0 * 0.02 * 0.1 * 0.2
+    for name, impulse, status in (("weak", 0.001 * mass, "fail"), ("strong", 0.02 * mass, "pass")):
+        row = only(dominoes(tmp_path / name, [0.0, 0.1], contacts=[(0.15, "d0", "d1", impulse)]))
+        assert row.status == status  # d1's centre moves at about 0.3 m/s then: 1 % of it is 0.003 m/s
+
+
+def test_an_effect_before_its_cause_fails_the_order(tmp_path: Path) -> None:
+    row = only(dominoes(tmp_path, [1.0, 0.1], contacts=[(0.1, "d0", "d1", 0.05)]))
+    assert (row.status, row.unit) == ("fail", "frame")
+    assert row.measured == 8 - 29  # 0.1 + 0.2 s is frame 8, 1.0 + 0.2 s frame 29
+    assert row.first_failing_entity == "d1"
+
+
+def test_contacts_in_one_frame_are_ordered_by_their_event_times(tmp_path: Path) -> None:
+    hit = {
+        "a": beat("d0", Contact(a="d0", b="d1")),
+        "b": beat("d1", Contact(a="d1", b="d2"), causes=["a"]),
+    }
+    good = [(0.490, "d0", "d1", 0.05), (0.495, "d1", "d2", 0.05)]
+    assert only(dominoes(tmp_path / "g", [0.0, 0.4, 0.4], contacts=good, beats=hit)).status == "pass"
+    swapped = [(0.495, "d0", "d1", 0.05), (0.490, "d1", "d2", 0.05)]
+    row = only(dominoes(tmp_path / "b", [0.0, 0.4, 0.4], contacts=swapped, beats=hit))
+    assert row.status == "fail"
+    assert row.evidence["event_times"] == pytest.approx([0.495, 0.490])
+
+
+def test_joints_carry_the_chain_until_they_are_opened(tmp_path: Path) -> None:
+    weld = {"w": WeldJoint(parent="d1", child="d2", anchor=(0.15, 0, 0.1))}
+    contacts = [(0.5, "d0", "d1", 0.05)]
+    starts = [0.4, 0.5, 0.5]
+    row = only(dominoes(tmp_path / "a", starts, contacts=contacts, joints=weld))
+    assert row.status == "pass"
+    assert row.evidence["chain"][1]["impulse"] is None
+    opened = {"o": DetachDriver(joint="w", time=0.3)}
+    assert only(dominoes(tmp_path / "b", starts, contacts=contacts, joints=weld, drivers=opened)).status == "fail"
+    spring = {"s": SpringJoint(parent="d1", child="d2", parent_point=(0.1, 0, 0.1), child_point=(0.2, 0, 0.1), stiffness=10)}
+    assert only(dominoes(tmp_path / "c", starts, contacts=contacts, joints=spring)).status == "pass"
+
+
+def test_one_subject_links_itself_while_it_moves(tmp_path: Path) -> None:
+    regions = {"mid": BoxRegion(min=(0.4, -1, 0), max=(0.6, 1, 1)), "end": BoxRegion(min=(0.9, -1, 0), max=(1.1, 1, 1))}
+    beats = {
+        "passes": beat("ball", Reaches(entity="ball", region="mid")),
+        "arrives": beat("ball", Reaches(entity="ball", region="end"), causes=["passes"]),
+    }
+    spec = world({"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(0, 0, 0.1))}, regions=regions, beats=beats, frames=N)
+    smooth = np.minimum(TIME, 1.0)
+    stop = np.where(TIME < 0.55, TIME, np.where(TIME < 1.2, 0.55, np.minimum(TIME - 0.65, 1.0)))
+    for name, x, status in (("smooth", smooth, "pass"), ("stop", stop, "fail")):
+        tracks = {"ball": (np.stack([x, 0 * x, 0 * x + 0.1], axis=1), (1.0, 0, 0, 0))}
+        row = only(make_candidate(tmp_path / name, spec, tracks=tracks))
+        assert row.status == status
+    assert row.first_failing_entity == "ball"
+    assert row.first_failing_frame in range(13, 17)  # it stops at 0.55 s
+
+
+def test_a_driver_causes_from_its_moment_on(tmp_path: Path) -> None:
+    drivers = {"go": ReleaseDriver(entity="d0", time=0.25)}
+    beats = {"go": beat("d0", owner="go", predicate=Displacement(entity="d0", min=0.001)), "end": beat("d1", causes=["go"])}
+    row = only(dominoes(tmp_path / "a", [0.25, 0.45], contacts=[(0.45, "d0", "d1", 0.05)], beats=beats, drivers=drivers))
+    assert row.status == "pass"
+    assert row.evidence["cause_frame"] == pytest.approx(6.0)
+    early = only(dominoes(tmp_path / "b", [0.25, 0.0], contacts=[(0.0, "d0", "d1", 0.05)], beats=beats, drivers=drivers))
+    assert (early.status, early.unit) == ("fail", "frame")
+
+
+def test_beats_that_never_happen_fail_and_tell_how_far_the_chain_came(tmp_path: Path) -> None:
+    still = 99.0
+    row = only(dominoes(tmp_path / "a", [0.0, 0.1, still], contacts=[(0.1, "d0", "d1", 0.05)]))
+    assert (row.status, row.first_failing_entity, row.evidence["tip"]) == ("fail", "d2", "d1")
+    row = only(dominoes(tmp_path / "b", [still, 0.1, 0.2], contacts=[(0.1, "d1", "d2", 0.05)]))
+    assert (row.status, row.evidence["absent"]) == ("fail", "first")
+
+
+@pytest.mark.parametrize("channel", ["event/time", "contact/impulse", "velocity"])
+def test_a_missing_log_is_unverified(tmp_path: Path, channel: str) -> None:
+    candidate = dominoes(tmp_path, [0.0, 0.1], contacts=[(0.1, "d0", "d1", 0.05)], without=[channel])
+    assert only(candidate).status == "unverified"
+
+
+def test_nothing_is_claimed_before_a_simulation(tmp_path: Path) -> None:
+    candidate = dominoes(tmp_path, [0.0, 0.1], contacts=[])
+    assert only(make_candidate(tmp_path / "s", candidate.spec)).status == "unverified"
+
+
+def test_a_long_row_is_followed_quickly(tmp_path: Path) -> None:
+    """40 dominoes, 39 hops."""
+    starts = [0.03 * i for i in range(40)]
+    contacts = [(0.03 * i + 0.02, f"d{i}", f"d{i + 1}", 0.05) for i in range(39)]
+    assert only(dominoes(tmp_path, starts, contacts=contacts)).measured == 39.0

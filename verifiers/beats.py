@@ -1,0 +1,364 @@
+"""Beats and requirements of the story: does what the specification promises happen (R15, R86, R156)?
+
+Rows: `beat:<id>` and `requirement:<id>` judge the declared predicate over its frames; `beat:vacuous:<id>` fails a
+beat that was true from frame 0 on without anything happening; `beat:driven:<id>` fails an outcome whose motion
+is authored. An *invariant* (`always`, `stays_in`, `supported`, `no_contact`, `not`, an atom with `when=always`)
+without causes may be true from the start; a beat with causes may not.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..worlds.candidate import Candidate
+from ..worlds.predicates import describe_predicate, entities_of
+from ..worlds.requirements import Correction, Group, Row
+from ..worlds.spec import PathDriver
+from .predicates import Outcome, beat_times, evaluate
+from .verdicts import correction, make_row, requested_frames
+
+if TYPE_CHECKING:
+    from ..worlds.spec import Beat, Requirement, SpecModel
+
+__all__ = ["check", "is_invariant"]
+
+INVARIANTS = frozenset({"always", "stays_in", "supported", "no_contact", "not"})
+SPATIAL = frozenset({"reaches", "stays_in", "separation", "supported", "rests_on", "crosses", "displacement"})
+SETTLING_FRAMES = 2
+"""A closest approach this near to the end of the run counts as still under way. Own choice."""
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """One row per beat and requirement, and the derived rows."""
+    times = beat_times(candidate)
+    rows: list[Row] = []
+    for beat_id, beat in candidate.spec.story.beats.items():
+        outcome = _decided_early(candidate, beat.predicate, times.outcome(beat_id))
+        hints = _corrections(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
+        rows.append(_row(candidate, f"beat:{beat_id}", "temporal", beat, outcome, hints, (beat.subject,)))
+        rows += _vacuous(candidate, beat_id, beat)
+        rows += _driven(candidate, beat_id, beat)
+    for name, requirement in candidate.spec.story.requirements.items():
+        frames = requirement.frames or requested_frames(candidate)
+        outcome = _decided_early(candidate, requirement.predicate, evaluate(candidate, requirement.predicate, frames))
+        hints = _corrections(candidate, requirement.predicate, outcome, f"/story/requirements/{name}", frames)
+        group: Group = "spatial" if requirement.predicate.kind in SPATIAL else "physical"
+        rows.append(_row(candidate, f"requirement:{name}", group, requirement, outcome, hints, ()))
+    return rows
+
+
+def is_invariant(predicate: SpecModel) -> bool:
+    """Whether the predicate speaks of a state that lasts, not of an event."""
+    return getattr(predicate, "kind", "") in INVARIANTS or getattr(predicate, "when", "") == "always"
+
+
+def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> Outcome:
+    """A state that had to last and already broke within a shorter run has failed, whatever the rest brings."""
+    first, last = outcome.frames
+    if outcome.status != "unverified" or not is_invariant(predicate) or not first <= candidate.last_frame < last:
+        return outcome
+    if getattr(predicate, "kind", "") == "not" or candidate.stage == "static":
+        return outcome
+    partial = evaluate(candidate, predicate, (first, candidate.last_frame))
+    return partial if partial.status == "fail" else outcome
+
+
+def _row(
+    candidate: Candidate,
+    row_id: str,
+    group: Group,
+    declared: Beat | Requirement,
+    outcome: Outcome,
+    hints: list[Correction],
+    subjects: tuple[str, ...],
+) -> Row:
+    pointer = "/story/" + row_id.replace("beat:", "beats/").replace("requirement:", "requirements/")
+    return make_row(
+        candidate,
+        row_id,
+        check="beat",
+        group=group,
+        predicate=describe_predicate(declared.predicate),
+        mandatory=declared.mandatory,
+        status=outcome.status,
+        explanation=outcome.explanation,
+        frames=outcome.frames,
+        measured=outcome.value,
+        bound=outcome.bound,
+        comparison=outcome.comparison,
+        unit=outcome.unit,
+        entities=(*outcome.failing, *subjects, *entities_of(declared.predicate)),
+        first_failing_entity=outcome.first_failing_entity,
+        first_failing_frame=outcome.first_failing_frame,
+        corrections=hints,
+        evidence={
+            "text": declared.text,
+            "first_true_frame": outcome.first_true_frame,
+            "margin": outcome.margin,
+            "failing": list(outcome.failing),
+            "pointers": [pointer],
+            **outcome.details,
+        },
+        extra=[declared.model_dump(mode="json"), candidate.spec.simulation.limits.contact_gap],
+    )
+
+
+# ---------------------------------------------------------------- derived rows (R156)
+
+
+def _decisive(predicate: SpecModel, outcome: Outcome) -> int | None:
+    if getattr(predicate, "when", "") == "end" or getattr(predicate, "kind", "") == "topples":
+        return outcome.frames[1]
+    return outcome.frames[0] if is_invariant(predicate) else outcome.first_true_frame
+
+
+def _vacuous(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
+    if is_invariant(beat.predicate) and not beat.causes:
+        return []
+    at_start = evaluate(candidate, beat.predicate, (0, 0))
+    true_at_start = at_start.status == "pass" or (at_start.truth is not None and bool(at_start.truth[0]))
+    outcome = beat_times(candidate).outcome(beat_id)
+    decisive = _decisive(beat.predicate, outcome)
+    still: int | None = 0
+    if at_start.status == "unverified":
+        status, text = "unverified", at_start.explanation
+    elif not true_at_start:
+        status, text = "pass", f"not true at frame 0: {at_start.explanation}"
+    elif outcome.status == "unverified" and beat.frames[0] > 0:
+        status, text = "unverified", outcome.explanation
+    else:
+        still = _unbroken(candidate, beat.predicate, decisive)
+        status = "fail" if still is not None else "pass"
+        since = f"at every frame up to {still}" if still else "at frame 0"
+        text = (
+            f"already true {since}, so nothing needs to happen: {at_start.explanation}"
+            if status == "fail"
+            else f"true at frame 0, but false in between: {at_start.explanation}"
+        )
+    return [
+        make_row(
+            candidate,
+            f"beat:vacuous:{beat_id}",
+            check="beat",
+            group="temporal",
+            predicate=f"not true from frame 0 on: {describe_predicate(beat.predicate)}",
+            mandatory=beat.mandatory,
+            status=status,  # type: ignore[arg-type]
+            explanation=text,
+            frames=(0, beat.frames[1]),
+            measured=at_start.value,
+            bound=at_start.bound,
+            unit=at_start.unit,
+            entities=(beat.subject, *entities_of(beat.predicate)),
+            first_failing_entity=beat.subject if status == "fail" else None,
+            first_failing_frame=0 if status == "fail" else None,
+            corrections=[
+                correction(
+                    "the predicate describes how the scene starts",
+                    "story",
+                    "ask for a state that frame 0 does not have, e.g. another region, a larger min, or a contact with an impulse",
+                    pointers=(f"/story/beats/{beat_id}/predicate",),
+                ),
+                correction(
+                    "the subject starts where it should end",
+                    "placement",
+                    f"start {beat.subject} where the predicate is false",
+                    pointers=(f"/entities/{beat.subject}/pose",),
+                ),
+            ],
+            evidence={"pointers": [f"/story/beats/{beat_id}/predicate"]},
+            extra=beat.model_dump(mode="json"),
+        )
+    ]
+
+
+def _unbroken(candidate: Candidate, predicate: SpecModel, decisive: int | None) -> int | None:
+    """Last frame of the unbroken truth from frame 0 to the frame that decides; None where it was false in between."""
+    end = decisive if decisive is not None else 0
+    span = evaluate(candidate, predicate, (0, end))
+    if span.truth is None:
+        return end if span.status == "pass" else None
+    return end if bool(np.all(span.truth)) else None
+
+
+def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
+    plan, entities = candidate.spec.simulation, candidate.spec.entities
+    if beat.owner not in plan.solvers and not beat.causes:
+        return []  # an authored input: a trigger, not an outcome
+    paths = {d.entity: name for name, d in plan.drivers.items() if isinstance(d, PathDriver)}
+    authored = {n for n, e in entities.items() if e.motion == "kinematic"} | set(paths)
+    moving = [n for n in entities_of(beat.predicate) if n in entities and entities[n].motion != "static"]
+    culprits = [beat.subject] if beat.subject in authored else moving if moving and set(moving) <= authored else []
+    first = culprits[0] if culprits else None
+    driver = paths.get(first or "")
+    return [
+        make_row(
+            candidate,
+            f"beat:driven:{beat_id}",
+            check="beat",
+            group="temporal",
+            predicate=f"outcome {beat_id} is brought about by a solver, not by an authored path",
+            mandatory=beat.mandatory,
+            status="fail" if first else "pass",
+            explanation=(
+                f"{first} follows {f'path driver {driver}' if driver else 'an authored motion'}, so beat {beat_id} is staged"
+                if first
+                else f"{beat.subject} is moved by a solver"
+            ),
+            entities=(*culprits, beat.subject),
+            first_failing_entity=first,
+            first_failing_frame=0 if first else None,
+            corrections=[
+                correction(
+                    "a keyframed path moves the outcome itself",
+                    "drivers",
+                    f"make {first} dynamic and bring it about by contact, a force, a motor or a release",
+                    pointers=(f"/entities/{first}/motion", f"/simulation/drivers/{driver}" if driver else "/simulation/drivers"),
+                )
+            ],
+            evidence={"owner": beat.owner, "pointers": [f"/story/beats/{beat_id}/owner"]},
+            artifact="world.json",
+            extra=[beat.model_dump(mode="json"), sorted(authored)],
+        )
+    ]
+
+
+# ---------------------------------------------------------------- corrections
+
+
+def _corrections(
+    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
+) -> list[Correction]:
+    """Ranked hints from what was measured."""
+    if outcome.status != "fail":
+        return []
+    entity = outcome.first_failing_entity or next(iter(entities_of(predicate)), None)
+    details = dict(outcome.details)
+    if isinstance(details.get("nearest"), dict):
+        details |= details["nearest"]
+    if details.get("non_finite"):
+        return [
+            correction(
+                "the solver diverged",
+                "step",
+                "halve the step and look at the contacts before the first frame that is not finite",
+                pointers=("/simulation/solvers",),
+            )
+        ]
+    found = _timing(candidate, predicate, outcome, pointer, frames)
+    if entity is not None and entity in candidate.spec.entities:
+        found += _aim(candidate, entity, outcome, details)
+    return found
+
+
+def _timing(
+    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
+) -> list[Correction]:
+    if is_invariant(predicate) or frames == (0, candidate.last_frame):
+        late = None
+    else:
+        late = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
+    found = []
+    if late is not None and not frames[0] <= late <= frames[1]:
+        gap = late - frames[1] if late > frames[1] else frames[0] - late
+        when = "after the interval ends" if late > frames[1] else "before it begins"
+        moved = [min(frames[0], late), max(frames[1], late)]
+        found.append(
+            correction(
+                f"it does happen, at frame {late}, {gap} frames {when}",
+                "story",
+                f"plan the beat for frames {moved}, or bring it about {gap} frames {'earlier' if late > frames[1] else 'later'}",
+                pointers=(f"{pointer}/frames",),
+                patch=({"op": "replace", "path": f"{pointer}/frames", "value": moved},),
+            )
+        )
+    nearest = outcome.details.get("frame")
+    if (
+        isinstance(nearest, int)
+        and nearest >= candidate.last_frame - SETTLING_FRAMES
+        and outcome.comparison != ""
+        and late is None
+    ):
+        more = max(1, candidate.spec.simulation.fps)
+        total = candidate.spec.simulation.frames + more
+        found.append(
+            correction(
+                f"it was nearest at frame {nearest}, where the run ends: perhaps it is still under way",
+                "interval",
+                f"simulate {more} more frames and see whether it comes true",
+                pointers=("/simulation/frames", f"{pointer}/frames"),
+                patch=({"op": "replace", "path": "/simulation/frames", "value": total},),
+            )
+        )
+    return found
+
+
+def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
+    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
+    offset = details.get("offset")
+    if isinstance(offset, list) and details.get("distance"):
+        shift = [-float(c) for c in offset]
+        words = ", ".join(f"{c:+.3f}" for c in shift)
+        position = candidate.spec.entities[entity].pose.position
+        value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
+        return [
+            correction(
+                f"{entity} misses by {float(details['distance']):.3g} m",  # type: ignore[arg-type]
+                "placement",
+                f"move its start by ({words}) m; where a throw or slope magnifies the start, by less",
+                pointers=(start,),
+                patch=({"op": "add", "path": f"/entities/{entity}/pose/position", "value": value},),
+            ),
+            correction(
+                "its speed or direction is off",
+                "initial_state",
+                f"aim {entity} so that it arrives ({words}) m further",
+                pointers=(speed,),
+            ),
+        ]
+    if outcome.unit == "N s" and outcome.bound and outcome.value is not None and outcome.comparison == ">=":
+        ratio = f"{outcome.bound / outcome.value:.2g} times the" if outcome.value > 0 else "more"
+        return [
+            correction(
+                "the impact is too weak",
+                "initial_state",
+                f"raise the closing speed: {ratio} impulse is needed",
+                pointers=(speed,),
+            ),
+            correction(
+                "the impact is too weak",
+                "mass",
+                f"make {entity} or what hits it heavier",
+                pointers=(f"/entities/{entity}/physics/mass",),
+            ),
+            correction("they may not meet at all", "placement", "bring their paths together", pointers=(start,)),
+        ]
+    if "largest_angle" in details and outcome.bound:
+        missing = f"{float(details['largest_angle']):.2g} of {outcome.bound:.2g} rad"  # type: ignore[arg-type]
+        return [
+            correction(
+                f"{entity} turns {missing}: the push is too weak or too low",
+                "initial_state",
+                "raise the speed of what hits it",
+                pointers=(speed,),
+            ),
+            correction(
+                "nothing reaches it, or too low", "placement", f"bring what hits {entity} closer and higher up", pointers=(start,)
+            ),
+            correction(
+                "it is too heavy or too wide to fall",
+                "dimensions",
+                f"make {entity} more slender",
+                pointers=(f"/entities/{entity}/dimensions",),
+            ),
+        ]
+    return [
+        correction(
+            "start conditions do not bring it about",
+            "initial_state",
+            f"change {entity}'s start speed or what drives it; measured {outcome.value} against {outcome.bound} {outcome.unit}",
+            pointers=(speed, start),
+        )
+    ]

@@ -1,0 +1,396 @@
+"""Causal checks: order and connection of beats and their declared causes (R96, R97, S8).
+
+Row `causal:<cause>:<effect>` passes when the cause came true no later than the effect, and an impulse chain leads
+from the cause's subject to the effect's. Coincidence is no cause: two events without a chain fail. The chain may
+use contacts from the onset of the cause on. For a cause that is an instant (contact, reaching, crossing) that is
+one frame before its first true frame; for a process (toppling, moving, turning) it is when the subject began to
+move, because a domino has struck its neighbour before it counts as toppled; for an authored driver it is the moment
+at which the driver acts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..worlds.candidate import Candidate
+from ..worlds.errors import EvidenceError
+from ..worlds.predicates import Contact
+from ..worlds.requirements import Correction, Row, Status
+from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver
+from . import motion
+from .chains import Chains, Hop, Reach, begins
+from .predicates import Outcome, beat_times
+from .verdicts import correction, make_row
+
+if TYPE_CHECKING:
+    from ..worlds.spec import Beat
+
+__all__ = ["REST_SPEED", "REST_SPIN", "check", "driver_start", "moving"]
+
+REST_SPEED = 0.01
+"""[m/s] A body slower than this (and `REST_SPIN`) is at rest. Own choice: 0.4 mm per frame at 24 fps."""
+REST_SPIN = 0.05
+"""[rad/s]"""
+PAUSE = 0.125
+"""[s] A rest shorter than this (an apex, a reversal) does not interrupt a motion. Own choice."""
+INSTANTS = frozenset({"contact", "reaches", "crosses"})
+
+
+@dataclass(frozen=True)
+class _Cause:
+    """When and where a cause starts to act."""
+
+    sources: tuple[str, ...]
+    start: float
+    """[s] from which on contacts may carry its chain."""
+    frame: float
+    """At which it counts as having happened."""
+    text: str
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """One row per declared cause of every beat."""
+    rows: list[Row] = []
+    beats = candidate.spec.story.beats
+    chains: Chains | EvidenceError | None = None
+    for effect_id, effect in beats.items():
+        for cause_id in effect.causes:
+            if cause_id not in beats:
+                rows.append(_row(candidate, cause_id, effect_id, "unverified", f"beat {cause_id!r} is not in the story"))
+                continue
+            if chains is None:
+                try:
+                    chains = Chains(candidate)
+                except EvidenceError as error:
+                    chains = error
+            try:
+                if isinstance(chains, EvidenceError):
+                    raise chains
+                rows.append(_edge(candidate, chains, cause_id, effect_id))
+            except EvidenceError as error:
+                rows.append(_row(candidate, cause_id, effect_id, "unverified", str(error)))
+    return rows
+
+
+def moving(candidate: Candidate, entity: str) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Whether the entity is not at rest, shape (frames,)."""
+    speed = np.linalg.norm(motion.velocities(candidate, entity), axis=1)
+    fast: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] = ~(
+        (speed <= REST_SPEED) & (motion.spins(candidate, entity) <= REST_SPIN)
+    )
+    return fast
+
+
+def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str, ...]]:
+    """When a driver acts first [s], and on which entities.
+
+    A path acts when its poses first change.
+    """
+    plan = candidate.spec.simulation
+    driver = plan.drivers[driver_id]
+    if isinstance(driver, ReleaseDriver):
+        return driver.time, (driver.entity,)
+    if isinstance(driver, ForceDriver):
+        return driver.start, (driver.entity,)
+    if isinstance(driver, PathDriver):
+        keys = sorted(driver.keys.values(), key=lambda k: k.time)
+        still = [b.time for a, b in pairwise(keys) if a.pose == b.pose]
+        start = keys[0].time
+        for time in still:  # leading keys with equal poses are a wait
+            if all(k.pose == keys[0].pose for k in keys if k.time <= time):
+                start = time
+        return start, (driver.entity,)
+    assert isinstance(driver, MotorDriver | DetachDriver)
+    joint = plan.joints.get(driver.joint)
+    if joint is None:
+        raise EvidenceError(f"joint {driver.joint!r} of driver {driver_id!r} is not in the simulation plan")
+    ends = tuple(e for e in (joint.child, joint.parent) if e is not None)
+    return (driver.start if isinstance(driver, MotorDriver) else driver.time), ends
+
+
+def _cause(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> _Cause:
+    plan = candidate.spec.simulation
+    if beat.owner in plan.drivers:
+        time, entities = driver_start(candidate, beat.owner)
+        return _Cause(
+            tuple(dict.fromkeys((*entities, beat.subject))),
+            time - 1 / plan.fps,
+            time * plan.fps,
+            f"driver {beat.owner} acts at {time:.3f} s",
+        )
+    onset = first - 1
+    if beat.predicate.kind not in INSTANTS:
+        active = moving(candidate, beat.subject)
+        while onset > max(0, beat.frames[0] - 1) and active[onset]:
+            onset -= 1
+    # Interval frame k covers ((k-1)/fps, k/fps]: its contacts may have begun a frame earlier than k.
+    return _Cause((beat.subject,), onset / plan.fps, first, f"{beat_id} was first true at frame {first}")
+
+
+def _instant(candidate: Candidate, beat: Beat, first: int) -> float | None:
+    """Event time of a beat that is a contact [s]; None of any other."""
+    if not isinstance(beat.predicate, Contact):
+        return None
+    return begins(candidate, beat.predicate.a, beat.predicate.b, (beat.frames[0], first))
+
+
+def _edge(candidate: Candidate, chains: Chains, cause_id: str, effect_id: str) -> Row:
+    beats, times = candidate.spec.story.beats, beat_times(candidate)
+    cause, effect = beats[cause_id], beats[effect_id]
+    outcomes = {cause_id: times.outcome(cause_id), effect_id: times.outcome(effect_id)}
+    for name, outcome in outcomes.items():
+        if outcome.status == "unverified":
+            return _row(candidate, cause_id, effect_id, "unverified", f"beat {name} is unverified: {outcome.explanation}")
+    first, last = outcomes[cause_id].first_true_frame, outcomes[effect_id].first_true_frame
+    if first is None:
+        return _absent(candidate, cause_id, effect_id, cause_id, outcomes[cause_id])
+    start = _cause(candidate, cause_id, cause, first)
+    until = last if last is not None else min(effect.frames[1], candidate.last_frame)
+    reach = chains.spread(start.sources, start.start, until)
+    if last is None:
+        return _absent(candidate, cause_id, effect_id, effect_id, outcomes[effect_id], reach=reach, start=start)
+    gap = last - start.frame
+    moments = _instant(candidate, cause, first), _instant(candidate, effect, last)
+    evidence = {"order_frames": gap, "cause_frame": start.frame, "effect_frame": last, "event_times": list(moments)}
+    late = gap < 0
+    if moments[0] is not None and moments[1] is not None and cause.predicate != effect.predicate:
+        late = moments[1] <= moments[0]
+    if late:
+        text = f"{effect_id} came true at frame {last}, before its cause: {start.text}"
+        if moments[0] is not None and moments[1] is not None:
+            text += f"; contacts at {moments[1]:.4f} s and {moments[0]:.4f} s"
+        return _row(
+            candidate,
+            cause_id,
+            effect_id,
+            "fail",
+            text,
+            measured=gap,
+            bound=0.0,
+            unit="frame",
+            frames=(last, max(last, first)),
+            first=(effect.subject, last),
+            evidence=evidence,
+            corrections=_order_hints(cause_id, effect_id, cause, effect, gap),
+        )
+    return _linked(candidate, cause_id, effect_id, start, last, reach, evidence)
+
+
+def _linked(
+    candidate: Candidate,
+    cause_id: str,
+    effect_id: str,
+    start: _Cause,
+    last: int,
+    reach: Reach,
+    evidence: dict[str, object],
+) -> Row:
+    effect = candidate.spec.story.beats[effect_id]
+    subject = effect.subject
+    frames = (min(int(np.floor(start.frame)), last), last)
+    if subject in start.sources:
+        rest = _interrupted(candidate, subject, frames)
+        text = f"{subject} moves on from {cause_id} (frame {start.frame:g}) to {effect_id} (frame {last})"
+        if rest is not None:
+            text = f"{subject} came to rest at frame {rest}, between {cause_id} and {effect_id}, so nothing links them"
+        return _row(
+            candidate,
+            cause_id,
+            effect_id,
+            "pass" if rest is None else "fail",
+            text,
+            measured=float(evidence["order_frames"]),  # type: ignore[arg-type]
+            bound=0.0,
+            unit="frame",
+            frames=frames,
+            first=None if rest is None else (subject, rest),
+            evidence={**evidence, "hops": 0, "chain": [], "same_subject": True},
+            corrections=_link_hints(cause_id, effect_id, subject, None, None),
+        )
+    chain = reach.chain(subject) if reach.time(subject) is not None else []
+    evidence = {**evidence, "hops": len(chain), "chain": [h._asdict() for h in chain]}
+    if chain:
+        steps = ", ".join(_hop_text(h) for h in chain[:8]) + (f", ... {len(chain) - 8} more" if len(chain) > 8 else "")
+        return _row(
+            candidate,
+            cause_id,
+            effect_id,
+            "pass",
+            f"{len(chain)} hops lead from {chain[0].source} to {subject}: {steps}",
+            measured=float(len(chain)),
+            bound=1.0,
+            unit="hops",
+            frames=frames,
+            evidence=evidence,
+        )
+    stuck, tip, away = _frontier(candidate, reach, subject, last)
+    text = (
+        f"no impulse chain leads from {', '.join(start.sources)} to {subject} by frame {last}; "
+        f"it got as far as {tip}, and {stuck}, {away:.3g} m from it between centres, never received it"
+    )
+    return _row(
+        candidate,
+        cause_id,
+        effect_id,
+        "fail",
+        text,
+        measured=0.0,
+        bound=1.0,
+        unit="hops",
+        frames=frames,
+        first=(stuck, last),
+        evidence={**evidence, "reached": reach.reached(), "tip": tip, "gap_between_centers": away},
+        corrections=_link_hints(cause_id, effect_id, stuck, tip, away),
+    )
+
+
+def _hop_text(hop: Hop) -> str:
+    through = "joint" if hop.impulse is None else f"{hop.impulse:.3g} N s"
+    return f"{hop.source} -> {hop.target} at {hop.time:.3f} s ({through})"
+
+
+def _interrupted(candidate: Candidate, entity: str, frames: tuple[int, int]) -> int | None:
+    """First frame of a rest longer than `PAUSE` strictly between the frames; None when it kept moving."""
+    span = moving(candidate, entity)[frames[0] : frames[1] + 1]
+    longest = max(2, round(PAUSE * candidate.spec.simulation.fps))
+    run = 0
+    for i, active in enumerate(span):
+        run = 0 if active else run + 1
+        if run > longest:
+            return frames[0] + i - run + 1
+    return None
+
+
+def _frontier(candidate: Candidate, reach: Reach, subject: str, frame: int) -> tuple[str, str, float]:
+    """First entity that never received the chain: the nearest such to where the chain got last."""
+    entities = candidate.spec.entities
+    reached = [n for n in reach.reached() if entities[n].motion != "static"]
+    if not reached:
+        return subject, "nothing", float("nan")
+    tip = reached[-1]
+    left = [n for n in reach.names if reach.time(n) is None and entities[n].motion == "dynamic"]
+    if subject not in left:
+        left.append(subject)
+    at = min(frame, candidate.last_frame)
+    here = candidate.center(tip, at)
+    away = {n: float(np.linalg.norm(candidate.center(n, at) - here)) for n in left}
+    stuck = min(away, key=lambda n: away[n])
+    return stuck, tip, away[stuck]
+
+
+def _absent(
+    candidate: Candidate,
+    cause_id: str,
+    effect_id: str,
+    beat_id: str,
+    outcome: Outcome,
+    *,
+    reach: Reach | None = None,
+    start: _Cause | None = None,
+) -> Row:
+    beat = candidate.spec.story.beats[beat_id]
+    text = f"{'cause' if beat_id == cause_id else 'effect'} {beat_id} never came true: {outcome.explanation}"
+    first: tuple[str, int | None] = (outcome.first_failing_entity or beat.subject, outcome.first_failing_frame)
+    evidence: dict[str, object] = {"absent": beat_id}
+    hints = _link_hints(cause_id, effect_id, first[0], None, None)
+    if reach is not None and start is not None and reach.time(beat.subject) is None and beat.subject not in start.sources:
+        stuck, tip, away = _frontier(candidate, reach, beat.subject, candidate.last_frame)
+        text += f"; the chain from {', '.join(start.sources)} got as far as {tip} and never reached {stuck}"
+        evidence |= {"reached": reach.reached(), "tip": tip}
+        first, hints = (stuck, first[1]), _link_hints(cause_id, effect_id, stuck, tip, away)
+    return _row(
+        candidate, cause_id, effect_id, "fail", text, frames=outcome.frames, first=first, evidence=evidence, corrections=hints
+    )
+
+
+def _order_hints(cause_id: str, effect_id: str, cause: Beat, effect: Beat, gap: float) -> list[Correction]:
+    owner = f"/simulation/drivers/{cause.owner}"
+    return [
+        correction(
+            f"something else starts {effect_id} before {cause_id}",
+            "placement",
+            f"look at what touches {effect.subject} first and keep it away until {cause_id}",
+            pointers=(f"/entities/{effect.subject}/pose",),
+        ),
+        correction(
+            f"{cause_id} comes too late",
+            "drivers",
+            f"let it act {abs(gap):.3g} frames earlier",
+            pointers=(owner,),
+        ),
+        correction(
+            "the story names the wrong cause",
+            "story",
+            f"correct the causes of {effect_id}",
+            pointers=(f"/story/beats/{effect_id}/causes",),
+        ),
+    ]
+
+
+def _link_hints(cause_id: str, effect_id: str, stuck: str, tip: str | None, away: float | None) -> list[Correction]:
+    near = f"bring {stuck} within reach of {tip}: their centres are {away:.3g} m apart" if tip and away is not None else ""
+    return [
+        correction(
+            "the chain of contacts is broken",
+            "placement",
+            near or f"bring {stuck} into the path of what {cause_id} sets in motion",
+            pointers=(f"/entities/{stuck}/pose/position",),
+        ),
+        correction(
+            "the push is too weak to be passed on",
+            "initial_state",
+            f"raise the speed of {tip or 'what hits it'}",
+            pointers=(f"/entities/{tip or stuck}/physics",),
+        ),
+        correction(
+            "the story names the wrong cause",
+            "story",
+            f"correct the causes of {effect_id}",
+            pointers=(f"/story/beats/{effect_id}/causes",),
+        ),
+    ]
+
+
+def _row(
+    candidate: Candidate,
+    cause_id: str,
+    effect_id: str,
+    status: Status,
+    explanation: str,
+    *,
+    measured: float | None = None,
+    bound: float | None = None,
+    unit: str = "",
+    frames: tuple[int, int] | None = None,
+    first: tuple[str, int | None] | None = None,
+    evidence: dict[str, object] | None = None,
+    corrections: list[Correction] | None = None,
+) -> Row:
+    beats = candidate.spec.story.beats
+    effect, cause = beats[effect_id], beats.get(cause_id)
+    subjects = [b.subject for b in (cause, effect) if b is not None]
+    return make_row(
+        candidate,
+        f"causal:{cause_id}:{effect_id}",
+        check="causal",
+        group="temporal",
+        predicate=f"{cause_id} comes no later than {effect_id}, and an impulse chain leads from its subject to {effect.subject}",
+        mandatory=effect.mandatory,
+        status=status,
+        explanation=explanation,
+        frames=frames,
+        measured=measured,
+        bound=bound,
+        comparison=">=" if measured is not None else "",
+        unit=unit,
+        entities=subjects,
+        first_failing_entity=first[0] if first else None,
+        first_failing_frame=first[1] if first else None,
+        corrections=corrections or (),
+        evidence={"pointers": [f"/story/beats/{effect_id}/causes"], **(evidence or {})},
+        extra=[b.model_dump(mode="json") for b in (cause, effect) if b is not None],
+    )

@@ -1,0 +1,229 @@
+"""Rendered frames: single pictures and resumable sequences."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..geometry.camera import Camera
+from ..worlds.candidate import Candidate
+from ..worlds.canonical import digest_of, source_digest
+from ..worlds.errors import EngineError, InputError
+from .denoise import U8, denoise, meter, tonemap
+from .mitsuba_scene import SceneRenderer
+from .variant import choose_variant
+from .views import camera_for, shot_of
+
+__all__ = ["FrameRenderer", "frame_path", "frame_recipe", "render_frame", "render_sequence"]
+
+METER_WIDTH = 160
+METER_SAMPLES = 8
+SEED = 1
+"""One seed for all frames: what noise is left stands still instead of boiling."""
+
+
+def frame_path(folder: Path, frame: int) -> Path:
+    """File of a frame of a rendered sequence."""
+    return folder / f"frame_{frame:06d}.png"
+
+
+def _check_frame(candidate: Candidate, frame: int) -> None:
+    if not 0 <= frame <= candidate.last_frame:
+        raise InputError(f"frame {frame} is not in 0..{candidate.last_frame}; choose one of these or bake further")
+
+
+class FrameRenderer:
+    """Renders frames of one candidate; keeps the scene and each shot's exposure between frames."""
+
+    def __init__(self, candidate: Candidate) -> None:
+        self.candidate = candidate
+        self._scene = SceneRenderer(candidate)
+        self._gains: dict[str | None, float] = {}
+
+    def _gain(self, shot: str | None, frame: int, camera: Camera | None) -> float:
+        """Exposure of a shot, metered once at its first frame so that it does not pump."""
+        look = self.candidate.spec.look
+        if camera is None and shot in self._gains:
+            return self._gains[shot]
+        first = frame
+        if camera is None:
+            first = 0 if shot is None else min(self.candidate.spec.shots[shot].frames[0], self.candidate.last_frame)
+        width, height = METER_WIDTH, round(METER_WIDTH * look.height / look.width)
+        if camera is None:
+            view = camera_for(self.candidate, first, shot=shot, width=width, height=height)
+        else:
+            height = max(1, round(METER_WIDTH * camera.height / camera.width))
+            view = Camera(camera.position, camera.target, camera.fov_deg, width, height)
+        self._scene.pose(first)
+        radiance = self._scene.radiance(view, METER_SAMPLES, seed=SEED)
+        gain = meter(radiance, self._scene.features(view).normals) * math.pow(2.0, look.exposure)
+        if camera is None:
+            self._gains[shot] = gain
+        return gain
+
+    def render(
+        self,
+        frame: int,
+        *,
+        shot: str | None = None,
+        camera: Camera | None = None,
+        width: int | None = None,
+        height: int | None = None,
+        samples: int | None = None,
+        denoise: bool = True,
+    ) -> U8:
+        """One picture, shape (height, width, 3); see `render_frame`."""
+        _check_frame(self.candidate, frame)
+        look = self.candidate.spec.look
+        width, height, samples = width or look.width, height or look.height, samples or look.samples
+        if camera is None:
+            shot = shot if shot is not None else shot_of(self.candidate.spec, frame)
+            view = camera_for(self.candidate, frame, shot=shot, width=width, height=height)
+        else:
+            view = camera
+        gain = self._gain(shot, frame, camera)
+        self._scene.pose(frame)
+        radiance = self._scene.radiance(view, samples, seed=SEED)
+        if denoise:
+            radiance = _denoised(radiance, self._scene, view)
+        return tonemap(radiance, gain=gain)
+
+
+def _denoised(radiance: Any, scene: SceneRenderer, view: Camera) -> Any:
+    return denoise(radiance, scene.features(view))
+
+
+def render_frame(
+    candidate: Candidate,
+    frame: int,
+    *,
+    shot: str | None = None,
+    camera: Camera | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    samples: int | None = None,
+    denoise: bool = True,
+) -> U8:
+    """Render one frame as an 8-bit sRGB picture, shape (height, width, 3).
+
+    Args:
+        candidate: what to render.
+        frame: frame index.
+        shot: id of the shot whose camera to use; default the one that covers the frame, else an automatic view.
+        camera: use this camera instead (its own width and height count).
+        width: pixels; default the specification's.
+        height: pixels; default the specification's.
+        samples: paths per pixel; default the specification's.
+        denoise: run Open Image Denoise.
+
+    Raises:
+        InputError: the frame or the shot does not exist, or nothing is built.
+    """
+    return FrameRenderer(candidate).render(
+        frame, shot=shot, camera=camera, width=width, height=height, samples=samples, denoise=denoise
+    )
+
+
+def frame_recipe(candidate: Candidate, frame: int, *, width: int, height: int, samples: int, denoise: bool = True) -> str:
+    """Hash of all that a sequence's frame is derived from."""
+    spec = candidate.spec
+    name = shot_of(spec, frame)
+    variant = choose_variant()
+    return digest_of(
+        {
+            "frame": frame,
+            "picture": [width, height, samples, denoise],
+            "shot": None if name is None else spec.shots[name].model_dump(mode="json", exclude={"covers", "subjects", "intent"}),
+            "look": spec.look.model_dump(mode="json"),
+            "appearance": {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()},
+            "poses": {k: [e.pose.model_dump(mode="json"), e.active, e.motion] for k, e in spec.entities.items()},
+            "built": {k: b.recipe for k, b in candidate.built.items()},
+            "digest": candidate.digest,
+            "stage": candidate.stage,
+        },
+        variant.name,
+        source_digest(Path(__file__).parent),
+    )
+
+
+def _done(path: Path, recipe: str) -> bool:
+    """Whether a finished frame with this recipe is there, undamaged."""
+    try:
+        note = json.loads(path.with_suffix(".json").read_text())
+        return bool(note["recipe"] == recipe and note["sha256"] == hashlib.sha256(path.read_bytes()).hexdigest())
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def _write(path: Path, image: U8, note: dict[str, Any]) -> None:
+    import cv2
+
+    good, data = cv2.imencode(".png", image[..., ::-1])
+    if not good:
+        raise EngineError(f"OpenCV could not encode {path.name}; check the picture size {image.shape}")
+    raw = data.tobytes()
+    for target, content in (
+        (path, raw),
+        (path.with_suffix(".json"), json.dumps(note | {"sha256": hashlib.sha256(raw).hexdigest()}, indent=1).encode()),
+    ):
+        temporary = target.with_suffix(target.suffix + ".tmp")
+        temporary.write_bytes(content)
+        temporary.replace(target)
+
+
+def render_sequence(
+    candidate: Candidate,
+    out_dir: Path,
+    *,
+    frames: Sequence[int] | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    samples: int | None = None,
+    denoise: bool = True,
+    progress: Callable[[int, int, str], None] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> list[Path]:
+    """Render frames to `out_dir/frame_000000.png`, ...; frames that are there with the same recipe are kept.
+
+    Args:
+        candidate: what to render.
+        out_dir: folder of the pictures and of one JSON note per picture with its recipe.
+        frames: frame indices; default all that the candidate has.
+        width: pixels; default the specification's.
+        height: pixels; default the specification's.
+        samples: paths per pixel; default the specification's.
+        denoise: run Open Image Denoise.
+        progress: told (frames done, frames in all, what happens).
+        cancelled: asked before every frame; when it says yes, the frames so far are returned.
+
+    Returns:
+        The files that are complete, in the order of `frames`.
+    """
+    look = candidate.spec.look
+    width, height, samples = width or look.width, height or look.height, samples or look.samples
+    wanted = list(range(candidate.frame_count)) if frames is None else list(frames)
+    for frame in wanted:
+        _check_frame(candidate, frame)
+    out_dir.mkdir(parents=True, exist_ok=True)
+    finished: list[Path] = []
+    renderer: FrameRenderer | None = None
+    for count, frame in enumerate(wanted):
+        if cancelled is not None and cancelled():
+            break
+        path = frame_path(out_dir, frame)
+        recipe = frame_recipe(candidate, frame, width=width, height=height, samples=samples, denoise=denoise)
+        if not _done(path, recipe):
+            if progress is not None:
+                progress(count, len(wanted), f"rendering frame {frame}" if renderer is not None else "loading the scene")
+            renderer = renderer or FrameRenderer(candidate)
+            image = renderer.render(frame, width=width, height=height, samples=samples, denoise=denoise)
+            note = {"recipe": recipe, "frame": frame, "variant": choose_variant().name, "samples": samples}
+            _write(path, image, note)
+        finished.append(path)
+        if progress is not None:
+            progress(count + 1, len(wanted), f"frame {frame} done")
+    return finished

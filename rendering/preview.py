@@ -1,0 +1,163 @@
+"""Pictures without a path tracer: a shaded preview and a view coloured by entity."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..geometry.camera import Camera
+from ..geometry.idcast import IdCaster, IdImage
+from ..worlds.arrays import F64
+from ..worlds.candidate import Candidate
+from .denoise import U8
+from .drawing import caption, distinct_color, label_regions, region_edges
+from .textures import F32
+from .views import active, camera_for, focus_bounds
+
+__all__ = ["PreviewRenderer", "id_view", "preview"]
+
+SHADOW_PIXELS = 640
+"""Side of the sun's depth picture."""
+SUN_DISTANCE = 30.0
+"""Distance of the sun's eye in focus diagonals; far enough that its rays are nearly parallel."""
+SKY, HORIZON, BELOW = (0.30, 0.48, 0.78), (0.74, 0.80, 0.86), (0.42, 0.40, 0.38)
+"""Background colours, linear RGB."""
+
+
+class PreviewRenderer:
+    """Casts ids at one candidate; reusable over its frames. Instances are parts."""
+
+    def __init__(self, candidate: Candidate) -> None:
+        self.candidate = candidate
+        self.parts = [(name, part) for name in sorted(candidate.built) for part in candidate.built[name].parts]
+        self.entities = sorted(candidate.built)
+        self._caster = IdCaster([part.render for _, part in self.parts])
+        index = {name: k for k, name in enumerate(self.entities)}
+        self._entity_of = np.array([index[name] for name, _ in self.parts], dtype=np.int32)
+        looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
+        self._colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
+
+    def cast(self, frame: int, camera: Camera) -> IdImage:
+        """Ids of parts, depth and normals; entities that do not exist at the frame are left out."""
+        poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
+        shown = [k for k, (name, _) in enumerate(self.parts) if active(self.candidate, name, frame)]
+        return self._caster.cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
+
+    def entity_ids(self, image: IdImage) -> Any:
+        """Index into `entities` per pixel, -1 where nothing is; shape (height, width)."""
+        return np.where(image.ids >= 0, self._entity_of[np.maximum(image.ids, 0)], -1)
+
+    def _sun(self) -> F64:
+        look = self.candidate.spec.look
+        elevation, azimuth = math.radians(max(look.sun_elevation_deg, 20.0)), math.radians(look.sun_azimuth_deg)
+        return np.array([math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)])
+
+    def _shadow(self, frame: int, points: F64) -> F32:
+        """Share of sunlight at points, shape (n, 3): 0 in shadow, soft at its edge, 1 outside the sun's picture."""
+        box = focus_bounds(self.candidate)
+        size = max(box.diagonal, 1e-6)
+        distance = SUN_DISTANCE * size
+        fov = 2 * math.degrees(math.atan(0.62 / SUN_DISTANCE))
+        eye = Camera(box.center + distance * self._sun(), box.center, fov, SHADOW_PIXELS, SHADOW_PIXELS)
+        nearest = self.cast(frame, eye).depth
+        pixels, depth = eye.project(points)
+        bias = 2.0 * 1.24 * size / SHADOW_PIXELS
+        lit = np.zeros(len(points), dtype=np.float32)
+        for dx, dy in ((-0.7, -0.3), (0.3, -0.7), (0.7, 0.3), (-0.3, 0.7)):
+            column = np.floor(pixels[:, 0] + dx).astype(np.int64)
+            row = np.floor(pixels[:, 1] + dy).astype(np.int64)
+            inside = (column >= 0) & (column < SHADOW_PIXELS) & (row >= 0) & (row < SHADOW_PIXELS)
+            hidden = inside & (nearest[np.where(inside, row, 0), np.where(inside, column, 0)] < depth - bias)
+            lit += np.where(hidden, 0.0, 0.25).astype(np.float32)
+        return lit
+
+    def preview(self, frame: int, camera: Camera) -> U8:
+        """Hemisphere light, sun with shadows, dark lines where entities meet, frame number and time."""
+        image = self.cast(frame, camera)
+        eye, directions = camera.rays()
+        hit = image.ids >= 0
+        height = directions[..., 2:]
+        picture = np.where(
+            height > 0, _mix(HORIZON, SKY, np.sqrt(np.clip(height, 0, 1))), _mix(HORIZON, BELOW, np.clip(-6 * height, 0, 1))
+        )
+        along = -(directions[hit] @ camera.axes[2])
+        points = eye + directions[hit] * (image.depth[hit] / along)[:, None]
+        normals = image.normals[hit].astype(np.float64)
+        facing = (normals * directions[hit]).sum(1)
+        normals = np.where((facing > 0)[:, None], -normals, normals)
+        sun = self._sun()
+        lambert = np.maximum(normals @ sun, 0.0) * self._shadow(frame, points + 1e-4 * normals)
+        sky = 0.5 + 0.5 * normals[:, 2]
+        half = sun - directions[hit]
+        half /= np.linalg.norm(half, axis=1, keepdims=True)
+        gloss = 0.10 * np.maximum((normals * half).sum(1), 0.0) ** 40 * (lambert > 0)
+        light = 0.95 * lambert[:, None] * np.array([1.0, 0.95, 0.86]) + _mix((0.17, 0.16, 0.15), (0.36, 0.42, 0.50), sky[:, None])
+        picture[hit] = self._colors[image.ids[hit]] * light + gloss[:, None]
+        shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
+        edges = region_edges(self.entity_ids(image))
+        shown[edges] = (shown[edges] * 0.45).astype(np.uint8)
+        caption(shown, self._label(frame))
+        return shown
+
+    def id_view(self, frame: int, camera: Camera) -> U8:
+        """One colour per entity, shaded by slope, with ids written on the larger regions."""
+        image = self.cast(frame, camera)
+        entity = self.entity_ids(image)
+        palette = np.array([distinct_color(k) for k in range(len(self.entities))] or [(0, 0, 0)], dtype=np.float64)
+        _, directions = camera.rays()
+        shade = 0.55 + 0.45 * np.abs((image.normals * directions).sum(-1, keepdims=True))
+        colored = palette[np.maximum(entity, 0)] * shade
+        shown = np.where(entity[..., None] >= 0, colored, 236.0).astype(np.uint8)
+        shown[region_edges(entity)] = (30, 30, 30)
+        label_regions(shown, entity, self.entities)
+        caption(shown, self._label(frame))
+        return shown
+
+    def _label(self, frame: int) -> str:
+        return f"frame {frame}  t = {frame / self.candidate.spec.simulation.fps:.3f} s"
+
+
+def _mix(low: tuple[float, ...], high: tuple[float, ...], share: Any) -> Any:
+    return np.array(low) * (1 - share) + np.array(high) * share
+
+
+def preview(
+    candidate: Candidate,
+    frame: int,
+    *,
+    shot: str | None = None,
+    camera: Camera | None = None,
+    width: int = 640,
+    height: int = 360,
+    renderer: PreviewRenderer | None = None,
+) -> U8:
+    """Quick shaded picture, shape (height, width, 3), with frame number and time; no path tracer needed.
+
+    Args:
+        candidate: what to show.
+        frame: frame index.
+        shot: id of the shot whose camera to use; default the one that covers the frame, else an automatic view.
+        camera: use this camera instead (its own width and height count).
+        width: pixels.
+        height: pixels.
+        renderer: reuse this one over many frames of the same candidate.
+    """
+    view = camera or camera_for(candidate, frame, shot=shot, width=width, height=height)
+    return (renderer or PreviewRenderer(candidate)).preview(frame, view)
+
+
+def id_view(
+    candidate: Candidate,
+    frame: int,
+    *,
+    shot: str | None = None,
+    camera: Camera | None = None,
+    width: int = 640,
+    height: int = 360,
+    renderer: PreviewRenderer | None = None,
+) -> U8:
+    """Picture coloured and labelled by entity; arguments as for `preview`."""
+    view = camera or camera_for(candidate, frame, shot=shot, width=width, height=height)
+    return (renderer or PreviewRenderer(candidate)).id_view(frame, view)

@@ -1,0 +1,86 @@
+"""Sequences: resumable, deterministic, and close to a converged picture."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from worldagent.rendering import FrameRenderer, frame_path, meter, render_frame, render_sequence, tonemap
+from worldagent.worlds.errors import InputError
+
+GOLDEN_PSNR_DB = 28.0
+"""Least agreement of a denoised 16-sample picture with 512 samples at 128x72; own choice."""
+
+
+def _psnr(a, b):
+    return 10 * math.log10(255.0**2 / max(float(np.mean((a.astype(float) - b.astype(float)) ** 2)), 1e-9))
+
+
+def test_denoised_picture_is_close_to_the_converged_one(candidate):
+    renderer = FrameRenderer(candidate)
+    reference = renderer.render(2, samples=512, denoise=False)
+    clean = renderer.render(2, samples=16)
+    noisy = renderer.render(2, samples=16, denoise=False)
+    assert clean.shape == (72, 128, 3)
+    assert clean.dtype == np.uint8
+    assert _psnr(clean, reference) > max(GOLDEN_PSNR_DB, _psnr(noisy, reference))
+
+
+@pytest.mark.parametrize("sky", ["sunsky", "studio", "overcast"])
+def test_every_sky_is_exposed_so_that_one_sees_something(make_candidate, sky):
+    image = render_frame(make_candidate(sky), 0, width=64, height=36, samples=4)
+    assert 60 < image.mean() < 200
+    assert (image.max(-1) > 250).mean() < 0.3
+    assert (image.max(-1) < 5).mean() < 0.05
+
+
+def test_exposure_stops_brighten(make_candidate):
+    def brighter(data):
+        data["look"]["exposure"] = 1.5
+
+    plain = render_frame(make_candidate(), 0, width=48, height=27, samples=2)
+    bright = render_frame(make_candidate(change=brighter), 0, width=48, height=27, samples=2)
+    assert bright.mean() > plain.mean() + 20
+
+
+def test_a_resumed_sequence_equals_the_unbroken_one(candidate, tmp_path):
+    told: list[tuple[int, int, str]] = []
+    whole = render_sequence(candidate, tmp_path / "whole", frames=range(4), progress=lambda *a: told.append(a))
+    assert [p.name for p in whole] == [f"frame_{k:06d}.png" for k in range(4)]
+    assert told[-1][:2] == (4, 4)
+
+    asked = iter([False, False, True])
+    part = render_sequence(candidate, tmp_path / "parts", frames=range(4), cancelled=lambda: next(asked))
+    assert len(part) == 2
+    kept = frame_path(tmp_path / "parts", 0).stat().st_mtime_ns
+    resumed = render_sequence(candidate, tmp_path / "parts", frames=range(4))
+    assert [p.read_bytes() for p in resumed] == [p.read_bytes() for p in whole]
+    assert frame_path(tmp_path / "parts", 0).stat().st_mtime_ns == kept
+
+
+def test_a_damaged_or_outdated_frame_is_rendered_again(candidate, tmp_path):
+    (path,) = render_sequence(candidate, tmp_path, frames=[1])
+    good = path.read_bytes()
+    path.write_bytes(good[:-20])
+    render_sequence(candidate, tmp_path, frames=[1])
+    assert path.read_bytes() == good
+    render_sequence(candidate, tmp_path, frames=[1], samples=3)
+    assert path.read_bytes() != good
+
+
+def test_frames_that_do_not_exist_are_refused(candidate):
+    with pytest.raises(InputError, match=r"frame 99 is not in 0\.\.5"):
+        render_frame(candidate, 99)
+
+
+def test_tone_curve_is_monotone_and_meter_brings_a_grey_card_to_the_middle():
+    ramp = np.geomspace(1e-4, 1e4, 200, dtype=np.float32)[None, :, None].repeat(3, axis=2)
+    values = tonemap(ramp)[0, :, 0].astype(int)
+    assert (np.diff(values) >= 0).all()
+    assert values[0] < 3
+    assert values[-1] == 255
+    card = np.full((4, 4, 3), 37.0, dtype=np.float32)
+    up = np.zeros((4, 4, 3), dtype=np.float32)
+    up[..., 2] = 1
+    assert 110 < tonemap(card, gain=meter(card, up)).mean() < 160

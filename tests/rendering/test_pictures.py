@@ -1,0 +1,126 @@
+"""Pictures without a path tracer: previews, sheets, plots, plans; and video files."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+from worldagent.geometry.camera import Camera
+from worldagent.rendering import (
+    PreviewRenderer,
+    contact_sheet,
+    encode,
+    id_view,
+    ledger_series,
+    plan_view,
+    plot_ledger,
+    preview,
+    section_view,
+    write_video,
+)
+from worldagent.worlds.errors import EvidenceError, InputError
+
+
+def _noise(height=120, width=160):
+    return np.random.default_rng(0).integers(0, 256, (height, width, 3), dtype=np.uint8)
+
+
+def test_preview_shows_the_red_ball_where_the_camera_projects_it(candidate):
+    camera = Camera(np.array([0.2, -4.0, 1.0]), np.array([0.0, 0.0, 0.1]), 30.0, 160, 90)
+    renderer = PreviewRenderer(candidate)
+    for frame in (0, 4):
+        image = preview(candidate, frame, camera=camera, renderer=renderer).astype(int)
+        red = (image[..., 0] > image[..., 1] + 60) & (image[..., 0] > image[..., 2] + 60)
+        rows, columns = np.nonzero(red)
+        expected = camera.project(candidate.center("ball", frame)[None])[0][0]
+        assert np.hypot(columns.mean() - expected[0], rows.mean() - expected[1]) < 2.5
+
+
+def test_preview_has_shadows(candidate):
+    """The block stands in the sun's way to a patch of the table."""
+    renderer = PreviewRenderer(candidate)
+    sun = renderer._sun()
+    foot = np.array([0.0, 0.25, 0.15]) - sun * (0.15 / sun[2]) * 1.5
+    foot[2] = 0.001
+    lit = renderer._shadow(0, np.array([foot, [0.8, -0.4, 0.001]]))
+    assert lit[0] == 0
+    assert lit[1] == 1
+
+
+def test_id_view_gives_every_entity_its_colour(candidate):
+    image = id_view(candidate, 0, width=320, height=180)
+    assert image.shape == (180, 320, 3)
+    assert len(np.unique(image.reshape(-1, 3), axis=0)) > 10
+
+
+def test_a_sheet_keeps_its_size_limit():
+    images = [_noise() for _ in range(9)]
+    data = contact_sheet(images, [f"frame {k}" for k in range(9)], columns=3, max_bytes=60_000)
+    assert len(data) <= 60_000
+    assert data[:2] == b"\xff\xd8"
+    free = contact_sheet(images, [""] * 9, columns=3)
+    assert cv2.imdecode(np.frombuffer(free, np.uint8), cv2.IMREAD_COLOR).shape[1] == 3 * 166 + 6
+    with pytest.raises(InputError, match="1 pictures and 2 labels"):
+        contact_sheet(images[:1], ["a", "b"])
+
+
+def test_encode_prefers_png_and_falls_back_to_jpeg():
+    small = np.zeros((20, 20, 3), dtype=np.uint8)
+    assert encode(small).format == "png"
+    data, kind = encode(_noise(600, 800), max_bytes=100_000)
+    assert kind == "jpeg"
+    assert len(data) <= 100_000
+
+
+def test_video_reads_back_with_every_frame(tmp_path):
+    frames = []
+    for k in range(12):
+        path = tmp_path / f"frame_{k:06d}.png"
+        cv2.imwrite(str(path), np.full((55, 96, 3), 20 * k, dtype=np.uint8))
+        frames.append(path)
+    video = write_video(frames, tmp_path / "out.webm", 24)
+    assert (video.frames, video.width, video.height) == (12, 96, 54)
+    assert video.path.is_file()
+    assert video.codec == "VP9" or video.note
+    with pytest.raises(InputError, match=r"suffix is '\.gif'"):
+        write_video(frames, tmp_path / "out.gif", 24)
+
+
+def test_plot_shows_curves_beats_and_refuses_unknown_quantities(candidate):
+    image = plot_ledger(candidate)
+    assert image.shape == (600, 1000, 3)
+    assert (image.min(-1) < 200).mean() > 0.005
+    tinted = image[70:100, 80:820].reshape(-1, 3)
+    assert len(np.unique(tinted, axis=0)) > 3
+    assert np.allclose(ledger_series(candidate, "total_energy").values, 1.0)
+    assert np.isnan(ledger_series(candidate, "min_gap").values[0])
+    assert ledger_series(candidate, "contacts").values.tolist() == [0, 1, 2, 0, 1, 2]
+    with pytest.raises(InputError, match="no quantity 'joy'"):
+        plot_ledger(candidate, ["joy"])
+    with pytest.raises(EvidenceError):
+        plot_ledger(candidate, ["mass"])
+
+
+def test_plan_is_true_to_scale(candidate):
+    """The table is 2 m x 1 m: its outline in the plan keeps that ratio, +x right and +y up."""
+    image = plan_view(candidate, 0, width=900, height=400)
+    paper = np.abs(image.astype(int) - 255).sum(-1) < 30
+    across = np.ptp(np.flatnonzero(~paper[60, 70:])) + 1
+    upward = np.ptp(np.flatnonzero(~paper[24:376, 150])) + 1
+    assert across / upward == pytest.approx(2.0, rel=0.02)
+
+
+def test_section_fills_what_it_cuts(candidate):
+    cut = section_view(candidate, 0, axis="y", at=0.25, width=600, height=400)
+    beside = section_view(candidate, 0, axis="y", at=0.45, width=600, height=400)
+    assert cut.shape == beside.shape == (400, 600, 3)
+    assert (cut.astype(int) != beside.astype(int)).any(-1).sum() > 500
+    assert section_view(candidate, 0, axis="x", width=300, height=200).shape == (200, 300, 3)
+
+
+def test_importing_the_floor_loads_no_engine():
+    code = "import sys, worldagent.rendering as r; print([m for m in ('mitsuba', 'cv2', 'warp', 'pyoidn') if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"

@@ -1,0 +1,208 @@
+"""Numerical checks: each broken on purpose by one number."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.verifiers.numerical import CLAIMS, check, thickness
+from worldagent.worlds.arrays import RigidPose
+from worldagent.worlds.built import Convex
+from worldagent.worlds.cache import write_container
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import Limits, RigidSettings
+
+from tests.worlds.small import IDENTITY, box, ground, make_candidate, world
+
+FPS, N = 24, 25
+TIME = np.arange(N) / FPS
+RECORDS = {
+    "kinetic_energy": 1.0,
+    "potential_energy": 10.0,
+    "driver_work": 0.0,
+    "max_speed": 1.0,
+    "max_travel_per_step": 5e-4,
+    "steps": 84.0,
+    "iterations_capped": 0.0,
+    "overflows": 0.0,
+}
+
+
+def sliding(tmp_path: Path, *, records: dict[str, Any] | None = None, x: Any = None, **more: Any) -> Candidate:
+    entities = {
+        "floor": ground(),
+        "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1)),
+        "card": box(0.1, 0.1, 0.01, motion="dynamic", at=(0, 2, 0.005)),
+    }
+    spec = world(entities, frames=N, settings=more.pop("settings", None), limits=more.pop("limits", None))
+    x = TIME if x is None else x
+    tracks = {"cube": (np.stack([x, 0 * TIME, 0 * TIME + 0.1], axis=1), more.pop("turn", IDENTITY))}
+    return make_candidate(tmp_path, spec, tracks=tracks, records=RECORDS | (records or {}), **more)
+
+
+def rows_of(candidate: Candidate) -> dict[str, Row]:
+    return {r.id.split(":")[1]: r for r in check(candidate)}
+
+
+def failing(candidate: Candidate) -> set[str]:
+    return {n for n, r in rows_of(candidate).items() if r.status != "pass"}
+
+
+def test_a_sound_run_passes_every_claim(tmp_path: Path) -> None:
+    rows = rows_of(sliding(tmp_path))
+    assert set(rows) == set(CLAIMS)
+    assert {r.status for r in rows.values()} == {"pass"}
+    assert rows["finite"].id == "numerical:finite:rigid"
+    assert rows["speed"].measured == pytest.approx(1.0)
+    assert rows["step_travel"].bound == pytest.approx(0.005)  # half of the card
+
+
+def test_a_number_that_is_not_finite_is_found_in_any_channel(tmp_path: Path) -> None:
+    x = TIME.copy()
+    x[6] = np.nan
+    row = rows_of(sliding(tmp_path, x=x))["finite"]
+    assert (row.status, row.first_failing_entity) == ("fail", "cube")
+    assert row.first_failing_frame == 5  # central differences write the velocity of frame 5 with it
+    record = rows_of(sliding(tmp_path / "b", records={"potential_energy": np.where(TIME == 0.5, np.inf, 1.0)}))["finite"]
+    assert (record.status, record.first_failing_frame, record.evidence["channel"]) == ("fail", 12, "record/potential_energy")
+
+
+def test_a_quaternion_off_the_unit_sphere_fails(tmp_path: Path) -> None:
+    turn = np.repeat([IDENTITY], N, 0)
+    turn[9] *= 1.00001
+    row = rows_of(sliding(tmp_path, turn=turn))["quaternion"]
+    assert (row.status, row.first_failing_entity, row.first_failing_frame) == ("fail", "cube", 9)
+    assert row.measured == pytest.approx(1e-5, rel=1e-3)
+
+
+def test_speed_is_limited_at_frames_and_between_them(tmp_path: Path) -> None:
+    row = rows_of(sliding(tmp_path, limits=Limits(max_speed=0.9)))["speed"]
+    assert (row.status, row.first_failing_entity, row.measured, row.bound) == ("fail", "cube", pytest.approx(1.0), 0.9)
+    peak = rows_of(sliding(tmp_path / "b", records={"max_speed": np.where(np.arange(N) == 7, 80.0, 1.0)}))["speed"]
+    assert (peak.status, peak.first_failing_frame, peak.measured) == ("fail", 7, 80.0)
+
+
+def test_a_teleport_fails_even_if_the_velocity_hides_it(tmp_path: Path) -> None:
+    x = TIME + np.where(np.arange(N) >= 14, 5.0, 0.0)
+    candidate = sliding(tmp_path, x=x, channels={"velocity": np.zeros((N, 2, 3))})
+    rows = rows_of(candidate)
+    assert (rows["travel"].status, rows["travel"].first_failing_frame) == ("fail", 14)
+    assert rows["travel"].measured == pytest.approx(5 + 1 / 24)
+    assert rows["travel"].bound == pytest.approx(61 / 24)
+    assert rows["speed"].status == "pass"
+
+
+def test_explosive_growth_needs_a_jump_in_speed_and_in_energy(tmp_path: Path) -> None:
+    velocity = np.zeros((N, 2, 3))
+    velocity[10:, 0, 0] = 3.0  # from rest (counted as 0.05 m/s) to 60 times that
+    hit = {"channels": {"velocity": velocity}}
+    assert rows_of(sliding(tmp_path, **hit))["growth"].status == "pass"  # hit by something: the energy stays
+    gained = {"kinetic_energy": np.where(np.arange(N) >= 10, 20.0, 1.0)}
+    row = rows_of(sliding(tmp_path / "b", records=gained, **hit))["growth"]
+    assert (row.status, row.first_failing_entity, row.first_failing_frame) == ("fail", "cube", 10)
+    assert row.measured == pytest.approx(60)
+
+
+def test_rows_must_match_the_index(tmp_path: Path) -> None:
+    candidate = sliding(tmp_path, channels={"asleep": np.zeros((N, 3), dtype=np.uint8)})
+    row = rows_of(candidate)["counts"]
+    assert (row.status, row.measured, row.bound) == ("fail", 3.0, 2.0)
+    entities = {**candidate.spec.entities, "extra": box(0.1, 0.1, 0.1, motion="dynamic")}
+    solver = candidate.spec.simulation.solvers["rigid"].model_copy(update={"members": list(entities)})
+    plan = candidate.spec.simulation.model_copy(update={"solvers": {"rigid": solver}})
+    spec = candidate.spec.model_copy(update={"entities": entities, "simulation": plan})
+    built = {**candidate.built, "extra": candidate.built["cube"]}
+    lost = rows_of(dataclasses.replace(candidate, spec=spec, built=built))["counts"]
+    assert (lost.status, lost.first_failing_entity) == ("fail", "extra")
+
+
+def test_engine_warnings_and_capped_iterations_fail(tmp_path: Path) -> None:
+    records = {"overflows": np.where(np.arange(N) == 5, 2.0, 0.0), "iterations_capped": 5.0}
+    rows = rows_of(sliding(tmp_path, records=records))
+    assert (rows["overflow"].status, rows["overflow"].measured, rows["overflow"].first_failing_frame) == ("fail", 2.0, 5)
+    assert (rows["iterations"].status, rows["iterations"].measured) == ("fail", pytest.approx(5 / 84))
+    assert rows["iterations"].corrections[0].patch[0]["value"] == 120
+    assert failing(sliding(tmp_path / "b", records={"iterations_capped": 4.0})) == set()
+
+
+def test_travel_per_step_is_held_against_the_thinnest_collider(tmp_path: Path) -> None:
+    records = {"max_travel_per_step": np.where(np.arange(N) == 8, 0.01, 1e-4)}
+    row = rows_of(sliding(tmp_path, records=records, settings=RigidSettings(step=5e-4)))["step_travel"]
+    assert (row.status, row.first_failing_frame, row.first_failing_entity) == ("fail", 8, "card")
+    assert row.corrections[0].patch[0]["value"] == pytest.approx(0.9 * 5e-4 * 0.005 / 0.01, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("kind", "params", "points", "expected"),
+    [
+        ("box", (0.1, 0.2, 0.05), [], 0.1),
+        ("sphere", (0.3,), [], 0.6),
+        ("capsule", (0.1, 1.0), [], 0.2),
+        ("cylinder", (0.5, 0.02), [], 0.04),
+        ("hull", (), [[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 0.3)], 0.3),
+    ],
+)
+def test_thickness_is_the_smallest_width(
+    kind: str, params: tuple[float, ...], points: list[list[float]], expected: float
+) -> None:
+    pose = RigidPose(np.zeros(3), np.array(IDENTITY))
+    assert thickness(Convex(kind, params, pose, np.array(points, dtype=float).reshape(-1, 3))) == pytest.approx(expected)
+
+
+def test_a_rotated_hull_keeps_its_thickness() -> None:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 0.3)])
+    c, s = np.cos(0.5), np.sin(0.5)
+    turned = corners @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).T
+    assert thickness(Convex("hull", (), RigidPose(np.zeros(3), np.array(IDENTITY)), turned)) == pytest.approx(0.3)
+
+
+def test_missing_and_damaged_frames_fail(tmp_path: Path) -> None:
+    candidate = sliding(tmp_path)
+    candidate.caches["rigid"].path(20).unlink()
+    rows = rows_of(candidate)
+    assert (rows["frames"].status, rows["frames"].first_failing_frame) == ("fail", 20)
+    assert rows["digest"].status == "fail"
+    assert rows["finite"].status == "unverified"
+    damaged = sliding(tmp_path / "b")
+    path = damaged.caches["rigid"].path(3)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 3] ^= 0xFF
+    path.write_bytes(bytes(content))
+    row = rows_of(damaged)["digest"]
+    assert (row.status, row.first_failing_frame) == ("fail", 3)
+
+
+def test_a_rewritten_frame_does_not_match_its_recorded_digest(tmp_path: Path) -> None:
+    candidate = sliding(tmp_path)
+    cache = candidate.caches["rigid"]
+    digests = [cache.frame_digest(k) for k in range(N)]
+    (cache.folder / "digests.txt").write_text("\n".join(digests))
+    assert rows_of(candidate)["digest"].status == "pass"
+    write_container(cache.path(11), cache.read(11) | {"asleep": np.ones(2, dtype=np.uint8)})
+    assert (rows_of(candidate)["digest"].status, rows_of(candidate)["digest"].first_failing_frame) == ("fail", 11)
+
+
+def test_a_bake_that_is_too_short_fails_and_a_probe_may_be(tmp_path: Path) -> None:
+    candidate = sliding(tmp_path)
+    plan = candidate.spec.simulation.model_copy(update={"frames": 48})
+    spec = candidate.spec.model_copy(update={"simulation": plan})
+    assert rows_of(dataclasses.replace(candidate, spec=spec))["frames"].status == "fail"
+    assert rows_of(dataclasses.replace(candidate, spec=spec, stage="probe"))["frames"].status == "pass"
+
+
+def test_missing_records_are_unverified(tmp_path: Path) -> None:
+    gone = ("overflows", "steps", "max_travel_per_step", "driver_work", "max_speed")
+    rows = rows_of(sliding(tmp_path, without=[f"record/{n}" for n in gone]))
+    assert {n for n, r in rows.items() if r.status == "unverified"} == {
+        "overflow",
+        "iterations",
+        "step_travel",
+        "growth",
+        "speed",
+    }
+    static = make_candidate(tmp_path / "s", sliding(tmp_path / "x").spec)
+    assert {r.status for r in check(static)} == {"unverified"}

@@ -1,0 +1,436 @@
+"""Numerical health of every solver instance, on probes and full sequences (R105, R106, S6).
+
+Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..worlds.arrays import F64
+from ..worlds.errors import EvidenceError
+from ..worlds.requirements import Correction, Row, Status
+from . import motion
+from .predicates.outcome import Comparison
+from .rigid import energy_scale
+from .verdicts import correction, make_row
+
+if TYPE_CHECKING:
+    from ..worlds.built import Convex
+    from ..worlds.cache import Cache
+    from ..worlds.candidate import Candidate
+
+__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "THICKNESS_SHARE", "check", "thickness"]
+
+QUATERNION_NOISE = 1e-6
+"""Deviation of a quaternion's norm from 1; engines normalise every step, so more means a damaged state."""
+GROWTH = 20.0
+"""Own choice: no body gets this many times faster from one frame to the next while the scene's energy grows."""
+SLOW = 0.05
+"""[m/s] Speeds below this count as this in a growth ratio: anything is many times faster than rest."""
+CAPPED_SHARE = 0.05
+"""Own choice: share of steps that may end at the iteration cap before contact forces are not to be trusted."""
+THICKNESS_SHARE = 0.5
+"""A body that travels more than half of a collider's thickness in one step may be pushed out on the far side."""
+POTENTIAL_SLACK = 1.0
+"""[m/s] added to the speed limit for travel per frame: rounding of positions and half a frame of gravity."""
+
+CLAIMS = {
+    "frames": "every frame is there and the index agrees with the plan",
+    "digest": "every frame is readable and undamaged",
+    "finite": "every number in every channel is finite",
+    "quaternion": "|q| = 1 within 1e-6",
+    "speed": "centre of mass speed <= limits.max_speed",
+    "travel": "travel of the centre of mass per frame <= (limits.max_speed + 1 m/s) / fps",
+    "growth": "no body gets 20 times faster in one frame while the energy grows by more than limits.energy_growth",
+    "counts": "rows per channel are as many as the index names",
+    "overflow": "the engine reports no full buffer and no bad state",
+    "iterations": "at most 5 % of the steps end at the iteration cap",
+    "step_travel": "travel per step <= half of the thinnest collider's thickness",
+}
+BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asleep")
+
+
+@dataclass(frozen=True)
+class _Finding:
+    """What one claim came to."""
+
+    status: Status
+    text: str
+    measured: float | None = None
+    bound: float | None = None
+    unit: str = ""
+    entity: str | None = None
+    frame: int | None = None
+    hints: tuple[Correction, ...] = ()
+    evidence: dict[str, Any] | None = None
+    comparison: Comparison = "<="
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """Rows per instance; all `unverified` for an instance without a cache."""
+    rows = []
+    for solver in candidate.spec.simulation.solvers:
+        cache = candidate.caches.get(solver)
+        for name, claim in CLAIMS.items():
+            try:
+                if cache is None:
+                    raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
+                found = FUNCTIONS[name](candidate, solver, cache)
+            except EvidenceError as error:
+                found = _Finding("unverified", str(error))
+            rows.append(
+                make_row(
+                    candidate,
+                    f"numerical:{name}:{solver}",
+                    check="numerical",
+                    group="physical",
+                    predicate=claim,
+                    status=found.status,
+                    explanation=found.text,
+                    frames=(0, candidate.last_frame),
+                    measured=found.measured,
+                    bound=found.bound,
+                    comparison=found.comparison if found.measured is not None else "",
+                    unit=found.unit,
+                    entities=(found.entity,) if found.entity else (),
+                    first_failing_entity=found.entity if found.status == "fail" else None,
+                    first_failing_frame=found.frame if found.status == "fail" else None,
+                    corrections=found.hints,
+                    evidence={"solver": solver, **(found.evidence or {})},
+                    extra=candidate.spec.simulation.limits.model_dump(mode="json"),
+                )
+            )
+    return rows
+
+
+# ---------------------------------------------------------------- hints
+
+
+def _halve(candidate: Candidate, solver: str, cause: str) -> Correction:
+    step = candidate.spec.simulation.solvers[solver].settings.step
+    pointer = f"/simulation/solvers/{solver}/settings/step"
+    patch = ({"op": "add", "path": pointer, "value": round(max(2e-5, step / 2), 9)},)
+    return correction(cause, "step", f"halve the step from {step:g} s", pointers=(pointer,), patch=patch)
+
+
+def _separate(entity: str | None) -> Correction:
+    return correction(
+        "colliders overlap at the start and push each other apart",
+        "placement",
+        f"separate {entity or 'the bodies'} from its neighbours at frame 0",
+        pointers=(f"/entities/{entity}/pose",) if entity else (),
+    )
+
+
+def _owner(cache: Cache, row: int) -> str:
+    return cache.index.bodies[row].split("/", 1)[0]
+
+
+# ---------------------------------------------------------------- the container
+
+
+def _frames(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    index, plan = cache.index, candidate.spec.simulation
+    absent = [k for k in range(index.frames) if not cache.path(k).exists()]
+    wrong = []
+    if index.fps != plan.fps:
+        wrong.append(f"written at {index.fps} fps, planned {plan.fps}")
+    if candidate.stage == "full" and index.frames != plan.frames:
+        wrong.append(f"holds {index.frames} frames, planned {plan.frames}")
+    if index.frames > plan.frames:
+        wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
+    if absent:
+        wrong.append(f"{len(absent)} of {index.frames} frames are missing, first frame {absent[0]}")
+    return _Finding(
+        "fail" if wrong else "pass",
+        "; ".join(dict.fromkeys(wrong)) or f"{index.frames} frames at {index.fps} fps",
+        float(len(absent)),
+        0.0,
+        "frames",
+        frame=absent[0] if absent else None,
+        hints=(
+            correction("the bake is incomplete", "interval", "bake again to the last frame", pointers=("/simulation/frames",)),
+        ),
+        evidence={"held": index.frames, "planned": plan.frames, "missing": absent[:100]},
+    )
+
+
+def _digest(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    state = hashlib.sha256()
+    record = cache.folder / "digests.txt"  # what the bake wrote down, frame by frame
+    recorded = record.read_text().split() if record.exists() else []
+    for k in range(cache.index.frames):
+        try:
+            digest = cache.frame_digest(k)
+            state.update(digest.encode())
+            if k < len(recorded) and recorded[k] != digest:
+                raise EvidenceError(f"content does not match the digest recorded when it was written ({recorded[k][:12]})")
+        except EvidenceError as error:
+            hint = correction("a cache file is damaged or gone", "interval", "bake again")
+            return _Finding("fail", f"frame {k}: {error}", frame=k, hints=(hint,))
+    return _Finding(
+        "pass",
+        f"{cache.index.frames} frames read",
+        0.0,
+        0.0,
+        "frames",
+        evidence={"sha256": state.hexdigest(), "compared": len(recorded)},
+    )
+
+
+def _finite(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    total = 0
+    for k in range(cache.index.frames):
+        for name, array in sorted(cache.read(k).items()):
+            if array.dtype.kind != "f":
+                continue
+            bad = ~np.isfinite(array)
+            total += array.size
+            if not bad.any():
+                continue
+            row = int(np.argwhere(bad)[0][0]) if array.ndim else 0
+            entity = _owner(cache, row) if name in BODY_CHANNELS and row < len(cache.index.bodies) else None
+            text = f"{name} of {entity or 'the instance'} is {array[bad].flat[0]} at frame {k} ({int(bad.sum())} numbers there)"
+            hints = (_halve(candidate, solver, "the solver diverged"), _separate(entity))
+            return _Finding("fail", text, float(bad.sum()), 0.0, "numbers", entity, k, hints, {"channel": name})
+    return _Finding("pass", f"{total} numbers are finite", 0.0, 0.0, "numbers")
+
+
+def _counts(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    index = cache.index
+    expected = dict.fromkeys(BODY_CHANNELS, len(index.bodies)) | {"joint": len(index.joints), "driver/active": len(index.drivers)}
+    planned = {
+        f"{n}/{b.name}"
+        for n in candidate.spec.simulation.solvers[solver].members
+        if n in candidate.built and candidate.spec.entities[n].motion != "static"
+        for b in candidate.entity(n).bodies
+    }
+    missing, alien = planned - set(index.bodies), set(index.bodies) - planned
+    if missing or alien or not index.bodies:
+        name = next(iter(sorted(missing or alien)), "")
+        text = f"{len(missing)} moving bodies are not in the cache and {len(alien)} in it are not planned, e.g. {name!r}"
+        return _Finding("fail", text, float(len(missing) + len(alien)), 0.0, "bodies", name.split("/")[0] or None, 0)
+    for k in range(index.frames):
+        frame = cache.read(k, expected)
+        for channel, count in expected.items():
+            if len(frame[channel]) != count:
+                text = f"{channel} has {len(frame[channel])} rows at frame {k}, the index names {count}"
+                hints = (correction("the cache does not fit its index", "interval", "bake again"),)
+                return _Finding("fail", text, float(len(frame[channel])), float(count), "rows", None, k, hints, comparison="==")
+    return _Finding("pass", f"{len(index.bodies)} bodies at every frame", float(len(index.bodies)), float(len(planned)), "bodies")
+
+
+# ---------------------------------------------------------------- states
+
+
+def _quaternion(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    with np.errstate(invalid="ignore", over="ignore"):
+        off = np.abs(np.linalg.norm(cache.series("quaternion"), axis=2) - 1.0)
+    return _largest(candidate, solver, cache, off, QUATERNION_NOISE, "1", "deviation of |q| from 1", ())
+
+
+def _speed(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    with np.errstate(invalid="ignore", over="ignore"):
+        speed = np.linalg.norm(cache.series("velocity"), axis=2)
+    limit = candidate.spec.simulation.limits.max_speed
+    hints = _blown_up(candidate, solver, cache, speed, limit)
+    found = _largest(candidate, solver, cache, speed, limit, "m/s", "speed", hints)
+    peak: F64 = cache.series("record/max_speed")
+    between = ~(peak <= limit)
+    if found.status == "pass" and between.any():
+        k = int(np.argmax(between))
+        text = f"speed reaches {peak[k]:.3g} m/s between frames {k - 1} and {k} (limit {limit:g} m/s)"
+        return _Finding("fail", text, float(np.nanmax(peak)), limit, "m/s", None, k, hints)
+    return found
+
+
+def _travel(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    limits, fps = candidate.spec.simulation.limits, cache.index.fps
+    owners = list(dict.fromkeys(_owner(cache, r) for r in range(len(cache.index.bodies))))
+    with np.errstate(invalid="ignore", over="ignore"):
+        tracks = np.stack([motion.centers(candidate, n) for n in owners], axis=1)
+        step = np.linalg.norm(np.diff(tracks, axis=0, prepend=tracks[:1]), axis=2)
+    bound = (limits.max_speed + POTENTIAL_SLACK) / fps
+    hints = _blown_up(candidate, solver, cache, step, bound)
+    return _largest(candidate, solver, cache, step, bound, "m", "travel in one frame", hints, names=owners)
+
+
+def _blown_up(candidate: Candidate, solver: str, cache: Cache, values: F64, bound: float) -> tuple[Correction, ...]:
+    wrong = ~(values <= bound)
+    entity = _owner(cache, int(np.argwhere(wrong)[0][1])) if wrong.any() and values.shape[1] == len(cache.index.bodies) else None
+    return _separate(entity), _halve(candidate, solver, "contacts or joints are too stiff for the step")
+
+
+def _largest(
+    candidate: Candidate,
+    solver: str,
+    cache: Cache,
+    values: F64,
+    bound: float,
+    unit: str,
+    what: str,
+    hints: tuple[Correction, ...],
+    *,
+    names: list[str] | None = None,
+) -> _Finding:
+    """Every entry of (frames, rows) must be <= bound; the first frame that is not, and its worst row."""
+    owners = names or [_owner(cache, r) for r in range(values.shape[1])]
+    wrong = ~(values <= bound)
+    if values.size == 0:
+        raise EvidenceError(f"instance {solver!r} moves no body")
+    peak = float(np.max(values)) if np.isfinite(values).all() else None
+    if not wrong.any():
+        k, r = np.unravel_index(int(np.argmax(values)), values.shape)
+        text = f"largest {what} is {peak:.4g} {unit}, {owners[int(r)]} at frame {k}"
+        return _Finding("pass", text, peak, bound, unit, owners[int(r)])
+    frame = int(np.argmax(wrong.any(axis=1)))
+    row = int(np.argmax(np.where(np.isnan(values[frame]), np.inf, values[frame])))
+    text = f"{what} of {owners[row]} is {values[frame, row]:.4g} {unit} at frame {frame}, limit {bound:.4g} {unit}"
+    return _Finding("fail", text, peak, bound, unit, owners[row], frame, hints)
+
+
+def _growth(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    plan = candidate.spec.simulation
+    kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
+    weight = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies) * float(np.linalg.norm(plan.gravity))
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        gain = np.diff(kinetic + potential - work, prepend=(kinetic + potential - work)[0])
+        speed = np.linalg.norm(cache.series("velocity"), axis=2)
+        ratio = np.ones_like(speed)
+        ratio[1:] = speed[1:] / np.maximum(speed[:-1], SLOW)
+    gains = ~(gain <= plan.limits.energy_growth * energy_scale(kinetic, potential, weight))
+    hints = (_separate(None), _halve(candidate, solver, "the step is too long for the contacts"))
+    if ratio.size == 0:
+        raise EvidenceError(f"instance {solver!r} moves no body")
+    return _largest(candidate, solver, cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
+
+
+# ---------------------------------------------------------------- the engine's own records
+
+
+def _overflow(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    series: F64 = cache.series("record/overflows")
+    wrong = ~(series == 0)
+    frame = int(np.argmax(wrong)) if wrong.any() else None
+    total = float(series.sum()) if np.isfinite(series).all() else None
+    text = "no engine warning" if frame is None else f"{total or 0:g} engine warnings, first at frame {frame}"
+    hints = (
+        _separate(None),
+        correction(
+            "too many contacts for the engine's buffers",
+            "shape",
+            "use fewer or simpler collision parts where many touch",
+            pointers=("/entities",),
+        ),
+    )
+    return _Finding("pass" if frame is None else "fail", text, total, 0.0, "warnings", None, frame, hints)
+
+
+def _iterations(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    capped, steps = cache.series("record/iterations_capped"), cache.series("record/steps")
+    total = float(steps.sum())
+    if not np.isfinite(total) or not np.isfinite(capped).all():
+        return _Finding("fail", "step counts are not finite", frame=int(np.argmax(~np.isfinite(steps + capped))))
+    if total <= 0:
+        raise EvidenceError(f"instance {solver!r} records no solver steps")
+    share = float(capped.sum()) / total
+    over = np.cumsum(capped) > CAPPED_SHARE * total
+    pointer = f"/simulation/solvers/{solver}/settings/iterations"
+    now = candidate.spec.simulation.solvers[solver].settings.iterations
+    hints = (
+        correction(
+            "the contact solver does not converge",
+            "step",
+            f"double the iterations from {now}",
+            pointers=(pointer,),
+            patch=({"op": "add", "path": pointer, "value": min(1000, 2 * now)},),
+        ),
+        correction("very unequal masses in contact", "mass", "bring the masses of touching bodies closer together"),
+    )
+    return _Finding(
+        "pass" if share <= CAPPED_SHARE else "fail",
+        f"{share:.2%} of {total:.0f} steps ended at the iteration cap",
+        share,
+        CAPPED_SHARE,
+        "1",
+        None,
+        int(np.argmax(over)) if over.any() else None,
+        hints,
+    )
+
+
+def thickness(piece: Convex) -> float:
+    """Smallest width of a convex collision piece [m]."""
+    p = piece.params
+    if piece.kind == "box":
+        return 2 * min(p)
+    if piece.kind in {"sphere", "capsule"}:
+        return 2 * p[0]
+    if piece.kind == "cylinder":
+        return 2 * min(p)
+    if piece.kind == "heightfield":
+        return p[2] + float(np.min(piece.points))
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(piece.points)
+    except QhullError:
+        return 0.0  # flat: nothing holds a body on its side
+    # The smallest width of a polytope is taken between a face and a vertex, or between two edges; the latter is
+    # smaller only for needle-like hulls, and then by little.
+    heights = piece.points @ hull.equations[:, :3].T + hull.equations[:, 3]
+    return float(-heights.min(axis=0).max())
+
+
+def _step_travel(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+    thin = {
+        name: min(thickness(c) for part in candidate.entity(name).parts for c in part.collision)
+        for name in cache.index.colliders
+        if any(part.collision for part in candidate.entity(name).parts)
+    }
+    if not thin:
+        raise EvidenceError(f"instance {solver!r} has no collision shapes")
+    thinnest = min(thin, key=lambda n: thin[n])
+    bound = THICKNESS_SHARE * thin[thinnest]
+    series: F64 = cache.series("record/max_travel_per_step")
+    wrong = ~(series <= bound)
+    frame = int(np.argmax(wrong)) if wrong.any() else None
+    worst = float(series.max()) if np.isfinite(series).all() else None
+    shown = "not finite" if worst is None else f"{worst:.3g} m"
+    text = f"largest travel per step {shown}; thinnest collider is {thinnest}, {thin[thinnest]:.3g} m"
+    pointer = f"/simulation/solvers/{solver}/settings/step"
+    step = candidate.spec.simulation.solvers[solver].settings.step
+    fitting = max(2e-5, 0.9 * step * bound / worst) if worst else step / 2
+    hints = (
+        correction(
+            "a body may pass through the thin one within a step",
+            "step",
+            f"cut the step to {fitting:.2g} s",
+            pointers=(pointer,),
+            patch=({"op": "add", "path": pointer, "value": float(f"{fitting:.2g}")},),
+        ),
+        correction("the collider is thin", "shape", f"thicken {thinnest}", pointers=(f"/entities/{thinnest}/parts",)),
+    )
+    status: Status = "pass" if frame is None else "fail"
+    return _Finding(status, text, worst, bound, "m", thinnest, frame, hints, {"thickness": thin[thinnest]})
+
+
+FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], _Finding]] = {
+    "frames": _frames,
+    "digest": _digest,
+    "finite": _finite,
+    "quaternion": _quaternion,
+    "speed": _speed,
+    "travel": _travel,
+    "growth": _growth,
+    "counts": _counts,
+    "overflow": _overflow,
+    "iterations": _iterations,
+    "step_travel": _step_travel,
+}

@@ -1,0 +1,372 @@
+"""Rigid bodies (R103, R104). The paper names records for them but no check (S11); ours are these, per instance:
+
+- `category:rigid:bodies:<solver>` and `:mass:`: number and mass of moving bodies stay what construction built.
+- `category:rigid:joints:<solver>`: no joint comes apart by more than `JOINT_GAP` or `JOINT_SHARE` of the body.
+- `category:rigid:energy:<solver>`: kinetic + potential energy - work of drivers never grows over any interval by
+  more than `limits.energy_growth` of the energy that is in play: the largest kinetic energy plus the range of the
+  potential energy. Contacts, friction and damping only take energy away, so a growth has no source.
+- `category:rigid:escape:<solver>`: no body leaves a cube `ESCAPE` times the scene's largest extent, unless a
+  predicate sends it there.
+
+Restitution is not judged per impact: frames are too coarse to measure separation speeds, and an impact that
+returns more than it got shows in the energy.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..worlds.arrays import F64
+from ..worlds.candidate import Candidate
+from ..worlds.errors import EvidenceError
+from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
+from ..worlds.requirements import Correction, Row, Status
+from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
+from . import motion
+from .verdicts import correction, make_row
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..worlds.cache import Cache
+
+__all__ = ["ESCAPE", "JOINT_GAP", "JOINT_SHARE", "MASS_NOISE", "check_instance", "energy_scale", "largest_growth"]
+
+MASS_NOISE = 1e-9
+"""Relative; a sum of doubles in another order."""
+JOINT_GAP = 1e-3
+"""[m] Own choice: below what a picture of the scene resolves."""
+JOINT_SHARE = 0.01
+"""Own choice: of the smallest jointed body's diagonal, for large bodies."""
+ESCAPE = 10.0
+"""Own choice: ten scene sizes away nothing that belongs to the story happens."""
+REST_HEIGHT = 1e-3
+"""[m] Energy scale of a scene where nothing moves: all its weight times this height."""
+
+
+def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+    """The five rows of one instance; `unverified` where a record is missing."""
+    cache = candidate.caches.get(solver)
+    checks: dict[str, Callable[[Candidate, str, Cache], Row]] = {
+        "bodies": _bodies,
+        "mass": _mass,
+        "joints": _joints,
+        "energy": _energy,
+        "escape": _escape,
+    }
+    rows = []
+    for name, function in checks.items():
+        try:
+            if cache is None:
+                raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
+            rows.append(function(candidate, solver, cache))
+        except EvidenceError as error:
+            rows.append(_row(candidate, f"category:rigid:{name}:{solver}", "unverified", PREDICATES[name], str(error)))
+    return rows
+
+
+PREDICATES = {
+    "bodies": "number of moving bodies is constant and as built",
+    "mass": "mass of moving bodies is constant and as built",
+    "joints": f"largest joint gap <= max({JOINT_GAP:g} m, {JOINT_SHARE:g} of the smallest jointed body)",
+    "energy": "mechanical energy less driver work never grows by more than limits.energy_growth of the energy in play",
+    "escape": f"every body stays within {ESCAPE:g} scene sizes",
+}
+
+
+def _row(
+    candidate: Candidate,
+    row_id: str,
+    status: Status,
+    predicate: str,
+    explanation: str,
+    *,
+    measured: float | None = None,
+    bound: float | None = None,
+    unit: str = "",
+    entities: tuple[str, ...] = (),
+    entity: str | None = None,
+    frame: int | None = None,
+    corrections: tuple[Correction, ...] = (),
+    evidence: dict[str, object] | None = None,
+) -> Row:
+    return make_row(
+        candidate,
+        row_id,
+        check="category",
+        group="physical",
+        predicate=predicate,
+        status=status,
+        explanation=explanation,
+        frames=(0, candidate.last_frame),
+        measured=measured,
+        bound=bound,
+        comparison="<=" if measured is not None else "",
+        unit=unit,
+        entities=entities,
+        first_failing_entity=entity,
+        first_failing_frame=frame,
+        corrections=corrections,
+        evidence=evidence,
+        extra=[candidate.spec.simulation.limits.energy_growth],
+    )
+
+
+def _owners(cache: Cache) -> list[str]:
+    return [name.split("/", 1)[0] for name in cache.index.bodies]
+
+
+def _deviating(series: F64, expected: float, noise: float) -> int | None:
+    """First frame at which the series is not `expected`; a value that is not finite is not."""
+    wrong = ~(np.abs(series - expected) <= noise)
+    return int(np.argmax(wrong)) if wrong.any() else None
+
+
+def _bodies(candidate: Candidate, solver: str, cache: Cache) -> Row:
+    return _constant(candidate, solver, cache, "bodies", "body_count", float(len(cache.index.bodies)), 0.0, "1")
+
+
+def _mass(candidate: Candidate, solver: str, cache: Cache) -> Row:
+    built = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies)
+    return _constant(candidate, solver, cache, "mass", "mass", built, MASS_NOISE * max(built, 1e-12), "kg")
+
+
+def _constant(
+    candidate: Candidate, solver: str, cache: Cache, name: str, record: str, expected: float, noise: float, unit: str
+) -> Row:
+    series: F64 = cache.series(f"record/{record}")
+    frame = _deviating(series, expected, noise)
+    worst = float(np.abs(series - expected).max()) if frame is not None and np.isfinite(series).all() else 0.0
+    text = f"{record} is {expected:.9g} {unit} at all {len(series)} frames"
+    if frame is not None:
+        text = f"{record} is {series[frame]:.9g} {unit} at frame {frame}, built were {expected:.9g} {unit}"
+    hints = (
+        correction(
+            "the engine lost or added a body",
+            "step",
+            "look at the engine's warnings before that frame; halve the step",
+            pointers=(f"/simulation/solvers/{solver}/settings/step",),
+        ),
+    )
+    return _row(
+        candidate,
+        f"category:rigid:{name}:{solver}",
+        "pass" if frame is None else "fail",
+        PREDICATES[name],
+        text,
+        measured=worst if frame is None or np.isfinite(series).all() else None,
+        bound=noise,
+        unit=unit,
+        entities=tuple(dict.fromkeys(_owners(cache))),
+        frame=frame,
+        entity=_owners(cache)[0] if frame is not None and cache.index.bodies else None,
+        corrections=hints,
+        evidence={"expected": expected, "record": f"record/{record}"},
+    )
+
+
+def _joints(candidate: Candidate, solver: str, cache: Cache) -> Row:
+    plan = candidate.spec.simulation
+    members = set(cache.index.colliders) | set(_owners(cache))
+    jointed = {n: j for n, j in plan.joints.items() if j.kind != "spring" and j.child in members}
+    ropes = [n for n, e in candidate.spec.entities.items() if e.generator is not None and n in members]
+    row_id = f"category:rigid:joints:{solver}"
+    if not jointed and not ropes:
+        text = "the plan has no hinge, slide, ball or weld and no rope in this instance"
+        return _row(candidate, row_id, "not_applicable", PREDICATES["joints"], text)
+    sizes: dict[str, float] = {}
+    for name in [*(j.child for j in jointed.values()), *ropes]:
+        for body in candidate.entity(name).bodies:
+            parts = candidate.entity(name).parts_of(body.name)
+            points = np.concatenate([p.render.vertices for p in parts]) if parts else np.zeros((1, 3))
+            sizes[name] = min(sizes.get(name, np.inf), float(np.linalg.norm(np.ptp(points, axis=0))))
+    smallest = min(sizes, key=lambda n: sizes[n])
+    bound = max(JOINT_GAP, JOINT_SHARE * sizes[smallest])
+    series: F64 = cache.series("record/joint_error")
+    wrong = ~(series <= bound)
+    frame = int(np.argmax(wrong)) if wrong.any() else None
+    worst = float(series.max()) if np.isfinite(series).all() else None
+    text = f"largest joint gap {'not finite' if worst is None else f'{worst:.3g} m'} against {bound:.3g} m"
+    step = f"/simulation/solvers/{solver}/settings/step"
+    hints = (
+        correction("joints give way under the load", "step", "halve the step, or raise the iterations", pointers=(step,)),
+        correction("the load is too large for the jointed masses", "mass", "bring the masses of jointed bodies closer together"),
+    )
+    return _row(
+        candidate,
+        row_id,
+        "fail" if frame is not None else "pass",
+        PREDICATES["joints"],
+        text + (f", first over it at frame {frame}" if frame is not None else ""),
+        measured=worst,
+        bound=bound,
+        unit="m",
+        entities=tuple(sizes),
+        entity=smallest if frame is not None else None,
+        frame=frame,
+        corrections=hints,
+        evidence={"joints": list(jointed), "ropes": ropes, "smallest_body": sizes[smallest]},
+    )
+
+
+def energy_scale(kinetic: F64, potential: F64, weight: float) -> float:
+    """Energy in play [J]: largest kinetic energy plus the range of the potential energy.
+
+    At least the weight [N] times `REST_HEIGHT`, so that the noise of a scene at rest is not magnified.
+    """
+    k, p = kinetic[np.isfinite(kinetic)], potential[np.isfinite(potential)]
+    return max(float(k.max(initial=0.0)) + (float(np.ptp(p)) if len(p) else 0.0), weight * REST_HEIGHT, 1e-12)
+
+
+def largest_growth(energy: F64) -> tuple[float, int, int]:
+    """Largest rise of a series over any interval, and the frames between which it rises."""
+    lowest = np.minimum.accumulate(energy)
+    rise = energy - lowest
+    end = int(np.argmax(rise))
+    return float(rise[end]), int(np.argmin(energy[: end + 1])), end
+
+
+def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
+    kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
+    plan = candidate.spec.simulation
+    weight = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies) * float(np.linalg.norm(plan.gravity))
+    energy = kinetic + potential - work
+    scale = energy_scale(kinetic, potential, weight)
+    bound = plan.limits.energy_growth
+    row_id = f"category:rigid:energy:{solver}"
+    broken = ~np.isfinite(energy)
+    frame: int | None
+    step = f"/simulation/solvers/{solver}/settings/step"
+    if broken.any():
+        frame = int(np.argmax(broken))
+        hint = correction("the solver diverged", "step", "halve the step", pointers=(step,))
+        text = f"energy is not finite at frame {frame}"
+        return _row(candidate, row_id, "fail", PREDICATES["energy"], text, frame=frame, corrections=(hint,))
+    growth, low, high = largest_growth(energy)
+    over = energy - np.minimum.accumulate(energy) > bound * scale
+    frame = int(np.argmax(over)) if over.any() else None
+    text = f"energy rises by at most {growth:.3g} J (frames {low}..{high}), {growth / scale:.2%} of the {scale:.3g} J in play"
+    entity = _gainer(candidate, cache, frame) if frame is not None else None
+    if frame is not None:
+        text += f"; over {bound:.2%} first at frame {frame}, where {entity} gains most"
+    hints = (
+        correction(
+            "stiff contacts or joints put energy in: the step is too long",
+            "step",
+            "halve the step",
+            pointers=(step,),
+            patch=(
+                {
+                    "op": "add",
+                    "path": step,
+                    "value": round(max(2e-5, candidate.spec.simulation.solvers[solver].settings.step / 2), 9),
+                },
+            ),
+        ),
+        correction(
+            "colliders overlap and push each other apart",
+            "placement",
+            f"look at {entity} at frame {frame}: separate what overlaps",
+            pointers=(f"/entities/{entity}/pose",),
+        ),
+        correction(
+            "contacts are too stiff for the step", "contact", "raise contact_steps", pointers=(step[:-4] + "contact_steps",)
+        ),
+    )
+    return _row(
+        candidate,
+        row_id,
+        "fail" if frame is not None else "pass",
+        PREDICATES["energy"],
+        text,
+        measured=growth / scale,
+        bound=bound,
+        unit="1",
+        entities=tuple(dict.fromkeys(_owners(cache))),
+        entity=entity,
+        frame=frame,
+        corrections=hints if frame is not None else (),
+        evidence={
+            "growth_J": growth,
+            "scale_J": scale,
+            "interval": [low, high],
+            "start_J": float(energy[0]),
+            "end_J": float(energy[-1]),
+        },
+    )
+
+
+def _gainer(candidate: Candidate, cache: Cache, frame: int) -> str:
+    """Entity whose kinetic energy, computed from velocities and masses, grew most in the frame."""
+    own = motion.kinetic_energy(candidate, cache)
+    gain = own[frame] - own[max(0, frame - 1)]
+    return _owners(cache)[int(np.nanargmax(gain))] if len(gain) and np.isfinite(gain).any() else "?"
+
+
+def _escape(candidate: Candidate, solver: str, cache: Cache) -> Row:
+    low, high = motion.scene_box(candidate)
+    middle, extent = (low + high) / 2, float((high - low).max())
+    bound = ESCAPE * extent / 2
+    sent = _sent_away(candidate, middle, bound)
+    worst, culprit, at, checked = 0.0, None, None, []
+    for name in dict.fromkeys(_owners(cache)):
+        if name in sent:
+            continue
+        checked.append(name)
+        away = np.abs(motion.centers(candidate, name) - middle).max(axis=1)
+        outside = ~(away <= bound)
+        if outside.any() and (at is None or int(np.argmax(outside)) < at):
+            culprit, at = name, int(np.argmax(outside))
+        worst = max(worst, float(np.nanmax(away, initial=0.0)))
+    text = f"bodies stay within {worst:.3g} m of the middle of the scene ({extent:.3g} m large)"
+    if culprit is not None:
+        text = f"{culprit} is more than {bound:.3g} m from the middle of the scene from frame {at} on (at most {worst:.3g} m)"
+    hints = (
+        correction(
+            "bodies are thrown out: they start overlapping", "placement", f"separate {culprit} from its neighbours at frame 0"
+        ),
+        correction(
+            "contacts are resolved too late", "step", "halve the step", pointers=(f"/simulation/solvers/{solver}/settings/step",)
+        ),
+        correction("nothing holds it", "placement", f"put a support under {culprit}", pointers=(f"/entities/{culprit}/pose",)),
+    )
+    return _row(
+        candidate,
+        f"category:rigid:escape:{solver}",
+        "fail" if culprit is not None else "pass",
+        PREDICATES["escape"],
+        text,
+        measured=worst,
+        bound=bound,
+        unit="m",
+        entities=tuple(checked),
+        entity=culprit,
+        frame=at,
+        corrections=hints if culprit is not None else (),
+        evidence={"middle": middle, "extent": extent, "sent_away": sorted(sent)},
+    )
+
+
+def _sent_away(candidate: Candidate, middle: F64, bound: float) -> set[str]:
+    """Entities that a predicate of the story sends beyond the box: a far region or plane, a large displacement."""
+    story, regions = candidate.spec.story, candidate.spec.graph.regions
+    predicates = [b.predicate for b in story.beats.values()] + [r.predicate for r in story.requirements.values()]
+    found: set[str] = set()
+    for predicate in predicates:
+        goal: F64 | None = None
+        if isinstance(predicate, Reaches | StaysIn):
+            region = regions.get(predicate.region)
+            if isinstance(region, BoxRegion) and region.relative_to is None:
+                goal = (np.array(region.min) + np.array(region.max)) / 2
+            elif isinstance(region, CylinderRegion | SphereRegion) and region.relative_to is None:
+                goal = np.array(region.center)
+        elif isinstance(predicate, Crosses):
+            goal = np.array(predicate.point)
+        far = goal is not None and bool((np.abs(goal - middle) > bound).any())
+        if isinstance(predicate, Displacement):
+            far = predicate.min is not None and predicate.min > bound
+        if far:
+            found |= set(entities_of(predicate))
+    return found

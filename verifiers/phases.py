@@ -1,0 +1,276 @@
+"""The five phases of a run (R77, S12), found from the run itself and not from fixed frame numbers.
+
+- preroll: the scene before anything acts. Covered by `simulation.preroll`, or by a frame 0 at which nothing moves but
+  what the specification sets in motion there (a start velocity, a driver).
+- activation: the first frame at which a driver acts or a body is faster than the scene's start speed.
+- first contact: the first new contact after activation between entities that did not touch before.
+- peak response: frame of the largest kinetic energy from the first contact on.
+- early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
+  frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..worlds.arrays import F64
+from ..worlds.errors import EvidenceError
+from ..worlds.requirements import Correction, Row
+from ..worlds.spec import RigidPhysics
+from . import motion
+from .causal import driver_start
+from .verdicts import correction, make_row
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+
+__all__ = ["FALLING", "PHASES", "SETTLED", "START_SPEED", "Phases", "check", "find_phases"]
+
+PHASES = ("preroll", "activation", "first_contact", "peak_response", "early_settling")
+START_SPEED = 0.05
+"""Own choice: a body is active when faster than this share of sqrt(g L), L the scene's vertical or smallest extent."""
+SETTLED = 0.2
+"""Own choice: settling has begun when the kinetic energy is below this share of its peak."""
+FALLING = 0.25
+"""[s] or has fallen for this long up to the end of the run."""
+SMALL = 1e-3
+"""[m/s] Least start speed, for tiny scenes and without gravity."""
+
+
+@dataclass(frozen=True)
+class Phases:
+    """Frame at which each phase is reached; None where the run does not show it."""
+
+    preroll: int | None
+    activation: int | None
+    first_contact: int | None
+    peak_response: int | None
+    early_settling: int | None
+    last_frame: int
+    notes: dict[str, str] = field(default_factory=dict)
+    """How each was found, or why not."""
+    entities: dict[str, str] = field(default_factory=dict)
+    """Who marks each phase."""
+    start_speed: float = 0.0
+    """[m/s] above which a body counts as active."""
+
+    def missing(self) -> tuple[str, ...]:
+        """Phases that the run does not cover, in order."""
+        return tuple(p for p in PHASES if getattr(self, p) is None)
+
+
+def find_phases(candidate: Candidate) -> Phases:
+    """Locate the phases in a probe or a bake.
+
+    Raises:
+        EvidenceError: nothing is simulated, or a channel is missing.
+    """
+    if not candidate.caches:
+        raise EvidenceError("no simulated frames: probe first")
+    last = candidate.last_frame
+    names = sorted({b.split("/", 1)[0] for c in candidate.caches.values() for b in c.index.bodies})
+    threshold = _start_speed(candidate)
+    notes, who = {}, {}
+    activation, starter, how = _activation(candidate, names, threshold)
+    notes["activation"] = how
+    if starter:
+        who["activation"] = starter
+    preroll = _preroll(candidate, names, activation, threshold, notes)
+    contact = _first_contact(candidate, activation, who, notes) if activation is not None else None
+    energy = _kinetic(candidate)
+    peak = settling = None
+    if contact is not None:
+        peak = contact + int(np.argmax(energy[contact : last + 1]))
+        notes["peak_response"] = f"kinetic energy {energy[peak]:.3g} J"
+        if peak == last:
+            notes["peak_response"] = f"kinetic energy is largest at the last frame {last}"
+            peak = None
+    if peak is not None:
+        settling = _settling(candidate, energy, peak, notes)
+    return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold)
+
+
+def _start_speed(candidate: Candidate) -> float:
+    low, high = motion.scene_box(candidate)
+    gravity = float(np.linalg.norm(candidate.spec.simulation.gravity))
+    extent = float(np.median(high - low))
+    return max(SMALL, START_SPEED * min(1.0, float(np.sqrt(gravity * extent))))
+
+
+def _speeds(candidate: Candidate, name: str) -> F64:
+    return motion.fastest_points(candidate, name)[: candidate.frame_count]
+
+
+def _activation(candidate: Candidate, names: list[str], threshold: float) -> tuple[int | None, str, str]:
+    """First frame at which anything acts or moves, who, and how it was found."""
+    plan = candidate.spec.simulation
+    best, starter, how = None, "", "nothing moves"
+    for driver in plan.drivers:
+        time, entities = driver_start(candidate, driver)
+        frame = int(np.floor(time * plan.fps + 1e-9))
+        if frame <= candidate.last_frame and (best is None or frame < best):
+            best, starter, how = frame, (entities or ("",))[0], f"driver {driver} acts at {time:.3f} s"
+    for name in names:
+        fast = np.flatnonzero(~(_speeds(candidate, name) <= threshold))
+        if len(fast) and (best is None or fast[0] < best):
+            best, starter, how = int(fast[0]), name, f"{name} moves faster than {threshold:.3g} m/s"
+    return best, starter, how
+
+
+def _preroll(
+    candidate: Candidate, names: list[str], activation: int | None, threshold: float, notes: dict[str, str]
+) -> int | None:
+    """Frame 0 when the scene is known to be at rest there, but for what the specification itself sets in motion."""
+    plan = candidate.spec.simulation
+    if plan.preroll > 0:
+        notes["preroll"] = f"{plan.preroll:g} s simulated before frame 0"
+        return 0
+    stray = [n for n in names if not _speeds(candidate, n)[0] <= threshold and not _sent(candidate, n)]
+    if stray:
+        notes["preroll"] = f"{stray[0]} moves at frame 0 without being told to, and simulation.preroll is 0"
+        return None
+    notes["preroll"] = (
+        "quiet throughout" if activation is None else f"nothing but the specified start moves before frame {activation}"
+    )
+    return 0
+
+
+def _sent(candidate: Candidate, name: str) -> bool:
+    """Whether the specification gives the entity a velocity at frame 0 or a driver."""
+    entity = candidate.spec.entities[name]
+    thrown = isinstance(entity.physics, RigidPhysics) and any((*entity.physics.linear_velocity, *entity.physics.angular_velocity))
+    return thrown or any(name in driver_start(candidate, d)[1] for d in candidate.spec.simulation.drivers)
+
+
+def _first_contact(candidate: Candidate, activation: int, who: dict[str, str], notes: dict[str, str]) -> int | None:
+    fps = candidate.spec.simulation.fps
+    found: tuple[float, int, str] | None = None
+    for cache in candidate.caches.values():
+        contacts, events = cache.ragged("contact/pair", "contact/impulse"), cache.ragged("event/time", "event/pair")
+        before: set[tuple[int, ...]] = set()
+        for frame in range(candidate.frame_count):
+            log = events[frame]
+            fresh = [(float(t), tuple(p)) for t, p in zip(log["event/time"], log["event/pair"].tolist(), strict=True)]
+            for time, pair in fresh:
+                if time * fps + 1e-9 >= activation and pair not in before and (found is None or time < found[0]):
+                    a, b = (cache.index.colliders[i] for i in pair)
+                    mover = a if candidate.spec.entities[a].motion != "static" else b
+                    found = (time, frame, mover)
+                    notes["first_contact"] = f"{a} meets {b} at {time:.3f} s"
+            before |= {tuple(p) for p in contacts[frame]["contact/pair"].tolist()} | {p for _, p in fresh}
+    if found is None:
+        notes["first_contact"] = f"no new contact after frame {activation}"
+        return None
+    who["first_contact"] = found[2]
+    return found[1]
+
+
+def _kinetic(candidate: Candidate) -> F64:
+    total = np.zeros(candidate.frame_count)
+    for cache in candidate.caches.values():
+        total += motion.kinetic_energy(candidate, cache)[: candidate.frame_count].sum(axis=1)
+    if not np.isfinite(total).all():
+        raise EvidenceError(f"kinetic energy is not finite at frame {int(np.argmax(~np.isfinite(total)))}")
+    return total
+
+
+def _settling(candidate: Candidate, energy: F64, peak: int, notes: dict[str, str]) -> int | None:
+    last, fps = candidate.last_frame, candidate.spec.simulation.fps
+    quiet = np.flatnonzero(energy[peak:] <= SETTLED * energy[peak])
+    if len(quiet):
+        notes["early_settling"] = f"kinetic energy below {SETTLED:.0%} of its peak"
+        return peak + int(quiet[0])
+    span = max(1, round(FALLING * fps))
+    if last - peak >= span and bool((np.diff(energy[last - span : last + 1]) <= 0).all()):
+        notes["early_settling"] = f"kinetic energy has fallen for {FALLING:g} s"
+        return last
+    end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=None)
+    if end is not None and peak <= end <= last:
+        notes["early_settling"] = f"the last beat ends at frame {end}"
+        return end
+    share = energy[last] / energy[peak]
+    notes["early_settling"] = f"kinetic energy is still {share:.0%} of its peak at the last frame {last}"
+    return None
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """Row `probe:phases`: all five phases lie within the simulated frames."""
+    predicate = "the run covers preroll, activation, first contact, peak response and early settling"
+    common = {"check": "beat", "group": "temporal", "predicate": predicate}
+    try:
+        phases = find_phases(candidate)
+    except EvidenceError as error:
+        return [make_row(candidate, "probe:phases", status="unverified", explanation=str(error), **common)]  # type: ignore[arg-type]
+    missing = phases.missing()
+    frames = {p: getattr(phases, p) for p in PHASES}
+    evidence = {"phases": frames, "notes": phases.notes, "entities": phases.entities, "start_speed": phases.start_speed}
+    if not missing:
+        text = ", ".join(f"{p.replace('_', ' ')} at frame {k}" for p, k in frames.items())
+    else:
+        why = phases.notes.get(missing[0], "the phase before it is missing")
+        text = f"no {missing[0].replace('_', ' ')} within frames 0..{phases.last_frame}: {why}"
+    more = _more_frames(candidate, phases)
+    return [
+        make_row(
+            candidate,
+            "probe:phases",
+            status="fail" if missing else "pass",
+            explanation=text,
+            frames=(0, phases.last_frame),
+            measured=float(len(PHASES) - len(missing)),
+            bound=float(len(PHASES)),
+            comparison=">=",
+            unit="phases",
+            entities=tuple(phases.entities.values()),
+            first_failing_entity=next(iter(reversed(phases.entities.values())), None) if missing else None,
+            first_failing_frame=phases.last_frame if missing else None,
+            corrections=_hints(candidate, missing[0], more) if missing else (),
+            evidence={**evidence, **({"missing": list(missing), "more_frames": more} if missing else {})},
+            extra=candidate.spec.simulation.frames,
+            **common,  # type: ignore[arg-type]
+        )
+    ]
+
+
+def _more_frames(candidate: Candidate, phases: Phases) -> int:
+    """Frames to add: up to the last beat's end where the probe stops short of it, else one second."""
+    end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=0)
+    second = candidate.spec.simulation.fps
+    return max(end - phases.last_frame, second if end <= phases.last_frame else 1)
+
+
+def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
+    if phase == "preroll":
+        patch = ({"op": "add", "path": "/simulation/preroll", "value": 0.5},)
+        return [
+            correction(
+                "bodies move from frame 0 on without being told to: the scene is not at rest",
+                "interval",
+                "give it 0.5 s of preroll to settle",
+                pointers=("/simulation/preroll",),
+                patch=patch,
+            ),
+            correction("bodies start in the air or overlap", "placement", "put them on their supports", pointers=("/entities",)),
+        ]
+    planned = candidate.spec.simulation.frames
+    longer = candidate.last_frame + 1 + more
+    wait = correction(
+        "the run is too short" if phase != "activation" else "nothing acts within the run",
+        "interval",
+        f"simulate {more} more frames, to frame {longer - 1}",
+        pointers=("/simulation/frames",),
+        patch=({"op": "replace", "path": "/simulation/frames", "value": longer},) if longer > planned else (),
+    )
+    act = correction(
+        "nothing sets the scene in motion",
+        "drivers",
+        "let a driver act earlier, or give a body a start velocity",
+        pointers=("/simulation/drivers",),
+    )
+    meet = correction(
+        "the bodies that should meet pass each other", "placement", "bring their paths together", pointers=("/entities",)
+    )
+    return [act, wait] if phase == "activation" else [wait, meet] if phase == "first_contact" else [wait]

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Scripted agents, each a whole world from prompt to acceptance."""

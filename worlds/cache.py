@@ -129,6 +129,14 @@ class Cache:
         self.folder.mkdir(parents=True, exist_ok=True)
         (self.folder / "index.json").write_text(json.dumps(asdict(index), indent=1, sort_keys=True))
 
+    def digests(self) -> list[str]:
+        """Digest of every frame written so far, in order, as recorded when it was written."""
+        try:
+            lines = (self.folder / "digests.txt").read_text().split()
+        except OSError as error:
+            raise EvidenceError(f"cache {self.folder.name!r} has no digests.txt ({error}); bake again") from error
+        return lines
+
     def path(self, frame: int) -> Path:
         """File of one frame."""
         return self.folder / f"frame_{frame:06d}.npz"

@@ -13,12 +13,14 @@ from typing import Any, Literal
 import numpy as np
 
 from .arrays import F64, RigidPose, compose, pose_of
-from .built import BuiltBody, BuiltEntity
+from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .errors import EvidenceError
+from .folder import WorldFolder
+from .patch import parse_spec
 from .spec import WorldSpec
 
-__all__ = ["Candidate", "Stage"]
+__all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
 
 Stage = Literal["static", "probe", "full"]
 
@@ -137,3 +139,49 @@ class Candidate:
         else:
             source["inputs"] = self.digest
         return hashlib.sha256(json.dumps(source, sort_keys=True, default=str).encode()).hexdigest()[:32]
+
+
+def cache_digest(caches: Mapping[str, Cache]) -> str:
+    """SHA-256 over the recorded frame digests of all caches, hex.
+
+    Raises:
+        EvidenceError: a cache has no digests or lacks frames.
+    """
+    state = hashlib.sha256()
+    for name in sorted(caches):
+        digests = caches[name].digests()
+        if len(digests) < caches[name].index.frames:
+            raise EvidenceError(
+                f"cache {name!r} holds {len(digests)} of {caches[name].index.frames} frames; bake again to resume"
+            )
+        state.update(name.encode())
+        for digest in digests[: caches[name].index.frames]:
+            state.update(digest.encode())
+    return state.hexdigest()
+
+
+def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "full"]) -> Candidate:
+    """Open the caches of a freeze from its own record, without building anything.
+
+    Raises:
+        EvidenceError: something recorded is missing, damaged or altered.
+    """
+    root = folder.candidate(freeze)
+    record = folder.read_json(root / "candidate.json")
+    spec = parse_spec(record["spec"])
+    built = {}
+    for entity, (file, digest) in record["built"].items():
+        built[entity] = load_built(folder.root / file)
+        if built[entity].digest() != digest:
+            raise EvidenceError(f"built entity {entity!r} was altered since the freeze; call place_object, then probe again")
+    where = root / ("probe" if stage == "probe" else "bake")
+    caches = {name: Cache(where / name) for name in spec.simulation.solvers}
+    return Candidate(
+        folder=folder.root,
+        spec=spec,
+        built=built,
+        stage=stage,
+        caches=caches,
+        artifact=folder.relative(where),
+        digest=cache_digest(caches),
+    )

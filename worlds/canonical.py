@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-__all__ = ["canonical_json", "digest_of", "source_digest"]
+__all__ = ["canonical_json", "digest_of", "source_digest", "spec_digest"]
 
 
 def canonical_json(value: Any) -> bytes:
@@ -29,12 +29,17 @@ def _plain(value: Any) -> Any:
 
 
 def digest_of(*values: Any) -> str:
-    """SHA-256 over the canonical JSON of the values, hex."""
+    """SHA-256 over sorted compact JSON of the values, hex: for recipes, which no other program reads."""
     state = hashlib.sha256()
     for value in values:
-        state.update(canonical_json(value))
+        state.update(json.dumps(value, sort_keys=True, separators=(",", ":"), default=_plain).encode())
         state.update(b"\x00")
     return state.hexdigest()
+
+
+def spec_digest(spec: BaseModel) -> str:
+    """SHA-256 of a specification's RFC 8785 bytes, hex: what other programs can reproduce."""
+    return hashlib.sha256(canonical_json(spec)).hexdigest()
 
 
 @lru_cache(maxsize=64)

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field, StringConstraints, model_validator
 
-from ..spec.base import (
+from ..vocabulary import (
     BeatRef,
     EntityRef,
     Finite,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from ..spec.base import Ref, SpecModel
+from ..vocabulary import Ref, SpecModel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

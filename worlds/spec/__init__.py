@@ -1,6 +1,6 @@
 """Specification models. `WorldSpec` is the root."""
 
-from .base import Ref, SpecModel
+from ..vocabulary import Ref, SpecModel
 from .entities import Appearance, Dimensions, Entity, Material, Part, RigidPhysics, Rope
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, Wedge
 from .simulation import (

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from .base import (
+from ..vocabulary import (
     EntityRef,
     Finite,
     Id,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ..predicates.models import Predicate
-from .base import (
+from ..vocabulary import (
     BeatRef,
     EntityRef,
     FrameInterval,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints
 
-from .base import Id, NonNegative, Positive, SpecModel, Text, Vec3
+from ..vocabulary import Id, NonNegative, Positive, SpecModel, Text, Vec3
 from .entities import Entity, Material
 from .simulation import SimulationPlan
 from .story import SceneGraph, Shot, Story
@@ -50,7 +50,7 @@ class Look(SpecModel):
 class WorldSpec(SpecModel):
     """A world: prompt, story, contracts, scene graph, shot plan, simulation plan."""
 
-    spec_version: Literal["1"] = SPEC_VERSION
+    spec_version: Literal["1"] = "1"
     title: Annotated[str, StringConstraints(min_length=1, max_length=200)]
     prompt: Annotated[str, StringConstraints(min_length=1, max_length=20000)] = Field(description="immutable after creation")
     clauses: Annotated[dict[Id, Clause], Field(max_length=500)] = {}

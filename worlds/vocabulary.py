@@ -1,4 +1,4 @@
-"""Vocabulary shared by all specification models: ids, references, vectors, intervals."""
+"""Vocabulary shared by specification and predicates: ids, references, vectors, intervals."""
 
 from __future__ import annotations
 

@@ -1,0 +1,41 @@
+"""Built entities of a world on disk: built once per recipe, kept, reused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..worlds.built import BuiltEntity, load_built, save_built
+from ..worlds.errors import EvidenceError
+from ..worlds.folder import WorldFolder
+from ..worlds.spec import WorldSpec
+from .build import build_entity, entity_recipe
+
+__all__ = ["build_world", "built_paths"]
+
+
+def build_world(
+    folder: WorldFolder, spec: WorldSpec, only: Iterable[str] | None = None
+) -> tuple[dict[str, BuiltEntity], list[str]]:
+    """Build the entities whose recipe has no file yet; returns all (or `only`) and the names newly built.
+
+    Raises:
+        InputError: an entity cannot be built.
+    """
+    built: dict[str, BuiltEntity] = {}
+    fresh: list[str] = []
+    for name in spec.entities if only is None else only:
+        recipe = entity_recipe(spec, name, folder.assets)
+        path = folder.built(name, recipe)
+        try:
+            built[name] = load_built(path)
+            continue
+        except EvidenceError:
+            built[name] = build_entity(spec, name, folder.assets)
+        save_built(built[name], path)
+        fresh.append(name)
+    return built, fresh
+
+
+def built_paths(folder: WorldFolder, spec: WorldSpec) -> dict[str, str]:
+    """Relative file of every built entity under its present recipe."""
+    return {n: folder.relative(folder.built(n, entity_recipe(spec, n, folder.assets))) for n in spec.entities}

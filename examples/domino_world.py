@@ -1,0 +1,237 @@
+"""The specification that the scripted agent of `domino_run` proposes, before its mistakes are put in."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+__all__ = ["PROMPT", "domino_spec"]
+
+PROMPT = (
+    "A steel ball is released at the top of a wooden ramp on a workbench, rolls down and strikes the first of twenty dominoes. "
+    "The chain runs around a corner, the last domino tips a seesaw, and the seesaw throws a small wooden cube into a bowl on the floor."
+)
+TOP = 0.72
+"""Height of the bench top [m]."""
+DOMINO = (0.01, 0.03, 0.06)
+SPACING = 0.028
+COUNT = 20
+SKIN = 0.0004
+GAP = 2 * SKIN
+BALL = 0.014
+FRAMES = 96
+
+
+def _box(size: tuple[float, float, float]) -> dict[str, Any]:
+    return {"kind": "box", "size": list(size)}
+
+
+def _entity(role: str, motion: str, material: str, size: tuple[float, float, float], shape: dict[str, Any], position: Any, **more: Any) -> dict[str, Any]:
+    return {
+        "role": role,
+        "motion": motion,
+        "material": material,
+        "dimensions": {"size": [round(s, 6) for s in size]},
+        "pose": {"position": [round(float(p), 6) for p in position], **more.pop("turn", {})},
+        "parts": {"body": {"shape": shape}},
+        **more,
+    }
+
+
+def _chain() -> list[tuple[float, float, float]]:
+    """(x, y, heading) of the dominoes: eight straight, six around a quarter circle, six straight."""
+    x, y, heading, places = -0.10, -0.22, 0.0, []
+    for k in range(COUNT):
+        places.append((x, y, heading))
+        turn = math.pi / 12 if 7 <= k < 13 else 0.0
+        x += SPACING * math.cos(heading + turn / 2)
+        y += SPACING * math.sin(heading + turn / 2)
+        heading += turn
+    return places
+
+
+def _bench() -> dict[str, Any]:
+    legs = {
+        f"leg{i}": {"shape": _box((0.06, 0.06, TOP - 0.04)), "pose": {"position": [sx * 0.52, sy * 0.30, (TOP - 0.04) / 2]}}
+        for i, (sx, sy) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1)))
+    }
+    return {
+        "role": "workbench that carries the run",
+        "motion": "static",
+        "material": "bench_wood",
+        "dimensions": {"size": [1.2, 0.75, TOP]},
+        "nominal_diagonal": 1.6,
+        "parts": {"top": {"shape": _box((1.2, 0.75, 0.04)), "pose": {"position": [0, 0, TOP - 0.02]}}, **legs},
+    }
+
+
+def _seesaw(pivot: tuple[float, float], near: float, far: float, height: float) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any], float]:
+    """Beam, fulcrum, hinge, and the beam's angle: the far end rests on the bench."""
+    thick, width = 0.004, 0.03
+    # Lower corner of the far end at the height of two skins: height - far sin(a) - thick/2 cos(a) = GAP.
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if height - far * math.sin(middle) - thick / 2 * math.cos(middle) > GAP else (low, middle)
+    angle = low
+    offset = (far - near) / 2
+    center = (pivot[0], pivot[1] + offset * math.cos(angle), TOP + height - offset * math.sin(angle))
+    beam = _entity(
+        "seesaw beam", "dynamic", "light_wood", (width, near + far, thick), _box((width, near + far, thick)), center, turn={"euler": [round(-angle, 9), 0, 0]}
+    )
+    apex = height - thick / 2 - 0.003
+    profile = [[-0.012, -apex / 2], [0.012, -apex / 2], [0.002, apex / 2], [-0.002, apex / 2]]
+    fulcrum = _entity(
+        "fulcrum of the seesaw",
+        "static",
+        "dark_wood",
+        (0.024, apex, 0.02),
+        {"kind": "extrusion", "polygon": profile, "height": 0.02},
+        (pivot[0], pivot[1], TOP + apex / 2),
+        turn={"euler": [round(math.pi / 2, 12), 0, round(math.pi / 2, 12)]},
+    )
+    hinge = {"kind": "hinge", "parent": "fulcrum", "child": "beam", "anchor": [pivot[0], pivot[1], TOP + height], "axis": [1, 0, 0], "damping": 1e-6}
+    return beam, fulcrum, hinge, angle
+
+
+def domino_spec(bowl_at: tuple[float, float] = (0.19, 0.62)) -> dict[str, Any]:
+    """The specification without its prompt, as `edit_spec` takes it."""
+    places = _chain()
+    last_x, last_y, _ = places[-1]
+    pivot = (round(last_x, 6), round(last_y + 0.085, 6))
+    near, far, height = 0.055, 0.105, 0.024
+    beam, fulcrum, hinge, angle = _seesaw(pivot, near, far, height)
+    cube = 0.014
+    # The cube lies flat on the beam, near its far end, one gap above it.
+    along, up = far - 0.014, 0.002 + GAP + cube / 2
+    cube_at = (
+        pivot[0],
+        pivot[1] + along * math.cos(angle) + up * math.sin(angle),
+        TOP + height - along * math.sin(angle) + up * math.cos(angle),
+    )
+    ramp_length, ramp_low, ramp_high = 0.30, 0.035, 0.125
+    slope = math.atan2(ramp_high - ramp_low, ramp_length)
+    ramp_end = places[0][0] - 0.035
+    ball_back = ramp_length - 0.03
+    ball_at = (
+        ramp_end - ball_back + (BALL + GAP) * math.sin(slope),
+        places[0][1],
+        TOP + GAP + ramp_low + ball_back * math.tan(slope) + (BALL + GAP) * math.cos(slope),
+    )
+    middle = (ramp_high + 0.0) / 2
+    ramp = _entity(
+        "wooden ramp",
+        "static",
+        "dark_wood",
+        (ramp_length, ramp_high, 0.08),
+        {
+            "kind": "extrusion",
+            "polygon": [[-ramp_length / 2, -middle], [ramp_length / 2, -middle], [ramp_length / 2, ramp_low - middle], [-ramp_length / 2, ramp_high - middle]],
+            "height": 0.08,
+        },
+        (ramp_end - ramp_length / 2, places[0][1], TOP + middle),
+        turn={"euler": [round(math.pi / 2, 12), 0, 0]},
+    )
+    entities: dict[str, Any] = {
+        "floor": _entity("workshop floor", "static", "concrete", (6, 6, 0.1), _box((6, 6, 0.1)), (0, 0, -0.05)),
+        "bench": _bench(),
+        "ramp": ramp,
+        "ball": _entity("steel ball", "dynamic", "steel", (2 * BALL,) * 3, {"kind": "sphere", "radius": BALL}, ball_at, nominal_diagonal=0.05),
+        **{
+            f"d{k + 1:02d}": _entity(
+                f"domino {k + 1}", "dynamic", "domino_wood", DOMINO, _box(DOMINO), (x, y, TOP + GAP + DOMINO[2] / 2),
+                **({"turn": {"euler": [0, 0, round(h, 9)]}} if h else {}), nominal_diagonal=0.068,
+            )
+            for k, (x, y, h) in enumerate(places)
+        },
+        "fulcrum": fulcrum,
+        "beam": beam,
+        "cube": _entity("small wooden cube", "dynamic", "light_wood", (cube,) * 3, _box((cube,) * 3), cube_at, turn={"euler": [round(-angle, 9), 0, 0]}),
+        "bowl": _entity(
+            "bowl that catches the cube", "dynamic", "ceramic", (0.36, 0.36, 0.11),
+            {"kind": "revolution", "segments": 32, "profile": [[0, 0], [0.09, 0], [0.18, 0.1], [0.18, 0.11], [0.17, 0.11], [0.085, 0.012], [0, 0.012]]},
+            (*bowl_at, GAP), nominal_diagonal=0.5,
+        ),
+    }  # fmt: skip
+    dominoes = [f"d{k + 1:02d}" for k in range(COUNT)]
+    supports = {f"on_bench_{n}": {"kind": "supports", "a": "bench", "b": n} for n in ("ramp", "fulcrum", *dominoes)}
+    relations: dict[str, Any] = {
+        "bench_on_floor": {"kind": "supports", "a": "floor", "b": "bench"},
+        "ball_on_ramp": {"kind": "supports", "a": "ramp", "b": "ball", "frames": [0, 3]},
+        **supports,
+        "cube_on_beam": {"kind": "supports", "a": "beam", "b": "cube"},
+        "bowl_on_floor": {"kind": "supports", "a": "floor", "b": "bowl"},
+        "beam_on_fulcrum": {"kind": "interacts", "a": "fulcrum", "b": "beam"},
+        "ball_hits_first": {"kind": "interacts", "a": "ball", "b": "d01"},
+        "last_hits_beam": {"kind": "interacts", "a": "d20", "b": "beam"},
+    }
+    regions = {"in_bowl": {"kind": "cylinder", "center": [0, 0, 0.06], "radius": 0.165, "height": 0.11, "relative_to": "bowl"}}
+    topple = {"kind": "topples", "entity": "each", "min_angle": 0.9}
+    beats: dict[str, Any] = {
+        "release": {"text": "the ball is released and starts to roll", "owner": "let_go", "subject": "ball", "frames": [4, 16],
+                    "predicate": {"kind": "speed", "entity": "ball", "min": 0.2}},
+        "strike": {"text": "the ball strikes the first domino", "owner": "rigid", "subject": "d01", "frames": [8, 30], "causes": ["release"],
+                   "predicate": {"kind": "contact", "a": "ball", "b": "d01", "min_impulse": 0.001}},
+        "chain": {"text": "all twenty dominoes fall", "owner": "rigid", "subject": "d20", "frames": [10, 66], "causes": ["strike"],
+                  "predicate": {"kind": "and", "of": [
+                      {"kind": "count", "entities": dominoes[:-1], "min": COUNT - 1, "predicate": topple},
+                      {"kind": "tilts", "entity": "d20", "min": 0.9}]}},
+        "corner": {"text": "the chain runs around the corner", "owner": "rigid", "subject": "d14", "frames": [10, 60], "causes": ["strike"],
+                   "predicate": {"kind": "tilts", "entity": "d14", "min": 0.5}},
+        "tip": {"text": "the last domino tips the seesaw", "owner": "rigid", "subject": "beam", "frames": [20, 70], "causes": ["chain"],
+                "predicate": {"kind": "tilts", "entity": "beam", "min": 0.2}},
+        "throw": {"text": "the seesaw throws the cube", "owner": "rigid", "subject": "cube", "frames": [20, 76], "causes": ["tip"],
+                  "predicate": {"kind": "speed", "entity": "cube", "min": 0.5}},
+        "catch": {"text": "the cube lands in the bowl and stays", "owner": "rigid", "subject": "cube", "frames": [24, 94], "causes": ["throw"],
+                  "predicate": {"kind": "reaches", "entity": "cube", "region": "in_bowl", "when": "end"}},
+    }  # fmt: skip
+    shots = {
+        "ramp_shot": {
+            "frames": [0, 21], "covers": ["release", "strike"], "subjects": ["ball", "d01"], "intent": "the ball on its ramp and what waits for it",
+            "keys": {"a": {"frame": 0, "position": [-0.35, -1.0, 1.05], "target": [-0.2, -0.2, 0.77], "fov_deg": 32},
+                     "b": {"frame": 21, "position": [-0.15, -1.0, 1.05], "target": [-0.1, -0.2, 0.75], "fov_deg": 32}},
+        },
+        "chain_shot": {
+            "frames": [22, 47], "covers": ["chain", "corner", "strike", "tip"], "subjects": ["d14"], "intent": "the wave runs round the corner to the seesaw",
+            "keys": {"a": {"frame": 22, "position": [0.75, -0.75, 1.3], "target": [0.08, -0.1, 0.74], "fov_deg": 34},
+                     "b": {"frame": 47, "position": [0.85, -0.35, 1.2], "target": [0.16, 0.08, 0.74], "fov_deg": 34}},
+        },
+        "throw_shot": {
+            "frames": [48, FRAMES - 1], "covers": ["tip", "throw", "catch", "chain", "corner"], "subjects": ["cube"],
+            "intent": "the seesaw throws the cube into the bowl on the floor",
+            "keys": {"a": {"frame": 48, "position": [1.35, 0.75, 1.05], "target": [0.19, 0.25, 0.6], "fov_deg": 38},
+                     "b": {"frame": FRAMES - 1, "position": [1.1, 1.05, 0.9], "target": [0.19, 0.55, 0.2], "fov_deg": 38}},
+        },
+    }  # fmt: skip
+    return {
+        "title": "Domino run on a workbench",
+        "clauses": {
+            "c1": {"met_by": ["/simulation/drivers/let_go", "/entities/ramp", "/entities/ball", "/story/beats/release"]},
+            "c2": {"met_by": ["/story/beats/strike", "/entities/d20"]},
+            "c3": {"met_by": ["/story/beats/corner", "/story/beats/chain"]},
+            "c4": {"met_by": ["/story/beats/tip"]},
+            "c5": {"met_by": ["/story/beats/throw", "/story/beats/catch"]},
+        },
+        "story": {"semantics": "a chain reaction on a workbench", "beats": beats},
+        "materials": {
+            "steel": {"density": 7850, "substance": "steel", "friction": 0.4, "restitution": 0.3, "appearance": {"color": [0.75, 0.76, 0.78], "metallic": 1, "roughness": 0.15}},
+            "domino_wood": {"density": 800, "substance": "wood", "friction": 0.4, "appearance": {"color": [0.8, 0.16, 0.1], "roughness": 0.35}},
+            "bench_wood": {"density": 650, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.62, 0.43, 0.26], "pattern": "wood", "pattern_scale": 0.12}},
+            "dark_wood": {"density": 700, "substance": "wood", "friction": 0.4, "appearance": {"color": [0.33, 0.19, 0.1], "pattern": "wood", "pattern_scale": 0.06}},
+            "light_wood": {"density": 300, "substance": "wood", "friction": 0.6, "appearance": {"color": [0.95, 0.75, 0.35], "roughness": 0.6}},
+            "concrete": {"density": 2300, "substance": "concrete", "friction": 0.7, "appearance": {"color": [0.5, 0.5, 0.5], "pattern": "concrete", "pattern_scale": 0.8}},
+            "ceramic": {"density": 2300, "substance": "ceramic", "friction": 0.5, "appearance": {"color": [0.12, 0.3, 0.55], "roughness": 0.15}},
+        },
+        "entities": entities,
+        "graph": {"regions": regions, "relations": relations},
+        "shots": shots,
+        "simulation": {
+            "fps": 24,
+            "frames": FRAMES,
+            "preroll": 0.1,
+            "solvers": {"rigid": {"engine": "mujoco", "members": list(entities), "settings": {"step": 4e-4, "skin": SKIN}}},
+            "joints": {"hinge": hinge},
+            "drivers": {"let_go": {"kind": "release", "entity": "ball", "time": 0.17}},
+        },
+        "look": {"sky": "studio", "samples": 16, "width": 640, "height": 360},
+    }

@@ -1,0 +1,25 @@
+"""Bake (R79-R81): the full sequence of a frozen candidate, in its own folder, resumable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.folder import WorldFolder
+from .probe import recorded_inputs
+from .schedule import run_frames
+
+__all__ = ["run_bake"]
+
+
+def run_bake(
+    folder: WorldFolder,
+    freeze: str,
+    *,
+    progress: Callable[[int, int, str], None] | None = None,
+    check: Callable[[], None] | None = None,
+) -> Candidate:
+    """Bake every frame of a freeze, resuming from its last checkpoint, and open it for checking."""
+    spec, built = recorded_inputs(folder, freeze)
+    run_frames(spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, progress=progress, check=check)
+    return open_candidate(folder, freeze, "full")

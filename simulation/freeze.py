@@ -1,0 +1,52 @@
+"""Freeze (R78): the hash of everything that a bake depends on, and the candidate folder it names."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+
+from ..worlds.built import BuiltEntity
+from ..worlds.canonical import digest_of, source_digest
+from ..worlds.folder import WorldFolder, write_atomically
+from ..worlds.provenance import motion_slice
+from ..worlds.spec import WorldSpec
+
+__all__ = ["engine_versions", "freeze_hash", "open_freeze"]
+
+
+@lru_cache(maxsize=1)
+def engine_versions() -> dict[str, str]:
+    """Versions of what computes the motion."""
+    from importlib.metadata import version
+
+    return {"mujoco": version("mujoco"), "numpy": version("numpy"), "scipy": version("scipy")}
+
+
+def freeze_hash(spec: WorldSpec, built: Mapping[str, BuiltEntity]) -> str:
+    """Hash of production settings: motion slice, content of the geometry, solver source, engine versions."""
+    contents = {name: entity.digest() for name, entity in built.items()}
+    return digest_of(motion_slice(spec), contents, source_digest(Path(__file__).parent), engine_versions())
+
+
+def open_freeze(
+    folder: WorldFolder, spec: WorldSpec, built: Mapping[str, BuiltEntity], files: Mapping[str, str], revision: int
+) -> str:
+    """Write `candidate.json` for these settings and return the freeze hash.
+
+    The record holds the specification, so that a candidate can be judged without the ledger. A later revision with
+    equal motion (another camera, another story) keeps the caches and replaces the recorded specification.
+    """
+    freeze = freeze_hash(spec, built)
+    record = {
+        "freeze": freeze,
+        "revision": revision,
+        "spec": spec.model_dump(mode="json", exclude_none=True),
+        "built": {name: [files[name], built[name].digest()] for name in sorted(built)},
+        "versions": engine_versions(),
+        "source": source_digest(Path(__file__).parent),
+    }
+    path = folder.candidate(freeze) / "candidate.json"
+    write_atomically(path, json.dumps(record, sort_keys=True, indent=1).encode())
+    return freeze

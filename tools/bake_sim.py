@@ -1,0 +1,42 @@
+"""Tool bake_sim: simulate the full sequence of a frozen candidate."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from ..worlds.errors import RefusedError
+from .context import ToolContext, ToolReply
+
+__all__ = ["bake_sim"]
+
+
+def bake_sim(
+    context: ToolContext,
+    world: Annotated[str, Field(description="World id")],
+    wait_s: Annotated[
+        float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
+    ] = 30.0,
+) -> ToolReply:
+    """Bake every frame of the frozen candidate into its own cache, in the declared solver order, and check all of it.
+
+    Resumes a bake that was interrupted. Refused without a passing probe of exactly these settings. Takes about as long
+    as the sequence itself for scenes of some dozens of bodies. Next: run_checks(scope='acceptance').
+    """
+    from ..construction import build_world
+    from ..simulation.freeze import freeze_hash
+    from .probe_sim import picture_reply
+    from .session import Session
+    from .waiting import start_and_wait
+
+    session = Session.open(context.workspace, world)
+    session.require_audit("bake_sim")
+    built, _ = build_world(session.folder, session.spec)
+    freeze = freeze_hash(session.spec, built)
+    record = session.ledger.freeze(freeze)
+    if record is None or not record["passed"]:
+        left = "" if record is None else f" (the last probe left {record['detail']['failing'][:6]} open)"
+        raise RefusedError(f"bake_sim needs a passing probe of exactly these settings{left}; call probe_sim first")
+    data = start_and_wait(context, session, "bake", {}, wait_s=wait_s, key=f"bake:{freeze}:{session.revision}")
+    return picture_reply(world, data)

@@ -1,0 +1,154 @@
+"""Tool edit_spec: create a world, or change its specification by JSON Patch."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from ..worlds.clauses import clauses_of
+from ..worlds.errors import InputError, RefusedError
+from ..worlds.folder import WorldFolder
+from .context import ToolContext, ToolReply
+
+__all__ = ["edit_spec"]
+
+
+def edit_spec(
+    context: ToolContext,
+    world: Annotated[str, Field(description="World id: lower-case letters, digits, _ and -, e.g. 'domino_run'")],
+    prompt: Annotated[
+        str | None, Field(description="Only to create a world: the user's prompt, verbatim. It can never be changed.")
+    ] = None,
+    spec: Annotated[
+        dict[str, Any] | None,
+        Field(
+            description="Only to create a world: the specification without `prompt` (see worldagent://schema/world); may be partial"
+        ),
+    ] = None,
+    patch: Annotated[
+        list[dict[str, Any]] | None,
+        Field(
+            description="To edit: RFC 6902 operations on world.json, e.g. [{'op':'replace','path':'/entities/ball/pose/position/2','value':0.8}]"
+        ),
+    ] = None,
+    hypothesis: Annotated[
+        str,
+        Field(
+            description="After a failed row: what causes the failure and why this change cures it. Then change one parameter group."
+        ),
+    ] = "",
+    weakening_reason: Annotated[
+        str,
+        Field(description="Only when the edit makes a requirement easier after evidence against it; printed with the acceptance"),
+    ] = "",
+    expected_revision: Annotated[int | None, Field(description="Refuse if the world is at another revision", ge=0)] = None,
+    on_hand_edit: Annotated[
+        Literal["refuse", "adopt", "restore"],
+        Field(description="What to do when world.json was edited outside the server"),
+    ] = "refuse",
+) -> ToolReply:
+    """Create a world from a prompt, or apply a JSON Patch to its specification as a new revision.
+
+    Creating: give `world`, `prompt` and (now or by patches) `spec`. The answer lists the prompt's clauses; map each in
+    /clauses (met_by pointers, or an unmet reason). Editing: give `world` and `patch`. Every call returns the audit, what
+    became stale, and open problems. Units are SI (m, kg, s, rad), Z is up, frame k is at k/fps seconds.
+    Read skill://world-building/SKILL.md first. Next: place_object to build and check geometry, then probe_sim.
+    Not for: moving an entity onto another one by contact (place_object does that exactly).
+    """
+    if prompt is not None:
+        return _create(context, world, prompt, spec or {})
+    if spec is not None:
+        raise InputError("spec is only for creating a world, together with prompt; use patch to edit")
+    from .session import Session
+
+    if on_hand_edit != "refuse":
+        return _hand_edit(context, world, on_hand_edit, hypothesis, weakening_reason)
+    session = Session.open(context.workspace, world)
+    if expected_revision is not None and expected_revision != session.revision:
+        raise RefusedError(
+            f"world {world!r} is at revision {session.revision}, not {expected_revision}; read it again before editing"
+        )
+    if not patch:
+        raise InputError("give patch (RFC 6902 operations), or prompt to create a world")
+    from ..worlds.limits import check_limits
+    from ..worlds.patch import apply_patch
+
+    after = apply_patch(session.spec, patch)
+    check_limits(after)
+    outcome = session.commit(after, patch=patch, hypothesis=hypothesis, weakening_reason=weakening_reason)
+    return _answer(session, outcome)
+
+
+def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
+    from .session import summary
+
+    report = session.audit()
+    data = {
+        "world": session.folder.id,
+        **outcome,
+        "audit": {"passed": report.passed, **summary(report.rows)},
+        "bake_order": list(report.bake_order),
+        "coverage": {k: list(v) for k, v in report.coverage.items()},
+        "next": "place_object(world) builds the geometry and runs the static checks"
+        if report.passed
+        else "mend the audit's open rows with edit_spec",
+    }
+    unmapped = [k for k in report.clauses if k not in session.spec.clauses]
+    if unmapped:
+        data["clauses_to_map"] = {k: report.clauses[k] for k in unmapped}
+    links = ((f"{session.folder.id} specification", f"worldagent://worlds/{session.folder.id}/spec", "application/json"),)
+    return ToolReply(data, links=links)
+
+
+def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
+    from ..worlds.canonical import spec_digest
+    from ..worlds.ledger import Ledger
+    from ..worlds.limits import check_limits
+    from ..worlds.patch import parse_spec
+    from .session import Session
+
+    folder = WorldFolder.of(context.workspace, world, create=True)
+    if folder.spec_path.exists():
+        raise RefusedError(f"world {world!r} exists already; edit it with patch, or choose another id for another prompt")
+    if "prompt" in spec and spec["prompt"] != prompt:
+        raise InputError("spec.prompt differs from prompt; leave it out of spec")
+    document = {"title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
+    parsed = parse_spec(document)
+    check_limits(parsed)
+    folder.root.mkdir(parents=True, exist_ok=True)
+    folder.assets.mkdir(exist_ok=True)
+    ledger = Ledger(folder.ledger_path)
+    number = ledger.add_revision(parsed.model_dump_json(exclude_none=True), spec_digest(parsed), expected=0, hypothesis="created")
+    if number is None:
+        raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
+    session = Session(folder, ledger, parsed, number)
+    session.write_spec()
+    return _answer(session, {"revision": number, "created": True, "clauses": clauses_of(prompt)})
+
+
+def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, reason: str) -> ToolReply:
+    import json
+
+    from ..worlds.canonical import spec_digest
+    from ..worlds.ledger import Ledger
+    from ..worlds.patch import parse_spec
+    from .session import Session
+
+    folder = WorldFolder.of(context.workspace, world)
+    ledger = Ledger(folder.ledger_path)
+    recorded = ledger.revision_spec(ledger.revision())
+    if recorded is None:
+        raise InputError(f"world {world!r} has no revision to compare with")
+    before = parse_spec(json.loads(recorded[0]))
+    session = Session(folder, ledger, before, ledger.revision())
+    if action == "restore":
+        session.write_spec()
+        return _answer(session, {"revision": session.revision, "restored": True})
+    now = parse_spec(folder.read_json(folder.spec_path))
+    if now.prompt != before.prompt:
+        raise RefusedError("world.json holds another prompt; the prompt is immutable. Use on_hand_edit='restore'")
+    if spec_digest(now) == recorded[1]:
+        return _answer(session, {"revision": session.revision, "unchanged": True})
+    outcome = session.commit(now, patch=[{"op": "adopt"}], hypothesis=hypothesis, weakening_reason=reason)
+    return _answer(session, outcome)

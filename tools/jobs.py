@@ -1,0 +1,239 @@
+"""Entries of the worker processes: each is one job, from reading the world to writing its ledger."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..execution import JobContext
+from ..worlds.errors import RefusedError
+from ..worlds.folder import WorldFolder
+from ..worlds.requirements import Row
+from .session import Session, summary
+
+__all__ = ["accept", "bake", "check", "final", "probe"]
+
+SHEET_FRAMES = 9
+
+
+def _failing(rows: list[Row]) -> list[str]:
+    return [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified")]
+
+
+def _session(payload: dict[str, Any]) -> tuple[Session, str]:
+    """The world, and the freeze of its present specification written to its candidate folder."""
+    from ..construction import build_world, built_paths
+    from ..simulation.freeze import open_freeze
+
+    session = Session.at(WorldFolder(Path(payload["folder"])))
+    built, _ = build_world(session.folder, session.spec)
+    files = built_paths(session.folder, session.spec)
+    return session, open_freeze(session.folder, session.spec, built, files, session.revision)
+
+
+def _sheet(candidate: Any, folder: WorldFolder, name: str) -> str:
+    """Contact sheet over the candidate's frames, kept in `pictures/`; returns its file name."""
+    import numpy as np
+
+    from ..rendering import PreviewRenderer, contact_sheet, preview
+
+    renderer = PreviewRenderer(candidate)
+    frames = sorted(set(np.linspace(0, candidate.last_frame, SHEET_FRAMES).round().astype(int).tolist()))
+    fps = candidate.spec.simulation.fps
+    images = [preview(candidate, k, width=480, height=270, renderer=renderer) for k in frames]
+    folder.pictures.mkdir(exist_ok=True)
+    (folder.pictures / name).write_bytes(contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=3))
+    return name
+
+
+def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Probe the present settings; a pass freezes them."""
+    from ..simulation.probe import probe_frames, run_probe
+    from ..verifiers.checks import names_of, run_checks
+    from ..verifiers.phases import find_phases
+
+    session, freeze = _session(payload)
+    total = probe_frames(session.spec)
+    candidate = run_probe(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.4, m), check=context.check)
+    rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.35 * d / n), total * 1.4, m))
+    changed = session.ledger.put_rows(rows, revision=session.revision, stage="probe", checks=names_of("probe"))
+    open_rows = _failing(rows)
+    phases = find_phases(candidate)
+    session.ledger.put_freeze(
+        freeze,
+        session.revision,
+        passed=not open_rows,
+        detail={"frames": total, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)},
+    )
+    session.ledger.close_iterations(freeze[:16], open_rows)
+    picture = _sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
+    return {
+        "passed": not open_rows,
+        "freeze": freeze[:16],
+        "frames_probed": total,
+        "phases": {k: v for k, v in vars(phases).items() if isinstance(v, (int, float, type(None)))},
+        "changed_rows": len(changed),
+        **summary(rows),
+        "picture": picture,
+        "next": "bake_sim(world)"
+        if not open_rows
+        else "repair with edit_spec (hypothesis, one parameter group), then probe_sim again",
+    }
+
+
+def _events(candidate: Any) -> dict[str, int | None]:
+    """First true frame of every beat: what the probe promises about the bake."""
+    from ..verifiers.predicates import evaluate
+
+    return {n: evaluate(candidate, b.predicate, b.frames).first_true_frame for n, b in candidate.spec.story.beats.items()}
+
+
+def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Bake the frozen candidate and check the full sequence."""
+    from ..simulation.bake import run_bake
+    from ..verifiers.checks import names_of, run_checks
+
+    session, freeze = _session(payload)
+    record = session.ledger.freeze(freeze)
+    if record is None or not record["passed"]:
+        raise RefusedError(
+            "these exact settings have no passing probe: "
+            + (
+                "call probe_sim first"
+                if record is None
+                else f"the probe left {record['detail']['failing'][:6]} open; repair, then probe_sim"
+            )
+        )
+    total = session.spec.simulation.frames
+    candidate = run_bake(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.5, m), check=context.check)
+    rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
+    promised, found = record["detail"]["events"], _events(candidate)
+    rows.append(_promise_row(candidate, promised, found))
+    changed = session.ledger.put_rows(rows, revision=session.revision, stage="full", checks=names_of("full"))
+    session.ledger.put_bake(freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows)})
+    open_rows = _failing(rows)
+    picture = _sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
+    return {
+        "complete": True,
+        "passed": not open_rows,
+        "freeze": freeze[:16],
+        "frames": total,
+        "cache_digest": candidate.digest[:16],
+        "changed_rows": len(changed),
+        **summary(rows),
+        "picture": picture,
+        "next": "run_checks(world, scope='acceptance')" if not open_rows else "repair with edit_spec, then probe_sim again",
+    }
+
+
+def _promise_row(candidate: Any, promised: dict[str, int | None], found: dict[str, int | None]) -> Row:
+    different = sorted(k for k in promised if promised[k] != found.get(k))
+    return Row(
+        id="numerical:promise",
+        check="numerical",
+        group="temporal",
+        predicate="beats come true at the frames that the probe of these settings promised",
+        status="fail" if different else "pass",
+        artifact=candidate.artifact,
+        frames=(0, candidate.last_frame),
+        measured=float(len(different)),
+        bound=0.0,
+        comparison="<=",
+        unit="beat",
+        evidence={"promised": promised, "found": found},
+        recipe=candidate.recipe("numerical", extra=promised),
+    )
+
+
+def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Run the checks of one scope again on what is there."""
+    from ..verifiers.checks import names_of, run_checks
+    from ..worlds.candidate import open_candidate
+
+    session, freeze = _session(payload)
+    stage = payload["scope"]
+    candidate = open_candidate(session.folder, freeze, stage)
+    rows = run_checks(candidate, only=payload.get("only"), progress=context.progress)
+    done = names_of(stage) if payload.get("only") is None else payload["only"]
+    changed = session.ledger.put_rows(rows, revision=session.revision, stage=stage, checks=done)
+    return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
+
+
+def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Have a fresh process judge the present candidate; record its verdict."""
+    import secrets
+
+    from ..verifiers.acceptance import judge_fresh
+
+    session, freeze = _session(payload)
+    if session.ledger.bake(freeze) is None:
+        raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
+    context.progress(0, 1, "a fresh process judges the candidate")
+    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31))
+    rows = [Row.model_validate(r) for r in record["rows"]]
+    record["weakenings"] = session.ledger.weakenings()
+    session.ledger.put_rows(rows, revision=session.revision, stage="full")
+    session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], record)
+    context.progress(1, 1, record["verdict"])
+    return {
+        "verdict": record["verdict"],
+        "freeze": freeze[:16],
+        **summary(rows),
+        "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
+        "unmet_clauses": {k: c["unmet"] for k, c in record["clauses"].items() if c["unmet"]},
+        "weakenings": record["weakenings"],
+        "approximations": record["approximations"][:20],
+        "next": "render_shot(world, kind='final')"
+        if record["verdict"] == "accepted"
+        else "repair with edit_spec; inspect_world shows the rows",
+    }
+
+
+def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
+    """The acceptance of exactly this candidate.
+
+    Raises:
+        RefusedError: there is none.
+    """
+    from ..verifiers.acceptance import acceptance_subject
+    from ..worlds.candidate import open_candidate
+
+    baked = session.ledger.bake(freeze)
+    if baked is not None:
+        candidate = open_candidate(session.folder, freeze, "full")
+        found = session.ledger.acceptance(acceptance_subject(session.spec, freeze, candidate.digest))
+        if found is not None and found["verdict"] == "accepted":
+            return found
+    raise RefusedError("this very candidate is not accepted; call run_checks(world, scope='acceptance') and mend what it returns")
+
+
+def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Render the final sequence of an accepted candidate to frames and a video."""
+    from ..rendering import render_sequence, write_video
+    from ..worlds.candidate import open_candidate
+
+    session, freeze = _session(payload)
+    require_acceptance(session, freeze)
+    candidate = open_candidate(session.folder, freeze, "full")
+    root = session.folder.candidate(freeze) / "final"
+    width, height, samples = (payload.get(k) for k in ("width", "height", "samples"))
+    frames = render_sequence(
+        candidate,
+        root / "frames",
+        width=width,
+        height=height,
+        samples=samples,
+        progress=context.progress,
+        cancelled=context.cancelled,
+    )
+    context.check()
+    video = write_video(frames, root / "final.webm", session.spec.simulation.fps)
+    return {
+        "video": session.folder.relative(video.path),
+        "codec": video.codec,
+        "frames": video.frames,
+        "width": video.width,
+        "height": video.height,
+        "note": video.note,
+        "folder": session.folder.relative(root),
+    }

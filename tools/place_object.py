@@ -1,0 +1,212 @@
+"""Tool place_object: build geometry, put an entity on its support, check what changed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from ..worlds.errors import InputError, RefusedError
+from .context import ToolContext, ToolReply
+
+if TYPE_CHECKING:
+    from ..worlds.arrays import RigidPose
+    from .session import Session
+
+__all__ = ["place_object"]
+
+DROP_TOLERANCE = 1e-6
+"""Height to which a resting place is found [m]."""
+
+
+def place_object(
+    context: ToolContext,
+    world: Annotated[str, Field(description="World id")],
+    entity: Annotated[
+        str | None, Field(description="Entity to move; omit to build and check the whole scene as specified")
+    ] = None,
+    on: Annotated[str | None, Field(description="Entity it shall rest on; the height is found by exact clearance")] = None,
+    at: Annotated[
+        tuple[float, float] | None, Field(description="World x, y of the entity's origin [m]; default where it is")
+    ] = None,
+    yaw_deg: Annotated[
+        float | None, Field(ge=-360, le=360, description="Turn about z [degrees]; default keep the orientation")
+    ] = None,
+    strict: Annotated[bool, Field(description="Refuse a place that overlaps another entity")] = True,
+    hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
+) -> ToolReply:
+    """Build the entities' render, simulation and collision shapes and run the static checks; optionally move one entity first.
+
+    With `on`, the entity is lowered onto that support (level support or slope) until it rests with a gap of two collision
+    skins, and a new revision with the pose is made. Returns the changed rows and what was built. The support relation
+    itself belongs into /graph/relations (edit_spec). Next: mend failing rows, then probe_sim; render_shot shows the scene.
+    """
+    from .session import Session, summary
+
+    session = Session.open(context.workspace, world)
+    session.require_audit("place_object")
+    outcome: dict[str, Any] = {}
+    if entity is None and (on is not None or at is not None or yaw_deg is not None):
+        raise InputError("on, at and yaw_deg need entity")
+    if entity is not None:
+        outcome = _move(session, entity, on, at, yaw_deg, strict=strict, hypothesis=hypothesis)
+    rows, changed, fresh = session.check_static()
+    passed = all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory and r.check != "shots")
+    data = {
+        "world": world,
+        "revision": session.revision,
+        **outcome,
+        "built": fresh if len(fresh) <= 20 else [*fresh[:20], f"and {len(fresh) - 20} more"],
+        "static_passed": passed,
+        "changed_rows": len(changed),
+        **summary(rows),
+        "next": "probe_sim(world)" if passed else "mend the open rows with edit_spec or place_object",
+    }
+    links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)
+    return ToolReply(data, links=links)
+
+
+def _move(
+    session: Session,
+    entity: str,
+    on: str | None,
+    at: tuple[float, float] | None,
+    yaw_deg: float | None,
+    *,
+    strict: bool,
+    hypothesis: str,
+) -> dict[str, Any]:
+    import math
+
+    import numpy as np
+
+    from ..worlds.arrays import RigidPose, euler_to_quaternion, pose_of
+    from ..worlds.patch import apply_patch
+
+    spec = session.spec
+    for name in (entity, on):
+        if name is not None and name not in spec.entities:
+            raise InputError(f"unknown entity {name!r}; the world has {sorted(spec.entities)[:30]}")
+    if entity == on:
+        raise InputError(f"{entity!r} cannot rest on itself")
+    pose = pose_of(spec.entities[entity].pose)
+    position = np.array([*(at if at is not None else pose.position[:2]), pose.position[2]])
+    quaternion = pose.quaternion if yaw_deg is None else euler_to_quaternion((0.0, 0.0, math.radians(yaw_deg)))
+    pose = RigidPose(position, quaternion)
+    if on is not None:
+        pose = _drop(session, entity, on, pose)
+    if strict:
+        _refuse_overlap(session, entity, pose)
+    value: dict[str, Any] = {"position": [round(float(v), 9) for v in pose.position]}
+    if abs(float(pose.quaternion[0])) < 1 - 1e-15:
+        value["quaternion"] = [float(v) for v in pose.quaternion]
+    patch = [{"op": "add", "path": f"/entities/{entity}/pose", "value": value}]
+    after = apply_patch(spec, patch)
+    if after.entities[entity].pose == spec.entities[entity].pose:
+        return {"moved": False}
+    return {"moved": True, "pose": value, **session.commit(after, patch=patch, hypothesis=hypothesis)}
+
+
+def _solids(session: Session, names: list[str]) -> dict[str, list[Any]]:
+    """(body pose in the entity's frame, solid) of every part."""
+    from ..construction import build_world
+    from ..geometry import Solid
+
+    built, _ = build_world(session.folder, session.spec, names)
+    found = {}
+    for name, entity in built.items():
+        poses = {b.name: b.pose for b in entity.bodies}
+        found[name] = [(poses[p.body], Solid.from_mesh(p.render, closed=p.closed)) for p in entity.parts]
+    return found
+
+
+def _clearance(a: list[Any], pose_a: RigidPose, b: list[Any], pose_b: RigidPose) -> float:
+    from ..geometry import signed_clearance
+    from ..worlds.arrays import compose
+
+    return min(
+        signed_clearance(solid_a, compose(pose_a, body_a), solid_b, compose(pose_b, body_b)).distance
+        for body_a, solid_a in a
+        for body_b, solid_b in b
+    )
+
+
+def _skins(session: Session, *names: str) -> float:
+    total = 0.0
+    for name in names:
+        total += max((s.settings.skin for s in session.spec.simulation.solvers.values() if name in s.members), default=0.0)
+    return total
+
+
+def _drop(session: Session, entity: str, on: str, pose: RigidPose) -> RigidPose:
+    """Lower the entity along -z until its clearance to `on` is the two skins."""
+    import numpy as np
+
+    from ..worlds.arrays import RigidPose, pose_of
+
+    solids = _solids(session, [entity, on])
+    support = pose_of(session.spec.entities[on].pose)
+    gap = _skins(session, entity, on)
+    top = max(float(support.apply(body.apply(s.vertices))[:, 2].max()) for body, s in solids[on])
+    low = min(float(pose.apply(body.apply(s.vertices))[:, 2].min()) for body, s in solids[entity])
+    span = float(np.ptp(np.concatenate([support.apply(body.apply(s.vertices)) for body, s in solids[on]])[:, 2]))
+
+    def clearance(z: float) -> float:
+        return _clearance(solids[entity], RigidPose(np.array([*pose.position[:2], z]), pose.quaternion), solids[on], support)
+
+    high = pose.position[2] + (top - low) + gap + 1e-3
+    bottom = high - span - 2 * float(max(np.ptp(s.vertices[:, 2]) for _, s in solids[entity])) - 1e-2
+    if clearance(bottom) > gap and clearance((high + bottom) / 2) > gap:
+        z_values = np.linspace(high, bottom, 24)
+        hit = next((z for z in z_values if clearance(float(z)) < gap), None)
+        if hit is None:
+            raise InputError(
+                f"{entity!r} at x, y = {pose.position[0]:.4g}, {pose.position[1]:.4g} m is not above {on!r}; give `at` over its surface"
+            )
+        bottom = float(hit)
+    # The first height, coming from above, at which the gap closes: march, then bisect.
+    upper, steps = high, 64
+    lower = bottom
+    for z in np.linspace(high, bottom, steps)[1:]:
+        if clearance(float(z)) < gap:
+            lower = float(z)
+            break
+        upper = float(z)
+    while upper - lower > DROP_TOLERANCE:
+        middle = (upper + lower) / 2
+        if clearance(middle) < gap:
+            lower = middle
+        else:
+            upper = middle
+    return RigidPose(np.array([*pose.position[:2], upper]), pose.quaternion)
+
+
+def _refuse_overlap(session: Session, entity: str, pose: RigidPose) -> None:
+    import numpy as np
+
+    from ..geometry import query_noise
+    from ..worlds.arrays import pose_of
+
+    spec = session.spec
+    meant = {frozenset((r.a, r.b)) for r in spec.graph.relations.values() if r.kind == "fastened"}
+    solids = _solids(session, list(spec.entities))
+
+    def box(name: str, where: RigidPose) -> tuple[Any, Any]:
+        points = np.concatenate([where.apply(body.apply(s.vertices)) for body, s in solids[name]])
+        return points.min(0), points.max(0)
+
+    low, high = box(entity, pose)
+    for other, contract in spec.entities.items():
+        if other == entity or frozenset((entity, other)) in meant:
+            continue
+        there = pose_of(contract.pose)
+        other_low, other_high = box(other, there)
+        if (low > other_high).any() or (high < other_low).any():
+            continue
+        distance = _clearance(solids[entity], pose, solids[other], there)
+        size = float(max(np.linalg.norm(high - low), np.linalg.norm(other_high - other_low)))
+        if distance < -query_noise(size):
+            raise RefusedError(
+                f"{entity!r} would overlap {other!r} by {-distance:.4g} m there; choose another place, "
+                "or strict=false to place it anyway (the interpenetration check will fail)"
+            )

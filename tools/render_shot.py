@@ -1,0 +1,138 @@
+"""Tool render_shot: pictures of a world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field
+
+from ..worlds.errors import InputError
+from .context import Picture, ToolContext, ToolReply
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+    from .session import Session
+
+__all__ = ["render_shot"]
+
+Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "final"]
+
+
+def render_shot(
+    context: ToolContext,
+    world: Annotated[str, Field(description="World id")],
+    kind: Annotated[
+        Kind,
+        Field(
+            description="preview: quick shaded frame; still: path-traced frame; contact_sheet: frames over time; ids: frame coloured and "
+            "labelled by entity; ledger: plots of energy, momentum, ...; plan / section: measured drawings; final: path-traced video"
+        ),
+    ] = "preview",
+    frame: Annotated[int, Field(ge=0, description="Frame index, for single pictures")] = 0,
+    shot: Annotated[str | None, Field(description="Shot id whose camera to use; default the one that covers the frame")] = None,
+    camera: Annotated[
+        tuple[float, float, float, float, float, float] | None,
+        Field(description="Own camera instead: position x, y, z and target x, y, z [m] (40 degrees)"),
+    ] = None,
+    frames: Annotated[list[int] | None, Field(description="For contact_sheet: which frames", max_length=25)] = None,
+    stage: Annotated[
+        Literal["best", "static", "probe", "full"],
+        Field(description="What to show: default the bake, else the probe, else frame 0"),
+    ] = "best",
+    width: Annotated[int | None, Field(ge=64, le=1920, description="Pixels; default 640, for final the specification's")] = None,
+    height: Annotated[int | None, Field(ge=64, le=1080, description="Pixels; default 360, for final the specification's")] = None,
+    samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
+    wait_s: Annotated[float, Field(ge=0, le=240, description="For final: seconds to wait before a job id is returned")] = 30.0,
+) -> ToolReply:
+    """Look at the world. Every kind but final works at any time; pictures come back inline.
+
+    Numbers beat pictures for judging geometry: use run_checks and inspect_world for measurements, this for composition,
+    light and understanding what happened. final is refused without acceptance of this very candidate; it renders the whole
+    sequence to a video in a job, resumable.
+    """
+    from .session import Session
+
+    session = Session.open(context.workspace, world)
+    if kind == "final":
+        return _final(context, session, width, height, samples, wait_s)
+    from .measurements import latest_candidate
+
+    session.require_audit("rendering")
+    candidate = latest_candidate(session, stage)
+    if frame > candidate.last_frame:
+        raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
+    if shot is not None and shot not in session.spec.shots:
+        raise InputError(f"unknown shot {shot!r}; the world has {sorted(session.spec.shots)}")
+    data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
+    image = _picture(candidate, kind, frame, shot, camera, frames, width or 640, height or 360, samples)
+    name = f"{kind}_{session.revision:04d}_{frame:05d}.{image.format if image.format == 'png' else 'jpg'}"
+    session.folder.pictures.mkdir(exist_ok=True)
+    (session.folder.pictures / name).write_bytes(image.data)
+    if kind not in ("contact_sheet", "ledger"):
+        data |= {"frame": frame, "time": round(frame / session.spec.simulation.fps, 4)}
+    data["file"] = f"pictures/{name}"
+    links = ((name, f"worldagent://worlds/{world}/pictures/{name}", f"image/{image.format}"),)
+    return ToolReply(data, pictures=(image,), links=links)
+
+
+def _picture(
+    candidate: Candidate,
+    kind: Kind,
+    frame: int,
+    shot: str | None,
+    camera: tuple[float, ...] | None,
+    frames: list[int] | None,
+    width: int,
+    height: int,
+    samples: int | None,
+) -> Picture:
+    import numpy as np
+
+    from .. import rendering
+    from ..geometry import Camera
+
+    view = None
+    if camera is not None:
+        view = Camera(np.array(camera[:3]), np.array(camera[3:]), 40.0, width, height)
+    if kind == "contact_sheet":
+        chosen = frames or sorted(set(np.linspace(0, candidate.last_frame, 9).round().astype(int).tolist()))
+        bad = [k for k in chosen if not 0 <= k <= candidate.last_frame]
+        if bad:
+            raise InputError(f"frames {bad} are out of range; allowed 0..{candidate.last_frame}")
+        renderer = rendering.PreviewRenderer(candidate)
+        fps = candidate.spec.simulation.fps
+        images = [
+            rendering.preview(candidate, k, shot=shot, camera=view, width=width, height=height, renderer=renderer) for k in chosen
+        ]
+        return Picture(rendering.contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen]), "jpeg")
+    if kind == "ledger":
+        image = rendering.plot_ledger(candidate)
+    elif kind == "plan":
+        image = rendering.plan_view(candidate, frame)
+    elif kind == "section":
+        image = rendering.section_view(candidate, frame)
+    elif kind == "ids":
+        image = rendering.id_view(candidate, frame, shot=shot, camera=view, width=width, height=height)
+    elif kind == "still":
+        image = rendering.render_frame(candidate, frame, shot=shot, camera=view, width=width, height=height, samples=samples)
+    else:
+        image = rendering.preview(candidate, frame, shot=shot, camera=view, width=width, height=height)
+    encoded = rendering.encode(image)
+    return Picture(encoded.data, encoded.format)
+
+
+def _final(
+    context: ToolContext, session: Session, width: int | None, height: int | None, samples: int | None, wait_s: float
+) -> ToolReply:
+    from ..construction import build_world
+    from ..simulation.freeze import freeze_hash
+    from .jobs import require_acceptance
+    from .waiting import start_and_wait
+
+    built, _ = build_world(session.folder, session.spec)
+    freeze = freeze_hash(session.spec, built)
+    require_acceptance(session, freeze)
+    size = {"width": width, "height": height, "samples": samples}
+    key = f"final:{freeze}:{session.revision}:{width}:{height}:{samples}"
+    data = start_and_wait(context, session, "final", size, wait_s=wait_s, key=key)
+    return ToolReply({"world": session.folder.id, "kind": "final", **data})

@@ -1,0 +1,90 @@
+"""Tool run_checks: judge again, or judge more."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from ..worlds.errors import InputError, RefusedError
+from .context import ToolContext, ToolReply
+
+__all__ = ["run_checks"]
+
+Check = Literal[
+    "scale",
+    "interpenetration",
+    "support",
+    "navigability",
+    "shots",
+    "numerical",
+    "contact",
+    "category",
+    "beat",
+    "causal",
+    "delivery",
+]
+
+
+def run_checks(
+    context: ToolContext,
+    world: Annotated[str, Field(description="World id")],
+    scope: Annotated[
+        Literal["audit", "static", "probe", "full", "acceptance"],
+        Field(
+            description="audit: the specification; static: geometry at frame 0; probe / full: the motion that was probed / baked; "
+            "acceptance: a fresh read-only process judges the whole candidate and replays random intervals"
+        ),
+    ],
+    only: Annotated[list[Check] | None, Field(description="For probe and full: only these checks")] = None,
+    wait_s: Annotated[
+        float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
+    ] = 30.0,
+) -> ToolReply:
+    """Run checks and return requirement rows: what was measured, the bound, the first failing entity and frame, what to do.
+
+    Every tool that changes or simulates something runs the checks it affects already; use this to ask again, after
+    editing the story or the shots (no new simulation is needed then), or for acceptance. Acceptance is refused without a
+    complete bake of exactly these settings. Statuses: pass, fail, unverified (no evidence, never a pass), not_applicable.
+    Next: after acceptance render_shot(kind='final'); after failures edit_spec.
+    """
+    from .session import Session, summary
+    from .waiting import start_and_wait
+
+    session = Session.open(context.workspace, world)
+    data: dict[str, Any]
+    if scope == "audit":
+        report = session.audit()
+        data = {"scope": scope, "passed": report.passed, **summary(report.rows)}
+    elif scope == "static":
+        session.require_audit("static checks")
+        rows, changed, fresh = session.check_static()
+        data = {"scope": scope, "built": fresh, "changed_rows": len(changed), **summary(rows)}
+    elif scope == "acceptance":
+        session.require_audit("acceptance")
+        if only:
+            raise InputError("acceptance runs every check; leave only out")
+        if session.ledger.bake(_freeze(session)) is None:
+            raise RefusedError("acceptance needs a complete bake of exactly these settings; call probe_sim and bake_sim first")
+        data = start_and_wait(context, session, "accept", {}, wait_s=wait_s, key=f"accept:{session.revision}:{_tick(session)}")
+    else:
+        session.require_audit(f"{scope} checks")
+        payload = {"scope": scope, "only": only}
+        data = start_and_wait(
+            context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{only}:{session.revision}:{_tick(session)}"
+        )
+    return ToolReply({"world": world, "revision": session.revision, **data})
+
+
+def _freeze(session: Any) -> str:
+    from ..construction import build_world
+    from ..simulation.freeze import freeze_hash
+
+    built, _ = build_world(session.folder, session.spec)
+    return freeze_hash(session.spec, built)
+
+
+def _tick(session: Any) -> str:
+    """Asking again judges again: the key changes with every verdict that was recorded."""
+    latest = session.ledger.acceptance()
+    return str(latest["n"] if latest else 0)

@@ -1,0 +1,245 @@
+"""One world as tools work on it: open, commit a revision, run static checks, answer with rows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..worlds.audit import AuditReport, audit
+from ..worlds.canonical import spec_digest
+from ..worlds.errors import EvidenceError, RefusedError
+from ..worlds.folder import WorldFolder, write_atomically
+from ..worlds.groups import group_of
+from ..worlds.ledger import Ledger
+from ..worlds.patch import differences, parse_spec, weakenings
+from ..worlds.provenance import stale_artifacts, stale_rows
+from ..worlds.requirements import Row
+from ..worlds.spec import WorldSpec
+
+__all__ = ["CAUSAL_CLASSES", "Session", "brief", "counts"]
+
+CAUSAL_CLASSES = ("scene", "solver")
+MAX_BRIEF_ROWS = 12
+
+
+def brief(row: Row, *, corrections: int = 2) -> dict[str, Any]:
+    """A row for the model: no empty fields, the best corrections only."""
+    data = row.model_dump(mode="json", exclude={"recipe", "corrections", "evidence"}, exclude_none=True)
+    data = {k: v for k, v in data.items() if v not in ("", [], {})}
+    if row.status != "pass":
+        data["corrections"] = [
+            {k: v for k, v in c.model_dump(mode="json").items() if v not in ("", [], None)} for c in row.corrections[:corrections]
+        ]
+        text = json.dumps(row.evidence, default=str)
+        data["evidence"] = row.evidence if len(text) < 1500 else text[:1500] + "..."
+    return data
+
+
+def counts(rows: Iterable[Row]) -> dict[str, int]:
+    """Rows per status, mandatory ones that do not pass apart."""
+    found = {"pass": 0, "fail": 0, "unverified": 0, "not_applicable": 0, "mandatory_open": 0}
+    for row in rows:
+        found[row.status] += 1
+        found["mandatory_open"] += row.mandatory and row.status in ("fail", "unverified")
+    return found
+
+
+def summary(rows: Sequence[Row]) -> dict[str, Any]:
+    """Counts, and the rows that do not pass, worst first."""
+    rank = {"fail": 0, "unverified": 1}
+    open_rows = sorted((r for r in rows if r.status in rank), key=lambda r: (rank[r.status], not r.mandatory, r.id))
+    data: dict[str, Any] = {"counts": counts(rows), "open_rows": [brief(r) for r in open_rows[:MAX_BRIEF_ROWS]]}
+    if len(open_rows) > MAX_BRIEF_ROWS:
+        data["more_open_rows"] = [r.id for r in open_rows[MAX_BRIEF_ROWS : MAX_BRIEF_ROWS + 60]]
+        data["note"] = f"{len(open_rows) - MAX_BRIEF_ROWS} further rows: inspect_world(part='matrix')"
+    return data
+
+
+@dataclass
+class Session:
+    """An opened world."""
+
+    folder: WorldFolder
+    ledger: Ledger
+    spec: WorldSpec
+    revision: int
+
+    @classmethod
+    def open(cls, workspace: Path, world: str) -> Session:
+        """Open a world.
+
+        Raises:
+            InputError: there is no such world.
+            RefusedError: `world.json` was edited by hand since the last revision.
+        """
+        return cls.at(WorldFolder.of(workspace, world))
+
+    @classmethod
+    def at(cls, folder: WorldFolder) -> Session:
+        """Open the world of a folder; errors as `open`."""
+        ledger = Ledger(folder.ledger_path)
+        revision = ledger.revision()
+        recorded = ledger.revision_spec(revision)
+        spec = parse_spec(folder.read_json(folder.spec_path))
+        if recorded is None:
+            raise EvidenceError(f"world {folder.id!r} has no revision in its ledger; create it again with edit_spec")
+        if spec_digest(spec) != recorded[1]:
+            raise RefusedError(
+                f"world.json of {folder.id!r} was edited outside the server since revision {revision}. "
+                "Call edit_spec with on_hand_edit='adopt' to take it as a new revision, or 'restore' to undo it."
+            )
+        return cls(folder, ledger, spec, revision)
+
+    def write_spec(self) -> None:
+        """Write `world.json`."""
+        text = json.dumps(self.spec.model_dump(mode="json", exclude_none=True), indent=1, ensure_ascii=False)
+        write_atomically(self.folder.spec_path, text.encode())
+
+    # ---------------------------------------------------------------- edits
+
+    def commit(
+        self,
+        after: WorldSpec,
+        *,
+        patch: Sequence[Mapping[str, Any]],
+        hypothesis: str = "",
+        weakening_reason: str = "",
+    ) -> dict[str, Any]:
+        """Make `after` the next revision, if the rules of repair allow it; returns what changed and what is stale.
+
+        Raises:
+            RefusedError: the edit breaks R111-R113 or R157, or another revision came first.
+        """
+        before = self.spec
+        places = list(differences(before.model_dump(mode="json"), after.model_dump(mode="json")))
+        groups = {group_of(p) for p in places}
+        causal = sorted({g.name for g in groups if g.edit_class in CAUSAL_CLASSES})
+        weaker = weakenings(before, after)
+        failing = [r for r in self.ledger.rows() if r.status == "fail" and r.mandatory and r.check != "audit"]
+        self._rules(failing, groups, causal, weaker, hypothesis, weakening_reason)
+        number = self.ledger.add_revision(
+            after.model_dump_json(exclude_none=True),
+            spec_digest(after),
+            expected=self.revision,
+            patch=[dict(o) for o in patch],
+            hypothesis=hypothesis,
+            groups=[g.name for g in groups],
+            weakenings=weaker,
+            reason=weakening_reason,
+        )
+        if number is None:
+            raise RefusedError(
+                f"another client changed {self.folder.id!r} meanwhile (revision {self.ledger.revision()}, you had {self.revision}); "
+                "read it again with inspect_world and repeat the edit"
+            )
+        stale = stale_artifacts(before, after)
+        lost = stale_rows(self.ledger.rows(), self.ledger.stages(), stale)
+        self.ledger.mark_stale({k: f"{v} changed in revision {number}" for k, v in lost.items()}, number)
+        if failing and causal:
+            self.ledger.add_iteration(number, hypothesis, causal[0], [r.id for r in failing])
+        self.spec, self.revision = after, number
+        self.write_spec()
+        return {
+            "revision": number,
+            "changed": places[:20] + ([f"and {len(places) - 20} more"] if len(places) > 20 else []),
+            "groups": sorted(g.name for g in groups),
+            "stale": _shorten(stale),
+            "rows_now_stale": len(lost),
+            **({"weakenings_recorded": weaker} if weaker and self.ledger.ever_failed() else {}),
+        }
+
+    def _rules(
+        self, failing: list[Row], groups: set[Any], causal: list[str], weaker: list[str], hypothesis: str, reason: str
+    ) -> None:
+        if weaker and self.ledger.ever_failed() and len(reason.strip()) < 15:
+            raise RefusedError(
+                "this edit makes the specification easier to satisfy after evidence against it: "
+                + "; ".join(weaker[:6])
+                + ". Repair the scene or the solver instead, or give weakening_reason (>= 15 characters); it is printed with the acceptance."
+            )
+        if not failing or not causal:
+            return
+        if len(hypothesis.strip()) < 10:
+            raise RefusedError(
+                f"{len(failing)} rows fail ({', '.join(r.id for r in failing[:5])}); an edit must now name its hypothesis: "
+                "what you believe causes the failure and why this change cures it (>= 10 characters)"
+            )
+        if len(causal) > 1:
+            raise RefusedError(
+                f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
+                "test it with place_object / run_checks / probe_sim, then the next"
+            )
+        untested = self.ledger.open_iterations()
+        if untested:
+            raise RefusedError(
+                f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet; call place_object or "
+                "run_checks (static failures) or probe_sim (failures in motion) before the next change"
+            )
+        wanted = {c.edit_class for r in failing for c in r.corrections}
+        edit = next(g.edit_class for g in groups if g.edit_class in CAUSAL_CLASSES)
+        if wanted & set(CAUSAL_CLASSES) and edit not in wanted:
+            names = sorted({c.group for r in failing for c in r.corrections if c.edit_class in CAUSAL_CLASSES})
+            raise RefusedError(
+                f"the failing rows ask for a {'/'.join(sorted(wanted & set(CAUSAL_CLASSES)))} edit (groups {', '.join(names)}), "
+                f"not a {edit} edit of {causal[0]!r}"
+            )
+
+    # ---------------------------------------------------------------- checks
+
+    def audit(self) -> AuditReport:
+        """Audit the present revision and record its rows."""
+        report = audit(self.spec)
+        self.ledger.put_rows(report.rows, revision=self.revision, stage="audit", checks=("audit",))
+        return report
+
+    def require_audit(self, purpose: str) -> AuditReport:
+        """The audit, if it passes.
+
+        Raises:
+            RefusedError: it does not.
+        """
+        report = self.audit()
+        if not report.passed:
+            bad = [r for r in report.rows if r.mandatory and r.status != "pass"]
+            lines = [f"  {r.id}: {p}" for r in bad for p in r.evidence.get("problems", [])[:4]]
+            raise RefusedError(f"{purpose} needs a passing audit; mend with edit_spec:\n" + "\n".join(lines[:12]))
+        return report
+
+    def check_static(self) -> tuple[list[Row], list[Row], list[str]]:
+        """Build what is missing and run the static checks; returns (rows, changed rows, entities newly built)."""
+        from ..construction import build_world
+        from ..verifiers.checks import names_of, run_checks
+        from ..worlds.candidate import Candidate
+
+        built, fresh = build_world(self.folder, self.spec)
+        rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"))
+        stages = self.ledger.stages()
+        # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.
+        judged = {r.id for r in self.ledger.rows() if stages.get(r.id) in ("probe", "full") and not r.evidence.get("stale")}
+        static_only = [c for c in names_of("static") if c not in ("support", "navigability", "shots")]
+        fresh_rows = [r for r in rows if r.id not in judged or r.check in static_only]
+        changed = self.ledger.put_rows(fresh_rows, revision=self.revision, stage="static", checks=static_only)
+        failing = [r.id for r in rows if r.status == "fail" and r.mandatory]
+        open_static = [i for i in self.ledger.open_iterations() if self._static_only(i)]
+        if open_static:
+            self.ledger.close_iterations("static", failing)
+        return rows, changed, fresh
+
+    def _static_only(self, iteration: Mapping[str, Any]) -> bool:
+        stages = self.ledger.stages()
+        return all(stages.get(r, "static") in ("static", "audit", "stale") for r in json.loads(str(iteration["failing_before"])))
+
+
+def _shorten(names: list[str]) -> list[str]:
+    """`static:a`, `static:b`, ... of many entities as one line."""
+    kinds: dict[str, list[str]] = {}
+    for name in names:
+        kinds.setdefault(name.split(":", 1)[0], []).append(name)
+    return [
+        n
+        for group in kinds.values()
+        for n in (group if len(group) <= 6 else [*group[:3], f"and {len(group) - 3} more {group[0].split(':')[0]}"])
+    ]

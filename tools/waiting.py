@@ -1,0 +1,67 @@
+"""Start a job and answer within the client's patience: with its result, or with its id and progress."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from ..execution import Job, result_of
+from .context import ToolContext
+from .session import Session
+
+__all__ = ["job_data", "start_and_wait"]
+
+POLL_SECONDS = 0.5
+
+
+def job_data(job: Job) -> dict[str, Any]:
+    """A job for the model."""
+    total = job.progress_total or 0.0
+    data: dict[str, Any] = {
+        "job_id": job.id,
+        "kind": job.kind,
+        "world": job.world,
+        "state": job.state,
+        "progress": round(job.progress_done / total, 3) if total else None,
+        "message": job.message,
+        "seconds": round((job.finished or time.time()) - job.started, 1) if job.started else 0.0,
+    }
+    if job.error:
+        data["error"] = job.error
+    return data
+
+
+def start_and_wait(
+    context: ToolContext,
+    session: Session,
+    kind: str,
+    payload: dict[str, Any],
+    *,
+    wait_s: float,
+    key: str,
+    reply: Callable[[dict[str, Any]], dict[str, Any]] | None = None,
+) -> dict[str, Any]:
+    """Submit `worldagent.tools.jobs:<kind>` and wait at most `wait_s` seconds.
+
+    Returns the result (with `job_id`), or the job's state when it takes longer. The job goes on either way.
+
+    Raises:
+        WorldAgentError: the job failed with it.
+    """
+    job = context.jobs.submit(
+        kind,
+        session.folder.id,
+        {"folder": str(session.folder.root), **payload},
+        entry=f"worldagent.tools.jobs:{kind}",
+        key=key,
+        exclusive=True,
+    )
+    deadline = time.monotonic() + wait_s
+    while not job.ended and time.monotonic() < deadline and not context.cancelled():
+        job = context.jobs.wait(job.id, min(POLL_SECONDS, max(0.0, deadline - time.monotonic())))
+        context.progress(job.progress_done, job.progress_total, job.message or f"{kind}: {job.state}")
+    if not job.ended:
+        return {**job_data(job), "next": f"job(action='wait', job_id='{job.id}') until it is done"}
+    result = result_of(job)
+    return {"job_id": job.id, **(reply(result) if reply else result)}

@@ -1,0 +1,252 @@
+"""Acceptance (R117-R123): a fresh process reopens the exact candidate read-only and judges the whole sequence.
+
+`judge` reads and returns; it writes nothing. `python -m worldagent.verifiers.acceptance FOLDER` is that fresh
+process: it prints one JSON object. Its parent writes the ledger.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from ..worlds.audit import audit
+from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.canonical import digest_of, source_digest, spec_digest
+from ..worlds.clauses import clauses_of
+from ..worlds.errors import EngineError, EvidenceError, RefusedError
+from ..worlds.folder import WorldFolder
+from ..worlds.patch import parse_spec
+from ..worlds.provenance import recipes
+from ..worlds.requirements import Correction, Row
+from ..worlds.spec import WorldSpec, prompt_digest
+
+__all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
+
+REPLAY_INTERVALS = 3
+TIMEOUT_SECONDS = 3600
+
+
+def find_candidate(folder: WorldFolder, spec: WorldSpec) -> str:
+    """The freeze whose record holds exactly this specification.
+
+    Raises:
+        RefusedError: there is none.
+    """
+    wanted = spec_digest(spec)
+    for path in sorted((folder.root / "candidates").glob("*/candidate.json")):
+        record = folder.read_json(path)
+        if spec_digest(parse_spec(record["spec"])) == wanted:
+            return str(record["freeze"])
+    raise RefusedError("no candidate holds this specification; call probe_sim, then bake_sim")
+
+
+def acceptance_subject(spec: WorldSpec, freeze: str, digest: str) -> str:
+    """Hash of what an acceptance is about: all that its rows derive from, and the caches' content."""
+    return digest_of(recipes(spec)["acceptance"], freeze, digest)
+
+
+def verdict_of(rows: list[Row]) -> str:
+    """`accepted` if every mandatory row passes or is proven not applicable, and every check has judged."""
+    judged = {r.check for r in rows}
+    needed = {
+        "audit",
+        "scale",
+        "interpenetration",
+        "support",
+        "navigability",
+        "causal",
+        "category",
+        "numerical",
+        "contact",
+        "shots",
+        "delivery",
+    }
+    ok = needed <= judged and all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory)
+    return "accepted" if ok else "incomplete"
+
+
+def approximations(candidate: Candidate) -> list[dict[str, str]]:
+    """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
+    spec, found = candidate.spec, []
+    for name, instance in spec.simulation.solvers.items():
+        skin = instance.settings.skin
+        found.append(
+            {
+                "what": f"collision skin of {skin:g} m on every part of {name!r}",
+                "effect": f"resting bodies hover up to {2 * skin:g} m",
+            }
+        )
+    for name, entity in spec.entities.items():
+        if entity.motion == "kinematic":
+            found.append(
+                {"what": f"{name!r} follows an authored path", "effect": "omitted reaction: nothing it touches moves it"}
+            )
+        for part_name, part in entity.parts.items():
+            if not part.collides:
+                found.append({"what": f"part {name}/{part_name} is drawn only", "effect": "other bodies pass through it"})
+        for made in candidate.built[name].parts if name in candidate.built else ():
+            if max(made.deviation) > 0:
+                found.append(
+                    {
+                        "what": f"proxy collider of {name}/{made.part}",
+                        "effect": f"collision surface up to {made.deviation[0]:.2g} m outside and {made.deviation[1]:.2g} m inside the visible one",
+                    }
+                )
+    for name, driver in spec.simulation.drivers.items():
+        found.append(
+            {
+                "what": f"authored driver {name!r} ({driver.kind})",
+                "effect": "motion or force put in by hand, counted as driver work",
+            }
+        )
+    for name, coupling in spec.simulation.couplings.items():
+        if coupling.direction == "one_way":
+            found.append(
+                {"what": f"one-way coupling {name!r}", "effect": f"no reaction of {coupling.target} on {coupling.source}"}
+            )
+    return found
+
+
+def _replay_row(candidate: Candidate, seed: int) -> Row:
+    from ..simulation.probe import replay
+
+    results = replay(candidate, intervals=REPLAY_INTERVALS, seed=seed)
+    bad = [r for r in results if not r["identical"]]
+    return Row(
+        id="delivery:replay",
+        check="delivery",
+        group="delivery",
+        predicate=f"{len(results)} randomly chosen checkpoint intervals, simulated again, give the cached bytes",
+        status="fail" if bad or not results else "pass",
+        artifact=candidate.artifact,
+        measured=float(len(bad)),
+        bound=0.0,
+        comparison="<=",
+        unit="1",
+        first_failing_frame=None if not bad else int(str(bad[0]["first_different_frame"])),
+        evidence={"intervals": results, "seed": seed},
+        corrections=(
+            Correction(
+                cause="the cache is not what these settings give",
+                edit_class="solver",
+                group="interval",
+                action="bake again; never edit cache files",
+            ),
+        )
+        if bad
+        else (),
+        recipe=candidate.recipe("delivery", extra="replay"),
+    )
+
+
+def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
+    """Judge the candidate of a world folder's present `world.json`, reading only.
+
+    Returns a JSON-able record: verdict, freeze, subject, rows, clauses, approximations, versions.
+
+    Raises:
+        RefusedError: no candidate holds this specification, or its bake is incomplete.
+        EvidenceError: something recorded is missing or damaged.
+    """
+    from ..simulation.freeze import engine_versions, freeze_hash
+    from .checks import run_checks
+
+    folder = WorldFolder(root)
+    spec = parse_spec(folder.read_json(folder.spec_path))
+    freeze = find_candidate(folder, spec)
+    candidate = open_candidate(folder, freeze, "full")
+    rows = list(audit(spec).rows)
+    rows.append(_freeze_row(candidate, freeze, freeze_hash(spec, candidate.built)))
+    rows += run_checks(candidate)
+    if replay:
+        rows.append(_replay_row(candidate, seed))
+    unmet = {k: c.unmet for k, c in spec.clauses.items() if c.unmet}
+    return {
+        "verdict": verdict_of(rows),
+        "freeze": freeze,
+        "subject": acceptance_subject(spec, freeze, candidate.digest),
+        "cache_digest": candidate.digest,
+        "spec_digest": spec_digest(spec),
+        "prompt_digest": prompt_digest(spec.prompt),
+        "rows": [r.model_dump(mode="json") for r in rows],
+        "clauses": {k: {"text": t, "unmet": unmet.get(k)} for k, t in clauses_of(spec.prompt).items()},
+        "approximations": approximations(candidate),
+        "versions": engine_versions(),
+        "verifier_source": source_digest(Path(__file__).parent),
+        "replayed": replay,
+        "seed": seed,
+    }
+
+
+def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
+    same = recorded == present
+    return Row(
+        id="delivery:freeze",
+        check="delivery",
+        group="delivery",
+        predicate="settings, geometry, solver source and engine versions hash to the recorded freeze",
+        status="pass" if same else "fail",
+        artifact=f"candidates/{recorded[:16]}/candidate.json",
+        measured=0.0 if same else 1.0,
+        bound=0.0,
+        comparison="<=",
+        unit="1",
+        evidence={} if same else {"recorded": recorded, "present": present},
+        corrections=()
+        if same
+        else (
+            Correction(
+                cause="another program version, or an edited record",
+                edit_class="solver",
+                group="interval",
+                action="probe and bake again with this version (worldagent recompute FOLDER)",
+            ),
+        ),
+        recipe=candidate.recipe("delivery", extra="freeze"),
+    )
+
+
+def judge_fresh(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
+    """Run `judge` in a fresh Python process and return its record.
+
+    Raises:
+        RefusedError, EvidenceError: as `judge`.
+        EngineError: the process died.
+    """
+    command = [sys.executable, "-P", "-m", "worldagent.verifiers.acceptance", str(root), "--seed", str(seed)]
+    if not replay:
+        command.append("--no-replay")
+    done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_SECONDS, check=False, stdin=subprocess.DEVNULL)
+    try:
+        answer: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    except (IndexError, ValueError) as error:
+        raise EngineError(f"the acceptance process ended with code {done.returncode}: {done.stderr[-800:]}") from error
+    if "error" in answer:
+        kind = {"RefusedError": RefusedError, "EvidenceError": EvidenceError}.get(answer["error"]["type"], EngineError)
+        raise kind(answer["error"]["message"])
+    return answer
+
+
+def main() -> None:
+    """The fresh process: one JSON object on the last line of standard output."""
+    import argparse
+
+    from ..worlds.errors import WorldAgentError
+
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--no-replay", action="store_true")
+    options = parser.parse_args()
+    try:
+        record = judge(options.folder, replay=not options.no_replay, seed=options.seed)
+    except WorldAgentError as error:
+        record = {"error": {"type": type(error).__name__, "message": str(error)}}
+    sys.stdout.write(json.dumps(record, allow_nan=False) + "\n")
+
+
+if __name__ == "__main__":
+    main()

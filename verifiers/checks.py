@@ -1,0 +1,65 @@
+"""The list of checks and the stages at which each one can judge. One module per check, joined here explicitly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from ..worlds.candidate import Candidate, Stage
+from ..worlds.requirements import Row, fail_closed
+from . import beats, category, causal, contact, delivery, interpenetration, navigability, numerical, phases, scale, shots, support
+
+__all__ = ["CHECKS", "CheckBinding", "names_of", "run_checks"]
+
+
+@dataclass(frozen=True)
+class CheckBinding:
+    """One check: its name in rows, the function, and where it can judge."""
+
+    name: str
+    function: Callable[[Candidate], list[Row]]
+    stages: tuple[Stage, ...]
+
+
+CHECKS: tuple[CheckBinding, ...] = (
+    CheckBinding("scale", scale.check, ("static", "full")),
+    CheckBinding("interpenetration", interpenetration.check, ("static", "full")),
+    CheckBinding("support", support.check, ("static", "probe", "full")),
+    CheckBinding("navigability", navigability.check, ("static", "full")),
+    CheckBinding("shots", shots.check, ("static", "probe", "full")),
+    CheckBinding("numerical", numerical.check, ("probe", "full")),
+    CheckBinding("contact", contact.check, ("probe", "full")),
+    CheckBinding("category", category.check, ("probe", "full")),
+    CheckBinding("beat", beats.check, ("probe", "full")),
+    CheckBinding("beat", phases.check, ("probe",)),
+    CheckBinding("causal", causal.check, ("probe", "full")),
+    CheckBinding("delivery", delivery.check, ("full",)),
+)
+
+
+def names_of(stage: Stage) -> tuple[str, ...]:
+    """Names of the checks that judge at a stage."""
+    return tuple(dict.fromkeys(c.name for c in CHECKS if stage in c.stages))
+
+
+def run_checks(
+    candidate: Candidate,
+    *,
+    only: Iterable[str] | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> list[Row]:
+    """Run every check that judges at the candidate's stage.
+
+    Args:
+        candidate: what is judged.
+        only: names of checks; default all.
+        progress: called with (done, total, message) before each check.
+    """
+    wanted = None if only is None else set(only)
+    chosen = [c for c in CHECKS if candidate.stage in c.stages and (wanted is None or c.name in wanted)]
+    rows: list[Row] = []
+    for done, binding in enumerate(chosen):
+        if progress is not None:
+            progress(done, len(chosen), f"checking {binding.name}")
+        rows += [fail_closed(r) for r in binding.function(candidate)]
+    return rows

@@ -1,0 +1,505 @@
+"""Audit of a specification before anything expensive runs (R25-R31, R154-R157).
+
+Every finding is a row of the matrix. The audit also derives what construction and simulation need: bake order,
+contact pairs, camera coverage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .canonical import digest_of
+from .clauses import clauses_of
+from .groups import group_of
+from .predicates import PREDICATES, entities_of
+from .requirements import Correction, Row
+from .spec import (
+    DetachDriver,
+    MotorDriver,
+    PathDriver,
+    Ref,
+    RigidSettings,
+    SpecModel,
+    Supports,
+    WorldSpec,
+)
+
+__all__ = ["AuditReport", "audit"]
+
+DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
+    "steel": (7700, 8100),
+    "aluminium": (2600, 2850),
+    "wood": (120, 1200),
+    "stone": (1500, 3300),
+    "concrete": (1200, 2600),
+    "glass": (2200, 3200),
+    "plastic": (850, 1600),
+    "rubber": (850, 1600),
+    "ceramic": (1800, 4000),
+    "ice": (880, 930),
+    "paper": (250, 1200),
+    "foam": (10, 400),
+    "other": (0.5, 23000),
+}
+"""[kg/m^3], bulk solids; from the material tables of the CRC Handbook, widened to the nearest round number."""
+ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
+    "mujoco": frozenset(
+        {"position", "quaternion", "velocity", "angular_velocity", "joint", "contact/pair", "contact/impulse", "contact/min_gap"}
+    )
+}
+"""Evidence each engine of this build writes."""
+SKILL = "skill://world-building/SKILL.md"
+
+
+@dataclass(frozen=True)
+class AuditReport:
+    """Rows and what follows from the specification."""
+
+    rows: tuple[Row, ...]
+    bake_order: tuple[str, ...]
+    contact_pairs: tuple[tuple[str, str], ...]
+    coverage: Mapping[str, tuple[str, ...]]
+    """Beat -> shots that overlap its frames."""
+    clauses: Mapping[str, str]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every mandatory row passes."""
+        return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
+
+
+class _Audit:
+    def __init__(self, spec: WorldSpec) -> None:
+        self.spec = spec
+        self.document = spec.model_dump(mode="json")
+        self.rows: list[Row] = []
+        self.last = spec.simulation.frames - 1
+        self.recipe = digest_of(self.document)[:32]
+
+    def add(
+        self,
+        row_id: str,
+        predicate: str,
+        problems: list[tuple[str, str]],
+        *,
+        entity: str | None = None,
+        measured: float | None = None,
+        bound: float | None = None,
+        comparison: Any = "",
+        unit: str = "",
+        status: Any = None,
+        patch: tuple[dict[str, Any], ...] = (),
+        group: Any = "delivery",
+    ) -> None:
+        """One row; it fails when there are problems (pointer, what to do)."""
+        corrections = tuple(
+            Correction(
+                cause=text,
+                edit_class="text" if group_of(place).edit_class == "story" else group_of(place).edit_class,
+                group=group_of(place).name,
+                action=text,
+                pointers=(place,),
+                patch=patch,
+                skill=SKILL,
+            )
+            for place, text in problems[:8]
+        )
+        self.rows.append(
+            Row(
+                id=f"audit:{row_id}",
+                check="audit",
+                group=group,
+                predicate=predicate,
+                status=status or ("fail" if problems else "pass"),
+                artifact="world.json",
+                measured=float(len(problems)) if measured is None else measured,
+                bound=0.0 if bound is None and not comparison else bound,
+                comparison=comparison or "<=",
+                unit=unit or "1",
+                entities=(entity,) if entity else (),
+                first_failing_entity=entity if problems else None,
+                corrections=corrections,
+                evidence={"problems": [f"{p}: {t}" for p, t in problems[:12]]} if problems else {},
+                recipe=self.recipe,
+            )
+        )
+
+    # ---------------------------------------------------------------- references
+
+    def _known(self) -> dict[str, set[str]]:
+        spec, plan = self.spec, self.spec.simulation
+        entities = set(spec.entities)
+        return {
+            "entity": entities,
+            "part": {f"{e}/{p}" for e, c in spec.entities.items() for p in c.parts},
+            "region": set(spec.graph.regions),
+            "node": entities | set(spec.graph.regions),
+            "beat": set(spec.story.beats),
+            "solver": set(plan.solvers),
+            "driver": set(plan.drivers),
+            "joint": set(plan.joints),
+            "material": set(spec.materials),
+            "owner": set(plan.solvers) | set(plan.drivers),
+        }
+
+    def references(self) -> None:
+        """R25, R26: every reference resolves."""
+        known = self._known()
+        problems = []
+        for place, target, value in _references(self.spec, ""):
+            if value in known[target] or (value == "each" and target == "entity" and "/predicate" in place):
+                continue
+            near = _closest(value, known[target])
+            problems.append(
+                (place, f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first"))
+            )
+        self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
+
+    # ---------------------------------------------------------------- ownership
+
+    def ownership(self) -> None:
+        """R27: every motion has a declared owner; every collider is in a solver."""
+        plan, problems = self.spec.simulation, []
+        member_of: dict[str, list[str]] = {}
+        for name, instance in plan.solvers.items():
+            for member in instance.members:
+                member_of.setdefault(member, []).append(name)
+        driven = {d.entity for d in plan.drivers.values() if isinstance(d, PathDriver)}
+        for name, entity in self.spec.entities.items():
+            place = f"/entities/{name}"
+            owners = member_of.get(name, [])
+            if not owners:
+                where = next(iter(plan.solvers), "rigid")
+                problems.append(
+                    (f"/simulation/solvers/{where}/members", f"{name!r} ({entity.motion}) is in no solver; add it to members")
+                )
+            elif entity.motion != "static" and len(owners) > 1:
+                problems.append((f"/simulation/solvers/{owners[1]}/members", f"{name!r} is moved by {owners}; keep one"))
+            if entity.motion == "kinematic" and name not in driven:
+                problems.append(
+                    (f"{place}/motion", f"{name!r} is kinematic but no path driver moves it; add one or make it dynamic/static")
+                )
+            if entity.motion == "static" and name in driven:
+                problems.append((f"{place}/motion", f"{name!r} is static but a path driver moves it; make it kinematic"))
+        for name, driver in plan.drivers.items():
+            target = getattr(driver, "entity", None)
+            if (
+                target in self.spec.entities
+                and not isinstance(driver, PathDriver)
+                and self.spec.entities[target].motion != "dynamic"
+            ):
+                problems.append((f"/simulation/drivers/{name}", f"{driver.kind} driver acts on {target!r}, which is not dynamic"))
+            if (
+                isinstance(driver, DetachDriver)
+                and driver.joint in plan.joints
+                and plan.joints[driver.joint].kind not in ("weld", "spring")
+            ):
+                problems.append((f"/simulation/drivers/{name}", "only welds and springs can be detached"))
+            if (
+                isinstance(driver, MotorDriver)
+                and driver.joint in plan.joints
+                and plan.joints[driver.joint].kind not in ("hinge", "slide")
+            ):
+                problems.append((f"/simulation/drivers/{name}", "only hinges and slides can have a motor"))
+        self.add("ownership", "every moving entity has exactly one responsible solver or driver", problems)
+
+    def categories(self) -> None:
+        """Engines exist for the categories used."""
+        for name, entity in self.spec.entities.items():
+            if entity.physics.category != "rigid":
+                self.add(
+                    f"engine:{name}",
+                    f"an engine of this build simulates category {entity.physics.category!r}",
+                    [
+                        (
+                            f"/entities/{name}/physics",
+                            f"no engine for {entity.physics.category!r} in this build; rigid is available",
+                        )
+                    ],
+                    entity=name,
+                    status="unverified",
+                    group="physical",
+                )
+
+    # ---------------------------------------------------------------- story
+
+    def story(self) -> None:
+        """R14-R16, R28, R29: beats in range, owned, checkable, with evidence, causally ordered."""
+        plan, beats, problems, evidence = self.spec.simulation, self.spec.story.beats, [], []
+        channels = frozenset().union(*(ENGINE_CHANNELS.get(s.engine, frozenset()) for s in plan.solvers.values()))
+        for name, beat in beats.items():
+            place = f"/story/beats/{name}"
+            if beat.frames[1] > self.last:
+                problems.append((f"{place}/frames", f"frames {list(beat.frames)} end after the last frame {self.last}"))
+            members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
+            driver = plan.drivers.get(beat.owner)
+            if members is not None and beat.subject not in members:
+                problems.append((f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
+            if driver is not None and getattr(driver, "entity", beat.subject) != beat.subject:
+                problems.append((f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
+            for cause in beat.causes:
+                if cause in beats and beats[cause].frames[0] > beat.frames[1]:
+                    problems.append(
+                        (f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends")
+                    )
+            if beat.subject not in entities_of(beat.predicate) and not _mentions_joint(beat.predicate, plan.joints, beat.subject):
+                problems.append((f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
+            missing = [c for k in _kinds(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
+            if missing:
+                evidence.append((f"{place}/predicate", f"no engine in use writes {sorted(set(missing))}"))
+        cycle = _cycle({n: list(b.causes) for n, b in beats.items()})
+        if cycle:
+            problems.append((f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
+        if not any(b.mandatory for b in beats.values()) and not any(r.mandatory for r in self.spec.story.requirements.values()):
+            problems.append(
+                ("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
+            )
+        self.add(
+            "story",
+            "beats lie in the sequence, have owners, and their causes are ordered and acyclic",
+            problems,
+            group="temporal",
+        )
+        self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", evidence, group="temporal")
+
+    def graph(self) -> None:
+        """Support is acyclic and carried by something; relations lie in the sequence."""
+        relations, problems = self.spec.graph.relations, []
+        below: dict[str, list[str]] = {}
+        for name, relation in relations.items():
+            place = f"/graph/relations/{name}"
+            if relation.a == relation.b:
+                problems.append((place, f"{relation.a!r} is related to itself"))
+            if isinstance(relation, Supports):
+                below.setdefault(relation.b, []).append(relation.a)
+            frames = getattr(relation, "frames", None)
+            if frames is not None and frames[1] > self.last:
+                problems.append((f"{place}/frames", f"frames {list(frames)} end after the last frame {self.last}"))
+        cycle = _cycle(below)
+        if cycle:
+            problems.append(
+                ("/graph/relations", f"support runs in a circle: {' on '.join(cycle)}; one of them must stand on something else")
+            )
+        self.add("graph", "support relations are acyclic, relations lie in the sequence", problems, group="spatial")
+
+    # ---------------------------------------------------------------- numbers
+
+    def materials(self) -> None:
+        """R154: densities within the substance's real range; masses consistent with a real density."""
+        for name, material in self.spec.materials.items():
+            low, high = DENSITY_RANGES[material.substance]
+            ok = low <= material.density <= high
+            problem = [] if ok else [
+                (f"/materials/{name}/density", f"{material.density:g} kg/m^3 is no {material.substance}: allowed {low:g} to {high:g}")
+            ]  # fmt: skip
+            self.add(
+                f"density:{name}",
+                f"density of {name!r} lies in the range of {material.substance} [{low:g}, {high:g}] kg/m^3",
+                problem,
+                measured=material.density,
+                bound=low if material.density < low else high,
+                comparison=">=" if material.density < low else "<=",
+                unit="kg/m^3",
+                group="physical",
+            )
+
+    def bounds(self) -> None:
+        """Limits fit the solver's settings."""
+        limits, problems = self.spec.simulation.limits, []
+        for name, instance in self.spec.simulation.solvers.items():
+            if isinstance(instance.settings, RigidSettings) and 2 * instance.settings.skin > limits.contact_gap:
+                problems.append(
+                    (
+                        f"/simulation/solvers/{name}/settings/skin",
+                        f"two skins of {instance.settings.skin:g} m exceed the contact tolerance {limits.contact_gap:g} m; "
+                        f"use a skin of at most {limits.contact_gap / 2:g} m or a smaller step",
+                    )
+                )
+        self.add("bounds", "collision skins stay within the contact tolerance", problems, group="physical")
+
+    def clauses(self) -> Mapping[str, str]:
+        """R155: every clause of the prompt is mapped or listed as unmet."""
+        found = clauses_of(self.spec.prompt)
+        problems = []
+        for key, text in found.items():
+            clause = self.spec.clauses.get(key)
+            if clause is None or (not clause.met_by and not clause.unmet):
+                problems.append(
+                    (f"/clauses/{key}", f"clause {key} {text!r} is not mapped; give met_by pointers or an unmet reason")
+                )
+                continue
+            for pointer in clause.met_by:
+                if not _resolves(self.document, pointer):
+                    problems.append((f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
+        for key in self.spec.clauses:
+            if key not in found:
+                problems.append((f"/clauses/{key}", f"the prompt has no clause {key!r}; its clauses are {list(found)}"))
+        self.add(
+            "clauses", "every clause of the prompt is mapped to the specification or listed as unmet with a reason", problems
+        )
+        return found
+
+    def shots(self) -> Mapping[str, tuple[str, ...]]:
+        """R24: shots lie in the sequence and every observed beat has one."""
+        problems, coverage = [], {}
+        for name, shot in self.spec.shots.items():
+            place = f"/shots/{name}"
+            if shot.frames[1] > self.last:
+                problems.append((f"{place}/frames", f"frames {list(shot.frames)} end after the last frame {self.last}"))
+            if not shot.covers and not shot.subjects:
+                problems.append((f"{place}/covers", "the shot covers no beat and names no subject"))
+            for key, camera in shot.keys.items():
+                if not shot.frames[0] <= camera.frame <= shot.frames[1]:
+                    problems.append(
+                        (f"{place}/keys/{key}/frame", f"frame {camera.frame} lies outside the shot {list(shot.frames)}")
+                    )
+        for name, beat in self.spec.story.beats.items():
+            covering = tuple(
+                s for s, shot in self.spec.shots.items()
+                if shot.frames[0] <= beat.frames[1] and shot.frames[1] >= beat.frames[0] and name in shot.covers
+            )  # fmt: skip
+            coverage[name] = covering
+            if beat.observe and beat.mandatory and not covering:
+                problems.append(("/shots", f"beat {name!r} (frames {list(beat.frames)}) is covered by no shot that overlaps it"))
+        self.add(
+            "shots",
+            "every observed beat is covered by a shot, camera keys lie inside their shots",
+            problems,
+            group="observational",
+        )
+        return coverage
+
+
+def _references(model: SpecModel, pointer: str) -> Iterator[tuple[str, str, str]]:
+    """(pointer, target, value) of every reference field below a model."""
+    for name, info in type(model).model_fields.items():
+        value = getattr(model, name)
+        place = f"{pointer}/{name}"
+        ref = next((m.target for m in info.metadata if isinstance(m, Ref)), None) or _inner_ref(info.annotation)
+        if ref is not None and isinstance(value, str) and value != "world":
+            yield place, ref, value
+        elif ref is not None and isinstance(value, list):
+            for i, item in enumerate(value):
+                yield f"{place}/{i}", ref, item
+        elif isinstance(value, SpecModel):
+            yield from _references(value, place)
+        elif isinstance(value, dict):
+            for key, item in value.items():
+                if isinstance(item, SpecModel):
+                    yield from _references(item, f"{place}/{key}")
+        elif isinstance(value, list):
+            for i, item in enumerate(value):
+                if isinstance(item, SpecModel):
+                    yield from _references(item, f"{place}/{i}")
+
+
+def _inner_ref(annotation: Any) -> str | None:
+    """Reference target inside `list[EntityRef]` or `EntityRef | None`."""
+    for part in (annotation, *getattr(annotation, "__args__", ())):
+        for mark in getattr(part, "__metadata__", ()):
+            if isinstance(mark, Ref):
+                return mark.target
+    return None
+
+
+def _kinds(predicate: SpecModel) -> set[str]:
+    found = {str(getattr(predicate, "kind", ""))}
+    for name in type(predicate).model_fields:
+        value = getattr(predicate, name)
+        for item in value if isinstance(value, list) else [value]:
+            if isinstance(item, SpecModel):
+                found |= _kinds(item)
+    return found & set(PREDICATES)
+
+
+def _mentions_joint(predicate: SpecModel, joints: Mapping[str, Any], subject: str) -> bool:
+    for name in type(predicate).model_fields:
+        value = getattr(predicate, name)
+        if name == "joint" and value in joints and subject in (joints[value].child, joints[value].parent):
+            return True
+        if any(
+            isinstance(v, SpecModel) and _mentions_joint(v, joints, subject)
+            for v in (value if isinstance(value, list) else [value])
+        ):
+            return True
+    return False
+
+
+def _cycle(edges: Mapping[str, list[str]]) -> list[str]:
+    """A cycle in a directed graph as its nodes, first repeated at the end; empty when there is none."""
+    done: set[str] = set()
+    for start in edges:
+        path: list[str] = []
+        stack = [(start, iter(edges.get(start, ())))]
+        on_path = {start}
+        path.append(start)
+        while stack:
+            _, children = stack[-1]
+            child = next(children, None)
+            if child is None:
+                stack.pop()
+                gone = path.pop()
+                on_path.discard(gone)
+                done.add(gone)
+            elif child in on_path:
+                return [*path[path.index(child) :], child]
+            elif child not in done:
+                stack.append((child, iter(edges.get(child, ()))))
+                path.append(child)
+                on_path.add(child)
+    return []
+
+
+def _closest(value: str, known: set[str]) -> str | None:
+    import difflib
+
+    return next(iter(difflib.get_close_matches(value, sorted(known), n=1)), None)
+
+
+def _resolves(document: Any, pointer: str) -> bool:
+    at = document
+    for token in pointer.strip("/").split("/"):
+        key = token.replace("~1", "/").replace("~0", "~")
+        if isinstance(at, dict) and key in at:
+            at = at[key]
+        elif isinstance(at, list) and key.isdigit() and int(key) < len(at):
+            at = at[int(key)]
+        else:
+            return False
+    return at is not None
+
+
+def _bake_order(spec: WorldSpec) -> tuple[str, ...]:
+    """Declared order, then the rest so that one-way sources come before their targets."""
+    order = list(dict.fromkeys(s for s in spec.simulation.order if s in spec.simulation.solvers))
+    rest = [s for s in spec.simulation.solvers if s not in order]
+    before = {c.target: c.source for c in spec.simulation.couplings.values() if c.direction == "one_way"}
+    while rest:
+        ready = next((s for s in rest if before.get(s) not in rest), rest[0])
+        rest.remove(ready)
+        order.append(ready)
+    return tuple(order)
+
+
+def audit(spec: WorldSpec) -> AuditReport:
+    """Audit a validated specification."""
+    work = _Audit(spec)
+    work.references()
+    work.ownership()
+    work.categories()
+    work.story()
+    work.graph()
+    work.materials()
+    work.bounds()
+    coverage = work.shots()
+    clauses = work.clauses()
+    pairs = sorted(
+        {
+            tuple(sorted((r.a, r.b)))
+            for r in spec.graph.relations.values()
+            if r.kind in ("supports", "interacts", "contains", "fastened")
+        }
+    )
+    return AuditReport(tuple(work.rows), _bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses)

@@ -1,0 +1,136 @@
+"""What depends on what: recipes of all artifacts of a world, and exactly which are stale after an edit (R115, R116).
+
+Artifacts: `built:<entity>`, `static:<entity>` (evidence at frame 0), `motion` (probe, bake and every verdict over
+them), `story` and `shots` (verdicts that read the story and the shot plan over the same motion), `acceptance`, `final`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .canonical import digest_of
+from .requirements import Row
+from .spec import Fastened, RigidPhysics, WorldSpec
+
+__all__ = ["geometry_slice", "motion_slice", "recipes", "stale_artifacts", "stale_rows"]
+
+
+def _physical(materials: Mapping[str, Any]) -> dict[str, Any]:
+    return {k: m.model_dump(mode="json", exclude={"appearance"}) for k, m in materials.items()}
+
+
+def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
+    """What the geometry and mass of one entity depend on."""
+    entity = spec.entities[name]
+    names = {entity.material, *(p.material for p in entity.parts.values() if p.material)}
+    return {
+        "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
+        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
+        "material": entity.material,
+        "densities": {n: spec.materials[n].density for n in sorted(names) if n in spec.materials},
+        "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
+    }
+
+
+def motion_slice(spec: WorldSpec) -> dict[str, Any]:
+    """Everything that decides the motion: entities' physics and places, materials, the plan without its limits."""
+    plan = spec.simulation.model_dump(mode="json", exclude={"limits"})
+    used = {e.material for e in spec.entities.values()} | {
+        p.material for e in spec.entities.values() for p in e.parts.values() if p.material
+    }
+    return {
+        "spec_version": spec.spec_version,
+        "entities": {
+            k: {
+                "geometry": geometry_slice(spec, k),
+                "pose": e.pose.model_dump(mode="json"),
+                "motion": e.motion,
+                "physics": e.physics.model_dump(mode="json"),
+                "active": e.active,
+            }
+            for k, e in spec.entities.items()
+        },
+        "materials": _physical({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
+        "plan": plan,
+    }
+
+
+def recipes(spec: WorldSpec) -> dict[str, str]:
+    """Recipe of every artifact that the specification implies."""
+    found: dict[str, str] = {}
+    limits = spec.simulation.limits.model_dump(mode="json")
+    relations = {k: r.model_dump(mode="json") for k, r in spec.graph.relations.items()}
+    # An entity's `static` evidence covers itself; pairs belong to both of their entities.
+    by_entity: dict[str, list[Any]] = {}
+    for key in sorted(relations):
+        for end in ("a", "b"):
+            by_entity.setdefault(relations[key][end], []).append(relations[key])
+    for name, entity in spec.entities.items():
+        geometry = geometry_slice(spec, name)
+        found[f"built:{name}"] = digest_of(geometry)
+        found[f"static:{name}"] = digest_of(
+            geometry,
+            entity.pose,
+            entity.dimensions,
+            entity.nominal_diagonal,
+            entity.motion,
+            by_entity.get(name, []),
+            limits,
+        )
+    motion = digest_of(motion_slice(spec))
+    graph = digest_of(relations, {k: r.model_dump(mode="json") for k, r in spec.graph.regions.items()})
+    found["motion"] = motion
+    found["contact"] = digest_of(
+        motion, [r for r in relations.values() if r["kind"] == Fastened.model_fields["kind"].default], limits
+    )
+    found["story"] = digest_of(motion, spec.story, graph, limits)
+    found["shots"] = digest_of(motion, spec.shots, spec.story, limits)
+    found["acceptance"] = digest_of(
+        found["story"],
+        found["shots"],
+        found["contact"],
+        sorted(v for k, v in found.items() if k.startswith("static:")),
+        spec.clauses,
+        spec.prompt,
+    )
+    found["final"] = digest_of(
+        found["acceptance"], spec.look, {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()}
+    )
+    return found
+
+
+def stale_artifacts(before: WorldSpec, after: WorldSpec) -> list[str]:
+    """Artifacts whose recipe differs after an edit, those of removed entities included."""
+    old, new = recipes(before), recipes(after)
+    return sorted(k for k in {*old, *new} if old.get(k) != new.get(k))
+
+
+_STATIC_CHECKS = ("scale", "interpenetration")
+_BY_ARTIFACT = {
+    "contact": ("contact",),
+    "category": ("motion",),
+    "numerical": ("motion",),
+    "beat": ("story",),
+    "causal": ("story",),
+    "support": ("story",),
+    "navigability": ("story",),
+    "shots": ("shots",),
+    "delivery": ("acceptance",),
+}
+
+
+def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> dict[str, str]:
+    """Rows of the matrix that an edit leaves without evidence: id -> the artifact that changed."""
+    changed = set(stale)
+    found: dict[str, str] = {}
+    for row in rows:
+        if row.check == "audit":
+            continue
+        wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
+        if stages.get(row.id) != "static":
+            wanted |= set(_BY_ARTIFACT.get(row.check, ()))
+        hit = sorted(wanted & changed)
+        if hit:
+            found[row.id] = hit[0]
+    return found

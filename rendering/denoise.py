@@ -23,9 +23,9 @@ __all__ = ["KEY", "U8", "denoise", "meter", "tonemap"]
 
 U8 = NDArray[np.uint8]
 
-KEY = 0.17
+KEY = 0.20
 """Exposed luminance that the metered mean is brought to; own choice."""
-BRIGHTEST = 0.9
+BRIGHTEST = 1.1
 """Exposed luminance that 95 % of the metered surface stay below, so that a white scene keeps its drawing."""
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 """Luminance weights of linear sRGB primaries (IEC 61966-2-1)."""

@@ -60,7 +60,9 @@ class FrameRenderer:
             view = Camera(camera.position, camera.target, camera.fov_deg, width, height)
         self._scene.pose(first)
         radiance = self._scene.radiance(view, METER_SAMPLES, seed=SEED)
-        gain = meter(radiance, self._scene.features(view).normals) * math.pow(2.0, look.exposure)
+        features = self._scene.features(view)
+        # Denoised first: the mean logarithm of noisy pixels is too low.
+        gain = meter(denoise(radiance, features), features.normals) * math.pow(2.0, look.exposure)
         if camera is None:
             self._gains[shot] = gain
         return gain

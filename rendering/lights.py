@@ -23,6 +23,18 @@ SUN_SKY_SCALE = 700.0
 """Mitsuba's sunsky with turbidity 3 gives 1.0 on the ground at 40 deg (measured); this makes it W/m^2."""
 SUN_APERTURE_DEG = 2.5
 """Apparent size of the sun [deg]; 0.53 in nature. Wider for softer shadows and less noise; the irradiance is the same."""
+SUN_DISTANCE = 2000.0
+"""In focus diagonals: its light is parallel within 0.03 deg over the focus."""
+SUN_IRRADIANCE = (
+    (2.0, (0.261, 0.070, 0.0)),
+    (5.0, (0.643, 0.286, 0.039)),
+    (10.0, (0.992, 0.602, 0.215)),
+    (20.0, (1.281, 0.942, 0.538)),
+    (40.0, (1.446, 1.175, 0.845)),
+    (60.0, (1.498, 1.255, 0.967)),
+    (90.0, (1.520, 1.287, 1.018)),
+)
+"""Irradiance across the sun's direction by elevation [deg], of `sunsky` at turbidity 3 (measured with and without its sun)."""
 OVERCAST_IRRADIANCE = 150.0
 STUDIO_IRRADIANCE = 60.0
 HORIZON_RATIO = 12.0
@@ -139,6 +151,29 @@ def _studio(mi: Any, look: Look) -> dict[str, Any]:
     return _dome(mi, rows, 0.38 * STUDIO_IRRADIANCE, patches)
 
 
+def _sun(mi: Any, look: Look, focus: Bounds) -> dict[str, Any]:
+    """The sun as a far disc with the irradiance that Mitsuba's own sun would give.
+
+    As an emitter of its own it is aimed at by every other light sample; inside `sunsky` it gets so few that 16
+    samples are mostly noise (measured: 13.6 dB against 1024 samples).
+    """
+    towards = np.array(_direction(look.sun_elevation_deg, look.sun_azimuth_deg))
+    distance = SUN_DISTANCE * max(focus.diagonal, 1e-3)
+    half = math.radians(SUN_APERTURE_DEG) / 2
+    elevations = [row[0] for row in SUN_IRRADIANCE]
+    irradiance = [float(np.interp(look.sun_elevation_deg, elevations, [row[1][k] for row in SUN_IRRADIANCE])) for k in range(3)]
+    radiance = [SUN_SKY_SCALE * e / (math.pi * math.sin(half) ** 2) for e in irradiance]
+    position = focus.center + distance * towards
+    up = [0.0, 0.0, 1.0] if look.sun_elevation_deg < 89.9 else [0.0, 1.0, 0.0]
+    place = mi.ScalarTransform4f().look_at(origin=position.tolist(), target=focus.center.tolist(), up=up)
+    return {
+        "type": "disk",
+        "to_world": place @ mi.ScalarTransform4f().scale(distance * math.tan(half)),
+        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": radiance}},
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
+    }
+
+
 def _ground_texture(mi: Any, color: tuple[float, float, float], *, plain: bool) -> dict[str, Any]:
     """Colour of the added ground: mottled outdoors, so that motion and distance read; plain in the studio."""
     if plain:
@@ -165,11 +200,11 @@ def light_dicts(mi: Any, candidate: Candidate) -> dict[str, Any]:
             "type": "sunsky",
             "sun_direction": _direction(look.sun_elevation_deg, look.sun_azimuth_deg),
             "turbidity": 3.0,
-            "sun_aperture": SUN_APERTURE_DEG,
-            "sun_scale": SUN_SKY_SCALE,
+            "sun_scale": 0.0,
             "sky_scale": SUN_SKY_SCALE,
             "albedo": 0.3,
         }
+        found["sun"] = _sun(mi, look, focus)
         ground = (0.30, 0.29, 0.265)
     elif look.sky == "overcast":
         rows = [(-90.0, (0.25, 0.25, 0.25)), (-1.0, (0.3, 0.3, 0.3)), (1.0, (0.62, 0.64, 0.67)), (90.0, (0.95, 0.98, 1.0))]

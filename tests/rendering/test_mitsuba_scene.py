@@ -144,3 +144,24 @@ def test_a_picture_does_not_depend_on_the_frames_before_it(candidate):
         pictures.append(scene.radiance(camera, 2, seed=1))
         scene.pose(0)
     assert all(np.array_equal(p, pictures[0]) for p in pictures)
+
+
+@pytest.mark.parametrize("elevation", [15.0, 50.0])
+def test_the_far_disc_gives_the_light_of_the_sun_that_it_replaces(make_candidate, elevation):
+    """Own choice against a reference: our sky and disc on a table, against Mitsuba's `sunsky` with its sun."""
+
+    def high(data):
+        data["look"]["sun_elevation_deg"] = elevation
+        data["materials"]["grey"]["appearance"] = {"color": (0.5, 0.5, 0.5), "roughness": 0.6}
+        data["entities"]["table"]["material"] = "grey"
+
+    candidate = _only(make_candidate("sunsky", change=high), "table")
+    from worldagent.rendering.lights import SUN_SKY_SCALE, light_dicts
+    from worldagent.rendering.variant import load_mitsuba
+
+    ours = {k: v for k, v in light_dicts(load_mitsuba(), candidate).items() if k in ("sky", "sun")}
+    whole = ours["sky"] | {"sun_scale": SUN_SKY_SCALE, "sun_aperture": 10.0}
+    camera = Camera(np.array([0.5, 0.3, 1.0]), np.array([0.5, 0.31, 0.0]), 2.0, 16, 16)
+    measured = SceneRenderer(candidate, lights=ours).radiance(camera, 256).mean((0, 1))
+    expected = SceneRenderer(candidate, lights={"sky": whole}).radiance(camera, 2048).mean((0, 1))
+    assert np.allclose(measured, expected, rtol=0.06)

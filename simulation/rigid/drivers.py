@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ...worlds.arrays import F64, pose_of, quaternion_product
+from ...worlds.arrays import F64, pose_of, rotation_matrix
 from ...worlds.errors import InputError
 from ...worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, RigidPhysics, WorldSpec
+from .holds import Holds
 from .model import RigidModel
 
-__all__ = ["HOLD_FACTOR", "Drivers"]
+__all__ = ["Drivers"]
 
-HOLD_FACTOR = 1e10
-"""Armature of a held or kinematic body, in multiples of its own mass and inertia: 1e-9 m of sag in 10 s."""
 _SLACK = 1e-9
+"""[s] Times this close are equal."""
+_TURN_STEP = 1e-4
+"""[s] Interval over which the angular velocity of a path is taken."""
+
+
+@dataclass(frozen=True)
+class PathSamples:
+    """Path of one body at the ends of n steps: arrays of n + 1 rows."""
+
+    qpos: int
+    dof: int
+    poses: F64
+    """Position and quaternion, shape (n + 1, 7)."""
+    twists: F64
+    """Velocity in world axes and angular velocity in body axes, shape (n + 1, 6)."""
 
 
 class Path:
@@ -36,64 +51,98 @@ class Path:
         quats = np.array([p.quaternion for p in poses])
         self._turn = Slerp(times, Rotation.from_quat(quats[:, [1, 2, 3, 0]]))
 
-    def at(self, time: float) -> tuple[F64, F64, F64, F64]:
-        """Position (3,), quaternion (4,), velocity (3,), angular velocity in body axes (3,) at `time` [s]."""
-        t = min(max(time, self.first), self.last)
-        quaternion = self._turn(t).as_quat()[[3, 0, 1, 2]]
-        if not self.first <= time < self.last:
-            return self._position(t), quaternion, np.zeros(3), np.zeros(3)
-        step = min(1e-4, self.last - t)
-        turn = (self._turn(t).inv() * self._turn(t + step)).as_rotvec() / step
-        return self._position(t), quaternion, self._velocity(t), turn
+    def sample(self, times: F64) -> tuple[F64, F64]:
+        """Poses (n, 7) and twists (n, 6) at `times` [s], shape (n,); at rest before the first key and from the last on."""
+        t = np.clip(times, self.first, self.last)
+        ahead = np.minimum(t + _TURN_STEP, self.last)
+        here = self._turn(t)
+        spin = (here.inv() * self._turn(ahead)).as_rotvec() / np.maximum(ahead - t, 1e-12)[:, None]
+        twists = np.concatenate([self._velocity(t), spin], axis=1)
+        twists[(times < self.first) | (times >= self.last)] = 0.0
+        return np.concatenate([self._position(t), here.as_quat()[:, [3, 0, 1, 2]]], axis=1), twists
 
 
 class Drivers:
-    """Applies all drivers of one instance; holds are part of the model's armature, so they survive any state."""
+    """Applies all drivers of one instance.
+
+    Args:
+        spec: the specification.
+        rigid: the compiled model.
+        members: entities of the instance.
+
+    Raises:
+        InputError: a driver acts on what cannot follow it.
+    """
 
     def __init__(self, spec: WorldSpec, rigid: RigidModel, members: frozenset[str]) -> None:
         self.rigid, self.spec = rigid, spec
-        model = rigid.model
+        model, plan = rigid.model, spec.simulation
         self.names = tuple(
             n
-            for n, d in spec.simulation.drivers.items()
-            if (getattr(d, "entity", None) in members) or (getattr(d, "joint", None) in spec.simulation.joints)
+            for n, d in plan.drivers.items()
+            if (getattr(d, "entity", None) in members)
+            or (getattr(d, "joint", None) in plan.joints and plan.joints[d.joint].child in members)  # type: ignore[union-attr]
         )
-        self._drivers = {n: spec.simulation.drivers[n] for n in self.names}
-        self._dofs: dict[str, Any] = {}
+        self._drivers = {n: plan.drivers[n] for n in self.names}
+        self._dofs: dict[str, list[int]] = {}
+        self._bodies: dict[str, list[int]] = {}
         for row, body in enumerate(rigid.bodies):
-            entity = body.split("/", 1)[0]
-            start, count = model.body_dofadr[rigid.body_ids[row]], model.body_dofnum[rigid.body_ids[row]]
+            entity, own = body.split("/", 1)[0], int(rigid.body_ids[row])
+            start, count = int(model.body_dofadr[own]), int(model.body_dofnum[own])
             self._dofs.setdefault(entity, []).extend(range(start, start + count))
-        self._qpos = {e: int(model.jnt_qposadr[model.dof_jntid[d[0]]]) for e, d in self._dofs.items() if d}
-        self._native_armature = model.dof_armature.copy()
-        self._weight = self._inertia_scale()
-        self._paths = {d.entity: (n, Path(d)) for n, d in self._drivers.items() if isinstance(d, PathDriver)}
-        for entity in self._paths:
-            if spec.entities[entity].motion != "kinematic":
-                raise InputError(f"path driver moves {entity!r}, which must have motion 'kinematic', not {spec.entities[entity].motion!r}")
+            self._bodies.setdefault(entity, []).append(own)
+        free = {e: d[0] for e, d in self._dofs.items() if d and self._is_free(d[0])}
+        self._free = {e: int(model.jnt_qposadr[model.dof_jntid[d]]) for e, d in free.items()}
+        self.kinematic = frozenset(e for e in self._dofs if spec.entities[e].motion == "kinematic")
+        self.kinematic_dofs = np.array([d for e in sorted(self.kinematic) for d in self._dofs[e]], dtype=np.int64)
+        self._require_followable()
+        self._paths = {d.entity: Path(d) for d in self._drivers.values() if isinstance(d, PathDriver)}
+        self.holds = Holds(model, self._dofs, self._bodies)
         self._native_eq = model.eq_active0.copy()
-        self._stiffness = model.tendon_stiffness.copy()
-        self._tendon_damping = model.tendon_damping.copy()
+        self._stiffness, self._tendon_damping = model.tendon_stiffness.copy(), model.tendon_damping.copy()
         self._effort = model.actuator_forcerange.copy()
+        self._excludes = model.exclude_signature.copy()
         self._release: dict[str, float] = {}
         for driver in self._drivers.values():
             if isinstance(driver, ReleaseDriver):
                 self._release[driver.entity] = max(driver.time, self._release.get(driver.entity, 0.0))
         for entity, contract in spec.entities.items():
-            moving = isinstance(contract.physics, RigidPhysics) and any((*contract.physics.linear_velocity, *contract.physics.angular_velocity))
+            physics = contract.physics
+            moving = isinstance(physics, RigidPhysics) and any((*physics.linear_velocity, *physics.angular_velocity))
             if entity in self._dofs and moving:
                 self._release.setdefault(entity, 0.0)
-        self.kinematic = frozenset(e for e in self._dofs if spec.entities[e].motion == "kinematic")
+        self._pose: Any = None
+        self._samples: list[PathSamples] = []
 
-    def _inertia_scale(self) -> F64:
-        """Mass or inertia seen by each degree of freedom, shape (nv,)."""
-        import mujoco
+    def _is_free(self, dof: int) -> bool:
+        return bool(self.rigid.model.jnt_type[self.rigid.model.dof_jntid[dof]] == 0)
 
-        data = mujoco.MjData(self.rigid.model)
-        mujoco.mj_forward(self.rigid.model, data)
-        full = np.zeros((self.rigid.model.nv, self.rigid.model.nv))
-        mujoco.mj_fullM(self.rigid.model, data, full)
-        return np.maximum(np.diag(full), 1e-9)
+    def _require_followable(self) -> None:
+        paths: set[str] = set()
+        for name, driver in self._drivers.items():
+            if isinstance(driver, PathDriver):
+                motion = self.spec.entities[driver.entity].motion
+                if motion != "kinematic":
+                    raise InputError(f"path driver moves {driver.entity!r}, which must have motion 'kinematic', not {motion!r}")
+                if driver.entity in paths:
+                    raise InputError(f"entity {driver.entity!r} follows two paths; join their keys in one path driver")
+                paths.add(driver.entity)
+            elif isinstance(driver, ForceDriver | ReleaseDriver):
+                motion = self.spec.entities[driver.entity].motion
+                if motion != "dynamic":
+                    raise InputError(
+                        f"driver {name!r} acts on {driver.entity!r}, which must have motion 'dynamic', not {motion!r}"
+                    )
+            elif isinstance(driver, MotorDriver) and name not in self.rigid.actuator_of:
+                raise InputError(f"motor {name!r} needs a hinge or slide joint; {driver.joint!r} is none")
+            elif isinstance(driver, DetachDriver) and driver.joint not in (self.rigid.eq_of | self.rigid.tendon_of):
+                raise InputError(f"driver {name!r} can detach only a weld or a spring; {driver.joint!r} is none")
+
+    # ------------------------------------------------------------------ what time decides
+
+    def remember_poses(self, data: Any) -> None:
+        """Take the present coordinates as those that held bodies keep."""
+        self._pose = data.qpos.copy()
 
     def held(self, time: float) -> frozenset[str]:
         """Entities that a hold or path fixes at `time`."""
@@ -109,55 +158,82 @@ class Drivers:
                 times.add(driver.time)
         return sorted(t for t in times if start + _SLACK < t < end - _SLACK)
 
+    def switches_at(self, time: float) -> bool:
+        """Whether a driver switches at `time`."""
+        return bool(self.switch_times(time - 10 * _SLACK, time + 10 * _SLACK))
+
     def set_model(self, time: float, *, free: bool = False) -> None:
         """Write everything that `time` decides into the model; `free` opens all holds but paths (for relaxation)."""
         model = self.rigid.model
-        model.dof_armature[:] = self._native_armature
-        for entity in self.kinematic if free else self.held(time):
-            dofs = self._dofs.get(entity, [])
-            model.dof_armature[dofs] = HOLD_FACTOR * self._weight[dofs]
+        self.holds.fix(self.kinematic if free else self.held(time))
+        model.exclude_signature[:] = self._excludes
         for name, driver in self._drivers.items():
-            if isinstance(driver, MotorDriver) and name in self.rigid.actuator_of:
+            if isinstance(driver, MotorDriver):
                 row = self.rigid.actuator_of[name]
                 on = driver.start - _SLACK <= time < driver.end - _SLACK
                 model.actuator_forcerange[row] = self._effort[row] if on else (0.0, 0.0)
-            if isinstance(driver, DetachDriver) and driver.joint in self.rigid.tendon_of and time >= driver.time - _SLACK:
-                row = self.rigid.tendon_of[driver.joint]
-                model.tendon_stiffness[row] = 0.0
-                model.tendon_damping[row] = 0.0
-            elif isinstance(driver, DetachDriver) and driver.joint in self.rigid.tendon_of:
-                row = self.rigid.tendon_of[driver.joint]
-                model.tendon_stiffness[row] = self._stiffness[row]
-                model.tendon_damping[row] = self._tendon_damping[row]
+            elif isinstance(driver, DetachDriver):
+                cut = time >= driver.time - _SLACK
+                if driver.joint in self.rigid.tendon_of:
+                    row = self.rigid.tendon_of[driver.joint]
+                    model.tendon_stiffness[row] = 0.0 if cut else self._stiffness[row]
+                    model.tendon_damping[row] = 0.0 if cut else self._tendon_damping[row]
+                elif cut and driver.joint in self.rigid.exclude_of:
+                    # The list is sorted and merged by MuJoCo; repeating a neighbour takes an entry out.
+                    row = self.rigid.exclude_of[driver.joint]
+                    model.exclude_signature[row] = model.exclude_signature[row - 1] if row else 0
 
     def set_data(self, data: Any, time: float) -> None:
         """Write forces, controls and switches that hold from `time` on."""
-        model = self.rigid.model
         data.xfrc_applied[:] = 0.0
+        data.qfrc_applied[:] = 0.0
         data.eq_active[:] = self._native_eq
         for name, driver in self._drivers.items():
             if isinstance(driver, ForceDriver) and driver.start - _SLACK <= time < driver.end - _SLACK:
-                row = self.rigid.bodies.index(f"{driver.entity}/body")
-                data.xfrc_applied[self.rigid.body_ids[row]] += (*driver.force, *driver.torque)
-            elif isinstance(driver, MotorDriver) and name in self.rigid.actuator_of:
+                bodies = self._bodies[driver.entity]
+                for body in bodies:
+                    data.xfrc_applied[body] += np.array([*driver.force, *driver.torque]) / len(bodies)
+            elif isinstance(driver, MotorDriver):
                 data.ctrl[self.rigid.actuator_of[name]] = driver.velocity
             elif isinstance(driver, DetachDriver) and driver.joint in self.rigid.eq_of and time >= driver.time - _SLACK:
                 data.eq_active[self.rigid.eq_of[driver.joint]] = 0
         for entity in self.held(time) - self.kinematic:
-            dofs = self._dofs.get(entity, [])
+            dofs = self._dofs[entity]
             data.qvel[dofs] = 0.0
-        del model
+            for joint in np.unique(self.rigid.model.dof_jntid[dofs]):
+                at = self.rigid.model.jnt_qposadr[joint]
+                size = (7, 4, 1, 1)[self.rigid.model.jnt_type[joint]]
+                data.qpos[at : at + size] = self._pose[at : at + size]
+        if self.switches_at(time):
+            # A sleeping body does not notice that what held it is gone; a negative zero wakes it and moves nothing.
+            data.qvel[data.qvel == 0.0] = -0.0
 
-    def follow_paths(self, data: Any, time: float) -> None:
-        """Put kinematic bodies on their paths, with their velocities, at `time`."""
-        for entity in self.kinematic:
-            if entity not in self._paths:
-                data.qvel[self._dofs[entity]] = 0.0
-                continue
-            position, quaternion, velocity, turn = self._paths[entity][1].at(time)
-            at, dof = self._qpos[entity], self._dofs[entity][0]
-            data.qpos[at : at + 3], data.qpos[at + 3 : at + 7] = position, quaternion
-            data.qvel[dof : dof + 3], data.qvel[dof + 3 : dof + 6] = velocity, turn
+    # ------------------------------------------------------------------ paths
+
+    def plan_paths(self, start: float, dt: float, count: int) -> None:
+        """Sample all paths at `count` steps of `dt` from `start` [s]."""
+        times = start + dt * np.arange(count + 1)
+        self._samples = []
+        for entity in sorted(self.kinematic):
+            qpos, dof = self._free[entity], self._dofs[entity][0]
+            if entity in self._paths:
+                poses, twists = self._paths[entity].sample(times)
+            else:
+                poses, twists = np.tile(self._pose[qpos : qpos + 7], (count + 1, 1)), np.zeros((count + 1, 6))
+            self._samples.append(PathSamples(qpos, dof, poses, twists))
+
+    def follow_paths(self, data: Any, step: int, dt: float) -> None:
+        """Put kinematic bodies on their paths at the planned step.
+
+        The force that the path's acceleration takes is applied too, so that what hangs on such a body feels it.
+        """
+        for path in self._samples:
+            at, dof = path.qpos, path.dof
+            data.qpos[at : at + 7] = path.poses[step]
+            data.qvel[dof : dof + 6] = path.twists[step]
+            if step + 1 < len(path.twists):
+                dofs = slice(dof, dof + 6)
+                data.qfrc_applied[dofs] = self.holds.armature(dofs) * (path.twists[step + 1] - path.twists[step]) / dt
 
     def start_velocities(self, data: Any) -> None:
         """Set the declared velocities at frame 0."""
@@ -169,18 +245,17 @@ class Drivers:
             linear, angular = np.array(contract.physics.linear_velocity), np.array(contract.physics.angular_velocity)
             if not linear.any() and not angular.any():
                 continue
-            if model.dof_jntid[dofs[0]] < 0 or len(dofs) != 6:
-                raise InputError(f"entity {entity!r} hangs on a joint; give it its motion with a motor or force driver")
-            at = self._qpos[entity]
-            conjugate = data.qpos[at + 3 : at + 7] * np.array([1.0, -1.0, -1.0, -1.0])
-            local = quaternion_product(quaternion_product(conjugate, np.array([0.0, *angular])), data.qpos[at + 3 : at + 7])[1:]
-            body = model.dof_bodyid[dofs[0]]
-            arm = data.xpos[body] - data.xipos[body]
-            data.qvel[dofs[:3]] = linear + np.cross(angular, arm)
-            data.qvel[dofs[3:6]] = local
+            if entity not in self._free:
+                raise InputError(
+                    f"entity {entity!r} hangs on a joint and cannot start with a velocity; give it a motor or force driver"
+                )
+            body, at = int(model.dof_bodyid[dofs[0]]), self._free[entity]
+            center = data.subtree_com[body] if len(self._bodies[entity]) > 1 else data.xipos[body]
+            data.qvel[dofs[:3]] = linear + np.cross(angular, data.xpos[body] - center)
+            data.qvel[dofs[3:6]] = rotation_matrix(data.qpos[at + 3 : at + 7]).T @ angular
 
     def active(self, start: float, end: float) -> Any:
-        """Which drivers acted during [start, end], u1, shape (drivers,)."""
+        """Which drivers acted during [start, end), u1, shape (drivers,)."""
         flags = []
         for driver in self._drivers.values():
             if isinstance(driver, ReleaseDriver | DetachDriver):

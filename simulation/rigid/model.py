@@ -1,11 +1,12 @@
 """Specification and built entities -> MuJoCo model.
 
-Every entity becomes bodies; static ones are welded to the world, kinematic and held ones get an inertia so large
-that nothing moves them (`HOLD_FACTOR`), so that contacts still see their velocity.
+Every entity becomes bodies; static ones are welded to the world, kinematic and held ones are free bodies that `holds`
+makes immovable.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,27 +14,31 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64, RigidPose, compose, pose_of
-from ...worlds.built import BuiltEntity, Convex
+from ...worlds.built import BuiltEntity, BuiltPart, Convex
 from ...worlds.errors import InputError
 from ...worlds.spec import (
-    BallJoint,
     DetachDriver,
     HingeJoint,
     MotorDriver,
+    RigidPhysics,
     RigidSettings,
+    Rope,
     SlideJoint,
     SpringJoint,
     WeldJoint,
     WorldSpec,
 )
-from .contact_law import IMPEDANCE, contact_reference
+from .contact_law import IMPEDANCE, Restitution, contact_reference
+from .holds import FIXED, MOVING
 
 __all__ = ["RigidModel", "build_model"]
 
 SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0)
-"""MuJoCo `solimp`: constant, so that the contact is the linear spring-damper that `contact_law` calibrates."""
+"""MuJoCo `solimp`: constant, so that a contact is the linear law of `contact_law`."""
+JOINT_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
+"""The same for welds, connections, limits and dry friction of joints; stiffer, for they carry loads without skins."""
 JOINT_STEPS = 4.0
-"""Natural period / 2 pi of equality constraints and limits, in steps."""
+"""Natural period / 2 pi of welds, connections and limits, in steps; they are critically damped."""
 DENSE_LIMIT = 1500
 """Degrees of freedom up to which Newton with a dense Jacobian is used (4.0.0's sparse Hessian is wrong)."""
 MAX_PAIR_GEOMS = 2000
@@ -55,10 +60,11 @@ class RigidModel:
     joints: tuple[str, ...]
     joint_qpos: Any
     """qpos address per entry of `joints`."""
-    restitution: Any
-    """Restitution per geom, shape (ngeom,)."""
-    pair_restitution: Any
-    """Restitution per explicit pair, shape (npair,)."""
+    restitution: Restitution
+    excess: F64
+    """How far the visible surface reaches outside the collision shape, per geom [m], shape (ngeom,)."""
+    exclude_of: dict[str, int] = field(default_factory=dict)
+    """Exclusion per weld that a driver can open."""
     eq_of: dict[str, int] = field(default_factory=dict)
     tendon_of: dict[str, int] = field(default_factory=dict)
     actuator_of: dict[str, int] = field(default_factory=dict)
@@ -93,7 +99,9 @@ def _joint_tree(spec: WorldSpec, members: frozenset[str]) -> dict[str, str]:
 
 
 class _Builder:
-    def __init__(self, spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tuple[str, ...], settings: RigidSettings) -> None:
+    def __init__(
+        self, spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tuple[str, ...], settings: RigidSettings
+    ) -> None:
         import mujoco
 
         self.mj = mujoco
@@ -103,8 +111,10 @@ class _Builder:
         self.made: dict[str, Any] = {}
         self.world_pose: dict[str, RigidPose] = {}
         self.geom_entity: dict[str, str] = {}
-        self.geom_restitution: dict[str, float] = {}
+        self.geom_material: dict[str, str] = {}
+        self.geom_excess: dict[str, float] = {}
         self.geoms_of: dict[str, list[str]] = {m: [] for m in members}
+        self.dragged: dict[str, float] = {}
         self.body_names: list[str] = []
         self.joint_names: list[str] = []
 
@@ -112,8 +122,7 @@ class _Builder:
         mujoco, option = self.mj, self.out.option
         option.timestep = self.settings.step
         option.gravity = self.spec.simulation.gravity
-        # Under `discrete` contact springs are implicit: a declared restitution of 0.9 measures 0.64. An instance
-        # that also owns elastic members will need it; a purely rigid one is exact with implicitfast.
+        # `discrete` solves the gyroscopic and contact terms implicitly and damps both; elastic members will need it.
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         dense = dof_estimate <= DENSE_LIMIT
@@ -129,7 +138,7 @@ class _Builder:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SPECULATIVE)
         self.out.memory = max(64 << 20, dof_estimate * (96 << 10))
 
-    def _geom(self, body: Any, name: str, piece: Convex, entity: str, material: str) -> None:
+    def _geom(self, body: Any, name: str, piece: Convex, entity: str, part: BuiltPart) -> None:
         mujoco = self.mj
         kinds = {
             "box": mujoco.mjtGeom.mjGEOM_BOX,
@@ -139,7 +148,7 @@ class _Builder:
             "hull": mujoco.mjtGeom.mjGEOM_MESH,
             "heightfield": mujoco.mjtGeom.mjGEOM_HFIELD,
         }
-        matter = self.spec.materials[material]
+        matter = self.spec.materials[part.material]
         geom = body.add_geom(name=name, type=kinds[piece.kind], pos=piece.pose.position, quat=piece.pose.quaternion)
         if piece.kind == "hull":
             mesh = self.out.add_mesh(name=name)
@@ -147,6 +156,8 @@ class _Builder:
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
             geom.meshname = name
         elif piece.kind == "heightfield":
+            if self.spec.entities[entity].motion != "static":
+                raise InputError(f"entity {entity!r} is a height field, which cannot move; make it static or a mesh")
             low, span = float(piece.points.min()), float(np.ptp(piece.points)) or 1e-6
             field_ = self.out.add_hfield(name=name, nrow=piece.points.shape[0], ncol=piece.points.shape[1])
             field_.size = [piece.params[0], piece.params[1], span, piece.params[2]]
@@ -157,11 +168,17 @@ class _Builder:
             geom.size = [*piece.params, *([0.0] * (3 - len(piece.params)))]
         geom.mass = 0.0
         geom.condim = 6 if matter.rolling_friction > 0 else 3
-        geom.friction = [matter.friction, max(matter.rolling_friction, ROLLING_DEFAULT), max(matter.rolling_friction, ROLLING_DEFAULT)]
-        geom.margin = self.settings.skin
+        geom.friction = [
+            matter.friction,
+            max(matter.rolling_friction, ROLLING_DEFAULT),
+            max(matter.rolling_friction, ROLLING_DEFAULT),
+        ]
+        # Where the visible surface reaches outside the collision shape, the skin grows by as much.
+        geom.margin = self.settings.skin + part.deviation[1]
         geom.solimp = SOLIMP
-        self.geom_entity[name] = entity
-        self.geom_restitution[name] = matter.restitution
+        geom.contype, geom.conaffinity = FIXED if self.spec.entities[entity].motion == "static" else MOVING
+        self.geom_entity[name], self.geom_material[name] = entity, part.material
+        self.geom_excess[name] = part.deviation[1]
         self.geoms_of[entity].append(name)
 
     def _fill(self, body: Any, entity: str, name: str) -> None:
@@ -174,7 +191,7 @@ class _Builder:
         body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
         for part in built.parts_of(name):
             for k, piece in enumerate(part.collision):
-                self._geom(body, f"{entity}/{part.part}/{k}", piece, entity, part.material)
+                self._geom(body, f"{entity}/{part.part}/{k}", piece, entity, part)
 
     def _child(self, parent: Any, parent_pose: RigidPose, name: str, pose: RigidPose) -> Any:
         local = compose(parent_pose.inverse(), pose)
@@ -211,6 +228,12 @@ class _Builder:
         entity, built = self.spec.entities[name], self.built[name]
         base = pose_of(entity.pose)
         if entity.generator is not None:
+            if name in self.tree:
+                raise InputError(
+                    f"joint {self.tree[name]!r}: a rope cannot be a child; use attach_start and attach_end of its generator"
+                )
+            if entity.motion != "dynamic":
+                raise InputError(f"rope {name!r} must have motion 'dynamic', not {entity.motion!r}")
             self._rope(name, base)
             return
         pose = compose(base, built.bodies[0].pose)
@@ -235,7 +258,11 @@ class _Builder:
     def _rope(self, name: str, base: RigidPose) -> None:
         mujoco, rope = self.mj, self.spec.entities[name].generator
         assert rope is not None
-        parent, parent_pose, previous = self.out.worldbody, _ORIGIN, ""
+        parent, parent_pose = self.out.worldbody, _ORIGIN
+        for end in (rope.attach_start, rope.attach_end):
+            if end not in (None, "world") and (end not in self.members or self.spec.entities[str(end)].generator is not None):
+                raise InputError(f"rope {name!r} is attached to {end!r}, which is no body of the same solver instance")
+        near = self._near_segments(name, rope)
         for k, part in enumerate(self.built[name].bodies):
             pose = compose(base, part.pose)
             half = _half_length(self.built[name], part.name)
@@ -250,23 +277,29 @@ class _Builder:
                 joint.stiffness[0], joint.damping[0] = rope.stiffness, rope.damping
             self._fill(body, name, part.name)
             self.body_names.append(f"{name}/{part.name}")
-            if previous:
-                self.out.add_exclude(bodyname1=previous, bodyname2=body.name)
-            parent, parent_pose, previous = body, pose, body.name
+            for back in range(max(0, k - near), k):
+                other = self.built[name].bodies[back].name
+                self.out.add_exclude(bodyname1=f"{name}/{other}", bodyname2=f"{name}/{part.name}")
+            parent, parent_pose = body, pose
         self.made[name], self.world_pose[name] = parent, parent_pose
         if rope.attach_end is not None:
             last = self.built[name].bodies[-1]
             tip = _half_length(self.built[name], last.name)
             equality = self.out.add_equality(name=f"end/{name}", type=mujoco.mjtEq.mjEQ_CONNECT, objtype=mujoco.mjtObj.mjOBJ_BODY)
-            equality.name1 = previous
+            equality.name1 = f"{name}/{last.name}"
             if rope.attach_end != "world":
                 self.entity(rope.attach_end)
                 equality.name2 = rope.attach_end
             equality.data[:3] = [0, 0, tip]
-        for end in (rope.attach_start, rope.attach_end):
-            if end not in (None, "world"):
-                for part in self.built[name].bodies:
-                    self.out.add_exclude(bodyname1=f"{name}/{part.name}", bodyname2=str(end))
+        segments = [b.name for b in self.built[name].bodies]
+        for end, touching in ((rope.attach_start, segments[:near]), (rope.attach_end, segments[-near:])):
+            for segment in touching if end not in (None, "world") else ():
+                self.out.add_exclude(bodyname1=f"{name}/{segment}", bodyname2=str(end))
+
+    def _near_segments(self, name: str, rope: Rope) -> int:
+        """How many segments on touch a segment by construction."""
+        length = 2 * min(_half_length(self.built[name], b.name) for b in self.built[name].bodies)
+        return 1 + math.ceil((2 * rope.radius + 2 * self.settings.skin) / max(length, 1e-9))
 
     def links(self) -> None:
         """Springs, detachable welds, excluded and special contact pairs, motors."""
@@ -274,18 +307,24 @@ class _Builder:
         for name, joint in plan.joints.items():
             if joint.child not in self.members:
                 continue
+            for side in (joint.parent, joint.child):
+                if side is not None and side not in self.made:
+                    raise InputError(f"joint {name!r} names {side!r}, which is not a member of the same solver instance; add it")
             if isinstance(joint, SpringJoint):
                 self._spring(name, joint)
                 continue
+            parent_pose = _ORIGIN if joint.parent is None else self.world_pose[joint.parent]
             if isinstance(joint, WeldJoint) and self.tree.get(joint.child) != name:
                 equality = self.out.add_equality(name=name, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
-                equality.name1 = joint.child
-                equality.name2 = joint.parent or "world"
-                local = self.world_pose[joint.child].inverse().apply(np.array([joint.anchor]))[0]
+                equality.name1 = self.made[joint.child].name
+                equality.name2 = "world" if joint.parent is None else self.made[joint.parent].name
+                # Layout: anchor in body 2 [0:3], relative pose [3:10] (zero: the pose of the model), torque scale [10].
+                local = parent_pose.inverse().apply(np.array([joint.anchor]))[0]
                 equality.data[0:3] = local
                 equality.data[10] = 1.0
             if not joint.collide and joint.parent is not None:
-                self.out.add_exclude(bodyname1=joint.parent, bodyname2=joint.child)
+                names = (self.made[joint.parent].name, self.made[joint.child].name)
+                self.out.add_exclude(name=name, bodyname1=names[0], bodyname2=names[1])
         for name, driver in plan.drivers.items():
             if isinstance(driver, MotorDriver) and driver.joint in self.joint_names:
                 gain = driver.max_effort / max(0.05 * abs(driver.velocity), 1e-3)
@@ -293,6 +332,17 @@ class _Builder:
                 actuator.set_to_velocity(kv=gain)
                 actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
                 actuator.forcerange = [-driver.max_effort, driver.max_effort]
+
+    def drag(self) -> None:
+        """Viscous drag of free bodies, at the origin of their frame."""
+        for name in self.members:
+            entity = self.spec.entities[name]
+            physics = entity.physics
+            if not isinstance(physics, RigidPhysics) or physics.linear_damping == 0 or entity.motion != "dynamic":
+                continue
+            if name in self.tree or entity.generator is not None:
+                raise InputError(f"entity {name!r}: linear_damping works on free bodies only; give its joint a damping instead")
+            self.dragged[f"free/{name}"] = physics.linear_damping
 
     def _spring(self, name: str, joint: SpringJoint) -> None:
         sites = []
@@ -310,28 +360,32 @@ class _Builder:
         for site in sites:
             tendon.wrap_site(site)
 
-    def pairs(self) -> list[float]:
-        """Explicit pairs with their own friction and restitution; returns their restitutions."""
-        values: list[float] = []
-        for name, pair in self.spec.simulation.contacts.items():
-            if pair.a not in self.members or pair.b not in self.members:
+    def pairs(self) -> dict[tuple[str, str], float]:
+        """Explicit pairs with their own friction; returns the restitutions of pairs that have their own."""
+        values: dict[tuple[str, str], float] = {}
+        plan, matter = self.spec.simulation, self.spec.materials
+        fastened = [j for j in plan.joints.values() if not isinstance(j, SpringJoint) and not j.collide]
+        joined = {frozenset((j.parent, j.child)) for j in fastened}
+        for name, pair in plan.contacts.items():
+            if pair.a not in self.members or pair.b not in self.members or frozenset((pair.a, pair.b)) in joined:
                 continue
-            combos = [(g, h) for g in self.geoms_of[pair.a] for h in self.geoms_of[pair.b]]
+            if pair.restitution is not None:
+                values[pair.a, pair.b] = pair.restitution
+            if pair.friction is None:
+                continue
+            combos = [(g, h) for g in self.geoms_of[pair.a] for h in self.geoms_of[pair.b] if g != h]
             if len(combos) > MAX_PAIR_GEOMS:
                 raise InputError(
-                    f"contact {name!r} joins {len(combos)} pieces, at most {MAX_PAIR_GEOMS}; give one of the entities fewer parts or segments"
+                    f"contact {name!r} joins {len(combos)} pieces, at most {MAX_PAIR_GEOMS}; "
+                    "give one of the entities fewer parts or segments"
                 )
-            mixed = {e: self.spec.materials[self.spec.entities[e].material] for e in (pair.a, pair.b)}
-            friction = pair.friction if pair.friction is not None else max(m.friction for m in mixed.values())
-            rolling = max(ROLLING_DEFAULT, *(m.rolling_friction for m in mixed.values()))
-            bounce = pair.restitution if pair.restitution is not None else min(m.restitution for m in mixed.values())
-            for g, h in combos:
-                made = self.out.add_pair(name=f"{name}/{len(values)}", geomname1=g, geomname2=h)
-                made.friction = [friction, friction, rolling, rolling, rolling]
-                made.condim = 6 if rolling > ROLLING_DEFAULT else 3
-                made.margin = 2 * self.settings.skin
+            for k, (g, h) in enumerate(combos):
+                rolling = max(matter[self.geom_material[x]].rolling_friction for x in (g, h))
+                made = self.out.add_pair(name=f"{name}/{k}", geomname1=g, geomname2=h)
+                made.friction = [pair.friction, pair.friction, *[max(rolling, ROLLING_DEFAULT)] * 3]
+                made.condim = 6 if rolling > 0 else 3
+                made.margin = 2 * self.settings.skin + self.geom_excess[g] + self.geom_excess[h]
                 made.solimp = SOLIMP
-                values.append(bounce)
         return values
 
 
@@ -342,7 +396,9 @@ def _half_length(built: BuiltEntity, body: str) -> float:
     return float(built.parts_of(body)[0].collision[0].params[1])
 
 
-def build_model(spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tuple[str, ...], settings: RigidSettings) -> RigidModel:
+def build_model(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tuple[str, ...], settings: RigidSettings
+) -> RigidModel:
     """Compile the model of one solver instance.
 
     Raises:
@@ -355,6 +411,7 @@ def build_model(spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tupl
     for name in members:
         builder.entity(name)
     builder.links()
+    builder.drag()
     bounces = builder.pairs()
     try:
         model = builder.out.compile()
@@ -364,28 +421,40 @@ def build_model(spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tupl
     rank = {name: i for i, name in enumerate(colliders)}
     geom_names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, g) for g in range(model.ngeom)]
     body_ids = [model.body(n.removesuffix("/body")).id for n in builder.body_names]
+    geom_collider = np.array([rank[builder.geom_entity[g]] for g in geom_names], dtype=np.int64)
     result = RigidModel(
         model=model,
         colliders=colliders,
         bodies=tuple(builder.body_names),
         body_ids=np.array(body_ids, dtype=np.int64),
-        geom_collider=np.array([rank[builder.geom_entity[g]] for g in geom_names], dtype=np.int64),
+        geom_collider=geom_collider,
         joints=tuple(builder.joint_names),
         joint_qpos=np.array([model.joint(n).qposadr[0] for n in builder.joint_names], dtype=np.int64),
-        restitution=np.array([builder.geom_restitution[g] for g in geom_names]),
-        pair_restitution=np.array(bounces),
+        restitution=Restitution(
+            np.array([spec.materials[builder.geom_material[g]].restitution for g in geom_names]),
+            model.geom_bodyid.copy(),
+            geom_collider,
+            {(rank[a], rank[b]): value for (a, b), value in bounces.items()},
+        ),
+        excess=np.array([builder.geom_excess[g] for g in geom_names]),
     )
     for name in spec.simulation.joints:
         equality = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, name)
         tendon = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, name)
+        exclude = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EXCLUDE, name)
         if equality >= 0:
             result.eq_of[name] = equality
+        if equality >= 0 and exclude >= 0:
+            result.exclude_of[name] = exclude
         if tendon >= 0:
             result.tendon_of[name] = tendon
     for name in spec.simulation.drivers:
         actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
         if actuator >= 0:
             result.actuator_of[name] = actuator
+    for name, damping in builder.dragged.items():
+        start = int(model.joint(name).dofadr[0])
+        model.dof_damping[start : start + 3] = damping
     set_contact_law(result, settings.contact_steps, settings.step)
     return result
 
@@ -394,12 +463,12 @@ def set_contact_law(rigid: RigidModel, steps: float, dt: float) -> None:
     """Write step and contact, limit and equality stiffness for a time step `dt` [s]."""
     model = rigid.model
     model.opt.timestep = dt
-    for values, target in ((rigid.restitution, model.geom_solref), (rigid.pair_restitution, model.pair_solref)):
-        for e in np.unique(values):
-            k, b = contact_reference(float(e), steps, dt)
-            target[values == e] = (-k, -b)
-    k, b = contact_reference(0.0, JOINT_STEPS, dt)
-    for target in (model.eq_solref, model.jnt_solref):
+    k, b = contact_reference(steps, dt)
+    for target in (model.geom_solref, model.pair_solref):
         target[:] = (-k, -b)
-    for target in (model.eq_solimp, model.jnt_solimp):
-        target[:] = SOLIMP
+    omega = 1.0 / (JOINT_STEPS * dt)
+    for target in (model.eq_solref, model.jnt_solref):
+        target[:] = (-(omega**2), -2.0 * omega)
+    model.dof_solref[:] = (-((1.0 / dt) ** 2), -1.0 / dt)
+    for target in (model.eq_solimp, model.jnt_solimp, model.dof_solimp):
+        target[:] = JOINT_SOLIMP

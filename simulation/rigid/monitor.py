@@ -1,139 +1,253 @@
-"""Contact bookkeeping at step resolution: events, summed impulses, clearances, driver work."""
+"""Contact bookkeeping at step resolution: events, summed impulses, clearances.
+
+Per step only what MuJoCo lists is copied; a frame's worth is evaluated at once.
+"""
 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...worlds.arrays import F64
+from .holds import FIXED
 from .model import RigidModel
 
 __all__ = ["ContactMonitor"]
 
 DEBOUNCE = 0.005
 """A pair that touches again within this time [s] continues its contact; no new event."""
+BATCH = 256
+"""Steps after which what was copied is evaluated, so that a long preroll needs no memory."""
+_NEVER = -1e9
+
+
+@dataclass
+class _Steps:
+    """Copies of one batch, one entry per step with contacts."""
+
+    rows: list[Any]
+    geoms: list[Any]
+    gaps: list[Any]
+    points: list[Any]
+    forces: list[Any]
+    speeds: list[Any]
+    times: list[float]
+    lengths: list[float]
+
+    @classmethod
+    def empty(cls) -> _Steps:
+        return cls([], [], [], [], [], [], [], [])
+
+
+@dataclass
+class _Event:
+    time: float
+    key: int
+    point: F64
+    speed: float
+    impulse: float
 
 
 class ContactMonitor:
-    """Accumulates one frame. The contact memory outlives frames and is part of checkpoints.
+    """Accumulates one frame. The memory of contacts outlives frames and is part of checkpoints.
 
-    A pair is *touching* while MuJoCo lists it. Sleeping bodies have no contacts, so their pairs wait as *dormant*
-    and resume without an event when the body wakes.
+    A pair *touches* in a step in which MuJoCo solves a contact of it. An event is a touch after more than `DEBOUNCE`
+    without one. Contacts among sleeping bodies are not listed: a pair that was last seen when one of its bodies fell
+    asleep, and is seen again when that body wakes, touched all the while.
     """
 
     def __init__(self, rigid: RigidModel) -> None:
         self.rigid = rigid
         self.count = len(rigid.colliders)
-        self.touching: set[int] = set()
-        self.dormant: set[int] = set()
-        self.left: dict[int, float] = {}
-        self.awake = -1
-        self._trees: list[frozenset[int]] = [frozenset() for _ in range(self.count)]
-        for geom in range(rigid.model.ngeom):
-            tree = int(rigid.model.body_treeid[rigid.model.geom_bodyid[geom]])
-            if tree >= 0:
-                self._trees[rigid.geom_collider[geom]] |= {tree}
+        trees = rigid.model.body_treeid[rigid.model.geom_bodyid]
+        self._trees: list[NDArray[np.int64]] = []
+        for collider in range(self.count):
+            own = np.unique(trees[rigid.geom_collider == collider])
+            self._trees.append(own[own >= 0].astype(np.int64))
+        self.seen: dict[int, float] = {}
+        """Time [s] at which each pair touched last."""
+        self.slept = np.full(rigid.model.ntree, np.inf)
+        self.woke = np.full(rigid.model.ntree, _NEVER)
+        self._awake = b""
         self.begin()
 
     def begin(self) -> None:
         """Start a frame."""
-        self._keys: list[Any] = []
-        self._forces: list[Any] = []
-        self._gaps: list[Any] = []
-        self._steps: list[float] = []
-        self.events: list[tuple[float, int, Any, float, int]] = []
+        self._steps = _Steps.empty()
+        self._events: list[_Event] = []
+        self._total: dict[int, list[float]] = {}
         self.max_contacts = 0
         self.iterations = 0
         self.capped = 0
 
     def memory(self) -> bytes:
         """The contact memory as bytes."""
-        state = [sorted(self.touching), sorted(self.dormant), sorted(self.left.items()), self.awake]
-        return json.dumps(state).encode()
+        asleep = np.flatnonzero(np.isfinite(self.slept)).tolist()
+        return json.dumps([sorted(self.seen.items()), [(t, self.slept[t], self.woke[t]) for t in asleep]]).encode()
 
     def recall(self, memory: bytes) -> None:
         """Return to a contact memory and start the frame anew."""
-        touching, dormant, left, self.awake = json.loads(memory)
-        self.touching, self.dormant = set(touching), set(dormant)
-        self.left = {int(k): float(t) for k, t in left}
+        seen, asleep = json.loads(memory)
+        self.seen = {int(k): float(t) for k, t in seen}
+        self.slept[:], self.woke[:] = np.inf, _NEVER
+        for tree, slept, woke in asleep:
+            self.slept[tree], self.woke[tree] = slept, woke
+        self._awake = b""
         self.begin()
 
-    def _asleep(self, key: int, asleep: Any) -> bool:
-        a, b = divmod(key, self.count)
-        return any(asleep[t] >= 0 for t in self._trees[a] | self._trees[b])
+    def wake_all(self, time: float) -> None:
+        """Note that every sleeping body was woken at `time` [s], as a restored checkpoint does."""
+        sleeping = np.isfinite(self.slept) & (self.woke < self.slept)
+        self.woke[sleeping] = time
+
+    def adopt(self, data: Any, time: float) -> None:
+        """Take the contacts listed in `data` as having begun before `time` [s]."""
+        if data.ncon:
+            for key in np.unique(self._keys(data.contact.geom)).tolist():
+                self.seen[key] = time
+
+    def _keys(self, geoms: Any) -> NDArray[np.int64]:
+        sides = self.rigid.geom_collider[geoms]
+        return np.asarray(sides.min(axis=1) * self.count + sides.max(axis=1))
+
+    # ------------------------------------------------------------------ per step
 
     def after_step(self, data: Any, time: float, dt: float) -> None:
         """Record the step that ended at `time` [s]; contacts are those of its beginning."""
-        if data.nefc:
-            worst = int(data.solver_niter[: max(1, data.nisland)].max())
-            self.iterations = max(self.iterations, worst)
-            self.capped += worst >= self.rigid.model.opt.iterations
-        current: set[int] = set()
-        contact = data.contact
-        if data.ncon:
-            self.max_contacts = max(self.max_contacts, data.ncon)
-            rows = contact.efc_address
-            sides = self.rigid.geom_collider[contact.geom]
-            keys = sides.min(axis=1) * self.count + sides.max(axis=1)
-            live = rows >= 0
-            force = np.where(live, data.efc_force[np.where(live, rows, 0)], 0.0)
-            self._keys.append(keys)
-            self._forces.append(force)
-            self._gaps.append(contact.dist.copy())
-            self._steps.append(dt)
-            current = set(keys[live].tolist())
-        if data.ntree_awake != self.awake:
-            self.awake = int(data.ntree_awake)
-            asleep = data.tree_asleep
-            woken = {k for k in self.dormant if not self._asleep(k, asleep)}
-            self.dormant -= woken
-            self.touching |= woken
-        if current == self.touching:
+        awake = data.body_awake_ind[: data.nbody_awake].tobytes()
+        if awake != self._awake:
+            self._note_sleep(data, time)
+            self._awake = awake
+        if not data.ncon:
             return
-        for key in sorted(current - self.touching):
-            if key in self.dormant:
-                self.dormant.discard(key)
-            elif time - self.left.get(key, -np.inf) > DEBOUNCE:
-                first = int(np.flatnonzero((keys == key) & live)[0])
-                speed = float(-data.efc_vel[rows[first]])
-                self.events.append((time, key, contact.pos[first].copy(), speed, len(self._keys) - 1))
-        for key in self.touching - current:
-            if self._asleep(key, data.tree_asleep):
-                self.dormant.add(key)
-            else:
-                self.left[key] = time
-        self.touching = current
+        if data.nefc:
+            worst = int(data.solver_niter[: data.nisland or 1].max())
+            if worst > self.iterations:
+                self.iterations = worst
+            self.capped += worst >= self.rigid.model.opt.iterations
+            steps, contact = self._steps, data.contact
+            rows = contact.efc_address.copy()
+            steps.rows.append(rows)
+            steps.geoms.append(contact.geom.copy())
+            steps.gaps.append(contact.dist.copy())
+            steps.points.append(contact.pos.copy())
+            steps.forces.append(data.efc_force[rows])
+            steps.speeds.append(data.efc_vel[rows])
+            steps.times.append(time)
+            steps.lengths.append(dt)
+            if len(steps.times) >= BATCH:
+                self._evaluate()
+        self.max_contacts = max(self.max_contacts, data.ncon)
+
+    def _note_sleep(self, data: Any, time: float) -> None:
+        self._evaluate()
+        asleep = data.tree_asleep >= 0
+        before = np.isfinite(self.slept) & (self.woke < self.slept)
+        self.slept[asleep & ~before] = time
+        self.woke[asleep & ~before] = _NEVER
+        self.woke[before & ~asleep] = time
+
+    # ------------------------------------------------------------------ per frame
+
+    def _slept_through(self, key: int, last: float, now: float, dt: float) -> bool:
+        """Whether a pair was not seen from `last` to `now` only because a body of it slept."""
+        for side in divmod(key, self.count):
+            for tree in self._trees[side]:
+                slept, woke = self.slept[tree], self.woke[tree]
+                if abs(slept - last) <= DEBOUNCE and last <= woke and now - woke <= DEBOUNCE + dt:
+                    return True
+        return False
+
+    def _evaluate(self) -> None:
+        """Turn the copied steps into totals and events."""
+        steps = self._steps
+        if not steps.times:
+            return
+        self._steps = _Steps.empty()
+        rows = np.concatenate(steps.rows)
+        sizes = [len(r) for r in steps.rows]
+        place = np.repeat(np.arange(len(sizes)), sizes)
+        geoms = np.concatenate(steps.geoms)
+        keys = self._keys(geoms)
+        live = rows >= 0
+        fixed = (self.rigid.model.geom_contype[geoms] == FIXED[0]).all(axis=1)
+        force = np.where(live & ~fixed, np.concatenate(steps.forces), 0.0)
+        gaps = np.concatenate(steps.gaps)
+        times, lengths = np.array(steps.times), np.array(steps.lengths)
+        impulse = force * lengths[place]
+        pairs, inverse = np.unique(keys, return_inverse=True)
+        total = np.bincount(inverse, weights=impulse)
+        nearest = np.full(len(pairs), np.inf)
+        np.minimum.at(nearest, inverse, gaps)
+        code, which = np.unique(inverse * len(sizes) + place, return_inverse=True)
+        per_step = np.bincount(which, weights=force)
+        strongest = np.zeros(len(pairs))
+        np.maximum.at(strongest, code // len(sizes), per_step)
+        given = dict(zip(pairs.tolist(), total.tolist(), strict=True))
+        for event in self._events:
+            event.impulse += given.get(event.key, 0.0)
+        for key, a, b, c in zip(pairs.tolist(), total.tolist(), strongest.tolist(), nearest.tolist(), strict=True):
+            old = self._total.get(key, [0.0, 0.0, np.inf])
+            self._total[key] = [old[0] + a, max(old[1], b), min(old[2], c)]
+        touching = np.bincount(which, weights=live) > 0
+        self._find_events(steps, pairs, code[touching], len(sizes), times, lengths, keys, place, live, impulse)
+
+    def _find_events(
+        self,
+        steps: _Steps,
+        pairs: NDArray[np.int64],
+        touches: NDArray[np.int64],
+        count: int,
+        times: F64,
+        lengths: F64,
+        keys: NDArray[np.int64],
+        place: NDArray[np.int64],
+        live: NDArray[np.bool_],
+        impulse: F64,
+    ) -> None:
+        """Touches are sorted by (pair, step); an event is the first touch after a pause."""
+        pair, step = np.divmod(touches, count)
+        when = times[step]
+        before = np.empty(len(touches))
+        heads = np.flatnonzero(np.diff(pair, prepend=-1) != 0)
+        before[1:] = when[:-1]
+        before[heads] = [self.seen.get(int(k), _NEVER) for k in pairs[pair[heads]]]
+        tails = np.append(heads[1:], len(touches)) - 1
+        last = dict(zip(pairs[pair[tails]].tolist(), when[tails].tolist(), strict=True)) if len(touches) else {}
+        self.seen.update(last)
+        fresh = np.flatnonzero(when - before > DEBOUNCE + lengths[step])
+        if not len(fresh):
+            return
+        points, speeds = np.concatenate(steps.points), -np.concatenate(steps.speeds)
+        found = []
+        for i in fresh:
+            key, at = int(pairs[pair[i]]), int(step[i])
+            if self._slept_through(key, float(before[i]), float(when[i]), float(lengths[at])):
+                continue
+            mine = keys == key
+            rows = np.flatnonzero(mine & live & (place == at))
+            first = rows[np.argmax(speeds[rows])]
+            given = float(impulse[mine & (place >= at)].sum())
+            found.append(_Event(float(when[i]), key, points[first].copy(), float(speeds[first]), given))
+        self._events += sorted(found, key=lambda e: (e.time, e.key))
 
     def arrays(self) -> dict[str, Any]:
         """Channels `contact/*` and `event/*` of the frame."""
-        events = self.events
-        if self._keys:
-            keys = np.concatenate(self._keys)
-            sizes = [len(k) for k in self._keys]
-            force = np.concatenate(self._forces)
-            impulse = force * np.repeat(self._steps, sizes)
-            at_step = np.repeat(np.arange(len(sizes)), sizes)
-            pairs, inverse = np.unique(keys, return_inverse=True)
-            per_step = np.zeros(0)
-            total = np.bincount(inverse, weights=impulse)
-            joint, place = np.unique(inverse * len(sizes) + at_step, return_inverse=True)
-            per_step = np.bincount(place, weights=force)
-            strongest = np.zeros(len(pairs))
-            np.maximum.at(strongest, joint // len(sizes), per_step)
-            nearest = np.full(len(pairs), np.inf)
-            np.minimum.at(nearest, inverse, np.concatenate(self._gaps))
-            given = [float(impulse[(keys == e[1]) & (at_step >= e[4])].sum()) for e in events]
-        else:
-            pairs, total, strongest, nearest, given = np.zeros(0, dtype=np.int64), *(np.zeros(0) for _ in range(3)), []
+        self._evaluate()
+        events, pairs = self._events, np.array(sorted(self._total), dtype=np.int64)
+        totals = np.array([self._total[k] for k in pairs.tolist()]).reshape(-1, 3)
         return {
             "contact/pair": np.stack([pairs // self.count, pairs % self.count], axis=-1).astype(np.int32),
-            "contact/impulse": total,
-            "contact/max_force": strongest,
-            "contact/min_gap": nearest,
-            "event/time": np.array([e[0] for e in events], dtype=np.float64),
-            "event/pair": np.array([divmod(e[1], self.count) for e in events], dtype=np.int32).reshape(-1, 2),
-            "event/point": np.array([e[2] for e in events], dtype=np.float64).reshape(-1, 3),
-            "event/speed": np.array([e[3] for e in events], dtype=np.float64),
-            "event/impulse": np.array(given, dtype=np.float64),
+            "contact/impulse": totals[:, 0].copy(),
+            "contact/max_force": totals[:, 1].copy(),
+            "contact/min_gap": totals[:, 2].copy(),
+            "event/time": np.array([e.time for e in events], dtype=np.float64),
+            "event/pair": np.array([divmod(e.key, self.count) for e in events], dtype=np.int32).reshape(-1, 2),
+            "event/point": np.array([e.point for e in events], dtype=np.float64).reshape(-1, 3),
+            "event/speed": np.array([e.speed for e in events], dtype=np.float64),
+            "event/impulse": np.array([e.impulse for e in events], dtype=np.float64),
         }

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,16 +17,24 @@ from ...worlds.cache import CacheIndex
 from ...worlds.errors import EngineError, InputError
 from ...worlds.spec import RigidSettings, WorldSpec
 from ..protocol import Channel, Port
+from .contact_law import rest_speed
 from .drivers import Drivers
+from .holds import FIXED
 from .model import RigidModel, build_model, set_contact_law
 from .monitor import ContactMonitor
+from .records import Ledger, velocities
+from .relax import open_skins
+from .work import DriverWork
 
 __all__ = ["SolverRigid"]
 
-RELAX_STEPS = 400
-"""Most overdamped steps that open the collision skins at frame 0."""
-RELAX_TOLERANCE = 0.02
-"""Relaxation ends when no contact lies deeper inside its skin than this fraction of it."""
+ADOPTED = 1.2
+"""Bodies within this many summed skins of each other count as touching at frame 0 and at a release."""
+GUARD = 2e-4
+"""Listed contacts closer than this [m] are measured again before a frame is accepted."""
+CLEAR = 1e-7
+"""Least accepted distance of visible surfaces at a frame [m]: covers the tolerance of GJK (1e-6 of it matters nowhere)."""
+MAGIC = b"WARS2"
 CHANNELS = (
     Channel("position", "f8", "m", ("bodies", "3"), "body"),
     Channel("quaternion", "f8", "1", ("bodies", "4"), "body"),
@@ -55,10 +65,11 @@ class SolverRigid:
         self.settings: RigidSettings = instance.settings
         self._frame_time = 1.0 / spec.simulation.fps
         self._work = 0.0
-        self._refined = 0
         self._overflows = 0
         self.relaxation = 0.0
         """Largest displacement of a body when the skins were opened [m]."""
+        self.refined = 0
+        """Halvings of the step that the present frame took."""
 
     def prepare(self) -> None:
         """Compile, open the skins, run the preroll, set the declared velocities: the state at frame 0.
@@ -73,158 +84,120 @@ class SolverRigid:
         self.rigid: RigidModel = build_model(self.spec, self.built, self.members, self.settings)
         self.model = self.rigid.model
         self.data = mujoco.MjData(self.model)
+        self._saved = mujoco.MjData(self.model)
         self.drivers = Drivers(self.spec, self.rigid, frozenset(self.members))
+        self.work = DriverWork(self.model, self.rigid.actuator_of, self.drivers)
         self.monitor = ContactMonitor(self.rigid)
-        kinematic = [b.split("/", 1)[0] in self.drivers.kinematic for b in self.rigid.bodies]
-        self._free = self.rigid.body_ids[~np.array(kinematic, dtype=bool)] if kinematic else self.rigid.body_ids
-        self._kinematic_dofs = np.array(
-            [d for e in sorted(self.drivers.kinematic) for d in self.drivers._dofs[e]], dtype=np.int64
-        )
-        preroll = self.spec.simulation.preroll
-        start = -preroll
-        self._relax(start)
-        if preroll > 0:
+        kinematic = np.array([b.split("/", 1)[0] in self.drivers.kinematic for b in self.rigid.bodies], dtype=bool)
+        self.ledger = Ledger(self.model, self.rigid.body_ids, kinematic)
+        start = -self.spec.simulation.preroll
+        self.drivers.remember_poses(self.data)
+        self.drivers.set_model(start, free=True)
+        self.drivers.plan_paths(start, self.settings.step, 0)
+        self.drivers.follow_paths(self.data, 0, self.settings.step)
+        self.relaxation = open_skins(self.rigid, self.data, self.settings)
+        self.drivers.remember_poses(self.data)
+        if start < 0:
             self._run(start, 0.0, self.settings.step)
         self.drivers.set_model(0.0)
-        mujoco.mj_kinematics(self.model, self.data)
+        self._settle_kinematics()
         self.drivers.start_velocities(self.data)
-        self.drivers.follow_paths(self.data, 0.0)
-        self.frame = 0
+        self._adopt_contacts(0.0)
         self._work = 0.0
-        self.monitor.begin()
         self.restore(self._bytes(), 0)
         self._finish_frame(0, self.settings.step)
 
-    def _relax(self, start: float) -> None:
-        """Open the skins: overdamped steps without gravity until no contact lies inside its skin.
-
-        Bodies placed exactly in contact would start inside the skin and be thrown apart; this moves each by at
-        most about one skin per contact below it, and is listed in the approximation register.
-        """
-        mujoco, model, data = self._mj, self.model, self.data
-        if self.settings.skin == 0:
-            return
-        self.drivers.set_model(start, free=True)
-        self.drivers.follow_paths(data, start)
-        gravity = model.opt.gravity.copy()
-        flags, damping = model.opt.enableflags, model.geom_solref.copy()
-        pair_damping, margins = model.pair_solref.copy(), model.geom_margin.copy()
-        pair_margins = model.pair_margin.copy()
-        model.opt.gravity[:] = 0.0
-        model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
-        set_contact_law(self.rigid, self.settings.contact_steps, self.settings.step)
-        mujoco.mj_forward(model, data)
-        before = data.xpos.copy()
-        for k in range(RELAX_STEPS):
-            grow = min(1.0, (k + 1) / (RELAX_STEPS / 4))
-            model.geom_margin[:] = margins * grow
-            model.pair_margin[:] = pair_margins * grow
-            mujoco.mj_step(model, data)
-            data.qvel[:] = 0.0
-            deepest = float((data.contact.dist - 2 * self.settings.skin).min()) if data.ncon else 0.0
-            if grow == 1.0 and deepest > -2 * RELAX_TOLERANCE * self.settings.skin:
-                break
-        model.opt.gravity[:] = gravity
-        model.opt.enableflags = flags
+    def _adopt_contacts(self, time: float) -> None:
+        """Bodies that touch, or nearly do, when the monitor starts to look at them make no event."""
+        model = self.model
+        margins, pair_margins = model.geom_margin.copy(), model.pair_margin.copy()
+        model.geom_margin[:], model.pair_margin[:] = margins * ADOPTED, pair_margins * ADOPTED
+        self._collide_all()
+        self.monitor.adopt(self.data, time)
         model.geom_margin[:], model.pair_margin[:] = margins, pair_margins
-        model.geom_solref[:], model.pair_solref[:] = damping, pair_damping
-        mujoco.mj_kinematics(model, data)
-        moved = np.linalg.norm(data.xpos - before, axis=1)
-        if not np.isfinite(moved).all():
-            raise EngineError("opening the collision skins at frame 0 diverged; check interpenetration at frame 0")
-        self.relaxation = float(moved[self.rigid.body_ids].max(initial=0.0))
-        data.qacc_warmstart[:] = 0.0
-        data.time = 0.0
 
     def max_stable_dt(self) -> float:
-        """Step at which the fastest body crosses half a skin's worth of contact: skin / (1.5 v); at least 20 us [s]."""
-        speed = float(np.abs(self._velocities()[0]).max(initial=0.0))
-        skin = 2 * max(self.settings.skin, 1e-5)
-        return max(2e-5, skin / (1.5 * speed)) if speed > 0 else self.settings.step
+        """Step in which the fastest body crosses the summed skins; at least 20 us [s]."""
+        speed = float(np.linalg.norm(velocities(self.model, self.data)[0], axis=1).max(initial=0.0))
+        return max(2e-5, 2 * self.settings.skin / speed) if speed > 0 else self.settings.step
 
     # ------------------------------------------------------------------ stepping
 
     def _run(self, start: float, end: float, step: float) -> int:
         """Step from `start` to `end` [s], switching drivers exactly at their times; returns the steps taken."""
-        mujoco, model, data, taken = self._mj, self.model, self.data, 0
+        data, taken = self.data, 0
+        held = self.drivers.held(start)
         stops = [start, *self.drivers.switch_times(start, end), end]
-        track_work = len(self._kinematic_dofs) > 0 or model.nu > 0 or bool(self.drivers.names)
-        for t0, t1 in zip(stops, stops[1:], strict=False):
-            count = max(1, round((t1 - t0) / step))
+        for t0, t1 in itertools.pairwise(stops):
+            count = max(1, math.ceil((t1 - t0) / step * (1 - 1e-9)))
             dt = (t1 - t0) / count
-            if dt > step * 1.0001:
-                count += 1
-                dt = (t1 - t0) / count
             set_contact_law(self.rigid, self.settings.contact_steps, dt)
             self.drivers.set_model(t0)
             self.drivers.set_data(data, t0)
-            for k in range(count):
-                if len(self._kinematic_dofs):
-                    self.drivers.follow_paths(data, t0 + k * dt)
-                mujoco.mj_step(model, data)
-                self.monitor.after_step(data, t0 + (k + 1) * dt, dt)
-                if track_work:
-                    self._work += self._power() * dt
+            self.drivers.plan_paths(t0, dt, count)
+            if held - self.drivers.held(t0):
+                self._adopt_contacts(t0)
+            held = self.drivers.held(t0)
+            self._segment(t0, dt, count)
             taken += count
-        if len(self._kinematic_dofs):
-            self.drivers.follow_paths(data, end)
         return taken
 
-    def _power(self) -> float:
-        """Power of drivers into the free bodies [W]."""
-        data = self.data
-        power = 0.0
-        if len(self._kinematic_dofs):
-            dofs = self._kinematic_dofs
-            power -= float(data.qfrc_constraint[dofs] @ data.qvel[dofs])
-        if self.model.nu:
-            power += float(data.actuator_force @ data.actuator_velocity)
-        if data.xfrc_applied.any():
-            power += float((data.xfrc_applied * self._body_twists()).sum())
-        return power
-
-    def _body_twists(self) -> F64:
-        linear, angular = self._velocities()
-        return np.concatenate([linear, angular], axis=1)
-
-    def _velocities(self) -> tuple[F64, F64]:
-        """Velocities of all bodies' centres of mass and angular velocities, world axes, each (nbody, 3)."""
-        data, model = self.data, self.model
-        angular = data.cvel[:, :3]
-        arm = data.xipos - data.subtree_com[model.body_rootid]
-        return data.cvel[:, 3:] + np.cross(angular, arm), angular.copy()
+    def _segment(self, start: float, dt: float, count: int) -> None:
+        """`count` steps of `dt` [s] within which no driver switches."""
+        mujoco, model, data = self._mj, self.model, self.data
+        step, after_step = mujoco.mj_step, self.monitor.after_step
+        authored, bouncing = bool(self.drivers.kinematic), self.rigid.restitution.any
+        working = self.work.begin(data, velocities(model, data))
+        slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
+        for k in range(count):
+            if authored:
+                self.drivers.follow_paths(data, k, dt)
+            if bouncing:
+                mujoco.mj_step1(model, data)
+                self.rigid.restitution.apply(data, dt, slowest)
+                mujoco.mj_step2(model, data)
+            else:
+                step(model, data)
+            after_step(data, start + (k + 1) * dt, dt)
+            if working:
+                self.work.after_step(data, dt)
+        if authored:
+            self.drivers.follow_paths(data, count, dt)
+        self._settle_kinematics()
+        if working:
+            self._work += self.work.end(velocities(model, data), dt)
 
     def advance(self, frame: int) -> None:
-        """Advance from frame - 1 to `frame`; a frame whose collision shapes overlap at its end is redone finer.
+        """Advance from frame - 1 to `frame`; a frame whose visible surfaces could overlap at its end is redone finer.
 
         Raises:
             InputError: not the next frame.
-            EngineError: the state is no longer finite.
         """
         if frame != self.frame + 1:
             raise InputError(f"advance({frame}) after frame {self.frame}; the next frame is {self.frame + 1}")
         mujoco, model = self._mj, self.model
         start, end = (frame - 1) * self._frame_time, frame * self._frame_time
-        saved = mujoco.MjData(model) if self._spare is None else self._spare
-        mujoco.mj_copyData(saved, model, self.data)
+        mujoco.mj_copyData(self._saved, model, self.data)
         memory, work = self.monitor.memory(), self._work
+        authored = self.ledger.authored_energy(self.data)
         for level in range(self.settings.refine + 1):
             self.monitor.begin()
             step = self.settings.step / 2**level
             taken = self._run(start, end, step)
-            self._settle_kinematics()
-            if not np.isfinite(self.data.qpos).all() or self._nearest() >= 0.0:
+            self._joint_error = self.ledger.joint_error(self.data)
+            if level == self.settings.refine or not np.isfinite(self.data.qpos).all():
                 break
-            if level < self.settings.refine:
-                mujoco.mj_copyData(self.data, model, saved)
-                self.monitor.recall(memory)
-                self._work = work
-        self._spare = saved
-        self._refined = level
+            if self._nearest() >= 0.0:
+                break
+            mujoco.mj_copyData(self.data, model, self._saved)
+            self.monitor.recall(memory)
+            self._work = work
+        self._work -= self.ledger.authored_energy(self.data) - authored
+        self.refined = level
         self.frame = frame
         self._finish_frame(taken, step)
 
-    _spare: Any = None
+    _joint_error = 0.0
 
     def _settle_kinematics(self) -> None:
         """Bring positions and velocities of bodies up to date with the state, sleeping ones included."""
@@ -233,20 +206,35 @@ class SolverRigid:
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
 
-    def _nearest(self) -> float:
-        """Smallest distance of collision shapes in the present positions [m]; +inf without near pairs.
+    def _collide_all(self) -> None:
+        """List the contacts of the present positions, those among sleeping bodies included."""
+        flags = self.model.opt.enableflags
+        self.model.opt.enableflags = flags & ~int(self._mj.mjtEnableBit.mjENBL_SLEEP)
+        self._mj.mj_collision(self.model, self.data)
+        self.model.opt.enableflags = flags
 
-        Uses the contacts of the last step as the list of near pairs: what is not within a skin then cannot overlap
-        one step later.
+    def _nearest(self) -> float:
+        """Smallest distance [m] of collision shapes at the present positions, less what visible surfaces stick out.
+
+        What the collision functions list as closer than `GUARD` is measured again by GJK and EPA, which are exact.
         """
+        self._collide_all()
         data, model = self.data, self.model
         if not data.ncon:
             return np.inf
-        pairs = np.unique(data.contact.geom[data.contact.dist < self.settings.skin], axis=0)
+        geoms = data.contact.geom.copy()
+        fixed = (model.geom_contype[geoms] == FIXED[0]).all(axis=1)
+        gaps = data.contact.dist - self.rigid.excess[geoms].sum(axis=1)
+        close = np.unique(geoms[(gaps < GUARD) & ~fixed], axis=0)
         nearest, witness = np.inf, np.zeros(6)
-        for g, h in pairs:
-            if g >= 0 and h >= 0:
-                nearest = min(nearest, self._mj.mj_geomDistance(model, data, int(g), int(h), 2 * self.settings.skin, witness))
+        height_field = int(self._mj.mjtGeom.mjGEOM_HFIELD)
+        for g, h in close.tolist():
+            if height_field in (model.geom_type[g], model.geom_type[h]):
+                mine = (geoms == (g, h)).all(axis=1)
+                gap = float(gaps[mine].min())
+            else:
+                gap = self._mj.mj_geomDistance(model, data, g, h, 2 * GUARD, witness) - float(self.rigid.excess[[g, h]].sum())
+            nearest = min(nearest, gap - CLEAR)
         return nearest
 
     # ------------------------------------------------------------------ state
@@ -259,9 +247,9 @@ class SolverRigid:
         buffer = io.BytesIO()
         np.lib.format.write_array(buffer, state, allow_pickle=False)
         head = {"work": self._work, "overflows": self._overflows, "relaxation": self.relaxation}
-        memory = self.monitor.memory()
-        front = json.dumps(head).encode()
-        return b"WARS1" + len(front).to_bytes(4, "little") + front + len(memory).to_bytes(4, "little") + memory + buffer.getvalue()
+        memory, front = self.monitor.memory(), json.dumps(head).encode()
+        sizes = len(front).to_bytes(4, "little"), len(memory).to_bytes(4, "little")
+        return b"".join((MAGIC, sizes[0], front, sizes[1], memory, buffer.getvalue()))
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes (all bodies awake)."""
@@ -276,7 +264,7 @@ class SolverRigid:
             EngineError: the bytes are not a checkpoint of this model.
         """
         mujoco = self._mj
-        if state[:5] != b"WARS1":
+        if state[:5] != MAGIC:
             raise EngineError("not a checkpoint of a rigid instance; delete the candidate's checkpoints and bake again")
         size = int.from_bytes(state[5:9], "little")
         head = json.loads(state[9 : 9 + size])
@@ -287,92 +275,53 @@ class SolverRigid:
         spec = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         if len(values) != mujoco.mj_stateSize(self.model, spec):
             raise EngineError("checkpoint belongs to another model; delete the candidate's checkpoints and bake again")
+        time = frame * self._frame_time
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, values, spec)
-        self.drivers.set_model(frame * self._frame_time)
+        self.drivers.set_model(time)
         set_contact_law(self.rigid, self.settings.contact_steps, self.settings.step)
+        if self.drivers.kinematic:
+            self.drivers.plan_paths(time, self.settings.step, 0)
+            self.drivers.follow_paths(self.data, 0, self.settings.step)
         self._settle_kinematics()
         self.monitor.recall(memory)
+        self.monitor.wake_all(time)
         self._work, self._overflows, self.relaxation = head["work"], head["overflows"], head["relaxation"]
         self.frame = frame
 
     # ------------------------------------------------------------------ output
 
     def _finish_frame(self, taken: int, step: float) -> None:
-        self._settle_kinematics()
-        data, model = self.data, self.model
+        data = self.data
         ids = self.rigid.body_ids
-        linear, angular = self._velocities()
-        if not np.isfinite(data.qpos).all() or not np.isfinite(data.qvel).all():
-            linear = np.where(np.isfinite(linear), linear, np.nan)
+        speeds = velocities(self.model, data)
         # An engine warning is an overflow or a bad state, never noise.
         self._overflows += int(sum(w.number for w in data.warning))
         for warning in data.warning:
             warning.number = 0
-        free, mass = self._free, model.body_mass[self._free]
-        spin = np.einsum("nji,nj->ni", data.ximat[free].reshape(-1, 3, 3), angular[free])
-        kinetic = 0.5 * float(mass @ (linear[free] ** 2).sum(1)) + 0.5 * float((model.body_inertia[free] * spin**2).sum())
-        potential = -float(mass @ (data.xipos[free] @ model.opt.gravity))
-        potential += self._spring_energy()
-        momentum = mass @ linear[free] if len(free) else np.zeros(3)
-        speed = float(np.linalg.norm(linear[ids], axis=1).max(initial=0.0))
-        reach = np.zeros(model.nbody)
-        np.maximum.at(reach, model.geom_bodyid, model.geom_rbound + np.linalg.norm(model.geom_pos, axis=1))
-        surface = np.linalg.norm(linear, axis=1) + np.linalg.norm(angular, axis=1) * reach
-        asleep = (data.body_awake[ids] == 0).astype(np.uint8) if len(ids) else np.zeros(0, dtype=np.uint8)
+        records = {
+            **self.ledger.measure(data, speeds, step),
+            "driver_work": self._work,
+            "steps": taken,
+            "step": step,
+            "contacts_max": self.monitor.max_contacts,
+            "iterations_max": self.monitor.iterations,
+            "iterations_capped": self.monitor.capped,
+            "overflows": self._overflows,
+            "joint_error": self._joint_error,
+        }
         start = max(0, self.frame - 1) * self._frame_time
         self._data = {
             "position": data.xpos[ids].copy(),
             "quaternion": data.xquat[ids].copy(),
-            "velocity": linear[ids],
-            "angular_velocity": angular[ids],
-            "asleep": asleep,
+            "velocity": speeds[0][ids],
+            "angular_velocity": speeds[1][ids],
+            "asleep": (data.body_awake[ids] == 0).astype(np.uint8) if len(ids) else np.zeros(0, dtype=np.uint8),
             "joint": data.qpos[self.rigid.joint_qpos].copy() if self.rigid.joints else np.zeros(0),
             "driver/active": self.drivers.active(start, self.frame * self._frame_time),
             **self.monitor.arrays(),
-            **{
-                f"record/{name}": np.float64(value)
-                for name, value in {
-                    "kinetic_energy": kinetic,
-                    "potential_energy": potential,
-                    "driver_work": self._work,
-                    "momentum_x": momentum[0],
-                    "momentum_y": momentum[1],
-                    "momentum_z": momentum[2],
-                    "mass": float(mass.sum()),
-                    "body_count": len(ids),
-                    "max_speed": speed,
-                    "max_travel_per_step": float(surface[ids].max(initial=0.0)) * step,
-                    "steps": taken,
-                    "step": step,
-                    "contacts_max": self.monitor.max_contacts,
-                    "iterations_max": self.monitor.iterations,
-                    "iterations_capped": self.monitor.capped,
-                    "overflows": self._overflows,
-                    "joint_error": self._joint_error(),
-                }.items()
-            },
+            **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
-
-    def _spring_energy(self) -> float:
-        """Energy stored in joint springs and tendons [J]."""
-        mujoco, model, data = self._mj, self.model, self.data
-        if not model.jnt_stiffness.any() and not model.ntendon:
-            return 0.0
-        mujoco.mj_tendon(model, data)
-        gravity = model.opt.gravity.copy()
-        model.opt.gravity[:] = 0.0
-        mujoco.mj_energyPos(model, data)
-        model.opt.gravity[:] = gravity
-        return float(data.energy[0])
-
-    def _joint_error(self) -> float:
-        """Largest gap of a weld or connect constraint [m]; joints of the kinematic tree are exact."""
-        data, mujoco = self.data, self._mj
-        if not data.ne:
-            return 0.0
-        rows = data.efc_type[: data.nefc] == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-        return float(np.abs(data.efc_pos[: data.nefc][rows]).max(initial=0.0))
 
     def frame_data(self) -> Mapping[str, Any]:
         """Channels and records of the present frame."""
@@ -420,5 +369,3 @@ class SolverRigid:
         linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
         mujoco.mj_jacBodyCom(model, data, linear, angular, body)
         return np.concatenate([linear @ answer[0], angular @ answer[0]])
-
-

@@ -282,16 +282,17 @@ def _largest(
     """Every entry of (frames, rows) must be <= bound; the first frame that is not, and its worst row."""
     owners = names or [_owner(cache, r) for r in range(values.shape[1])]
     wrong = ~(values <= bound)
+    named = "" if unit == "1" else f" {unit}"
     if values.size == 0:
         raise EvidenceError(f"instance {solver!r} moves no body")
     peak = float(np.max(values)) if np.isfinite(values).all() else None
     if not wrong.any():
         k, r = np.unravel_index(int(np.argmax(values)), values.shape)
-        text = f"largest {what} is {peak:.4g} {unit}, {owners[int(r)]} at frame {k}"
+        text = f"largest {what} is {peak:.4g}{named}, {owners[int(r)]} at frame {k}"
         return _Finding("pass", text, peak, bound, unit, owners[int(r)])
     frame = int(np.argmax(wrong.any(axis=1)))
     row = int(np.argmax(np.where(np.isnan(values[frame]), np.inf, values[frame])))
-    text = f"{what} of {owners[row]} is {values[frame, row]:.4g} {unit} at frame {frame}, limit {bound:.4g} {unit}"
+    text = f"{what} of {owners[row]} is {values[frame, row]:.4g}{named} at frame {frame}, limit {bound:.4g}{named}"
     return _Finding("fail", text, peak, bound, unit, owners[row], frame, hints)
 
 

@@ -139,9 +139,10 @@ def _constant(
     series: F64 = cache.series(f"record/{record}")
     frame = _deviating(series, expected, noise)
     worst = float(np.abs(series - expected).max()) if frame is not None and np.isfinite(series).all() else 0.0
-    text = f"{record} is {expected:.9g} {unit} at all {len(series)} frames"
+    named = "" if unit == "1" else f" {unit}"
+    text = f"{record} is {expected:.9g}{named} at all {len(series)} frames"
     if frame is not None:
-        text = f"{record} is {series[frame]:.9g} {unit} at frame {frame}, built were {expected:.9g} {unit}"
+        text = f"{record} is {series[frame]:.9g}{named} at frame {frame}, built were {expected:.9g}{named}"
     hints = (
         correction(
             "the engine lost or added a body",

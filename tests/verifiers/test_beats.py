@@ -81,6 +81,12 @@ def test_an_approach_that_the_end_cuts_off_asks_for_more_frames(tmp_path: Path) 
     assert row.corrections[0].patch[0] == {"op": "replace", "path": "/simulation/frames", "value": N + 24}
 
 
+def test_what_never_started_to_fall_is_not_waited_for(tmp_path: Path) -> None:
+    row = rows_of(sliding(tmp_path, {"b": beat(Topples(entity="rest"), subject="rest")}))["beat:b"]
+    assert (row.status, row.measured) == ("fail", 0.0)
+    assert "interval" not in {c.group for c in row.corrections}
+
+
 def test_too_little_impulse_says_how_much_more(tmp_path: Path) -> None:
     from tests.worlds.small import Touch
 

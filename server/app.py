@@ -34,20 +34,20 @@ worldagent turns one prompt into a verified physical world. You write the specif
 simulates, measures and judges, and no call can set a verdict. Evidence that is missing or stale never passes.
 
 The loop, for one world id:
-1. edit_spec: create the world from the prompt (the prompt is fixed from then on), then JSON Patch edits. Cover every \
-clause of the prompt. Read the audit in each reply.
-2. build_terrain, place_object: geometry on its support, at real-world scale.
-3. run_checks scope=static: everything must pass before physics starts.
-4. probe_sim: a short run through all phases; a pass freezes the settings.
-5. bake_sim: the whole sequence with the frozen settings. Long work answers with a job_id: use the job tool.
-6. run_checks scope=acceptance: a fresh process reopens the candidate read-only and passes or fails every row.
-7. render_shot mode=final, then export_world: only after acceptance. Previews are allowed at any time.
+1. edit_spec: create the world from the prompt, verbatim (it never changes), then edit by JSON Patch. Cover every clause \
+of the prompt. Each reply holds the audit.
+2. build_terrain and place_object: geometry on its support, at real-world scale; they run the static checks.
+3. run_checks(scope='static'): nothing may fail before physics starts.
+4. probe_sim: a run through all phases; a pass freezes the settings.
+5. bake_sim: the whole sequence with the frozen settings. Long work answers with a job_id: job(action='wait').
+6. run_checks(scope='acceptance'): a fresh process judges the candidate, read-only. One open row refuses it.
+7. render_shot(kind='final'): only after acceptance. Previews and contact sheets work as soon as the audit passes.
 
-After a failed row: state one hypothesis, change one parameter group with edit_spec, repeat from the first stale \
-step. Bounds are not a way out: weakening edits are refused or recorded. inspect_world gives numbers; trust them over \
+After a failed row: state one hypothesis, change one parameter group with edit_spec, repeat from the first stale step. \
+Bounds are no way out: weakening edits are refused or recorded. Trust the numbers of rows and inspect_world over \
 pictures.
 
-Units are SI, Z is up, quaternions are (w, x, y, z), frame k is the state at k / fps. Angles in degrees only where a \
+Units are SI, Z is up, quaternions are (w, x, y, z), frame k is the state at k / fps. Angles are in degrees only where a \
 name says so.
 
 Read first: skill://world-building/SKILL.md (the procedure), worldagent://schema/world (the specification), \

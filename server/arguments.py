@@ -30,7 +30,7 @@ class Arguments:
         schema = self._metadata.arg_model.model_json_schema()
         schema["additionalProperties"] = False
         schema.setdefault("properties", {})
-        self.schema: dict[str, Any] = _without_titles(schema)
+        self.schema: dict[str, Any] = _portable(schema)
         """JSON Schema (2020-12) of the arguments."""
 
     def parse(self, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -88,18 +88,24 @@ def _allowed(schema: Mapping[str, Any]) -> str:
     return " ".join(part for part in (str(schema.get("type", "")), " and ".join(bounds)) if part)
 
 
-def _without_titles(node: Any) -> Any:
-    """A schema without the generated `title` of every node, which only costs the model tokens."""
+def _portable(node: Any) -> Any:
+    """A schema that every client takes.
+
+    Without the generated `title` of every node, which only costs the model tokens; and vectors as `items` with a fixed
+    length instead of `prefixItems`, since some APIs refuse arrays without `items`.
+    """
     if isinstance(node, list):
-        return [_without_titles(item) for item in node]
+        return [_portable(item) for item in node]
     if not isinstance(node, dict):
         return node
     plain: dict[str, Any] = {}
     for key, value in node.items():
         if key in ("properties", "$defs"):
-            plain[key] = {name: _without_titles(child) for name, child in value.items()}
-        elif key not in ("title", "default", "enum", "const", "examples"):
-            plain[key] = _without_titles(value)
-        elif key != "title":
+            plain[key] = {name: _portable(child) for name, child in value.items()}
+        elif key in ("default", "enum", "const", "examples"):
             plain[key] = value
+        elif key == "prefixItems" and all(item == value[0] for item in value):
+            plain["items"] = _portable(value[0])
+        elif key != "title":
+            plain[key] = _portable(value)
     return plain

@@ -149,13 +149,14 @@ def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
 
 
 def error_text(error: WorldAgentError) -> str:
-    """What the caller reads: the kind of error, its text, and each problem of a specification."""
+    """What the caller reads: the kind of error, its text, and problems of a specification that the text leaves out."""
     kind = next(word for base, word in _KINDS if isinstance(error, base))
     lines = [f"{kind}: {error}"]
     if isinstance(error, SpecError):
-        lines += [f"- {pointer or '/'}: {message}" for pointer, message in error.problems[:_SHOWN_PROBLEMS]]
-        if len(error.problems) > _SHOWN_PROBLEMS:
-            lines.append(f"... and {len(error.problems) - _SHOWN_PROBLEMS} more")
+        untold = [(pointer, message) for pointer, message in error.problems if message not in lines[0]]
+        lines += [f"- {pointer or '/'}: {message}" for pointer, message in untold[:_SHOWN_PROBLEMS]]
+        if len(untold) > _SHOWN_PROBLEMS:
+            lines.append(f"... and {len(untold) - _SHOWN_PROBLEMS} more")
     text = "\n".join(lines)
     return text if len(text) <= ERROR_CHARACTERS else text[:ERROR_CHARACTERS] + " ... (cut)"
 

@@ -104,21 +104,24 @@ def _serve(arguments: argparse.Namespace) -> int:
     workspace: Path = (arguments.workspace or default_workspace()).expanduser().absolute()
     if workspace.exists() and not workspace.is_dir():
         raise InputError(f"workspace {str(workspace)!r} is a file; give a folder")
-    if arguments.transport == "http":
-        from .http import serve_http
+    try:
+        if arguments.transport == "http":
+            from .http import serve_http
 
-        serve_http(
-            workspace,
-            host=arguments.host,
-            port=arguments.port,
-            token=arguments.token or os.environ.get(ENV_TOKEN) or None,
-            allowed_hosts=arguments.allow_host,
-            announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
-        )
-    else:
-        from .app import create_server
+            serve_http(
+                workspace,
+                host=arguments.host,
+                port=arguments.port,
+                token=arguments.token or os.environ.get(ENV_TOKEN) or None,
+                allowed_hosts=arguments.allow_host,
+                announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
+            )
+        else:
+            from .app import create_server
 
-        create_server(workspace).run("stdio")
+            create_server(workspace).run("stdio")
+    except KeyboardInterrupt:
+        pass
     leave()
     return OK
 

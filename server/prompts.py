@@ -24,9 +24,9 @@ Make a physical world from the prompt between the lines and bring it to acceptan
 1. Read skill://world-building/SKILL.md, worldagent://schema/world and worldagent://capabilities.
 2. edit_spec: create the world with this very prompt; split it into clauses and cover each one; give every entity real
    dimensions, a material and a solver; write beats with measurable predicates; plan shots.
-3. build_terrain and place_object; then run_checks with scope static until nothing fails.
+3. build_terrain where there is ground, place_object; then run_checks(scope='static') until nothing fails.
 4. probe_sim, read the rows, repair; then bake_sim (long work answers with a job_id: use job).
-5. run_checks with scope acceptance. After acceptance: render_shot final, export_world.
+5. run_checks(scope='acceptance'). After acceptance: render_shot(kind='final').
 
 Look at previews with render_shot, but decide by the numbers in rows and inspect_world. Finish by telling which rows passed,
 which approximations are registered, and where the delivery is. If acceptance is out of reach, say what fails and why."""
@@ -35,7 +35,7 @@ which approximations are registered, and where the delivery is. If acceptance is
 def repair_world(world: World) -> str:
     """Find out why a world is not accepted and repair it, one parameter group at a time."""
     return f"""\
-Repair the world {world!r} until run_checks with scope acceptance passes.
+Repair the world {world!r} until run_checks(scope='acceptance') passes.
 
 1. Read worldagent://worlds/{world}/report and skill://world-building/SKILL.md, and the skills that its failing rows name.
 2. Take the first failing row in causal order (audit, static, probe, bake, shots). inspect_world for its measurements.

@@ -60,8 +60,9 @@ def _quoted(text: str) -> str:
 
 
 def _row(row: Row) -> str:
-    measured = "not measured" if row.measured is None else f"{row.measured:.6g} {row.unit}".strip()
-    bound = "" if row.bound is None else f", required {row.comparison} {row.bound:.6g} {row.unit}".rstrip()
+    unit = "" if row.unit in ("", "1") else f" {row.unit}"
+    measured = "not measured" if row.measured is None else f"{row.measured:.6g}{unit}"
+    bound = "" if row.bound is None else f", required {row.comparison} {row.bound:.6g}{unit}"
     where = f", first at {row.first_failing_entity}" if row.first_failing_entity else ""
     when = f" frame {row.first_failing_frame}" if row.first_failing_frame is not None else ""
     action = f". Next: {row.corrections[0].action}" if row.corrections else ""

@@ -50,12 +50,15 @@ def test_a_stdio_process_ends_with_its_client_even_if_a_tool_is_stuck(tmp_path: 
     with subprocess.Popen([*fake_process, "stdio", str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
         assert child.stdin is not None
         assert child.stdout is not None
-        child.stdin.write("".join(json.dumps(message) + "\n" for message in messages).encode())
-        child.stdin.flush()
-        while b"stuck" not in child.stdout.readline():
-            pass
-        child.stdin.close()
-        assert child.wait(timeout=20) == 0
+        try:
+            child.stdin.write("".join(json.dumps(message) + "\n" for message in messages).encode())
+            child.stdin.flush()
+            while b"stuck" not in child.stdout.readline():
+                pass
+            child.stdin.close()
+            assert child.wait(timeout=20) == 0
+        finally:
+            child.kill()
 
 
 @contextmanager

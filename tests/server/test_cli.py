@@ -1,0 +1,147 @@
+"""The `worldagent` command: exit codes and what it prints."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.bench.machine import run_benchmark
+from worldagent.server import doctor
+from worldagent.server.cli import BENCHMARKS, default_workspace, main
+from worldagent.server.health import PROOFS
+from worldagent.worlds.errors import RefusedError
+
+
+def test_help_and_version_load_nothing_heavy() -> None:
+    code = (
+        "import sys\nfrom worldagent.server.cli import main\n"
+        "try: main(['--version'])\nexcept SystemExit: pass\nprint(sorted(sys.modules))"
+    )
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=30, check=True)
+    assert child.stdout.startswith("worldagent 0.")
+    for name in ("'mcp'", "'pydantic'", "'numpy'"):
+        assert name not in child.stdout
+
+
+def test_the_module_is_the_command() -> None:
+    child = subprocess.run(
+        [sys.executable, "-m", "worldagent.server", "bench", "list"], capture_output=True, text=True, timeout=30, check=True
+    )
+    assert child.stdout.split() == list(BENCHMARKS)
+
+
+def test_the_workspace_comes_from_the_environment_or_the_home_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("WORLDAGENT_WORKSPACE", str(tmp_path))
+    assert default_workspace() == tmp_path
+    monkeypatch.delenv("WORLDAGENT_WORKSPACE")
+    assert default_workspace() == Path.home() / "worldagent"
+
+
+@pytest.mark.parametrize(("verdict", "code"), [("accepted", 0), ("incomplete", 1)])
+@pytest.mark.parametrize("command", [["verify"], ["verify", "--replay"], ["recompute"]])
+def test_only_an_accepted_folder_exits_with_zero(
+    command: list[str],
+    verdict: str,
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    asked: list[Any] = []
+
+    def judge(folder: Path, **options: Any) -> dict[str, Any]:
+        asked.append((folder, options))
+        return {"verdict": verdict, "rows": {"pass": 3}, "failing": []}
+
+    monkeypatch.setattr("worldagent.tools.verify_folder.verify_folder", judge)
+    monkeypatch.setattr("worldagent.tools.verify_folder.recompute_folder", judge)
+    assert main([*command, str(tmp_path)]) == code
+    assert json.loads(capsys.readouterr().out)["verdict"] == verdict
+    assert asked == [(tmp_path, {"replay": "--replay" in command} if command[0] == "verify" else {})]
+
+
+def test_an_error_of_the_package_is_told_without_a_trace(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def refuse(folder: Path, **options: Any) -> dict[str, Any]:
+        raise RefusedError("no complete bake")
+
+    monkeypatch.setattr("worldagent.tools.verify_folder.verify_folder", refuse)
+    assert main(["verify", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == "worldagent: no complete bake\n"
+
+
+@pytest.mark.parametrize("arguments", [["bench", "nothing"], ["serve", "--port", "70000"], ["serve", "--transport", "smoke"], []])
+def test_misuse_exits_with_two(arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+
+
+def test_a_workspace_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    assert main(["serve", "--workspace", str(tmp_path / "file")]) == 2
+    assert "is a file" in capsys.readouterr().err
+
+
+def _proof(name: str) -> dict[str, Any]:
+    return {"name": f"{name} works", "ok": name != "libllvm", "required": name not in doctor.OPTIONAL, "detail": "shown"}
+
+
+def test_doctor_passes_without_what_is_optional(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "_proof", _proof)
+    workspace = tmp_path / "absent"
+    assert main(["doctor", "--json", "--workspace", str(workspace)]) == 0
+    report = json.loads(capsys.readouterr().out)
+    checks = {check["name"]: check for check in report["checks"]}
+    assert "3.11" in checks["python"]["detail"]
+    assert checks["mujoco"]["detail"] == "4.0.0, Apache-2.0"
+    assert checks["libllvm works"] == {"name": "libllvm works", "ok": False, "required": False, "detail": "shown"}
+    assert not workspace.exists()
+
+
+def test_doctor_fails_when_something_required_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "_proof", _proof)
+    (tmp_path / "file").write_text("")
+    assert main(["doctor", "--workspace", str(tmp_path / "file")]) == 1
+    assert "FAIL    workspace" in capsys.readouterr().out
+
+
+def test_a_proof_that_ends_its_process_fails_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    (found,) = doctor._prove(["mujoco"])
+    assert not found["ok"]
+    assert "ended with code 1" in found["detail"]
+
+
+def test_doctor_runs_every_proof_and_one_of_them_for_real() -> None:
+    assert tuple(PROOFS) == doctor._PROOF_NAMES
+    (found,) = doctor._prove(["python-fcl"])
+    assert found["ok"]
+    assert found["detail"] == "distance 2.0000 m"
+
+
+def test_a_benchmark_is_joined_with_what_it_was_measured_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("worldagent.bench.startup.run", lambda: {"tools_list_s": 0.6, "versions": {"peer": "1"}})
+    found = run_benchmark("startup", BENCHMARKS["startup"])
+    assert found["name"] == "startup"
+    assert found["tools_list_s"] == 0.6
+    assert found["versions"]["mcp"]
+    assert found["versions"]["peer"] == "1"
+    assert found["machine"]["cores"] >= 1
+    assert {"commit", "date", "wall_s"} <= set(found)
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_listed_benchmark_exists(name: str) -> None:
+    module, function = BENCHMARKS[name].split(":")
+    assert callable(getattr(importlib.import_module(module), function))

@@ -104,24 +104,25 @@ def _serve(arguments: argparse.Namespace) -> int:
     workspace: Path = (arguments.workspace or default_workspace()).expanduser().absolute()
     if workspace.exists() and not workspace.is_dir():
         raise InputError(f"workspace {str(workspace)!r} is a file; give a folder")
-    try:
-        if arguments.transport == "http":
-            from .http import serve_http
+    if arguments.transport == "http":
+        from .http import serve_http
 
-            serve_http(
-                workspace,
-                host=arguments.host,
-                port=arguments.port,
-                token=arguments.token or os.environ.get(ENV_TOKEN) or None,
-                allowed_hosts=arguments.allow_host,
-                announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
-            )
-        else:
-            from .app import create_server
+        serve_http(
+            workspace,
+            host=arguments.host,
+            port=arguments.port,
+            token=arguments.token or os.environ.get(ENV_TOKEN) or None,
+            allowed_hosts=arguments.allow_host,
+            announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
+        )
+    else:
+        import signal
 
-            create_server(workspace).run("stdio")
-    except KeyboardInterrupt:
-        pass
+        from .app import create_server
+
+        # Ctrl-C ends the process as SIGTERM does: the SDK's read of stdin cannot be interrupted.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        create_server(workspace).run("stdio")
     leave()
     return OK
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 import urllib.error
@@ -57,6 +58,21 @@ def test_a_stdio_process_ends_with_its_client_even_if_a_tool_is_stuck(tmp_path: 
                 pass
             child.stdin.close()
             assert child.wait(timeout=20) == 0
+        finally:
+            child.kill()
+
+
+def test_an_interrupt_ends_a_stdio_process_that_waits_for_its_client(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "worldagent.server", "serve", "--workspace", str(tmp_path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
+        assert child.stdin is not None
+        assert child.stdout is not None
+        try:
+            child.stdin.write(json.dumps(INITIALIZE).encode() + b"\n")
+            child.stdin.flush()
+            assert json.loads(child.stdout.readline())["result"]["serverInfo"]["name"] == "worldagent"
+            child.send_signal(signal.SIGINT)
+            assert child.wait(timeout=20) == -signal.SIGINT
         finally:
             child.kill()
 

@@ -107,6 +107,7 @@ class _Builder:
         self.mj = mujoco
         self.spec, self.built, self.members, self.settings = spec, built, members, settings
         self.out = mujoco.MjSpec()
+        self.out.compiler.degree = False
         self.tree = _joint_tree(spec, frozenset(members))
         self.made: dict[str, Any] = {}
         self.world_pose: dict[str, RigidPose] = {}

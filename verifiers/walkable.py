@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64
 from .columns import Columns, Ints, expand
 
-__all__ = ["DIRECTIONS", "Carrier", "Floor", "Obstacles", "clearance_at", "lay_floor", "measure_clearance"]
+__all__ = ["DIRECTIONS", "Carrier", "Floor", "Obstacles", "clearance_at", "lay_floor", "measure_clearance", "unique_pairs"]
 
 DIRECTIONS: tuple[tuple[int, int], ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 SAME = 1e-4
@@ -184,7 +184,8 @@ def _link(columns: Columns, carrier: Carrier, nodes: Nodes, way: tuple[int, int]
     step = rise - 0.5 * run * (nodes.tangent[row] + nodes.tangent[other])
     ok = step <= carrier.step + SAME
     row, other, rise = row[ok], other[ok], rise[ok]
-    order = np.lexsort((rise, row))
+    # Free floor goes before blocked floor: a slab that runs on inside the next stair is no obstacle to the stair's tread.
+    order = np.lexsort((rise, nodes.blocked[other], row))
     best = order[np.unique(row[order], return_index=True)[1]] if len(order) else order
     linked = np.full(len(nodes.cell), -1, dtype=np.intp)
     linked[row[best]] = other[best]
@@ -288,10 +289,16 @@ def clearance_at(floor: Floor, obstacles: Obstacles, nodes: Ints, points: F64, *
             around = np.concatenate([around, more], axis=1)
         labels = np.where(around >= 0, obstacles.label[around], -1)
         row, column = np.nonzero(labels >= 0)
-        pair = np.unique(np.stack([row, labels[row, column]], axis=1), axis=0)
-        distance, _ = _to_obstacles(obstacles, points[start + pair[:, 0]], pair[:, 1])
-        np.minimum.at(result, start + pair[:, 0], distance)
+        row, label = unique_pairs(row, labels[row, column], len(obstacles.start))
+        distance, _ = _to_obstacles(obstacles, points[start + row], label)
+        np.minimum.at(result, start + row, distance)
     return result
+
+
+def unique_pairs(row: Ints, label: Ints, labels: int) -> tuple[Ints, Ints]:
+    """Distinct (row, label) pairs sorted by row; `labels` bounds the labels."""
+    key = np.unique(row * labels + label)
+    return key // labels, key % labels
 
 
 def _to_obstacles(obstacles: Obstacles, points: F64, label: Ints) -> tuple[F64, F64]:

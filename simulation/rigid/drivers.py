@@ -16,6 +16,8 @@ from .model import RigidModel
 __all__ = ["Drivers"]
 
 _SLACK = 1e-9
+_MIN_AWAKE = 10
+"""MuJoCo's `mjMINAWAKE`: steps at rest before a body may sleep."""
 """[s] Times this close are equal."""
 _TURN_STEP = 1e-4
 """[s] Interval over which the angular velocity of a path is taken."""
@@ -205,8 +207,10 @@ class Drivers:
                 size = (7, 4, 1, 1)[self.rigid.model.jnt_type[joint]]
                 data.qpos[at : at + size] = self._pose[at : at + size]
         if self.switches_at(time):
-            # A sleeping body does not notice that what held it is gone; a negative zero wakes it and moves nothing.
+            # A sleeping body does not notice that what held it is gone; a negative zero wakes it and moves nothing. A body
+            # about to fall asleep starts its countdown anew.
             data.qvel[data.qvel == 0.0] = -0.0
+            data.tree_asleep[data.tree_asleep < 0] = -(1 + _MIN_AWAKE)
 
     # ------------------------------------------------------------------ paths
 

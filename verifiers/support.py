@@ -39,7 +39,7 @@ MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosse
 def check(candidate: Candidate) -> list[Row]:
     """Rows per `supports` relation, per balanced body, per free body without a relation, and one for the scene."""
     surfaces = surfaces_of(candidate)
-    graph = SupportGraph(surfaces)
+    graph, start = SupportGraph(surfaces), SupportGraph(surfaces, until=1)
     rows: list[Row] = []
     covered: set[str] = set()
     for name, relation in candidate.spec.graph.relations.items():
@@ -64,7 +64,7 @@ def check(candidate: Candidate) -> list[Row]:
         if first == 0 and last > 0 and candidate.spec.entities[relation.b].motion == "dynamic":
             rows += guarded_rows(
                 candidate,
-                lambda n=name, b=relation.b: _balance(graph, n, b),  # type: ignore[misc]
+                lambda n=name, b=relation.b: _balance(start, n, b),  # type: ignore[misc]
                 id=f"support:balance:{relation.b}",
                 check="support",
                 predicate="the centre of mass lies above the contact polygon",
@@ -74,7 +74,7 @@ def check(candidate: Candidate) -> list[Row]:
         if entity.motion == "dynamic" and name not in covered:
             rows += guarded_rows(
                 candidate,
-                lambda n=name: [derived_row(graph, n)],  # type: ignore[misc]
+                lambda n=name: [derived_row(start, n)],  # type: ignore[misc]
                 id=f"support:derived:{name}",
                 check="support",
                 predicate=DERIVED,
@@ -329,7 +329,7 @@ def _balance(graph: SupportGraph, relation: str, entity: str) -> list[Row]:
     if graph.jointed(entity) or graph.held(entity)[0]:
         return []
     others = surfaces.neighbours[entity]
-    if not any(surfaces.carries(n, entity)[0] for n in others):
+    if not any(surfaces.carries(n, entity, until=1)[0] for n in others):
         return []  # the relation's own row says that nothing carries it
     # What it leans on from the side counts too: wall and foot together hold a ladder.
     carriers = [n for n in others if surfaces.series(n, entity)[0] <= surfaces.contact_gap(n, entity)]

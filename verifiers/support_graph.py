@@ -45,10 +45,11 @@ def gravity_direction(surfaces: Surfaces) -> F64 | None:
 
 
 class SupportGraph:
-    """Who is held up by whom over the inspected frames."""
+    """Who is held up by whom over the inspected frames, or over the first `until` of them."""
 
-    def __init__(self, surfaces: Surfaces) -> None:
+    def __init__(self, surfaces: Surfaces, *, until: int | None = None) -> None:
         self.surfaces = surfaces
+        self.until = until
         self._grounded: dict[str, NDArray[np.bool_]] = {}
 
     @cached_property
@@ -99,7 +100,9 @@ class SupportGraph:
     def _holders(self, entity: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
         """What holds the entity, directly, and when."""
         for other in self.surfaces.neighbours.get(entity, ()):
-            carried = self.surfaces.carries(other, entity)
+            if self.linked(other, entity).all():
+                continue
+            carried = self.surfaces.carries(other, entity, until=self.until)
             if carried.any():
                 yield other, carried
         for link in self.links:

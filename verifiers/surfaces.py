@@ -83,27 +83,59 @@ class Surfaces:
         self.candidate = candidate
         self.frames = candidate.frame_count
         self._tracks: dict[tuple[str, str], Track] = {}
-        self._support: dict[tuple[str, str], NDArray[np.bool_]] = {}
+        self._near: dict[Pair, set[tuple[int, int]]] = {}
+        self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
 
     @cached_property
     def parts(self) -> tuple[PartSurface, ...]:
-        """Every visible surface, in the order of the specification.
+        """Every visible surface that can be inspected, in the order of the specification; see `missing`."""
+        return self._collected[0]
+
+    @cached_property
+    def missing(self) -> dict[str, str]:
+        """Entities that cannot be inspected, and why: not built, no usable surface, or no cache of their motion."""
+        return self._collected[1]
+
+    @cached_property
+    def _collected(self) -> tuple[tuple[PartSurface, ...], dict[str, str]]:
+        found: list[PartSurface] = []
+        missing: dict[str, str] = {}
+        for entity in self.candidate.spec.entities:
+            try:
+                found += self._entity_parts(entity)
+            except EvidenceError as error:
+                missing[entity] = str(error)
+        return tuple(found), missing
+
+    def _entity_parts(self, entity: str) -> list[PartSurface]:
+        built = self.candidate.entity(entity)
+        if not built.parts:
+            raise EvidenceError(f"entity {entity!r} has no visible geometry; call place_object")
+        for body in built.bodies:
+            self.track(entity, body.name)
+        found = []
+        for part in built.parts:
+            try:
+                solid = Solid.from_mesh(part.render, closed=part.closed)
+            except InputError as error:
+                raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
+            found.append(PartSurface(entity, part.part, part.body, solid, float(part.deviation[0])))
+        return found
+
+    @cached_property
+    def entities(self) -> tuple[str, ...]:
+        """Entities that can be inspected."""
+        return tuple(n for n in self.candidate.spec.entities if n not in self.missing)
+
+    def require(self, *entities: str) -> None:
+        """Make sure that entities can be inspected.
 
         Raises:
-            EvidenceError: an entity is not built or has no usable surface.
+            EvidenceError: one cannot; the text says why.
         """
-        found = []
-        for entity in self.candidate.spec.entities:
-            built = self.candidate.entity(entity)
-            if not built.parts:
-                raise EvidenceError(f"entity {entity!r} has no visible geometry; call place_object")
-            for part in built.parts:
-                try:
-                    solid = Solid.from_mesh(part.render, closed=part.closed)
-                except InputError as error:
-                    raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
-                found.append(PartSurface(entity, part.part, part.body, solid, float(part.deviation[0])))
-        return tuple(found)
+        for entity in entities:
+            if entity in self.missing:
+                raise EvidenceError(self.missing[entity])
 
     @cached_property
     def parts_of(self) -> Mapping[str, tuple[int, ...]]:
@@ -136,7 +168,7 @@ class Surfaces:
     def broken(self) -> dict[str, int]:
         """Entities with a pose that is not finite or no rotation, and the first frame of it."""
         found: dict[str, int] = {}
-        for entity in self.candidate.spec.entities:
+        for entity in self.entities:
             for body in self.candidate.entity(entity).bodies:
                 position, quaternion = self.track(entity, body.name)
                 with np.errstate(invalid="ignore", over="ignore"):
@@ -236,6 +268,7 @@ class Surfaces:
             if a == b or not (static or not (self.is_static(a) and self.is_static(b))):
                 continue
             near = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= self.reach).all(axis=1))
+            self._near.setdefault((a, b), set()).add((i, j))
             self._measure(i, j, frames, near, found)
         return {pair: series for pair, series in found.items() if series.min() <= self.reach}
 
@@ -267,34 +300,61 @@ class Surfaces:
             return np.full(self.frames, self.first.get((a, b), self.first.get((b, a), math.inf)))
         return np.full(self.frames, math.inf)
 
-    def gap(self, a: str, b: str, frame: int) -> Gap:
-        """Exact clearance of two entities at one frame, with its points."""
+    def gap(self, a: str, b: str, frame: int, *, offset: F64 | None = None) -> Gap:
+        """Exact clearance of two entities at one frame, with its points.
+
+        Args:
+            a: one entity.
+            b: the other.
+            frame: the frame.
+            offset: moves `a` by this [m], shape (3,), before measuring.
+        """
+        shift = np.zeros(3) if offset is None else offset
+        placed = []
+        for rows, move in ((self.parts_of[a], shift), (self.parts_of[b], np.zeros(3))):
+            poses = [self.track(self.parts[i].entity, self.parts[i].body).at(frame) for i in rows]
+            poses = [RigidPose(p.position + move, p.quaternion) for p in poses]
+            boxes = [
+                aabb_of(self.parts[i].solid.vertices, p.position[None], p.quaternion[None])
+                for i, p in zip(rows, poses, strict=True)
+            ]
+            placed.append((rows, poses, np.concatenate([x[0] for x in boxes]), np.concatenate([x[1] for x in boxes])))
+        (rows_a, poses_a, low_a, high_a), (rows_b, poses_b, low_b, high_b) = placed
+        apart = np.maximum(np.maximum(low_a[:, None] - high_b, low_b - high_a[:, None]), 0.0)
+        bound = np.linalg.norm(apart, axis=2)
         best: Gap | None = None
-        for i in self.parts_of[a]:
-            for j in self.parts_of[b]:
-                one, two = self.parts[i], self.parts[j]
-                pose_a, pose_b = self.track(a, one.body).at(frame), self.track(b, two.body).at(frame)
-                found = signed_clearance(one.solid, pose_a, two.solid, pose_b)
-                if best is None or found.distance < best.distance:
-                    best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
+        for k in np.argsort(bound, axis=None, kind="stable"):
+            i, j = divmod(int(k), len(rows_b))
+            if best is not None and bound[i, j] > max(best.distance, 0.0):
+                break
+            one, two = self.parts[rows_a[i]], self.parts[rows_b[j]]
+            found = signed_clearance(one.solid, poses_a[i], two.solid, poses_b[j])
+            if best is None or found.distance < best.distance:
+                best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
         assert best is not None
         return best
 
-    def carries(self, below: str, above: str) -> NDArray[np.bool_]:
+    def carries(self, below: str, above: str, *, until: int | None = None) -> NDArray[np.bool_]:
         """At which frames `below` touches `above` and stands in the way of its falling, shape (frames,).
 
-        Clearance is measured again with `above` moved along gravity by the contact tolerance: it must shrink by at
-        least `SUPPORT_SLOPE` of that move, which is the rise of the contact normal.
+        Clearance is measured again with `above` moved against gravity by the contact tolerance: it must grow by at
+        least `SUPPORT_SLOPE` of that move, which is the rise of the contact normal. Where it does not, as between a
+        drawer and its chest, it must shrink by as much when `above` moves along gravity.
+
+        Args:
+            below: the entity that may carry.
+            above: the entity that may be carried.
+            until: judge only this many first frames; later ones are then False.
         """
-        key = (below, above)
+        key = (below, above, self.frames if until is None else until)
         if key not in self._support:
-            self._support[key] = self._carries(below, above)
+            self._support[key] = self._carries(*key)
         return self._support[key]
 
-    def _carries(self, below: str, above: str) -> NDArray[np.bool_]:
+    def _carries(self, below: str, above: str, until: int) -> NDArray[np.bool_]:
         distance = self.series(below, above)
         gap = self.contact_gap(below, above)
-        touching = np.flatnonzero(distance <= gap)
+        touching = np.flatnonzero(distance[:until] <= gap)
         result = np.zeros(self.frames, dtype=bool)
         if len(touching) == 0:
             return result
@@ -303,22 +363,31 @@ class Surfaces:
         if strength < 1e-12:
             result[touching] = True
             return result
-        shift = gap * gravity / strength
-        moved = np.full(len(touching), np.inf)
-        for i in self.parts_of[above]:
-            for j in self.parts_of[below]:
-                one, two = self.parts[i], self.parts[j]
-                track = self.track(above, one.body).take(touching)
-                lowered = Track(track.position + shift, track.quaternion)
-                other = self.track(below, two.body).take(touching)
-                moved = np.minimum(moved, clearance_series(one.solid, lowered, two.solid, other, skip_above=self.reach))
-        result[touching] = moved <= distance[touching] - SUPPORT_SLOPE * gap
+        fall = gap * gravity / strength
+        raised = self._moved(below, above, touching, -fall)
+        result[touching] = raised >= distance[touching] + SUPPORT_SLOPE * gap
+        unsure = touching[~result[touching]]
+        if len(unsure):
+            lowered = self._moved(below, above, unsure, fall)
+            result[unsure] = lowered <= distance[unsure] - SUPPORT_SLOPE * gap
         return result
+
+    def _moved(self, below: str, above: str, frames: NDArray[np.intp], offset: F64) -> F64:
+        """Clearance at some frames with `above` moved by `offset` [m], shape (frames,)."""
+        moved = np.full(len(frames), np.inf)
+        pairs = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
+        for i, j in sorted(pairs):
+            two, one = self.parts[i], self.parts[j]
+            track = self.track(above, one.body).take(frames)
+            there = Track(track.position + offset, track.quaternion)
+            other = self.track(below, two.body).take(frames)
+            moved = np.minimum(moved, clearance_series(one.solid, there, two.solid, other, skip_above=self.reach))
+        return moved
 
     @cached_property
     def neighbours(self) -> Mapping[str, tuple[str, ...]]:
         """Entities that come within `reach` of each entity at some frame."""
-        found: dict[str, list[str]] = {name: [] for name in self.candidate.spec.entities}
+        found: dict[str, list[str]] = {name: [] for name in self.entities}
         for a, b in self.moving:
             found[a].append(b)
             found[b].append(a)

@@ -319,3 +319,12 @@ def test_broken_support_at_the_last_frame_only_is_found(tmp_path):
         relations=on(),
     )["support:on:crate"]
     assert (row.status, row.first_failing_frame) == ("fail", FRAMES - 1)
+
+
+def test_a_drawer_in_a_tight_chest_is_carried(tmp_path):
+    chest = entity(
+        Part(shape=Box(size=(0.4, 0.4, 0.02)), pose=pose((0, 0, 0.01))),
+        Part(shape=Box(size=(0.4, 0.4, 0.02)), pose=pose((0, 0, 0.132))),
+    )
+    things = {"floor": ground(), "chest": chest, "drawer": box(0.3, 0.3, 0.1, motion="dynamic", at=(0, 0, 0.0705))}
+    assert rows_of(tmp_path, things, relations=on("chest", "drawer"))["support:on:drawer"].status == "pass"

@@ -28,7 +28,7 @@ from ...worlds.spec import (
     WeldJoint,
     WorldSpec,
 )
-from .contact_law import IMPEDANCE, Restitution, contact_reference
+from .contact_law import IMPEDANCE, ContactLaw, contact_reference
 from .holds import FIXED, MOVING
 
 __all__ = ["RigidModel", "build_model"]
@@ -43,6 +43,9 @@ DENSE_LIMIT = 1500
 """Degrees of freedom up to which Newton with a dense Jacobian is used (4.0.0's sparse Hessian is wrong)."""
 MAX_PAIR_GEOMS = 2000
 ROLLING_DEFAULT = 1e-6
+SLEEP_ACCELERATION = 0.005
+"""[m/s^2] A body falls asleep when it is slower than this gives in ten steps, for ten steps. MuJoCo's default of 1 mm/s
+froze boxes on inclines just above the friction angle and dropped momentum of heavy, slow bodies."""
 
 
 @dataclass
@@ -60,7 +63,7 @@ class RigidModel:
     joints: tuple[str, ...]
     joint_qpos: Any
     """qpos address per entry of `joints`."""
-    restitution: Restitution
+    law: ContactLaw
     excess: F64
     """How far the visible surface reaches outside the collision shape, per geom [m], shape (ngeom,)."""
     exclude_of: dict[str, int] = field(default_factory=dict)
@@ -132,6 +135,7 @@ class _Builder:
         option.iterations = self.settings.iterations
         option.tolerance = self.settings.tolerance
         option.impratio = self.settings.impratio
+        option.sleep_tolerance = 10 * SLEEP_ACCELERATION * self.settings.step
         option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET) | int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
         if self.settings.sleep:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
@@ -431,9 +435,9 @@ def build_model(
         geom_collider=geom_collider,
         joints=tuple(builder.joint_names),
         joint_qpos=np.array([model.joint(n).qposadr[0] for n in builder.joint_names], dtype=np.int64),
-        restitution=Restitution(
+        law=ContactLaw(
+            model,
             np.array([spec.materials[builder.geom_material[g]].restitution for g in geom_names]),
-            model.geom_bodyid.copy(),
             geom_collider,
             {(rank[a], rank[b]): value for (a, b), value in bounces.items()},
         ),

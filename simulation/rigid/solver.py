@@ -145,19 +145,16 @@ class SolverRigid:
     def _segment(self, start: float, dt: float, count: int) -> None:
         """`count` steps of `dt` [s] within which no driver switches."""
         mujoco, model, data = self._mj, self.model, self.data
-        step, after_step = mujoco.mj_step, self.monitor.after_step
-        authored, bouncing = bool(self.drivers.kinematic), self.rigid.restitution.any
+        first, second, after_step = mujoco.mj_step1, mujoco.mj_step2, self.monitor.after_step
+        authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
         working = self.work.begin(data, velocities(model, data))
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
         for k in range(count):
             if authored:
                 self.drivers.follow_paths(data, k, dt)
-            if bouncing:
-                mujoco.mj_step1(model, data)
-                self.rigid.restitution.apply(data, dt, slowest)
-                mujoco.mj_step2(model, data)
-            else:
-                step(model, data)
+            first(model, data)
+            contact_law(data, dt, slowest)
+            second(model, data)
             after_step(data, start + (k + 1) * dt, dt)
             if working:
                 self.work.after_step(data, dt)

@@ -131,8 +131,37 @@ class Run:
             for i, pair in enumerate(frame["event/pair"]):
                 names = {self.index.colliders[p] for p in pair}
                 if {n for n in (a, b) if n is not None} <= names:
-                    found.append({"frame": k, "names": names, **{c: frame[f"event/{c}"][i] for c in ("time", "point", "speed", "impulse")}})
+                    found.append(
+                        {"frame": k, "names": names, **{c: frame[f"event/{c}"][i] for c in ("time", "point", "speed", "impulse")}}
+                    )
         return found
 
     def joint(self, name: str) -> np.ndarray:
         return self.series("joint")[:, self.index.joints.index(name)]
+
+
+def worst_clearance(run: Run, *, ignore: Sequence[frozenset[str]] = (), skip_above: float = 0.002) -> tuple[float, str, str, int]:
+    """Smallest signed clearance of visible surfaces of different entities over all frames: value [m], names, frame."""
+    from worldagent.geometry import Solid, clearance_series
+    from worldagent.worlds.arrays import pose_of
+
+    pieces = []
+    for name, built in run.solver.built.items():
+        fixed = pose_of(run.solver.spec.entities[name].pose)
+        for part in built.parts:
+            if f"{name}/{part.body}" in run.index.bodies:
+                track = run.of(name, "position", part.body), run.of(name, "quaternion", part.body)
+            else:
+                track = np.tile(fixed.position, (len(run.frames), 1)), np.tile(fixed.quaternion, (len(run.frames), 1))
+            moves = run.solver.spec.entities[name].motion != "static"
+            pieces.append((name, moves, Solid.from_mesh(part.render, closed=True), track))
+    worst = (np.inf, "", "", -1)
+    for i, (a, moves_a, solid_a, track_a) in enumerate(pieces):
+        for b, moves_b, solid_b, track_b in pieces[i + 1 :]:
+            if a == b or not (moves_a or moves_b) or frozenset((a, b)) in ignore:
+                continue
+            series = clearance_series(solid_a, track_a, solid_b, track_b, skip_above=skip_above)
+            k = int(series.argmin())
+            if series[k] < worst[0]:
+                worst = (float(series[k]), a, b, k)
+    return worst

@@ -50,7 +50,10 @@ class RigidSettings(SpecModel):
         default=5e-4, ge=0, le=0.02, description="collision skin of every part [m]; contacts act at the sum of two"
     )
     contact_steps: float = Field(
-        default=12.0, ge=2.0, le=40.0, description="how slowly depth inside the skins is pushed out: natural period / 2 pi, in steps"
+        default=8.0,
+        ge=2.0,
+        le=40.0,
+        description="how slowly depth inside the skins is pushed out: natural period / 2 pi, in steps",
     )
     impratio: float = Field(default=20.0, ge=1, le=1000, description="friction to normal impedance ratio")
     iterations: int = Field(default=60, ge=5, le=1000)

@@ -1,0 +1,114 @@
+"""Impacts: restitution, momentum, events, energy (reference/solvers.md 4.3)."""
+
+import math
+
+import numpy as np
+import pytest
+from worldagent.tests.physics.rigid_world import G, Run, ball, box, floor, world
+
+RESTITUTION = 0.01
+"""Gate of the table, absolute."""
+PLASTIC = 0.02
+"""Largest rebound of a material without restitution: what is pushed out of the skin comes back as speed."""
+MOMENTUM = 5e-4
+"""Gate of the table, relative."""
+IMPULSE, CLOSING = 0.01, 0.02
+"""Relative errors of logged impulses and closing speeds."""
+
+
+@pytest.mark.parametrize("shape", ["ball", "box"])
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.6, 0.9, 1.0])
+def test_restitution_is_the_ratio_of_speeds(shape, e):
+    height = 0.37
+    body = ball(0.1, at=(0, 0, 0.1 + height)) if shape == "ball" else box(0.3, 0.2, 0.1, at=(0, 0, 0.05 + height))
+    # Without gravity the speeds before and after are free of where within a frame the impact falls.
+    body["physics"]["linear_velocity"] = (0, 0, -2.7)
+    run = Run(world({"ground": floor(), "b": body}, seconds=0.5, restitution=e, gravity=(0, 0, 0)))
+    rebound = run.of("b", "velocity")[-1, 2] / 2.7
+    assert rebound == pytest.approx(e, abs=PLASTIC if e == 0 else RESTITUTION)
+
+
+@pytest.mark.parametrize("e", [0.5, 0.9])
+def test_a_dropped_ball_rises_to_e_squared_of_its_height(e):
+    height = 0.5
+    run = Run(world({"ground": floor(), "b": ball(0.1, at=(0, 0, 0.1 + height))}, seconds=1.0, restitution=e, fps=240))
+    z = run.of("b")[:, 2] - 0.1 - 0.001
+    bounce = round(math.sqrt(2 * height / G) * 240) + 2
+    fall = height - 0.001
+    assert math.sqrt(z[bounce : bounce + round(0.6 * 240)].max() / fall) == pytest.approx(e, abs=RESTITUTION)
+
+
+def test_a_perfectly_elastic_ball_keeps_its_energy_over_many_bounces():
+    run = Run(world({"ground": floor(), "b": ball(0.1, at=(0, 0, 0.4))}, seconds=5.0, restitution=1.0))
+    energy = run.record("kinetic_energy") + run.record("potential_energy")
+    scale = energy[0] - run.solver.model.body_mass[-1] * G * 0.101
+    assert np.abs(energy - energy[0]).max() < 0.02 * scale
+    assert len(run.events("b", "ground")) >= 9
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 1e4])
+def test_two_bodies_keep_their_momentum_and_separate_as_they_should(ratio):
+    e, v = 0.7, 2.0
+    bodies = {"a": ball(0.05, at=(0, 0, 0), v=(v, 0, 0), mass=1.0), "b": ball(0.05, at=(0.3, 0, 0), mass=ratio)}
+    run = Run(world(bodies, seconds=0.6, restitution=e, gravity=(0, 0, 0)))
+    assert np.abs(run.record("momentum_x") / v - 1).max() < MOMENTUM
+    va, vb = (run.of(n, "velocity")[-1, 0] for n in "ab")
+    assert (vb - va) / v == pytest.approx(e, abs=RESTITUTION)
+    assert va == pytest.approx((1 - ratio * e) / (1 + ratio) * v, abs=RESTITUTION * v)
+
+
+def test_a_newton_cradle_with_gaps_hands_the_speed_on():
+    balls = {f"b{k}": ball(0.05, at=(0.105 * k + (0.05 if k else 0.0), 0, 0)) for k in range(5)}
+    balls["b0"]["physics"]["linear_velocity"] = (1.0, 0, 0)
+    run = Run(world(balls, seconds=0.5, restitution=1.0, gravity=(0, 0, 0)))
+    p = run.record("momentum_x")
+    assert np.abs(p / p[0] - 1).max() < MOMENTUM
+    speeds = [run.of(f"b{k}", "velocity")[-1, 0] for k in range(5)]
+    assert speeds == pytest.approx([0, 0, 0, 0, 1.0], abs=0.01)
+
+
+def test_a_head_on_collision_is_logged_once_with_its_impulse_and_closing_speed():
+    m, v, e = 1.5, 1.3, 0.4
+    bodies = {"a": ball(0.1, at=(-0.4, 0, 0), v=(v, 0, 0), mass=m), "b": ball(0.1, at=(0.4, 0, 0), v=(-v, 0, 0), mass=m)}
+    run = Run(world(bodies, seconds=0.6, restitution=e, gravity=(0, 0, 0)))
+    (event,) = run.events("a", "b")
+    assert event["speed"] == pytest.approx(2 * v, rel=CLOSING)
+    assert event["impulse"] == pytest.approx(m * v * (1 + e), rel=IMPULSE)
+    assert event["time"] == pytest.approx((0.6 - 0.001) / (2 * v), abs=2 * 5e-4)
+    assert np.linalg.norm(event["point"]) < 0.01
+    total = sum(f["contact/impulse"].sum() for f in run.frames)
+    assert total == pytest.approx(m * v * (1 + e), rel=IMPULSE)
+
+
+def test_the_floor_carries_the_weight_of_a_resting_body():
+    run = Run(
+        world({"ground": floor(), "b": box(0.2, 0.2, 0.2, at=(0, 0, 0.1), mass=3.0)}, seconds=0.5, settings={"sleep": False})
+    )
+    given = sum(f["contact/impulse"].sum() for f in run.frames[3:])
+    assert given == pytest.approx(3.0 * G * (len(run.frames) - 3) / 24, rel=IMPULSE)
+    assert run.events() == []
+
+
+def test_a_bouncing_ball_is_logged_once_per_bounce_and_never_after_it_lies_still():
+    run = Run(world({"ground": floor(), "b": ball(0.1, at=(0, 0, 0.6))}, seconds=4.0, restitution=0.5))
+    events = run.events("b", "ground")
+    speeds = [e["speed"] for e in events]
+    assert speeds[0] == pytest.approx(math.sqrt(2 * G * 0.499), rel=CLOSING)
+    assert np.allclose(np.array(speeds[1:5]) / np.array(speeds[:4]), 0.5, atol=0.02)
+    # Hops shorter than the debounce time continue the contact: 2 v / g > 5 ms.
+    assert all(s > 0.5 * G * 0.005 * 0.8 for s in speeds)
+    assert len(events) <= 9
+    assert run.frames[-1]["asleep"][0]
+
+
+def test_a_sleeping_stack_that_is_hit_logs_only_real_touches():
+    boxes = {f"b{k}": box(0.1, 0.1, 0.1, at=(0, 0, 0.05 + 0.1 * k)) for k in range(3)}
+    far = ball(0.05, at=(-0.3, 0, 3.0), v=(0.40, 0, 0), mass=0.01)
+    run = Run(world({"ground": floor(), **boxes, "far": far}, seconds=1.5, friction=0.9))
+    assert any(f["asleep"][:3].all() for f in run.frames[: round(0.6 * 24)])
+    first = run.events("far")[0]
+    quiet = [e for e in run.events() if "far" not in e["names"] and e["time"] < first["time"]]
+    assert quiet == []
+    # The stack hardly moves under one per cent of its mass: its own contacts never end.
+    if max(np.abs(run.of(f"b{k}") - run.of(f"b{k}")[0]).max() for k in range(3)) < 2e-4:
+        assert [e for e in run.events() if "far" not in e["names"]] == []

@@ -1,0 +1,176 @@
+"""Skills say what the code does: kinds, limits, groups and row ids are compared with the models."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from worldagent.server.resources import SKILLS, skill_files, skill_names
+from worldagent.worlds.audit import DENSITY_RANGES, audit
+from worldagent.worlds.groups import GROUPS
+from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.predicates import PREDICATES
+from worldagent.worlds.requirements import Check
+from worldagent.worlds.spec import Entity
+from worldagent.worlds.spec.shapes import Shape
+from worldagent.worlds.spec.simulation import Driver, Joint
+from worldagent.worlds.spec.story import Relation
+
+BUILDING = SKILLS / "world-building"
+EXAMPLES = sorted((BUILDING / "examples").glob("*.json"))
+DIAGNOSIS: list[dict[str, Any]] = json.loads((SKILLS / "rigid-bodies" / "diagnosis.json").read_text())
+MAX_LINES = 500
+
+
+def _kinds(union: Any) -> set[str]:
+    """Values of `kind` in an annotated union of models."""
+    return {model.model_fields["kind"].default for model in get_args(get_args(union)[0])}
+
+
+def _named(text: str, heading: str) -> set[str]:
+    """Names in the first column of the table under a heading."""
+    section = text.split(f"### {heading}\n", 1)[1].split("\n#", 1)[0]
+    return {
+        name for line in section.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line.split("|")[1])
+    }
+
+
+@pytest.mark.parametrize(
+    ("heading", "kinds"),
+    [
+        ("Shapes", _kinds(Shape)),
+        ("Joints", _kinds(Joint)),
+        ("Drivers", _kinds(Driver)),
+        ("Relations", _kinds(Relation)),
+        ("Predicates", set(PREDICATES)),
+        ("Motions", set(get_args(Entity.model_fields["motion"].annotation))),
+    ],
+)
+def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) -> None:
+    assert _named((BUILDING / "SKILL.md").read_text(), heading) == kinds
+
+
+@pytest.mark.parametrize("name", ["rigid-bodies", "world-building"])
+def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
+    lines = (SKILLS / name / "SKILL.md").read_text().splitlines()
+    assert lines[:2] == ["---", f"name: {name}"]
+    assert "Use when" in lines[2]
+    assert "not for" in lines[2]
+    assert len(lines) < MAX_LINES
+
+
+def test_every_skill_resource_that_a_skill_or_the_audit_names_exists() -> None:
+    sources = [path for path in SKILLS.rglob("*.md")] + [
+        SKILLS.parent / "worlds" / "audit.py",
+        SKILLS.parent / "server" / "app.py",
+    ]
+    for path in sources:
+        for name, file in re.findall(r"skill://([\w-]+)/([\w./-]+\.(?:md|json))", path.read_text()):
+            assert name in skill_names(), (path, name)
+            assert file in skill_files(name), (path, file)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def test_an_example_validates_and_passes_the_audit(path: Path) -> None:
+    report = audit(parse_spec(json.loads(path.read_text())))
+    assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []
+
+
+def test_the_example_in_the_skill_is_the_file() -> None:
+    block = (BUILDING / "SKILL.md").read_text().split("```json\n", 1)[1].split("```", 1)[0]
+    assert block == (BUILDING / "examples" / "two_blocks.json").read_text()
+
+
+def test_the_second_example_shows_routes_regions_and_a_stack() -> None:
+    graph = json.loads((BUILDING / "examples" / "route_past_still_life.json").read_text())["graph"]
+    kinds = [r["kind"] for r in graph["relations"].values()]
+    assert "connects" in kinds
+    assert kinds.count("supports") > 3
+    assert len(graph["regions"]) >= 3
+
+
+def test_the_table_of_densities_is_that_of_the_audit() -> None:
+    text = (BUILDING / "reference" / "specification.md").read_text()
+    stated = {n: (float(a), float(b)) for n, a, b in re.findall(r"\| (\w+) \| (\d+)-(\d+) ", text)}
+    assert stated == {n: v for n, v in DENSITY_RANGES.items() if n != "other"}
+
+
+def test_the_table_of_groups_is_that_of_the_registry() -> None:
+    text = (BUILDING / "reference" / "repair.md").read_text()
+    assert dict(re.findall(r"^\| `(\w+)` \| (\w+) \|", text, re.MULTILINE)) == {n: g.edit_class for n, g in GROUPS.items()}
+
+
+def test_atoms_of_the_reference_exist_with_their_fields() -> None:
+    text = (BUILDING / "reference" / "predicates.md").read_text()
+    for line in text.split("## Which", 1)[0].splitlines():
+        if not line.startswith("| `"):
+            continue
+        kinds, fields = (re.findall(r"`(\w+)`", cell) for cell in line.split("|")[1:3])
+        for kind in kinds:
+            missing = set(fields) - set(_predicate_models()[kind].model_fields) - {"each"}
+            assert not missing, (kind, missing)
+
+
+def _predicate_models() -> dict[str, Any]:
+    from worldagent.worlds.predicates import Predicate
+
+    return {model.model_fields["kind"].default: model for model in get_args(get_args(Predicate)[0])}
+
+
+# ---------------------------------------------------------------- diagnosis
+
+
+def test_diagnosis_ids_are_unique() -> None:
+    ids = [entry["id"] for entry in DIAGNOSIS]
+    assert len(ids) == len(set(ids))
+
+
+@pytest.mark.parametrize("entry", DIAGNOSIS, ids=lambda e: str(e["id"]))
+def test_a_diagnosis_has_a_pattern_evidence_and_ranked_causes(entry: dict[str, Any]) -> None:
+    assert set(entry) == {"id", "checks", "symptom", "row_pattern", "evidence", "causes", "cheapest_probe"}
+    re.compile(entry["row_pattern"])
+    assert entry["evidence"]
+    assert entry["cheapest_probe"]
+    assert entry["causes"]
+    for cause in entry["causes"]:
+        assert set(cause) == {"cause", "edit_class", "group", "action", "pointers"}
+        wanted = GROUPS[cause["group"]].edit_class
+        # A row knows no class of its own for the story.
+        assert cause["edit_class"] == ("text" if wanted == "story" else wanted)
+        assert all(p.startswith("/") for p in cause["pointers"])
+
+
+@pytest.mark.parametrize("check", get_args(Check))
+def test_every_check_has_a_diagnosis(check: str) -> None:
+    assert any(check in entry["checks"] for entry in DIAGNOSIS)
+
+
+ROWS = {
+    "audit": ["audit:ownership", "audit:clauses", "audit:bounds", "audit:density:wood", "audit:engine:cloud"],
+    "scale": ["scale:scene", "scale:ball", "scale:nominal:ball", "scale:relation:on"],
+    "interpenetration": ["interpenetration:a:b", "interpenetration:scene"],
+    "support": ["support:scene", "support:on:cup", "support:balance:cup", "support:derived:cup"],
+    "navigability": ["navigability:way"],
+    "causal": ["causal:a:b"],
+    "category": [f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")],
+    "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
+    "beat": ["beat:b", "beat:vacuous:b", "beat:driven:b", "requirement:r", "probe:phases"],
+    "shots": [f"shots:{n}:x" for n in ("cover", "visible", "framed", "inside", "motion")] + ["shots:tiling"],
+    "delivery": ["delivery:replay", "delivery:complete:rigid"],
+}
+
+
+def _numerical() -> list[str]:
+    from worldagent.verifiers.numerical import CLAIMS
+
+    return [f"numerical:{name}:rigid" for name in CLAIMS] + ["numerical:promise"]
+
+
+@pytest.mark.parametrize("check", get_args(Check))
+def test_every_row_of_a_check_matches_a_diagnosis_of_that_check(check: str) -> None:
+    patterns = [re.compile(e["row_pattern"]) for e in DIAGNOSIS if check in e["checks"]]
+    for row in _numerical() if check == "numerical" else ROWS[check]:
+        assert any(p.search(row) for p in patterns), row

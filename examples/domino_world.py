@@ -19,7 +19,11 @@ COUNT = 20
 SKIN = 0.0004
 GAP = 2 * SKIN
 BALL = 0.014
-FRAMES = 96
+FRAMES = 84
+NEAR, FAR, BEAM, LIP, LIP_DEPTH = 0.055, 0.107, 0.004, 0.008, 0.005
+"""Arms of the seesaw from its pivot, thickness of its board, height and depth of its lip [m]."""
+TILT, SWING = 0.65, 0.18
+"""Slope of the waiting arm, and how far its hinge lets it swing [rad]."""
 
 
 def _box(size: tuple[float, float, float]) -> dict[str, Any]:
@@ -40,7 +44,7 @@ def _entity(role: str, motion: str, material: str, size: tuple[float, float, flo
 
 def _chain() -> list[tuple[float, float, float]]:
     """(x, y, heading) of the dominoes: eight straight, six around a quarter circle, six straight."""
-    x, y, heading, places = -0.10, -0.22, 0.0, []
+    x, y, heading, places = -0.10, -0.03, 0.0, []
     for k in range(COUNT):
         places.append((x, y, heading))
         turn = math.pi / 12 if 7 <= k < 13 else 0.0
@@ -65,49 +69,68 @@ def _bench() -> dict[str, Any]:
     }
 
 
-def _seesaw(pivot: tuple[float, float], near: float, far: float, height: float) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any], float]:
-    """Beam, fulcrum, hinge, and the beam's angle: the far end rests on the bench."""
-    thick, width = 0.004, 0.03
-    # Lower corner of the far end at the height of two skins: height - far sin(a) - thick/2 cos(a) = GAP.
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if height - far * math.sin(middle) - thick / 2 * math.cos(middle) > GAP else (low, middle)
-    angle = low
-    offset = (far - near) / 2
-    center = (pivot[0], pivot[1] + offset * math.cos(angle), TOP + height - offset * math.sin(angle))
-    beam = _entity(
-        "seesaw beam", "dynamic", "light_wood", (width, near + far, thick), _box((width, near + far, thick)), center, turn={"euler": [round(-angle, 9), 0, 0]}
-    )
-    apex = height - thick / 2 - 0.003
-    profile = [[-0.012, -apex / 2], [0.012, -apex / 2], [0.002, apex / 2], [-0.002, apex / 2]]
+def _seesaw(pivot: tuple[float, float], height: float) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Bent beam with a lip at its far end, fulcrum, and a hinge whose stops end the swing before the arm is level."""
+    width = 0.03
+    cos, sin = math.cos(TILT), math.sin(TILT)
+    lip_at = (FAR - LIP_DEPTH / 2, BEAM / 2 + LIP / 2)
+    arm = {"shape": _box((width, FAR, BEAM)), "pose": {"position": [0, FAR / 2 * cos, -FAR / 2 * sin], "euler": [-TILT, 0, 0]}}
+    lip = {
+        "shape": _box((width, LIP_DEPTH, LIP)),
+        "pose": {"position": [0, lip_at[0] * cos + lip_at[1] * sin, -lip_at[0] * sin + lip_at[1] * cos], "euler": [-TILT, 0, 0]},
+    }
+    # The far upper corner of the lip reaches farthest out, the far lower corner of the arm lowest.
+    size = (width, NEAR + FAR * cos + (BEAM / 2 + LIP) * sin, BEAM / 2 + FAR * sin + BEAM / 2 * cos)
+    beam = {
+        "role": "seesaw: a level paddle, and an arm sloping down to a lip that holds the cube",
+        "motion": "dynamic",
+        "material": "balsa",
+        "dimensions": {"size": [round(v, 6) for v in size]},
+        "pose": {"position": [pivot[0], pivot[1], TOP + height]},
+        "parts": {
+            # The paddle outweighs the empty arm and not the loaded one: the seesaw stays tipped after the throw.
+            "paddle": {"shape": _box((width, NEAR, BEAM)), "pose": {"position": [0, -NEAR / 2, 0]}, "material": "dark_wood"},
+            "arm": arm,
+            "lip": lip,
+        },
+    }
+    apex = height - BEAM - 0.004
+    profile = [[-0.014, -apex / 2], [0.014, -apex / 2], [0.002, apex / 2], [-0.002, apex / 2]]
     fulcrum = _entity(
         "fulcrum of the seesaw",
         "static",
         "dark_wood",
-        (0.024, apex, 0.02),
+        (0.028, apex, 0.02),
         {"kind": "extrusion", "polygon": profile, "height": 0.02},
         (pivot[0], pivot[1], TOP + apex / 2),
         turn={"euler": [round(math.pi / 2, 12), 0, round(math.pi / 2, 12)]},
     )
-    hinge = {"kind": "hinge", "parent": "fulcrum", "child": "beam", "anchor": [pivot[0], pivot[1], TOP + height], "axis": [1, 0, 0], "damping": 1e-6}
-    return beam, fulcrum, hinge, angle
+    hinge = {
+        "kind": "hinge",
+        "parent": "fulcrum",
+        "child": "beam",
+        "anchor": [pivot[0], pivot[1], TOP + height],
+        "axis": [1, 0, 0],
+        "range": [0, SWING],
+        "damping": 1e-6,
+    }
+    return beam, fulcrum, hinge
 
 
-def domino_spec(bowl_at: tuple[float, float] = (0.19, 0.62)) -> dict[str, Any]:
+def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.6)) -> dict[str, Any]:
     """The specification without its prompt, as `edit_spec` takes it."""
     places = _chain()
     last_x, last_y, _ = places[-1]
-    pivot = (round(last_x, 6), round(last_y + 0.085, 6))
-    near, far, height = 0.055, 0.105, 0.024
-    beam, fulcrum, hinge, angle = _seesaw(pivot, near, far, height)
-    cube = 0.014
-    # The cube lies flat on the beam, near its far end, one gap above it.
-    along, up = far - 0.014, 0.002 + GAP + cube / 2
+    pivot = (round(last_x, 6), round(last_y + 0.101, 6))
+    height = 0.032
+    beam, fulcrum, hinge = _seesaw(pivot, height)
+    cube = 0.018
+    # The cube lies on the board, one gap above it and one gap before the lip.
+    along, up = FAR - LIP_DEPTH - GAP - cube / 2, BEAM / 2 + GAP + cube / 2
     cube_at = (
         pivot[0],
-        pivot[1] + along * math.cos(angle) + up * math.sin(angle),
-        TOP + height - along * math.sin(angle) + up * math.cos(angle),
+        pivot[1] + along * math.cos(TILT) + up * math.sin(TILT),
+        TOP + height - along * math.sin(TILT) + up * math.cos(TILT),
     )
     ramp_length, ramp_low, ramp_high = 0.30, 0.035, 0.125
     slope = math.atan2(ramp_high - ramp_low, ramp_length)
@@ -146,7 +169,7 @@ def domino_spec(bowl_at: tuple[float, float] = (0.19, 0.62)) -> dict[str, Any]:
         },
         "fulcrum": fulcrum,
         "beam": beam,
-        "cube": _entity("small wooden cube", "dynamic", "light_wood", (cube,) * 3, _box((cube,) * 3), cube_at, turn={"euler": [round(-angle, 9), 0, 0]}),
+        "cube": _entity("small wooden cube", "dynamic", "light_wood", (cube,) * 3, _box((cube,) * 3), cube_at, turn={"euler": [-TILT, 0, 0]}),
         "bowl": _entity(
             "bowl that catches the cube", "dynamic", "ceramic", (0.36, 0.36, 0.11),
             {"kind": "revolution", "segments": 32, "profile": [[0, 0], [0.09, 0], [0.18, 0.1], [0.18, 0.11], [0.17, 0.11], [0.085, 0.012], [0, 0.012]]},
@@ -166,41 +189,47 @@ def domino_spec(bowl_at: tuple[float, float] = (0.19, 0.62)) -> dict[str, Any]:
         "last_hits_beam": {"kind": "interacts", "a": "d20", "b": "beam"},
     }
     regions = {"in_bowl": {"kind": "cylinder", "center": [0, 0, 0.06], "radius": 0.165, "height": 0.11, "relative_to": "bowl"}}
-    topple = {"kind": "topples", "entity": "each", "min_angle": 0.9}
+    topple = {"kind": "topples", "entity": "each", "min_angle": 0.7}
     beats: dict[str, Any] = {
-        "release": {"text": "the ball is released and starts to roll", "owner": "let_go", "subject": "ball", "frames": [4, 16],
+        "release": {"text": "the ball is released and starts to roll", "owner": "let_go", "subject": "ball", "frames": [4, 12],
                     "predicate": {"kind": "speed", "entity": "ball", "min": 0.2}},
-        "strike": {"text": "the ball strikes the first domino", "owner": "rigid", "subject": "d01", "frames": [8, 30], "causes": ["release"],
+        "strike": {"text": "the ball strikes the first domino", "owner": "rigid", "subject": "d01", "frames": [8, 24], "causes": ["release"],
                    "predicate": {"kind": "contact", "a": "ball", "b": "d01", "min_impulse": 0.001}},
-        "chain": {"text": "all twenty dominoes fall", "owner": "rigid", "subject": "d20", "frames": [10, 66], "causes": ["strike"],
+        "corner": {"text": "the chain runs around the corner", "owner": "rigid", "subject": "d14", "frames": [16, 40], "causes": ["strike"],
+                   "predicate": {"kind": "tilts", "entity": "d14", "min": 0.5}},
+        "chain": {"text": "all twenty dominoes fall", "owner": "rigid", "subject": "d20", "frames": [16, 44], "causes": ["corner"],
                   "predicate": {"kind": "and", "of": [
                       {"kind": "count", "entities": dominoes[:-1], "min": COUNT - 1, "predicate": topple},
-                      {"kind": "tilts", "entity": "d20", "min": 0.9}]}},
-        "corner": {"text": "the chain runs around the corner", "owner": "rigid", "subject": "d14", "frames": [10, 60], "causes": ["strike"],
-                   "predicate": {"kind": "tilts", "entity": "d14", "min": 0.5}},
-        "tip": {"text": "the last domino tips the seesaw", "owner": "rigid", "subject": "beam", "frames": [20, 70], "causes": ["chain"],
-                "predicate": {"kind": "tilts", "entity": "beam", "min": 0.2}},
-        "throw": {"text": "the seesaw throws the cube", "owner": "rigid", "subject": "cube", "frames": [20, 76], "causes": ["tip"],
+                      {"kind": "tilts", "entity": "d20", "min": 0.3}]}},
+        "tip": {"text": "the last domino tips the seesaw", "owner": "rigid", "subject": "beam", "frames": [24, 44], "causes": ["corner"],
+                "predicate": {"kind": "tilts", "entity": "beam", "min": 0.12}},
+        "throw": {"text": "the seesaw throws the cube", "owner": "rigid", "subject": "cube", "frames": [26, 42], "causes": ["tip"],
                   "predicate": {"kind": "speed", "entity": "cube", "min": 0.5}},
-        "catch": {"text": "the cube lands in the bowl and stays", "owner": "rigid", "subject": "cube", "frames": [24, 94], "causes": ["throw"],
+        "catch": {"text": "the cube lands in the bowl and stays", "owner": "rigid", "subject": "cube", "frames": [34, FRAMES - 1], "causes": ["throw"],
                   "predicate": {"kind": "reaches", "entity": "cube", "region": "in_bowl", "when": "end"}},
     }  # fmt: skip
     shots = {
         "ramp_shot": {
-            "frames": [0, 21], "covers": ["release", "strike"], "subjects": ["ball", "d01"], "intent": "the ball on its ramp and what waits for it",
-            "keys": {"a": {"frame": 0, "position": [-0.35, -1.0, 1.05], "target": [-0.2, -0.2, 0.77], "fov_deg": 32},
-                     "b": {"frame": 21, "position": [-0.15, -1.0, 1.05], "target": [-0.1, -0.2, 0.75], "fov_deg": 32}},
+            "frames": [0, 16], "covers": ["release", "strike"], "subjects": ["ball", "d01"], "intent": "the ball on its ramp and what waits for it",
+            "keys": {"a": {"frame": 0, "position": [-0.42, -0.62, 0.98], "target": [-0.22, -0.03, 0.79], "fov_deg": 34},
+                     "b": {"frame": 16, "position": [-0.12, -0.62, 0.98], "target": [-0.08, -0.03, 0.75], "fov_deg": 34}},
         },
         "chain_shot": {
-            "frames": [22, 47], "covers": ["chain", "corner", "strike", "tip"], "subjects": ["d14"], "intent": "the wave runs round the corner to the seesaw",
-            "keys": {"a": {"frame": 22, "position": [0.75, -0.75, 1.3], "target": [0.08, -0.1, 0.74], "fov_deg": 34},
-                     "b": {"frame": 47, "position": [0.85, -0.35, 1.2], "target": [0.16, 0.08, 0.74], "fov_deg": 34}},
+            "frames": [17, 27], "covers": ["strike", "corner", "chain"], "subjects": ["d14"], "intent": "the wave runs round the corner",
+            "keys": {"a": {"frame": 17, "position": [0.62, -0.42, 1.12], "target": [0.08, 0.02, 0.74], "fov_deg": 34},
+                     "b": {"frame": 27, "position": [0.72, -0.2, 1.08], "target": [0.16, 0.16, 0.74], "fov_deg": 34}},
         },
         "throw_shot": {
-            "frames": [48, FRAMES - 1], "covers": ["tip", "throw", "catch", "chain", "corner"], "subjects": ["cube"],
-            "intent": "the seesaw throws the cube into the bowl on the floor",
-            "keys": {"a": {"frame": 48, "position": [1.35, 0.75, 1.05], "target": [0.19, 0.25, 0.6], "fov_deg": 38},
-                     "b": {"frame": FRAMES - 1, "position": [1.1, 1.05, 0.9], "target": [0.19, 0.55, 0.2], "fov_deg": 38}},
+            "frames": [28, 38], "covers": ["chain", "corner", "tip", "throw"], "subjects": ["beam", "cube"],
+            "intent": "the last dominoes tip the seesaw, the cube takes off",
+            "keys": {"a": {"frame": 28, "position": [0.85, 0.5, 0.95], "target": [0.2, 0.36, 0.74], "fov_deg": 34},
+                     "b": {"frame": 38, "position": [0.85, 0.6, 0.92], "target": [0.2, 0.44, 0.66], "fov_deg": 34}},
+        },
+        "catch_shot": {
+            "frames": [39, FRAMES - 1], "covers": ["throw", "catch"], "subjects": ["cube", "bowl"], "intent": "the cube falls into the bowl on the floor",
+            "keys": {"a": {"frame": 39, "position": [0.8, 0.95, 0.75], "target": [0.2, 0.58, 0.22], "fov_deg": 40},
+                     "b": {"frame": 52, "position": [0.62, 0.9, 0.62], "target": [0.2, 0.61, 0.05], "fov_deg": 34},
+                     "c": {"frame": FRAMES - 1, "position": [0.56, 0.86, 0.58], "target": [0.2, 0.61, 0.04], "fov_deg": 34}},
         },
     }  # fmt: skip
     return {
@@ -215,10 +244,11 @@ def domino_spec(bowl_at: tuple[float, float] = (0.19, 0.62)) -> dict[str, Any]:
         "story": {"semantics": "a chain reaction on a workbench", "beats": beats},
         "materials": {
             "steel": {"density": 7850, "substance": "steel", "friction": 0.4, "restitution": 0.3, "appearance": {"color": [0.75, 0.76, 0.78], "metallic": 1, "roughness": 0.15}},
-            "domino_wood": {"density": 800, "substance": "wood", "friction": 0.4, "appearance": {"color": [0.8, 0.16, 0.1], "roughness": 0.35}},
+            "domino_wood": {"density": 1000, "substance": "wood", "friction": 0.3, "appearance": {"color": [0.8, 0.16, 0.1], "roughness": 0.35}},
             "bench_wood": {"density": 650, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.62, 0.43, 0.26], "pattern": "wood", "pattern_scale": 0.12}},
             "dark_wood": {"density": 700, "substance": "wood", "friction": 0.4, "appearance": {"color": [0.33, 0.19, 0.1], "pattern": "wood", "pattern_scale": 0.06}},
-            "light_wood": {"density": 300, "substance": "wood", "friction": 0.6, "appearance": {"color": [0.95, 0.75, 0.35], "roughness": 0.6}},
+            "balsa": {"density": 160, "substance": "wood", "friction": 0.35, "appearance": {"color": [0.9, 0.8, 0.6], "pattern": "wood", "pattern_scale": 0.05}},
+            "light_wood": {"density": 300, "substance": "wood", "friction": 0.35, "appearance": {"color": [0.95, 0.75, 0.35], "roughness": 0.6}},
             "concrete": {"density": 2300, "substance": "concrete", "friction": 0.7, "appearance": {"color": [0.5, 0.5, 0.5], "pattern": "concrete", "pattern_scale": 0.8}},
             "ceramic": {"density": 2300, "substance": "ceramic", "friction": 0.5, "appearance": {"color": [0.12, 0.3, 0.55], "roughness": 0.15}},
         },

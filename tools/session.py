@@ -86,7 +86,7 @@ class Session:
         spec = parse_spec(folder.read_json(folder.spec_path))
         if recorded is None:
             raise EvidenceError(f"world {folder.id!r} has no revision in its ledger; create it again with edit_spec")
-        if spec_digest(spec) != recorded[1]:
+        if spec.model_dump_json(exclude_none=True) != recorded[0]:
             raise RefusedError(
                 f"world.json of {folder.id!r} was edited outside the server since revision {revision}. "
                 "Call edit_spec with on_hand_edit='adopt' to take it as a new revision, or 'restore' to undo it."
@@ -95,8 +95,7 @@ class Session:
 
     def write_spec(self) -> None:
         """Write `world.json`."""
-        text = json.dumps(self.spec.model_dump(mode="json", exclude_none=True), indent=1, ensure_ascii=False)
-        write_atomically(self.folder.spec_path, text.encode())
+        write_atomically(self.folder.spec_path, self.spec.model_dump_json(indent=1, exclude_none=True).encode())
 
     # ---------------------------------------------------------------- edits
 

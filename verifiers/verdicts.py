@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 __all__ = ["EDIT_CLASS", "correction", "make_row", "plain", "requested_frames"]
 
 EDIT_CLASS: Mapping[str, RowClass] = {
-    name: "text" if group.edit_class == "story" else group.edit_class for name, group in GROUPS.items()
+    name: group.edit_class for name, group in GROUPS.items()
 }
-"""Class of an edit to each causal parameter group (R111, R112); rows know no class of its own for the story."""
+"""Class of an edit to each causal parameter group (R111, R112)."""
 
 
 def correction(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from .canonical import digest_of
@@ -97,7 +98,7 @@ class _Audit:
         corrections = tuple(
             Correction(
                 cause=text,
-                edit_class="text" if group_of(place).edit_class == "story" else group_of(place).edit_class,
+                edit_class=group_of(place).edit_class,
                 group=group_of(place).name,
                 action=text,
                 pointers=(place,),
@@ -374,12 +375,12 @@ class _Audit:
 
 def _references(model: SpecModel, pointer: str) -> Iterator[tuple[str, str, str]]:
     """(pointer, target, value) of every reference field below a model."""
-    for name, info in type(model).model_fields.items():
+    for name, ref in _fields(type(model)):
         value = getattr(model, name)
         place = f"{pointer}/{name}"
-        ref = next((m.target for m in info.metadata if isinstance(m, Ref)), None) or _inner_ref(info.annotation)
-        if ref is not None and isinstance(value, str) and value != "world":
-            yield place, ref, value
+        if ref is not None and isinstance(value, str):
+            if value != "world":
+                yield place, ref, value
         elif ref is not None and isinstance(value, list):
             for i, item in enumerate(value):
                 yield f"{place}/{i}", ref, item
@@ -395,13 +396,19 @@ def _references(model: SpecModel, pointer: str) -> Iterator[tuple[str, str, str]
                     yield from _references(item, f"{place}/{i}")
 
 
-def _inner_ref(annotation: Any) -> str | None:
-    """Reference target inside `list[EntityRef]` or `EntityRef | None`."""
-    for part in (annotation, *getattr(annotation, "__args__", ())):
-        for mark in getattr(part, "__metadata__", ()):
-            if isinstance(mark, Ref):
-                return mark.target
-    return None
+@lru_cache(maxsize=256)
+def _fields(model: type[SpecModel]) -> tuple[tuple[str, str | None], ...]:
+    """Fields of a model that hold references or other models, with the references' target."""
+    found = []
+    for name, info in model.model_fields.items():
+        target: str | None = next((m.target for m in info.metadata if isinstance(m, Ref)), None)
+        for part in (info.annotation, *getattr(info.annotation, "__args__", ())):
+            for mark in getattr(part, "__metadata__", ()):
+                if target is None and isinstance(mark, Ref):
+                    target = mark.target
+        if info.annotation not in (int, float, bool):
+            found.append((name, target))
+    return tuple(found)
 
 
 def _kinds(predicate: SpecModel) -> set[str]:

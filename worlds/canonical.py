@@ -19,7 +19,7 @@ def canonical_json(value: Any) -> bytes:
 
     if isinstance(value, BaseModel):
         value = value.model_dump(mode="json")
-    return rfc8785.dumps(json.loads(json.dumps(value, default=_plain)))
+    return rfc8785.dumps(value)
 
 
 def _plain(value: Any) -> Any:

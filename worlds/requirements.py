@@ -24,7 +24,7 @@ Check = Literal[
     "shots",
     "delivery",
 ]
-RowClass = Literal["scene", "solver", "shot", "text"]
+RowClass = Literal["scene", "solver", "shot", "story", "text"]
 
 
 class Correction(BaseModel):

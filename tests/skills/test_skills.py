@@ -63,7 +63,8 @@ def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
 
 
 def test_every_skill_resource_that_a_skill_or_the_audit_names_exists() -> None:
-    sources = [path for path in SKILLS.rglob("*.md")] + [
+    sources = [
+        *SKILLS.rglob("*.md"),
         SKILLS.parent / "worlds" / "audit.py",
         SKILLS.parent / "server" / "app.py",
     ]

@@ -1,0 +1,71 @@
+"""Documents do not go stale: the tools page, paths in the coverage table, numbers of choices, sizes of folder READMEs."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+NUMBERS = [f"R{i}" for i in range(1, 159)] + [f"S{i}" for i in range(1, 20)]
+FOLDERS = (
+    "bench", "construction", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
+    "simulation/rigid", "skills", "tests", "tools", "verifiers", "worlds",
+)  # fmt: skip
+README_LINES = 40
+PATH = re.compile(r"`([\w\-./]+/[\w\-./]*|[\w\-]+\.(?:md|toml))(?:::(\w+))?`")
+
+
+def _generator() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("generate_tools", DOCS / "generate_tools.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_tools_page_is_fresh() -> None:
+    assert (DOCS / "tools.md").read_text() == _generator().page(), "run: python docs/generate_tools.py"
+
+
+def test_every_requirement_stands_in_the_coverage_table_once() -> None:
+    found = re.findall(r"^\| ([RS]\d+) \|", (DOCS / "coverage.md").read_text(), re.MULTILINE)
+    assert found == NUMBERS
+
+
+def test_every_path_and_test_of_the_coverage_table_exists() -> None:
+    missing = []
+    for path, function in PATH.findall((DOCS / "coverage.md").read_text()):
+        if not (ROOT / path).exists():
+            missing.append(path)
+        elif function and not re.search(rf"^(?:async )?def {function}\(", (ROOT / path).read_text(), re.MULTILINE):
+            missing.append(f"{path}::{function}")
+    assert missing == []
+
+
+def test_every_silent_point_has_a_choice() -> None:
+    assert re.findall(r"^## (S\d+)", (DOCS / "choices.md").read_text(), re.MULTILINE) == NUMBERS[158:]
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/choices.md"])
+def test_paths_in_documents_exist(name: str) -> None:
+    for path, _ in PATH.findall((ROOT / name).read_text()):
+        assert (ROOT / path).exists() or path.startswith(("demo-out/", "dist/", "candidates/")), (name, path)
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_every_folder_says_what_lives_in_it(folder: str) -> None:
+    lines = (ROOT / folder / "README.md").read_text().splitlines()
+    assert lines[0].startswith("# ")
+    assert len(lines) <= README_LINES
+
+
+def test_the_licence_is_whole() -> None:
+    text = (ROOT / "LICENSE").read_text()
+    assert "Apache License" in text[:300]
+    assert text.rstrip().endswith("limitations under the License.")

@@ -113,6 +113,10 @@ class Drivers:
             moving = isinstance(physics, RigidPhysics) and any((*physics.linear_velocity, *physics.angular_velocity))
             if entity in self._dofs and moving:
                 self._release.setdefault(entity, 0.0)
+        ropes = [(rigid.tendon_of[n], n) for n in rigid.tendon_of if getattr(plan.joints[n], "rope", False)]
+        self._ropes = np.array([row for row, _ in ropes if self._tendon_damping[row] > 0], dtype=np.int64)
+        self.has_ropes = len(self._ropes) > 0
+        """Whether `slacken` has anything to do."""
         self._pose: Any = None
         self._samples: list[PathSamples] = []
 
@@ -211,6 +215,12 @@ class Drivers:
             # about to fall asleep starts its countdown anew.
             data.qvel[data.qvel == 0.0] = -0.0
             data.tree_asleep[data.tree_asleep < 0] = -(1 + _MIN_AWAKE)
+
+    def slacken(self, data: Any) -> None:
+        """Take the damping from ropes that are slack: they only pull."""
+        rows, model = self._ropes, self.rigid.model
+        taut = (data.ten_length[rows] > model.tendon_lengthspring[rows, 1]) & (model.tendon_stiffness[rows] > 0)
+        model.tendon_damping[rows] = np.where(taut, self._tendon_damping[rows], 0.0)
 
     # ------------------------------------------------------------------ paths
 

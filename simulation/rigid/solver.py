@@ -19,6 +19,7 @@ from ...worlds.spec import RigidSettings, WorldSpec
 from ..protocol import Channel, Port
 from .contact_law import rest_speed
 from .drivers import Drivers
+from .gyration import Gyration
 from .holds import FIXED
 from .model import RigidModel, build_model, set_contact_law
 from .monitor import ContactMonitor
@@ -87,6 +88,7 @@ class SolverRigid:
         self._saved = mujoco.MjData(self.model)
         self.drivers = Drivers(self.spec, self.rigid, frozenset(self.members))
         self.work = DriverWork(self.model, self.rigid.actuator_of, self.drivers)
+        self.gyration = Gyration(self.model)
         self.monitor = ContactMonitor(self.rigid)
         kinematic = np.array([b.split("/", 1)[0] in self.drivers.kinematic for b in self.rigid.bodies], dtype=bool)
         self.ledger = Ledger(self.model, self.rigid.body_ids, kinematic)
@@ -147,12 +149,16 @@ class SolverRigid:
         mujoco, model, data = self._mj, self.model, self.data
         first, second, after_step = mujoco.mj_step1, mujoco.mj_step2, self.monitor.after_step
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
+        gyration, ropes = self.gyration.apply, self.drivers.has_ropes
         working = self.work.begin(data, velocities(model, data))
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
         for k in range(count):
             if authored:
                 self.drivers.follow_paths(data, k, dt)
+            if ropes:
+                self.drivers.slacken(data)
             first(model, data)
+            gyration(data, dt)
             contact_law(data, dt, slowest)
             second(model, data)
             after_step(data, start + (k + 1) * dt, dt)
@@ -202,6 +208,8 @@ class SolverRigid:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
+        if model.ntendon:
+            mujoco.mj_tendon(model, data)
 
     def _collide_all(self) -> None:
         """List the contacts of the present positions, those among sleeping bodies included."""

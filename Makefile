@@ -34,7 +34,7 @@ test-all: setup
 check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy $(foreach floor,$(FLOORS),-p worldagent.$(floor))
+	$(BIN)/mypy $(addprefix .types/worldagent/,$(FLOORS))
 	$(BIN)/lint-imports
 
 build: setup

@@ -30,7 +30,9 @@ def _box(size: tuple[float, float, float]) -> dict[str, Any]:
     return {"kind": "box", "size": list(size)}
 
 
-def _entity(role: str, motion: str, material: str, size: tuple[float, float, float], shape: dict[str, Any], position: Any, **more: Any) -> dict[str, Any]:
+def _entity(
+    role: str, motion: str, material: str, size: tuple[float, float, float], shape: dict[str, Any], position: Any, **more: Any
+) -> dict[str, Any]:
     return {
         "role": role,
         "motion": motion,
@@ -149,7 +151,12 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.6)) -> dict[str, Any]:
         (ramp_length, ramp_high, 0.08),
         {
             "kind": "extrusion",
-            "polygon": [[-ramp_length / 2, -middle], [ramp_length / 2, -middle], [ramp_length / 2, ramp_low - middle], [-ramp_length / 2, ramp_high - middle]],
+            "polygon": [
+                [-ramp_length / 2, -middle],
+                [ramp_length / 2, -middle],
+                [ramp_length / 2, ramp_low - middle],
+                [-ramp_length / 2, ramp_high - middle],
+            ],
             "height": 0.08,
         },
         (ramp_end - ramp_length / 2, places[0][1], TOP + middle),
@@ -202,9 +209,9 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.6)) -> dict[str, Any]:
                       {"kind": "count", "entities": dominoes[:-1], "min": COUNT - 1, "predicate": topple},
                       {"kind": "tilts", "entity": "d20", "min": 0.3}]}},
         "tip": {"text": "the last domino tips the seesaw", "owner": "rigid", "subject": "beam", "frames": [24, 44], "causes": ["corner"],
-                "predicate": {"kind": "tilts", "entity": "beam", "min": 0.12}},
+                "predicate": {"kind": "tilts", "entity": "beam", "min": 0.08}},
         "throw": {"text": "the seesaw throws the cube", "owner": "rigid", "subject": "cube", "frames": [26, 42], "causes": ["tip"],
-                  "predicate": {"kind": "speed", "entity": "cube", "min": 0.5}},
+                  "predicate": {"kind": "separation", "a": "cube", "b": "beam", "min": 0.02, "when": "eventually"}},
         "catch": {"text": "the cube lands in the bowl and stays", "owner": "rigid", "subject": "cube", "frames": [34, FRAMES - 1], "causes": ["throw"],
                   "predicate": {"kind": "reaches", "entity": "cube", "region": "in_bowl", "when": "end"}},
     }  # fmt: skip
@@ -243,14 +250,55 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.6)) -> dict[str, Any]:
         },
         "story": {"semantics": "a chain reaction on a workbench", "beats": beats},
         "materials": {
-            "steel": {"density": 7850, "substance": "steel", "friction": 0.4, "restitution": 0.3, "appearance": {"color": [0.75, 0.76, 0.78], "metallic": 1, "roughness": 0.15}},
-            "domino_wood": {"density": 1000, "substance": "wood", "friction": 0.3, "appearance": {"color": [0.8, 0.16, 0.1], "roughness": 0.35}},
-            "bench_wood": {"density": 650, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.62, 0.43, 0.26], "pattern": "wood", "pattern_scale": 0.12}},
-            "dark_wood": {"density": 700, "substance": "wood", "friction": 0.4, "appearance": {"color": [0.33, 0.19, 0.1], "pattern": "wood", "pattern_scale": 0.06}},
-            "balsa": {"density": 160, "substance": "wood", "friction": 0.35, "appearance": {"color": [0.9, 0.8, 0.6], "pattern": "wood", "pattern_scale": 0.05}},
-            "light_wood": {"density": 300, "substance": "wood", "friction": 0.35, "appearance": {"color": [0.95, 0.75, 0.35], "roughness": 0.6}},
-            "concrete": {"density": 2300, "substance": "concrete", "friction": 0.7, "appearance": {"color": [0.5, 0.5, 0.5], "pattern": "concrete", "pattern_scale": 0.8}},
-            "ceramic": {"density": 2300, "substance": "ceramic", "friction": 0.5, "appearance": {"color": [0.12, 0.3, 0.55], "roughness": 0.15}},
+            "steel": {
+                "density": 7850,
+                "substance": "steel",
+                "friction": 0.4,
+                "restitution": 0.3,
+                "appearance": {"color": [0.75, 0.76, 0.78], "metallic": 1, "roughness": 0.15},
+            },
+            "domino_wood": {
+                "density": 1000,
+                "substance": "wood",
+                "friction": 0.3,
+                "appearance": {"color": [0.8, 0.16, 0.1], "roughness": 0.35},
+            },
+            "bench_wood": {
+                "density": 650,
+                "substance": "wood",
+                "friction": 0.5,
+                "appearance": {"color": [0.62, 0.43, 0.26], "pattern": "wood", "pattern_scale": 0.12},
+            },
+            "dark_wood": {
+                "density": 700,
+                "substance": "wood",
+                "friction": 0.4,
+                "appearance": {"color": [0.33, 0.19, 0.1], "pattern": "wood", "pattern_scale": 0.06},
+            },
+            "balsa": {
+                "density": 160,
+                "substance": "wood",
+                "friction": 0.35,
+                "appearance": {"color": [0.9, 0.8, 0.6], "pattern": "wood", "pattern_scale": 0.05},
+            },
+            "light_wood": {
+                "density": 300,
+                "substance": "wood",
+                "friction": 0.35,
+                "appearance": {"color": [0.95, 0.75, 0.35], "roughness": 0.6},
+            },
+            "concrete": {
+                "density": 2300,
+                "substance": "concrete",
+                "friction": 0.7,
+                "appearance": {"color": [0.5, 0.5, 0.5], "pattern": "concrete", "pattern_scale": 0.8},
+            },
+            "ceramic": {
+                "density": 2300,
+                "substance": "ceramic",
+                "friction": 0.5,
+                "appearance": {"color": [0.12, 0.3, 0.55], "roughness": 0.15},
+            },
         },
         "entities": entities,
         "graph": {"regions": regions, "relations": relations},

@@ -72,7 +72,12 @@ def _parser() -> argparse.ArgumentParser:
         "--allow-host", action="append", default=[], metavar="NAME", help="HTTP: further name in Host and Origin headers"
     )
 
-    add("demo", _demo, "Build, check, accept and render the domino world, as a client would.")
+    demo = add("demo", _demo, "A scripted MCP client takes a flawed specification to an accepted world and its film.")
+    demo.add_argument("--seed", type=int, default=1, help="which flaws the first specification carries")
+    demo.add_argument("--flaws", type=int, default=3, help="how many flaws")
+    demo.add_argument("--out", default="demo-out", help="workspace folder")
+    demo.add_argument("--final", action="store_true", help="film of 1920 x 1080 at 64 samples per pixel")
+    demo.add_argument("--no-render", action="store_true", help="stop after acceptance")
     doctor = add("doctor", _doctor, "Check this installation; exit code 0 when everything required works.")
     doctor.add_argument("--json", action="store_true", help="print JSON instead of a table")
     doctor.add_argument("--workspace", type=Path, metavar="DIR", help="workspace to check")
@@ -148,9 +153,9 @@ def leave(*, patience_s: float = 2.0) -> None:
 
 
 def _demo(arguments: argparse.Namespace) -> int:
-    from ..examples.domino_run import main as demo
+    from ..examples.domino_run import show
 
-    return demo() or OK
+    return show(arguments)
 
 
 def _doctor(arguments: argparse.Namespace) -> int:

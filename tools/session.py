@@ -97,6 +97,10 @@ class Session:
         """Write `world.json`."""
         write_atomically(self.folder.spec_path, self.spec.model_dump_json(indent=1, exclude_none=True).encode())
 
+    def stamp(self) -> str:
+        """Identifies this revision of this very world: when it was made."""
+        return repr(self.ledger.revisions(1)[0]["created"])
+
     # ---------------------------------------------------------------- edits
 
     def commit(

@@ -54,7 +54,8 @@ def start_and_wait(
         session.folder.id,
         {"folder": str(session.folder.root), **payload},
         entry=f"worldagent.tools.jobs:{kind}",
-        key=key,
+        # The stamp tells a world from an earlier one of the same name whose jobs the workspace still remembers.
+        key=f"{key}:{session.stamp()}",
         exclusive=True,
     )
     deadline = time.monotonic() + wait_s

@@ -162,6 +162,12 @@ def separating_move(surfaces: Surfaces, mover: str, other: str, frame: int, dire
     return high
 
 
+def _middle(surfaces: Surfaces, entity: str) -> F64:
+    """Middle of an entity's bounding box at frame 0 [m], shape (3,)."""
+    vertices = surfaces.candidate.vertices(entity, 0)
+    return np.asarray((vertices.min(0) + vertices.max(0)) / 2)
+
+
 def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool) -> list[Correction]:
     mover, other = names
     out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
@@ -172,6 +178,11 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
     directions = {"up": up}
     if length > 0.0:
         directions["out along the shortest way"] = out / length
+    # The deepest point need not show the shortest way out: a neighbour is left sideways, away from its middle.
+    between = _middle(surfaces, mover) - _middle(surfaces, other)
+    level = between - float(between @ up) * up
+    if float(np.linalg.norm(level)) > 0.0:
+        directions["away from its neighbour"] = level / float(np.linalg.norm(level))
     moves = {}
     for name, direction in directions.items():
         distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance) if detailed else None

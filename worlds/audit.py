@@ -6,10 +6,10 @@ contact pairs, camera coverage.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from .canonical import digest_of
 from .clauses import clauses_of
@@ -71,6 +71,18 @@ class AuditReport:
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
 
 
+class Problem(NamedTuple):
+    """One finding: where, what to do, and the edit that would do it where there is only one."""
+
+    pointer: str
+    text: str
+    patch: dict[str, Any] | None = None
+
+
+def _replace(pointer: str, value: Any) -> dict[str, Any]:
+    return {"op": "replace", "path": pointer, "value": value}
+
+
 class _Audit:
     def __init__(self, spec: WorldSpec) -> None:
         self.spec = spec
@@ -83,7 +95,7 @@ class _Audit:
         self,
         row_id: str,
         predicate: str,
-        problems: list[tuple[str, str]],
+        problems: Sequence[Problem],
         *,
         entity: str | None = None,
         measured: float | None = None,
@@ -91,10 +103,9 @@ class _Audit:
         comparison: Any = "",
         unit: str = "",
         status: Any = None,
-        patch: tuple[dict[str, Any], ...] = (),
         group: Any = "delivery",
     ) -> None:
-        """One row; it fails when there are problems (pointer, what to do)."""
+        """One row; it fails when there are problems the first eight become corrections."""
         corrections = tuple(
             Correction(
                 cause=text,
@@ -102,10 +113,10 @@ class _Audit:
                 group=group_of(place).name,
                 action=text,
                 pointers=(place,),
-                patch=patch,
+                patch=() if patch is None else (patch,),
                 skill=SKILL,
             )
-            for place, text in problems[:8]
+            for place, text, patch in problems[:8]
         )
         self.rows.append(
             Row(
@@ -122,10 +133,14 @@ class _Audit:
                 entities=(entity,) if entity else (),
                 first_failing_entity=entity if problems else None,
                 corrections=corrections,
-                evidence={"problems": [f"{p}: {t}" for p, t in problems[:12]]} if problems else {},
+                evidence={"problems": [f"{p.pointer}: {p.text}" for p in problems[:12]]} if problems else {},
                 recipe=self.recipe,
             )
         )
+
+    def _clip(self, pointer: str, frames: tuple[int, int]) -> dict[str, Any] | None:
+        """The edit that ends an interval with the sequence; None when it lies wholly beyond."""
+        return _replace(pointer, [frames[0], self.last]) if frames[0] <= self.last else None
 
     # ---------------------------------------------------------------- references
 
@@ -153,9 +168,8 @@ class _Audit:
             if value in known[target] or (value == "each" and target == "entity" and "/predicate" in place):
                 continue
             near = _closest(value, known[target])
-            problems.append(
-                (place, f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first"))
-            )
+            text = f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first")
+            problems.append(Problem(place, text, _replace(place, near) if near else None))
         self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
 
     # ---------------------------------------------------------------- ownership
@@ -174,16 +188,30 @@ class _Audit:
             if not owners:
                 where = next(iter(plan.solvers), "rigid")
                 problems.append(
-                    (f"/simulation/solvers/{where}/members", f"{name!r} ({entity.motion}) is in no solver; add it to members")
+                    Problem(
+                        f"/simulation/solvers/{where}/members",
+                        f"{name!r} ({entity.motion}) is in no solver; add it to members",
+                        {"op": "add", "path": f"/simulation/solvers/{where}/members/-", "value": name},
+                    )
                 )
             elif entity.motion != "static" and len(owners) > 1:
-                problems.append((f"/simulation/solvers/{owners[1]}/members", f"{name!r} is moved by {owners}; keep one"))
+                problems.append(Problem(f"/simulation/solvers/{owners[1]}/members", f"{name!r} is moved by {owners}; keep one"))
             if entity.motion == "kinematic" and name not in driven:
                 problems.append(
-                    (f"{place}/motion", f"{name!r} is kinematic but no path driver moves it; add one or make it dynamic/static")
+                    Problem(
+                        f"{place}/motion",
+                        f"{name!r} is kinematic but no path driver moves it; add one or make it dynamic/static",
+                        _replace(f"{place}/motion", "dynamic"),
+                    )
                 )
             if entity.motion == "static" and name in driven:
-                problems.append((f"{place}/motion", f"{name!r} is static but a path driver moves it; make it kinematic"))
+                problems.append(
+                    Problem(
+                        f"{place}/motion",
+                        f"{name!r} is static but a path driver moves it; make it kinematic",
+                        _replace(f"{place}/motion", "kinematic"),
+                    )
+                )
         for name, driver in plan.drivers.items():
             target = getattr(driver, "entity", None)
             if (
@@ -191,19 +219,21 @@ class _Audit:
                 and not isinstance(driver, PathDriver)
                 and self.spec.entities[target].motion != "dynamic"
             ):
-                problems.append((f"/simulation/drivers/{name}", f"{driver.kind} driver acts on {target!r}, which is not dynamic"))
+                problems.append(
+                    Problem(f"/simulation/drivers/{name}", f"{driver.kind} driver acts on {target!r}, which is not dynamic")
+                )
             if (
                 isinstance(driver, DetachDriver)
                 and driver.joint in plan.joints
                 and plan.joints[driver.joint].kind not in ("weld", "spring")
             ):
-                problems.append((f"/simulation/drivers/{name}", "only welds and springs can be detached"))
+                problems.append(Problem(f"/simulation/drivers/{name}", "only welds and springs can be detached"))
             if (
                 isinstance(driver, MotorDriver)
                 and driver.joint in plan.joints
                 and plan.joints[driver.joint].kind not in ("hinge", "slide")
             ):
-                problems.append((f"/simulation/drivers/{name}", "only hinges and slides can have a motor"))
+                problems.append(Problem(f"/simulation/drivers/{name}", "only hinges and slides can have a motor"))
         self.add("ownership", "every moving entity has exactly one responsible solver or driver", problems)
 
     def categories(self) -> None:
@@ -214,7 +244,7 @@ class _Audit:
                     f"engine:{name}",
                     f"an engine of this build simulates category {entity.physics.category!r}",
                     [
-                        (
+                        Problem(
                             f"/entities/{name}/physics",
                             f"no engine for {entity.physics.category!r} in this build; rigid is available",
                         )
@@ -233,29 +263,37 @@ class _Audit:
         for name, beat in beats.items():
             place = f"/story/beats/{name}"
             if beat.frames[1] > self.last:
-                problems.append((f"{place}/frames", f"frames {list(beat.frames)} end after the last frame {self.last}"))
+                problems.append(
+                    Problem(
+                        f"{place}/frames",
+                        f"frames {list(beat.frames)} end after the last frame {self.last}",
+                        self._clip(f"{place}/frames", beat.frames),
+                    )
+                )
             members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
             driver = plan.drivers.get(beat.owner)
             if members is not None and beat.subject not in members:
-                problems.append((f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
+                problems.append(Problem(f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
             if driver is not None and getattr(driver, "entity", beat.subject) != beat.subject:
-                problems.append((f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
+                problems.append(Problem(f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
             for cause in beat.causes:
                 if cause in beats and beats[cause].frames[0] > beat.frames[1]:
                     problems.append(
-                        (f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends")
+                        Problem(
+                            f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends"
+                        )
                     )
             if beat.subject not in entities_of(beat.predicate) and not _mentions_joint(beat.predicate, plan.joints, beat.subject):
-                problems.append((f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
+                problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
             missing = [c for k in _kinds(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
             if missing:
-                evidence.append((f"{place}/predicate", f"no engine in use writes {sorted(set(missing))}"))
+                evidence.append(Problem(f"{place}/predicate", f"no engine in use writes {sorted(set(missing))}"))
         cycle = _cycle({n: list(b.causes) for n, b in beats.items()})
         if cycle:
-            problems.append((f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
+            problems.append(Problem(f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
         if not any(b.mandatory for b in beats.values()) and not any(r.mandatory for r in self.spec.story.requirements.values()):
             problems.append(
-                ("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
+                Problem("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
             )
         self.add(
             "story",
@@ -272,16 +310,25 @@ class _Audit:
         for name, relation in relations.items():
             place = f"/graph/relations/{name}"
             if relation.a == relation.b:
-                problems.append((place, f"{relation.a!r} is related to itself"))
+                problems.append(Problem(place, f"{relation.a!r} is related to itself"))
             if isinstance(relation, Supports):
                 below.setdefault(relation.b, []).append(relation.a)
             frames = getattr(relation, "frames", None)
             if frames is not None and frames[1] > self.last:
-                problems.append((f"{place}/frames", f"frames {list(frames)} end after the last frame {self.last}"))
+                problems.append(
+                    Problem(
+                        f"{place}/frames",
+                        f"frames {list(frames)} end after the last frame {self.last}",
+                        self._clip(f"{place}/frames", frames),
+                    )
+                )
         cycle = _cycle(below)
         if cycle:
             problems.append(
-                ("/graph/relations", f"support runs in a circle: {' on '.join(cycle)}; one of them must stand on something else")
+                Problem(
+                    "/graph/relations",
+                    f"support runs in a circle: {' on '.join(cycle)}; one of them must stand on something else",
+                )
             )
         self.add("graph", "support relations are acyclic, relations lie in the sequence", problems, group="spatial")
 
@@ -293,7 +340,7 @@ class _Audit:
             low, high = DENSITY_RANGES[material.substance]
             ok = low <= material.density <= high
             problem = [] if ok else [
-                (f"/materials/{name}/density", f"{material.density:g} kg/m^3 is no {material.substance}: allowed {low:g} to {high:g}")
+                Problem(f"/materials/{name}/density", f"{material.density:g} kg/m^3 is no {material.substance}: allowed {low:g} to {high:g}", _replace(f"/materials/{name}/density", min(max(material.density, low), high)))
             ]  # fmt: skip
             self.add(
                 f"density:{name}",
@@ -312,7 +359,7 @@ class _Audit:
         for name, instance in self.spec.simulation.solvers.items():
             if isinstance(instance.settings, RigidSettings) and 2 * instance.settings.skin > limits.contact_gap:
                 problems.append(
-                    (
+                    Problem(
                         f"/simulation/solvers/{name}/settings/skin",
                         f"two skins of {instance.settings.skin:g} m exceed the contact tolerance {limits.contact_gap:g} m; "
                         f"use a skin of at most {limits.contact_gap / 2:g} m or a smaller step",
@@ -328,15 +375,15 @@ class _Audit:
             clause = self.spec.clauses.get(key)
             if clause is None or (not clause.met_by and not clause.unmet):
                 problems.append(
-                    (f"/clauses/{key}", f"clause {key} {text!r} is not mapped; give met_by pointers or an unmet reason")
+                    Problem(f"/clauses/{key}", f"clause {key} {text!r} is not mapped; give met_by pointers or an unmet reason")
                 )
                 continue
             for pointer in clause.met_by:
                 if not _resolves(self.document, pointer):
-                    problems.append((f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
+                    problems.append(Problem(f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
         for key in self.spec.clauses:
             if key not in found:
-                problems.append((f"/clauses/{key}", f"the prompt has no clause {key!r}; its clauses are {list(found)}"))
+                problems.append(Problem(f"/clauses/{key}", f"the prompt has no clause {key!r}; its clauses are {list(found)}"))
         self.add(
             "clauses", "every clause of the prompt is mapped to the specification or listed as unmet with a reason", problems
         )
@@ -348,13 +395,19 @@ class _Audit:
         for name, shot in self.spec.shots.items():
             place = f"/shots/{name}"
             if shot.frames[1] > self.last:
-                problems.append((f"{place}/frames", f"frames {list(shot.frames)} end after the last frame {self.last}"))
+                problems.append(
+                    Problem(
+                        f"{place}/frames",
+                        f"frames {list(shot.frames)} end after the last frame {self.last}",
+                        self._clip(f"{place}/frames", shot.frames),
+                    )
+                )
             if not shot.covers and not shot.subjects:
-                problems.append((f"{place}/covers", "the shot covers no beat and names no subject"))
+                problems.append(Problem(f"{place}/covers", "the shot covers no beat and names no subject"))
             for key, camera in shot.keys.items():
                 if not shot.frames[0] <= camera.frame <= shot.frames[1]:
                     problems.append(
-                        (f"{place}/keys/{key}/frame", f"frame {camera.frame} lies outside the shot {list(shot.frames)}")
+                        Problem(f"{place}/keys/{key}/frame", f"frame {camera.frame} lies outside the shot {list(shot.frames)}")
                     )
         for name, beat in self.spec.story.beats.items():
             covering = tuple(
@@ -363,7 +416,9 @@ class _Audit:
             )  # fmt: skip
             coverage[name] = covering
             if beat.observe and beat.mandatory and not covering:
-                problems.append(("/shots", f"beat {name!r} (frames {list(beat.frames)}) is covered by no shot that overlaps it"))
+                problems.append(
+                    Problem("/shots", f"beat {name!r} (frames {list(beat.frames)}) is covered by no shot that overlaps it")
+                )
         self.add(
             "shots",
             "every observed beat is covered by a shot, camera keys lie inside their shots",

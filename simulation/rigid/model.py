@@ -56,8 +56,10 @@ class RigidModel:
     colliders: tuple[str, ...]
     bodies: tuple[str, ...]
     """`entity/body` of every moving body, in cache order."""
-    body_ids: F64
+    body_ids: Any
     """MuJoCo body id per entry of `bodies`."""
+    offsets: F64
+    """Origin of MuJoCo's frame in the body's own frame [m], shape (n, 3)."""
     geom_collider: Any
     """Collider index per geom, shape (ngeom,)."""
     joints: tuple[str, ...]
@@ -120,6 +122,7 @@ class _Builder:
         self.geoms_of: dict[str, list[str]] = {m: [] for m in members}
         self.dragged: dict[str, float] = {}
         self.body_names: list[str] = []
+        self.offsets: list[F64] = []
         self.joint_names: list[str] = []
 
     def options(self, dof_estimate: int) -> None:
@@ -186,17 +189,19 @@ class _Builder:
         self.geom_excess[name] = part.deviation[1]
         self.geoms_of[entity].append(name)
 
-    def _fill(self, body: Any, entity: str, name: str) -> None:
+    def _fill(self, body: Any, entity: str, name: str, offset: F64) -> None:
         built = self.built[entity]
         mass = next(b for b in built.bodies if b.name == name)
         body.explicitinertial = True
         body.mass = mass.mass
-        body.ipos = mass.center
+        body.ipos = mass.center - offset
         i = mass.inertia
         body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
         for part in built.parts_of(name):
             for k, piece in enumerate(part.collision):
-                self._geom(body, f"{entity}/{part.part}/{k}", piece, entity, part)
+                moved = RigidPose(piece.pose.position - offset, piece.pose.quaternion)
+                placed = Convex(piece.kind, piece.params, moved, piece.points)
+                self._geom(body, f"{entity}/{part.part}/{k}", placed, entity, part)
 
     def _child(self, parent: Any, parent_pose: RigidPose, name: str, pose: RigidPose) -> Any:
         local = compose(parent_pose.inverse(), pose)
@@ -241,7 +246,9 @@ class _Builder:
                 raise InputError(f"rope {name!r} must have motion 'dynamic', not {entity.motion!r}")
             self._rope(name, base)
             return
-        pose = compose(base, built.bodies[0].pose)
+        # The engine's frame sits in the centre of mass: momentum of a free body is then kept to rounding.
+        center = built.bodies[0].center if entity.motion == "dynamic" else np.zeros(3)
+        pose = compose(compose(base, built.bodies[0].pose), RigidPose(center, _ORIGIN.quaternion))
         joint = self.spec.simulation.joints.get(self.tree.get(name, ""))
         parent_name = getattr(joint, "parent", None)
         if parent_name is not None:
@@ -257,7 +264,9 @@ class _Builder:
             else:
                 body.add_freejoint(name=f"free/{name}")
             self.body_names.append(f"{name}/body")
-        self._fill(body, name, "body")
+        self._fill(body, name, "body", center)
+        if entity.motion != "static":
+            self.offsets.append(center)
         self.made[name], self.world_pose[name] = body, pose
 
     def _rope(self, name: str, base: RigidPose) -> None:
@@ -280,7 +289,8 @@ class _Builder:
             else:
                 joint = body.add_joint(name=f"{name}/{part.name}", type=mujoco.mjtJoint.mjJNT_BALL, pos=[0, 0, -half])
                 joint.stiffness[0], joint.damping[0] = rope.stiffness, rope.damping
-            self._fill(body, name, part.name)
+            self._fill(body, name, part.name, np.zeros(3))
+            self.offsets.append(np.zeros(3))
             self.body_names.append(f"{name}/{part.name}")
             for back in range(max(0, k - near), k):
                 other = self.built[name].bodies[back].name
@@ -339,7 +349,7 @@ class _Builder:
                 actuator.forcerange = [-driver.max_effort, driver.max_effort]
 
     def drag(self) -> None:
-        """Viscous drag of free bodies, at the origin of their frame."""
+        """Viscous drag of free bodies."""
         for name in self.members:
             entity = self.spec.entities[name]
             physics = entity.physics
@@ -432,6 +442,7 @@ def build_model(
         colliders=colliders,
         bodies=tuple(builder.body_names),
         body_ids=np.array(body_ids, dtype=np.int64),
+        offsets=np.array(builder.offsets).reshape(-1, 3),
         geom_collider=geom_collider,
         joints=tuple(builder.joint_names),
         joint_qpos=np.array([model.joint(n).qposadr[0] for n in builder.joint_names], dtype=np.int64),

@@ -317,7 +317,7 @@ class SolverRigid:
         }
         start = max(0, self.frame - 1) * self._frame_time
         self._data = {
-            "position": data.xpos[ids].copy(),
+            "position": data.xpos[ids] - np.einsum("nij,nj->ni", data.xmat[ids].reshape(-1, 3, 3), self.rigid.offsets),
             "quaternion": data.xquat[ids].copy(),
             "velocity": speeds[0][ids],
             "angular_velocity": speeds[1][ids],

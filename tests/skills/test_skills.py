@@ -138,9 +138,7 @@ def test_a_diagnosis_has_a_pattern_evidence_and_ranked_causes(entry: dict[str, A
     assert entry["causes"]
     for cause in entry["causes"]:
         assert set(cause) == {"cause", "edit_class", "group", "action", "pointers"}
-        wanted = GROUPS[cause["group"]].edit_class
-        # A row knows no class of its own for the story.
-        assert cause["edit_class"] == ("text" if wanted == "story" else wanted)
+        assert cause["edit_class"] == GROUPS[cause["group"]].edit_class
         assert all(p.startswith("/") for p in cause["pointers"])
 
 

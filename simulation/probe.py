@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
 from .protocol import Solver
-from .schedule import checkpoint_frames, make_solver, run_frames
+from .schedule import checkpoint_frames, checkpoint_path, make_solver, run_frames
 
 __all__ = ["probe_frames", "recorded_inputs", "replay", "run_probe"]
 
@@ -55,6 +56,9 @@ def recorded_inputs(folder: WorldFolder, freeze: str) -> tuple[WorldSpec, dict[s
 def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str, object]]:
     """Re-simulate randomly chosen checkpoint intervals of a bake and compare bytes (acceptance and replay).
 
+    The start is compared too: what the rows of the cache stand for, frame 0 and its checkpoint. Each interval ends at the
+    checkpoint that the next one starts from, so that no link of the chain is taken on trust.
+
     Returns one record per interval: solver, first and last frame, whether all frames equal the cache, and the first
     that does not.
 
@@ -68,17 +72,38 @@ def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str,
         chosen = sorted(rng.choice(marks, size=min(intervals, len(marks)), replace=False).tolist())
         solver = make_solver(candidate.spec, candidate.built, name)
         solver.prepare()
-        ends = {m: n for m, n in zip(marks, [*marks[1:], cache.index.frames - 1], strict=True)}
+        results.append(_replay_start(solver, cache))
+        ends = dict(zip(marks, [*marks[1:], cache.index.frames - 1], strict=True))
         for start in chosen:
-            results.append(_replay_interval(solver, cache, start, ends[start]))
+            results.append(_replay_interval(solver, cache, start, ends[start], set(marks)))
     return results
 
 
-def _replay_interval(solver: Solver, cache: Cache, start: int, end: int) -> dict[str, object]:
-    path = cache.folder / "checkpoints" / f"{start:06d}.bin"
-    if not path.exists():
-        raise EvidenceError(f"checkpoint of frame {start} is missing from {cache.folder.name!r}; bake again")
-    solver.restore(path.read_bytes(), start)
+def _checkpoint(cache: Cache, frame: int) -> bytes:
+    try:
+        return checkpoint_path(cache.folder, frame).read_bytes()
+    except OSError as error:
+        raise EvidenceError(f"checkpoint of frame {frame} is missing from {cache.folder.name!r}; bake again") from error
+
+
+def _replay_start(solver: Solver, cache: Cache) -> dict[str, object]:
+    index = dataclasses.replace(solver.index(), frames=cache.index.frames)
+    same = (
+        index == cache.index
+        and digest_arrays(dict(solver.frame_data())) == cache.frame_digest(0)
+        and solver.checkpoint() == _checkpoint(cache, 0)
+    )
+    return {
+        "solver": cache.index.solver,
+        "frames": [0, 0],
+        "identical": same,
+        "first_different_frame": None if same else 0,
+        "largest_difference_m": 0.0,
+    }
+
+
+def _replay_interval(solver: Solver, cache: Cache, start: int, end: int, marks: set[int]) -> dict[str, object]:
+    solver.restore(_checkpoint(cache, start), start)
     first_bad = None
     worst = 0.0
     for frame in range(start + 1, end + 1):
@@ -88,6 +113,8 @@ def _replay_interval(solver: Solver, cache: Cache, start: int, end: int) -> dict
             first_bad = frame if first_bad is None else first_bad
             stored = cache.read(frame, ("position",))["position"]
             worst = max(worst, float(np.abs(data["position"] - stored).max(initial=0.0)))
+    if end in marks and first_bad is None and solver.checkpoint() != _checkpoint(cache, end):
+        first_bad = end
     return {
         "solver": cache.index.solver,
         "frames": [start, end],

@@ -13,7 +13,7 @@ from ..worlds.errors import EvidenceError, InputError
 from ..worlds.spec import WorldSpec
 from .protocol import Solver
 
-__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "make_solver", "run_frames"]
+__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "make_solver", "run_frames"]
 
 CHECKPOINT_SECONDS = 0.5
 """Interval between checkpoints [s of the world]: what a resumed or replayed run repeats at most."""
@@ -39,7 +39,8 @@ def checkpoint_frames(spec: WorldSpec, frames: int) -> list[int]:
     return list(range(0, frames, every))
 
 
-def _checkpoint_path(folder: Path, frame: int) -> Path:
+def checkpoint_path(folder: Path, frame: int) -> Path:
+    """File of the solver's state at a frame, in the folder of its cache."""
     return folder / "checkpoints" / f"{frame:06d}.bin"
 
 
@@ -94,10 +95,10 @@ def run_frames(
         index = dataclasses.replace(solver.index(), frames=frames)
         cache.write_index(index)
         marks = set(checkpoint_frames(spec, frames))
-        start = max((k for k in marks if k < trusted and _checkpoint_path(cache.folder, k).exists()), default=-1)
+        start = max((k for k in marks if k < trusted and checkpoint_path(cache.folder, k).exists()), default=-1)
         digests = cache.digests()[: start + 1] if start >= 0 else []
         if start >= 0:
-            solver.restore(_checkpoint_path(cache.folder, start).read_bytes(), start)
+            solver.restore(checkpoint_path(cache.folder, start).read_bytes(), start)
         for frame in range(start + 1, frames):
             if frame > 0:
                 solver.advance(frame)
@@ -105,7 +106,7 @@ def run_frames(
             (cache.folder / "digests.txt").write_text("\n".join(digests) + "\n")
             if frame in marks:
                 state = solver.checkpoint()
-                path = _checkpoint_path(cache.folder, frame)
+                path = checkpoint_path(cache.folder, frame)
                 path.parent.mkdir(exist_ok=True)
                 path.with_suffix(".tmp").write_bytes(state)
                 path.with_suffix(".tmp").replace(path)

@@ -121,7 +121,7 @@ class Session:
         groups = {group_of(p) for p in places}
         causal = sorted({g.name for g in groups if g.edit_class in CAUSAL_CLASSES})
         weaker = weakenings(before, after)
-        failing = [r for r in self.ledger.rows() if r.status == "fail" and r.mandatory and r.check != "audit"]
+        failing = [r for r in self.ledger.rows() if _failed(r) and r.mandatory and r.check != "audit"]
         self._rules(failing, groups, causal, weaker, hypothesis, weakening_reason)
         number = self.ledger.add_revision(
             after.model_dump_json(exclude_none=True),
@@ -163,7 +163,16 @@ class Session:
                 + "; ".join(weaker[:6])
                 + ". Repair the scene or the solver instead, or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
-        if not failing or not causal:
+        if not causal:
+            return
+        # Rows that failed turn stale with the edit that answers them: the open iteration outlives them.
+        untested = self.ledger.open_iterations()
+        if untested:
+            raise RefusedError(
+                f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet; call place_object or "
+                "run_checks (static failures) or probe_sim (failures in motion) before the next change"
+            )
+        if not failing:
             return
         if len(hypothesis.strip()) < 10:
             raise RefusedError(
@@ -174,12 +183,6 @@ class Session:
             raise RefusedError(
                 f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next"
-            )
-        untested = self.ledger.open_iterations()
-        if untested:
-            raise RefusedError(
-                f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet; call place_object or "
-                "run_checks (static failures) or probe_sim (failures in motion) before the next change"
             )
         wanted = {c.edit_class for r in failing for c in r.corrections}
         edit = next(g.edit_class for g in groups if g.edit_class in CAUSAL_CLASSES)
@@ -196,6 +199,8 @@ class Session:
         """Audit the present revision and record its rows."""
         report = audit(self.spec)
         self.ledger.put_rows(report.rows, revision=self.revision, stage="audit", checks=("audit",))
+        if not report.passed:  # no other test can run on this change: the audit has been its test
+            self.ledger.close_iterations("audit", [r.id for r in report.rows if r.status == "fail" and r.mandatory])
         return report
 
     def require_audit(self, purpose: str) -> AuditReport:
@@ -226,14 +231,20 @@ class Session:
         fresh_rows = [r for r in rows if r.id not in judged or r.check in static_only]
         changed = self.ledger.put_rows(fresh_rows, revision=self.revision, stage="static", checks=static_only)
         failing = [r.id for r in rows if r.status == "fail" and r.mandatory]
-        open_static = [i for i in self.ledger.open_iterations() if self._static_only(i)]
-        if open_static:
+        # A change that leaves the geometry failing has been tested: no probe would run on it.
+        blocked = any(r.check != "shots" for r in rows if r.mandatory and r.status in ("fail", "unverified"))
+        if blocked or any(self._static_only(i) for i in self.ledger.open_iterations()):
             self.ledger.close_iterations("static", failing)
         return rows, changed, fresh
 
     def _static_only(self, iteration: Mapping[str, Any]) -> bool:
         stages = self.ledger.stages()
         return all(stages.get(r, "static") in ("static", "audit", "stale") for r in json.loads(str(iteration["failing_before"])))
+
+
+def _failed(row: Row) -> bool:
+    """Whether the last judgement of a row was a failure, even if an edit made it stale since."""
+    return row.status == "fail" or (row.status == "unverified" and row.evidence.get("was") == "fail")
 
 
 def _shorten(names: list[str]) -> list[str]:

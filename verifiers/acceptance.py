@@ -20,12 +20,29 @@ from ..worlds.errors import EngineError, EvidenceError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
-from ..worlds.requirements import Correction, Row
+from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import WorldSpec, prompt_digest
 
 __all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
 REPLAY_INTERVALS = 3
+NEEDED: frozenset[Check] = frozenset(
+    {
+        "audit",
+        "scale",
+        "interpenetration",
+        "support",
+        "navigability",
+        "causal",
+        "category",
+        "numerical",
+        "contact",
+        "beat",
+        "shots",
+        "delivery",
+    }
+)
+"""Checks that must have judged something (R119)."""
 TIMEOUT_SECONDS = 3600
 
 
@@ -38,8 +55,10 @@ def find_candidate(folder: WorldFolder, spec: WorldSpec) -> str:
     wanted = spec_digest(spec)
     for path in sorted((folder.root / "candidates").glob("*/candidate.json")):
         record = folder.read_json(path)
-        if spec_digest(parse_spec(record["spec"])) == wanted:
-            return str(record["freeze"])
+        freeze = str(record["freeze"])
+        # A record that names another candidate's freeze would have that one judged in its place.
+        if spec_digest(parse_spec(record["spec"])) == wanted and path.parent == folder.candidate(freeze):
+            return freeze
     raise RefusedError("no candidate holds this specification; call probe_sim, then bake_sim")
 
 
@@ -50,21 +69,7 @@ def acceptance_subject(spec: WorldSpec, freeze: str, digest: str) -> str:
 
 def verdict_of(rows: list[Row]) -> str:
     """`accepted` if every mandatory row passes or is proven not applicable, and every check has judged."""
-    judged = {r.check for r in rows}
-    needed = {
-        "audit",
-        "scale",
-        "interpenetration",
-        "support",
-        "navigability",
-        "causal",
-        "category",
-        "numerical",
-        "contact",
-        "shots",
-        "delivery",
-    }
-    ok = needed <= judged and all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory)
+    ok = {r.check for r in rows} >= NEEDED and all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory)
     return "accepted" if ok else "incomplete"
 
 
@@ -119,14 +124,14 @@ def _replay_row(candidate: Candidate, seed: int) -> Row:
         id="delivery:replay",
         check="delivery",
         group="delivery",
-        predicate=f"{len(results)} randomly chosen checkpoint intervals, simulated again, give the cached bytes",
+        predicate="the start and randomly chosen checkpoint intervals, simulated again, give the cached bytes",
         status="fail" if bad or not results else "pass",
         artifact=candidate.artifact,
         measured=float(len(bad)),
         bound=0.0,
         comparison="<=",
         unit="1",
-        first_failing_frame=None if not bad else int(str(bad[0]["first_different_frame"])),
+        first_failing_frame=int(str(bad[0]["first_different_frame"])) if bad else None,
         evidence={"intervals": results, "seed": seed},
         corrections=(
             Correction(
@@ -163,6 +168,7 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
     rows += run_checks(candidate)
     if replay:
         rows.append(_replay_row(candidate, seed))
+    rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]
     unmet = {k: c.unmet for k, c in spec.clauses.items() if c.unmet}
     return {
         "verdict": verdict_of(rows),
@@ -179,6 +185,22 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
         "replayed": replay,
         "seed": seed,
     }
+
+
+def _unjudged(candidate: Candidate, check: Check) -> Row:
+    """A check that found nothing to judge: no evidence is no pass."""
+    pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
+    text = {"causal": "no beat names causes; say which beat brings about which"}.get(check, f"nothing for {check} to judge")
+    return Row(
+        id=f"{check}:none",
+        check=check,
+        group="temporal" if check in ("causal", "beat") else "physical",
+        predicate=f"{check} has judged at least one requirement",
+        status="unverified",
+        artifact=candidate.artifact,
+        corrections=(Correction(cause=text, edit_class="story", group="story", action=text, pointers=(pointer,)),),
+        recipe=candidate.recipe(check, extra="none"),
+    )
 
 
 def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -142,7 +142,7 @@ class Candidate:
 
 
 def cache_digest(caches: Mapping[str, Cache]) -> str:
-    """SHA-256 over the recorded frame digests of all caches, hex.
+    """SHA-256 over the indices and the recorded frame digests of all caches, hex.
 
     Raises:
         EvidenceError: a cache has no digests or lacks frames.
@@ -155,6 +155,7 @@ def cache_digest(caches: Mapping[str, Cache]) -> str:
                 f"cache {name!r} holds {len(digests)} of {caches[name].index.frames} frames; bake again to resume"
             )
         state.update(name.encode())
+        state.update(json.dumps(asdict(caches[name].index), sort_keys=True).encode())
         for digest in digests[: caches[name].index.frames]:
             state.update(digest.encode())
     return state.hexdigest()

@@ -6,23 +6,21 @@ contact pairs, camera coverage.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 from .canonical import digest_of
 from .clauses import clauses_of
 from .groups import group_of
 from .predicates import PREDICATES, entities_of
+from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
 from .requirements import Correction, Row
 from .spec import (
     DetachDriver,
     MotorDriver,
     PathDriver,
-    Ref,
     RigidSettings,
-    SpecModel,
     Supports,
     WorldSpec,
 )
@@ -164,10 +162,10 @@ class _Audit:
         """R25, R26: every reference resolves."""
         known = self._known()
         problems = []
-        for place, target, value in _references(self.spec, ""):
+        for place, target, value in references(self.spec, ""):
             if value in known[target] or (value == "each" and target == "entity" and "/predicate" in place):
                 continue
-            near = _closest(value, known[target])
+            near = closest(value, known[target])
             text = f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first")
             problems.append(Problem(place, text, _replace(place, near) if near else None))
         self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
@@ -283,12 +281,12 @@ class _Audit:
                             f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends"
                         )
                     )
-            if beat.subject not in entities_of(beat.predicate) and not _mentions_joint(beat.predicate, plan.joints, beat.subject):
+            if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
                 problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
-            missing = [c for k in _kinds(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
+            missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
             if missing:
                 evidence.append(Problem(f"{place}/predicate", f"no engine in use writes {sorted(set(missing))}"))
-        cycle = _cycle({n: list(b.causes) for n, b in beats.items()})
+        cycle = cycle_in({n: list(b.causes) for n, b in beats.items()})
         if cycle:
             problems.append(Problem(f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
         if not any(b.mandatory for b in beats.values()) and not any(r.mandatory for r in self.spec.story.requirements.values()):
@@ -322,7 +320,7 @@ class _Audit:
                         self._clip(f"{place}/frames", frames),
                     )
                 )
-        cycle = _cycle(below)
+        cycle = cycle_in(below)
         if cycle:
             problems.append(
                 Problem(
@@ -379,7 +377,7 @@ class _Audit:
                 )
                 continue
             for pointer in clause.met_by:
-                if not _resolves(self.document, pointer):
+                if not resolves(self.document, pointer):
                     problems.append(Problem(f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
         for key in self.spec.clauses:
             if key not in found:
@@ -426,111 +424,6 @@ class _Audit:
             group="observational",
         )
         return coverage
-
-
-def _references(model: SpecModel, pointer: str) -> Iterator[tuple[str, str, str]]:
-    """(pointer, target, value) of every reference field below a model."""
-    for name, ref in _fields(type(model)):
-        value = getattr(model, name)
-        place = f"{pointer}/{name}"
-        if ref is not None and isinstance(value, str):
-            if value != "world":
-                yield place, ref, value
-        elif ref is not None and isinstance(value, list):
-            for i, item in enumerate(value):
-                yield f"{place}/{i}", ref, item
-        elif isinstance(value, SpecModel):
-            yield from _references(value, place)
-        elif isinstance(value, dict):
-            for key, item in value.items():
-                if isinstance(item, SpecModel):
-                    yield from _references(item, f"{place}/{key}")
-        elif isinstance(value, list):
-            for i, item in enumerate(value):
-                if isinstance(item, SpecModel):
-                    yield from _references(item, f"{place}/{i}")
-
-
-@lru_cache(maxsize=256)
-def _fields(model: type[SpecModel]) -> tuple[tuple[str, str | None], ...]:
-    """Fields of a model that hold references or other models, with the references' target."""
-    found = []
-    for name, info in model.model_fields.items():
-        target: str | None = next((m.target for m in info.metadata if isinstance(m, Ref)), None)
-        for part in (info.annotation, *getattr(info.annotation, "__args__", ())):
-            for mark in getattr(part, "__metadata__", ()):
-                if target is None and isinstance(mark, Ref):
-                    target = mark.target
-        if info.annotation not in (int, float, bool):
-            found.append((name, target))
-    return tuple(found)
-
-
-def _kinds(predicate: SpecModel) -> set[str]:
-    found = {str(getattr(predicate, "kind", ""))}
-    for name in type(predicate).model_fields:
-        value = getattr(predicate, name)
-        for item in value if isinstance(value, list) else [value]:
-            if isinstance(item, SpecModel):
-                found |= _kinds(item)
-    return found & set(PREDICATES)
-
-
-def _mentions_joint(predicate: SpecModel, joints: Mapping[str, Any], subject: str) -> bool:
-    for name in type(predicate).model_fields:
-        value = getattr(predicate, name)
-        if name == "joint" and value in joints and subject in (joints[value].child, joints[value].parent):
-            return True
-        if any(
-            isinstance(v, SpecModel) and _mentions_joint(v, joints, subject)
-            for v in (value if isinstance(value, list) else [value])
-        ):
-            return True
-    return False
-
-
-def _cycle(edges: Mapping[str, list[str]]) -> list[str]:
-    """A cycle in a directed graph as its nodes, first repeated at the end; empty when there is none."""
-    done: set[str] = set()
-    for start in edges:
-        path: list[str] = []
-        stack = [(start, iter(edges.get(start, ())))]
-        on_path = {start}
-        path.append(start)
-        while stack:
-            _, children = stack[-1]
-            child = next(children, None)
-            if child is None:
-                stack.pop()
-                gone = path.pop()
-                on_path.discard(gone)
-                done.add(gone)
-            elif child in on_path:
-                return [*path[path.index(child) :], child]
-            elif child not in done:
-                stack.append((child, iter(edges.get(child, ()))))
-                path.append(child)
-                on_path.add(child)
-    return []
-
-
-def _closest(value: str, known: set[str]) -> str | None:
-    import difflib
-
-    return next(iter(difflib.get_close_matches(value, sorted(known), n=1)), None)
-
-
-def _resolves(document: Any, pointer: str) -> bool:
-    at = document
-    for token in pointer.strip("/").split("/"):
-        key = token.replace("~1", "/").replace("~0", "~")
-        if isinstance(at, dict) and key in at:
-            at = at[key]
-        elif isinstance(at, list) and key.isdigit() and int(key) < len(at):
-            at = at[int(key)]
-        else:
-            return False
-    return at is not None
 
 
 def _bake_order(spec: WorldSpec) -> tuple[str, ...]:

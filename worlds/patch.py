@@ -14,6 +14,8 @@ from .spec import WorldSpec
 __all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
 
 MAX_OPERATIONS = 2000
+HARDER_UPWARDS = ("visible_pixels", "visible_share", "beat_seen_frames")
+"""Limits that are harder to meet the larger they are."""
 
 
 def parse_spec(document: Any) -> WorldSpec:
@@ -78,8 +80,24 @@ def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:
 
 def _predicate_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
     """Whether a changed predicate is, or may be, easier to satisfy."""
-    if old.get("kind") != new.get("kind"):
-        return True
+    kind = old.get("kind")
+    if old == new:
+        return False
+    if kind != new.get("kind") or kind in ("before", "after", "within") or (kind == "count" and "max" in old):
+        # First true frames and upper counts do not follow the inner predicate in one direction.
+        return not (kind == new.get("kind") and old.get("predicate") == new.get("predicate") and _bounds_tighter(old, new))
+    if kind == "not":
+        return _predicate_weaker(new["predicate"], old["predicate"])
+    if kind in ("and", "or"):
+        before, now = old["of"], new["of"]
+        if len(now) != len(before) and (len(now) < len(before)) == (kind == "and"):
+            return True
+        return any(_predicate_weaker(a, b) for a, b in zip(before, now, strict=False))
+    return not _bounds_tighter(old, new)
+
+
+def _bounds_tighter(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
+    """Whether every field that changed is a bound moved to the harder side, or a predicate that became no easier."""
     tightens = PREDICATES[old["kind"]].tightens if old.get("kind") in PREDICATES else {}
     for key in {*old, *new}:
         a, b = old.get(key), new.get(key)
@@ -87,16 +105,14 @@ def _predicate_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
             continue
         if isinstance(a, dict) and isinstance(b, dict):
             if _predicate_weaker(a, b):
-                return True
+                return False
             continue
         direction = tightens.get(key, "none")
-        if direction == "none" or a is None or b is None:
-            if not (direction != "none" and a is None):
-                return True
-            continue
-        if (direction == "up" and b < a) or (direction == "down" and b > a):
-            return True
-    return False
+        if direction == "none" or b is None:
+            return False
+        if a is not None and ((direction == "up" and b < a) or (direction == "down" and b > a)):
+            return False
+    return True
 
 
 def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str) -> Iterator[str]:
@@ -113,10 +129,69 @@ def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str)
             yield f"{place}/{key}/frames {beat.get('frames')} -> {now.get('frames')}"
         if not set(beat.get("causes", [])) <= set(now.get("causes", [])):
             yield f"{place}/{key}/causes lost {sorted(set(beat['causes']) - set(now.get('causes', [])))}"
-        if beat.get("subject") != now.get("subject"):
-            yield f"{place}/{key}/subject {beat.get('subject')} -> {now.get('subject')}"
+        for field in ("subject", "owner"):
+            if beat.get(field) != now.get(field):
+                yield f"{place}/{key}/{field} {beat.get(field)} -> {now.get(field)}"
         if _predicate_weaker(beat["predicate"], now["predicate"]):
             yield f"{place}/{key}/predicate loosened or replaced"
+
+
+def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    now = new["relations"]
+    for key, relation in old["relations"].items():
+        if key not in now:
+            if relation["kind"] != "fastened":
+                yield f"/graph/relations/{key} ({relation['kind']}) removed"
+        elif {**relation, "text": ""} != {**now[key], "text": ""}:
+            yield f"/graph/relations/{key} changed"
+    for key, relation in now.items():
+        if relation["kind"] == "fastened" and old["relations"].get(key, {}).get("kind") != "fastened":
+            yield f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended"
+    for key, region in old["regions"].items():
+        if key in new["regions"] and {**region, "role": ""} != {**new["regions"][key], "role": ""}:
+            yield f"/graph/regions/{key} changed"
+
+
+def _limit_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in old.items():
+        changed = new[key]
+        if key == "scale_ratio":
+            weaker = changed[0] < value[0] or changed[1] > value[1]
+        else:
+            weaker = changed < value if key in ("visible_pixels", "visible_share", "beat_seen_frames") else changed > value
+        if weaker:
+            yield f"/simulation/limits/{key} {value} -> {changed}"
+
+
+def _relation_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key, relation in old.items():
+        if key not in new:
+            if relation["kind"] != "fastened":
+                yield f"/graph/relations/{key} ({relation['kind']}) removed"
+        elif relation != new[key] and relation["kind"] != "interacts":
+            yield f"/graph/relations/{key} changed"
+    for key, relation in new.items():
+        if relation["kind"] == "fastened" and key not in old:
+            yield f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended"
+
+
+def _limit_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in old.items():
+        now = new[key]
+        if key == "scale_ratio":
+            weaker = now[0] < value[0] or now[1] > value[1]
+        else:
+            weaker = now < value if key in HARDER_UPWARDS else now > value
+        if weaker:
+            yield f"/simulation/limits/{key} {value} -> {now}"
+
+
+def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key, entity in old.items():
+        if key not in new:
+            yield f"/entities/{key} removed"
+        elif new[key]["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
+            yield f"/entities/{key}/dimensions/tolerance widened"
 
 
 def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
@@ -124,30 +199,9 @@ def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
     old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
     found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
     found += _beat_weakenings(old["story"]["requirements"], new["story"]["requirements"], "/story/requirements")
-    now = new["graph"]["relations"]
-    for key, relation in old["graph"]["relations"].items():
-        if key not in now:
-            if relation["kind"] != "fastened":
-                found.append(f"/graph/relations/{key} ({relation['kind']}) removed")
-        elif relation != now[key] and relation["kind"] != "interacts":
-            found.append(f"/graph/relations/{key} changed")
-    for key, relation in now.items():
-        if relation["kind"] == "fastened" and key not in old["graph"]["relations"]:
-            found.append(f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended")
-    for key, value in old["simulation"]["limits"].items():
-        changed = new["simulation"]["limits"][key]
-        tighter_up = key in ("visible_pixels", "visible_share", "beat_seen_frames")
-        if key == "scale_ratio":
-            weaker = changed[0] < value[0] or changed[1] > value[1]
-        else:
-            weaker = changed < value if tighter_up else changed > value
-        if weaker:
-            found.append(f"/simulation/limits/{key} {value} -> {changed}")
-    for key, entity in old["entities"].items():
-        if key not in new["entities"]:
-            found.append(f"/entities/{key} removed")
-        elif new["entities"][key]["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
-            found.append(f"/entities/{key}/dimensions/tolerance widened")
+    found += _relation_weakenings(old["graph"]["relations"], new["graph"]["relations"])
+    found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
+    found += _entity_weakenings(old["entities"], new["entities"])
     for key, clause in new["clauses"].items():
         if clause.get("unmet") and not old["clauses"].get(key, {}).get("unmet"):
             found.append(f"/clauses/{key} given up: {clause['unmet']}")

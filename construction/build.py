@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry.inside import contains, distance_to_surface
 from ..geometry.solids import Solid
-from ..worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
+from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matrix
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import InputError
@@ -68,28 +68,30 @@ def _moved(piece: Convex, pose: RigidPose) -> Convex:
     return Convex(piece.kind, piece.params, compose(pose, piece.pose), piece.points)
 
 
-def _hull_halfspaces(points: F64) -> F64:
-    from scipy.spatial import ConvexHull
-
-    return np.asarray(ConvexHull(points).equations, dtype=np.float64)
+def _samples(vertices: F64, faces: I32) -> F64:
+    """Vertices, edge midpoints and centres of triangles, shape (n, 3)."""
+    corners = vertices[faces]
+    return np.concatenate([vertices, corners.mean(1), *(0.5 * (corners[:, k] + corners[:, (k + 1) % 3]) for k in range(3))])
 
 
 def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
-    """Two-sided deviation [m] between collision pieces and visible mesh, measured on their vertices and face centres."""
+    """Two-sided deviation [m] between collision pieces and visible mesh, measured at `_samples` of both."""
+    from scipy.spatial import ConvexHull
+
     if shape_kind in EXACT_KINDS:
         return (0.0, 0.0)
     if shape_kind != "mesh":
         return (geometry.facet_error, 0.0)
     visible = Solid.from_mesh(geometry.render, closed=True)
     outside = 0.0
-    for piece in geometry.collision:
-        distance, _ = distance_to_surface(visible, piece.points)
-        outward = distance[~contains(visible, piece.points)]
-        outside = max(outside, float(outward.max(initial=0.0)))
-    samples = np.concatenate([geometry.render.vertices, geometry.render.vertices[geometry.render.faces].mean(1)])
+    samples = _samples(geometry.render.vertices, geometry.render.faces)
     reach = np.full(len(samples), np.inf)
     for piece in geometry.collision:
-        planes = _hull_halfspaces(piece.points)
+        hull = ConvexHull(piece.points)
+        own = _samples(piece.points, hull.simplices.astype(np.int32))
+        distance, _ = distance_to_surface(visible, own)
+        outside = max(outside, float(distance[~contains(visible, own)].max(initial=0.0)))
+        planes = hull.equations
         reach = np.minimum(reach, (samples @ planes[:, :3].T + planes[:, 3]).max(1))
     return (outside, max(0.0, float(reach.max(initial=0.0))))
 

@@ -16,7 +16,6 @@ __all__ = ["load_mesh"]
 
 COACD_THRESHOLD = 0.05
 """Concavity at which CoACD stops [fraction of size]: its documented default."""
-MAX_HULL_VERTICES = 64
 
 
 def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ...]]:
@@ -57,8 +56,8 @@ def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ..
     parts = coacd.run_coacd(
         coacd.Mesh(mesh.vertices, mesh.faces),
         threshold=COACD_THRESHOLD,
-        max_ch_vertex=MAX_HULL_VERTICES,
-        decimate=True,
+        # Thinned hulls leave the visible surface outside of them: 8 mm on a torus of 0.4 m, against 0.04 mm.
+        decimate=False,
         seed=0,
     )
     return mesh, tuple(Convex("hull", (), identity, np.array(points, dtype=np.float64)) for points, _ in parts)

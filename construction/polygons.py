@@ -27,12 +27,23 @@ def _crosses(p: Point, q: Point, a: Point, b: Point) -> bool:
     return _cross(p, q, a) * _cross(p, q, b) < 0 and _cross(a, b, p) * _cross(a, b, q) < 0
 
 
+def _touches(p: Point, a: Point, b: Point) -> bool:
+    """Whether p lies on the segment from a to b, to a billionth of its length."""
+    x, y = b[0] - a[0], b[1] - a[1]
+    square = x * x + y * y
+    along = (p[0] - a[0]) * x + (p[1] - a[1]) * y
+    return abs(_cross(a, b, p)) <= 1e-9 * square and -1e-9 * square <= along <= (1 + 1e-9) * square
+
+
 def _require_simple(polygon: Sequence[Point]) -> None:
     n = len(polygon)
     for i in range(n):
-        for j in range(i + 1, n):
-            if _crosses(polygon[i], polygon[(i + 1) % n], polygon[j], polygon[(j + 1) % n]):
+        a, b = polygon[i], polygon[(i + 1) % n]
+        for j in range(n):
+            if j > i and _crosses(a, b, polygon[j], polygon[(j + 1) % n]):
                 raise InputError(f"polygon edges {i} and {j} cross each other; give a simple polygon")
+            if j not in (i, (i + 1) % n) and _touches(polygon[j], a, b):
+                raise InputError(f"polygon point {j} repeats or touches edge {i}; give a simple polygon")
 
 
 def triangulate(polygon: Sequence[Point]) -> list[tuple[int, int, int]]:

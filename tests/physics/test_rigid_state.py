@@ -151,7 +151,7 @@ def test_visible_surfaces_never_overlap_and_nothing_gains_energy(name):
 def test_a_frame_that_would_overlap_is_redone_finer_and_others_are_not():
     run = Run(SCENES["fast ball"])
     levels = np.log2(run.record("steps")[1:] / run.record("steps")[1:].min())
-    assert levels.max() >= 1
+    assert levels.max() > 0.9
     assert (levels == 0).mean() > 0.7
     coarse = SCENES["fast ball"].simulation.solvers["main"].settings.model_copy(update={"refine": 0})
     members = SCENES["fast ball"].simulation.solvers["main"].model_copy(update={"settings": coarse})

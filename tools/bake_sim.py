@@ -26,6 +26,7 @@ def bake_sim(
     """
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from .measurements import is_whole
     from .probe_sim import picture_reply
     from .session import Session
     from .waiting import start_and_wait
@@ -38,5 +39,7 @@ def bake_sim(
     if record is None or not record["passed"]:
         left = "" if record is None else f" (the last probe left {record['detail']['failing'][:6]} open)"
         raise RefusedError(f"bake_sim needs a passing probe of exactly these settings{left}; call probe_sim first")
-    data = start_and_wait(context, session, "bake", {}, wait_s=wait_s, key=f"bake:{freeze}:{session.revision}")
+    whole = session.ledger.bake(freeze) is not None and is_whole(session, freeze, "full")
+    key = f"bake:{freeze}:{session.revision}"
+    data = start_and_wait(context, session, "bake", {}, wait_s=wait_s, key=key, reuse=whole)
     return picture_reply(world, data)

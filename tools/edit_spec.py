@@ -57,6 +57,8 @@ def edit_spec(
     Not for: moving an entity onto another one by contact (place_object does that exactly).
     """
     if prompt is not None:
+        if patch is not None:
+            raise InputError("prompt creates a world, patch edits one; give one of them")
         return _create(context, world, prompt, spec or {})
     if spec is not None:
         raise InputError("spec is only for creating a world, together with prompt; use patch to edit")
@@ -132,10 +134,14 @@ def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, r
 
     from ..worlds.canonical import spec_digest
     from ..worlds.ledger import Ledger
+    from ..worlds.limits import check_limits
     from ..worlds.patch import parse_spec
     from .session import Session
 
-    folder = WorldFolder.of(context.workspace, world)
+    # world.json itself may be what was deleted.
+    folder = WorldFolder.of(context.workspace, world, create=True)
+    if not folder.ledger_path.is_file():
+        folder = WorldFolder.of(context.workspace, world)
     ledger = Ledger(folder.ledger_path)
     recorded = ledger.revision_spec(ledger.revision())
     if recorded is None:
@@ -148,6 +154,7 @@ def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, r
     now = parse_spec(folder.read_json(folder.spec_path))
     if now.prompt != before.prompt:
         raise RefusedError("world.json holds another prompt; the prompt is immutable. Use on_hand_edit='restore'")
+    check_limits(now)
     if spec_digest(now) == recorded[1]:
         return _answer(session, {"revision": session.revision, "unchanged": True})
     outcome = session.commit(now, patch=[{"op": "adopt"}], hypothesis=hypothesis, weakening_reason=reason)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..execution import JobContext
-from ..worlds.errors import RefusedError
+from ..worlds.errors import EvidenceError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
 from .session import Session, summary
@@ -90,8 +90,11 @@ def _events(candidate: Any) -> dict[str, int | None]:
 
 def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Bake the frozen candidate and check the full sequence."""
+    import shutil
+
     from ..simulation.bake import run_bake
     from ..verifiers.checks import names_of, run_checks
+    from .measurements import refuted
 
     session, freeze = _session(payload)
     record = session.ledger.freeze(freeze)
@@ -105,6 +108,8 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             )
         )
     total = session.spec.simulation.frames
+    if refuted(session, freeze):  # a forged frame and its forged digest agree: nothing of that bake is trusted
+        shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     candidate = run_bake(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.5, m), check=context.check)
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
     promised, found = record["detail"]["events"], _events(candidate)
@@ -168,6 +173,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     session, freeze = _session(payload)
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
+    require_true_geometry(session)
     context.progress(0, 1, "a fresh process judges the candidate")
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31))
     rows = [Row.model_validate(r) for r in record["rows"]]
@@ -187,6 +193,26 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         if record["verdict"] == "accepted"
         else "repair with edit_spec; inspect_world shows the rows",
     }
+
+
+def require_true_geometry(session: Session) -> None:
+    """Build every entity again and compare: a built file that was replaced before the probe hashes like any other.
+
+    Raises:
+        EvidenceError: one differs from what the specification gives; it is moved aside.
+    """
+    from ..construction import build_entity, build_world, built_paths
+
+    built, _ = build_world(session.folder, session.spec)
+    files = built_paths(session.folder, session.spec)
+    for name, found in built.items():
+        if build_entity(session.spec, name, session.folder.assets).digest() != found.digest():
+            path = session.folder.root / files[name]
+            path.replace(path.with_suffix(".altered"))
+            raise EvidenceError(
+                f"the built geometry of {name!r} is not what the specification gives; it was moved aside to "
+                f"{path.with_suffix('.altered').name}. Call place_object, probe_sim and bake_sim again"
+            )
 
 
 def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
@@ -215,6 +241,13 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     session, freeze = _session(payload)
     require_acceptance(session, freeze)
     candidate = open_candidate(session.folder, freeze, "full")
+    for cache in candidate.caches.values():
+        digests = cache.digests()
+        altered = next((k for k in range(cache.index.frames) if cache.frame_digest(k) != digests[k]), None)
+        if altered is not None:
+            raise EvidenceError(
+                f"frame {altered} was altered since acceptance; call bake_sim, then run_checks(scope='acceptance')"
+            )
     root = session.folder.candidate(freeze) / "final"
     width, height, samples = (payload.get(k) for k in ("width", "height", "samples"))
     frames = render_sequence(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.records import QUANTITIES
 from .session import Session
 
-__all__ = ["latest_candidate", "measured"]
+__all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
 
 
 def latest_candidate(session: Session, stage: str = "best") -> Candidate:
@@ -38,6 +38,26 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
     raise RefusedError(
         f"there is no {stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} first"
     )
+
+
+def is_whole(session: Session, freeze: str, stage: Literal["probe", "full"]) -> bool:
+    """Whether the caches of a freeze are complete, unaltered, and not found wanting by the last acceptance."""
+    try:
+        candidate = open_candidate(session.folder, freeze, stage)
+        for cache in candidate.caches.values():
+            digests = cache.digests()
+            if any(cache.frame_digest(k) != digests[k] for k in range(cache.index.frames)):
+                return False
+    except EvidenceError:
+        return False
+    return stage == "probe" or not refuted(session, freeze)
+
+
+def refuted(session: Session, freeze: str) -> bool:
+    """Whether the last acceptance found the bake of this freeze altered."""
+    latest = session.ledger.acceptance()
+    rows = latest["record"]["rows"] if latest is not None and latest["freeze"] == freeze else []
+    return any(r["status"] == "fail" and r["id"].startswith(("delivery:replay", "delivery:digests")) for r in rows)
 
 
 def _rounded(values: Any, digits: int = 5) -> list[float]:

@@ -28,6 +28,7 @@ def probe_sim(
     Next: bake_sim when it passes; render_shot(kind='contact_sheet', stage='probe') to see it.
     """
     from ..simulation.freeze import freeze_hash
+    from .measurements import is_whole
     from .session import Session
     from .waiting import start_and_wait
 
@@ -43,8 +44,10 @@ def probe_sim(
     from ..construction import build_world
 
     built, _ = build_world(session.folder, session.spec)
-    key = f"probe:{freeze_hash(session.spec, built)}:{session.revision}"
-    data = start_and_wait(context, session, "probe", {}, wait_s=wait_s, key=key)
+    freeze = freeze_hash(session.spec, built)
+    whole = session.ledger.freeze(freeze) is not None and is_whole(session, freeze, "probe")
+    key = f"probe:{freeze}:{session.revision}"
+    data = start_and_wait(context, session, "probe", {}, wait_s=wait_s, key=key, reuse=whole)
     return picture_reply(world, data)
 
 

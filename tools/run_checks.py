@@ -66,12 +66,13 @@ def run_checks(
             raise InputError("acceptance runs every check; leave only out")
         if session.ledger.bake(_freeze(session)) is None:
             raise RefusedError("acceptance needs a complete bake of exactly these settings; call probe_sim and bake_sim first")
-        data = start_and_wait(context, session, "accept", {}, wait_s=wait_s, key=f"accept:{session.revision}:{_tick(session)}")
+        data = start_and_wait(context, session, "accept", {}, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
     else:
         session.require_audit(f"{scope} checks")
         payload = {"scope": scope, "only": only}
+        which = "+".join(only or ("all",))
         data = start_and_wait(
-            context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{only}:{session.revision}:{_tick(session)}"
+            context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{which}:{session.revision}", reuse=False
         )
     return ToolReply({"world": world, "revision": session.revision, **data})
 
@@ -82,9 +83,3 @@ def _freeze(session: Any) -> str:
 
     built, _ = build_world(session.folder, session.spec)
     return freeze_hash(session.spec, built)
-
-
-def _tick(session: Any) -> str:
-    """Asking again judges again: the key changes with every verdict that was recorded."""
-    latest = session.ledger.acceptance()
-    return str(latest["n"] if latest else 0)

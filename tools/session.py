@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 from ..worlds.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
-from ..worlds.errors import EvidenceError, RefusedError
+from ..worlds.errors import EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.groups import group_of
 from ..worlds.ledger import Ledger
@@ -23,6 +24,8 @@ __all__ = ["CAUSAL_CLASSES", "Session", "brief", "counts"]
 
 CAUSAL_CLASSES = ("scene", "solver")
 MAX_BRIEF_ROWS = 12
+COMMIT_SECONDS = 0.3
+"""Longest that a client stands between its ledger entry and its `world.json` [s]."""
 
 
 def brief(row: Row, *, corrections: int = 2) -> dict[str, Any]:
@@ -81,17 +84,26 @@ class Session:
     def at(cls, folder: WorldFolder) -> Session:
         """Open the world of a folder; errors as `open`."""
         ledger = Ledger(folder.ledger_path)
-        revision = ledger.revision()
-        recorded = ledger.revision_spec(revision)
-        spec = parse_spec(folder.read_json(folder.spec_path))
-        if recorded is None:
-            raise EvidenceError(f"world {folder.id!r} has no revision in its ledger; create it again with edit_spec")
-        if spec.model_dump_json(exclude_none=True) != recorded[0]:
-            raise RefusedError(
-                f"world.json of {folder.id!r} was edited outside the server since revision {revision}. "
-                "Call edit_spec with on_hand_edit='adopt' to take it as a new revision, or 'restore' to undo it."
-            )
-        return cls(folder, ledger, spec, revision)
+        deadline = time.monotonic() + COMMIT_SECONDS
+        while True:
+            revision = ledger.revision()
+            recorded = ledger.revision_spec(revision)
+            if recorded is None:
+                raise EvidenceError(f"world {folder.id!r} has no revision in its ledger; create it again with edit_spec")
+            try:
+                spec, damage = parse_spec(folder.read_json(folder.spec_path)), ""
+            except (EvidenceError, SpecError) as error:
+                spec, damage = None, f" It cannot be read: {error}"
+            if spec is not None and spec.model_dump_json(exclude_none=True) == recorded[0]:
+                return cls(folder, ledger, spec, revision)
+            # Another client may stand between its ledger entry and its world.json.
+            if time.monotonic() > deadline:
+                break
+            time.sleep(COMMIT_SECONDS / 5)
+        raise RefusedError(
+            f"world.json of {folder.id!r} was edited outside the server since revision {revision}. "
+            f"Call edit_spec with on_hand_edit='adopt' to take it as a new revision, or 'restore' to undo it.{damage}"
+        )
 
     def write_spec(self) -> None:
         """Write `world.json`."""

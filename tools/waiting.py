@@ -13,6 +13,7 @@ from .session import Session
 __all__ = ["job_data", "start_and_wait"]
 
 POLL_SECONDS = 0.5
+MOST_JOBS = 1000
 
 
 def job_data(job: Job) -> dict[str, Any]:
@@ -32,6 +33,17 @@ def job_data(job: Job) -> dict[str, Any]:
     return data
 
 
+def _turn(context: ToolContext, session: Session, kind: str, key: str, *, reuse: bool) -> str:
+    """The key of the latest such job where it counts, else the next free one."""
+    jobs = context.jobs.list(session.folder.id, limit=MOST_JOBS)
+    same = [j for j in jobs if j.kind == kind and j.key is not None and j.key.rpartition("#")[0] == key]
+    if not same:
+        return f"{key}#1"
+    latest = max(same, key=lambda j: int(str(j.key).rpartition("#")[2]))
+    done = latest.state == "done" and not reuse
+    return f"{key}#{int(str(latest.key).rpartition('#')[2]) + done}"
+
+
 def start_and_wait(
     context: ToolContext,
     session: Session,
@@ -40,9 +52,12 @@ def start_and_wait(
     *,
     wait_s: float,
     key: str,
+    reuse: bool = True,
     reply: Callable[[dict[str, Any]], dict[str, Any]] | None = None,
 ) -> dict[str, Any]:
     """Submit `worldagent.tools.jobs:<kind>` and wait at most `wait_s` seconds.
+
+    A running job of the same key is joined; the result of a done one is given again only with `reuse`.
 
     Returns the result (with `job_id`), or the job's state when it takes longer. The job goes on either way.
 
@@ -55,7 +70,7 @@ def start_and_wait(
         {"folder": str(session.folder.root), **payload},
         entry=f"worldagent.tools.jobs:{kind}",
         # The stamp tells a world from an earlier one of the same name whose jobs the workspace still remembers.
-        key=f"{key}:{session.stamp()}",
+        key=_turn(context, session, kind, f"{key}:{session.stamp()}", reuse=reuse),
         exclusive=True,
     )
     deadline = time.monotonic() + wait_s

@@ -10,6 +10,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import os
+import threading
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -152,7 +154,7 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
 def save_built(built: BuiltEntity, path: Path) -> None:
     """Write to `path` through a temporary name."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".tmp")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.tmp")
     temporary.write_bytes(_encode(built, with_recipe=True))
     temporary.replace(path)
 

@@ -154,29 +154,6 @@ def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
 
 def _limit_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     for key, value in old.items():
-        changed = new[key]
-        if key == "scale_ratio":
-            weaker = changed[0] < value[0] or changed[1] > value[1]
-        else:
-            weaker = changed < value if key in ("visible_pixels", "visible_share", "beat_seen_frames") else changed > value
-        if weaker:
-            yield f"/simulation/limits/{key} {value} -> {changed}"
-
-
-def _relation_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    for key, relation in old.items():
-        if key not in new:
-            if relation["kind"] != "fastened":
-                yield f"/graph/relations/{key} ({relation['kind']}) removed"
-        elif relation != new[key] and relation["kind"] != "interacts":
-            yield f"/graph/relations/{key} changed"
-    for key, relation in new.items():
-        if relation["kind"] == "fastened" and key not in old:
-            yield f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended"
-
-
-def _limit_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    for key, value in old.items():
         now = new[key]
         if key == "scale_ratio":
             weaker = now[0] < value[0] or now[1] > value[1]
@@ -192,6 +169,8 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
             yield f"/entities/{key} removed"
         elif new[key]["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
             yield f"/entities/{key}/dimensions/tolerance widened"
+        elif "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:
+            yield f"/entities/{key}/nominal_diagonal changed"
 
 
 def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
@@ -199,9 +178,12 @@ def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
     old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
     found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
     found += _beat_weakenings(old["story"]["requirements"], new["story"]["requirements"], "/story/requirements")
-    found += _relation_weakenings(old["graph"]["relations"], new["graph"]["relations"])
+    found += _graph_weakenings(old["graph"], new["graph"])
     found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
     found += _entity_weakenings(old["entities"], new["entities"])
+    for key, material in old["materials"].items():
+        if key in new["materials"] and new["materials"][key]["substance"] != material["substance"]:
+            found.append(f"/materials/{key}/substance {material['substance']} -> {new['materials'][key]['substance']}")
     for key, clause in new["clauses"].items():
         if clause.get("unmet") and not old["clauses"].get(key, {}).get("unmet"):
             found.append(f"/clauses/{key} given up: {clause['unmet']}")

@@ -1,7 +1,8 @@
 """What depends on what: recipes of all artifacts of a world, and exactly which are stale after an edit (R115, R116).
 
 Artifacts: `built:<entity>`, `static:<entity>` (evidence at frame 0), `motion` (probe, bake and every verdict over
-them), `story` and `shots` (verdicts that read the story and the shot plan over the same motion), `acceptance`, `final`.
+them), `contact` and `category` (verdicts over the motion against bounds), `story` and `shots` (verdicts that read
+the story and the shot plan over the same motion), `acceptance`, `final`.
 """
 
 from __future__ import annotations
@@ -84,12 +85,15 @@ def recipes(spec: WorldSpec) -> dict[str, str]:
     found["contact"] = digest_of(
         motion, [r for r in relations.values() if r["kind"] == Fastened.model_fields["kind"].default], limits
     )
+    found["category"] = digest_of(motion, limits)
     found["story"] = digest_of(motion, spec.story, graph, limits)
-    found["shots"] = digest_of(motion, spec.shots, spec.story, limits)
+    aspect = spec.look.width / spec.look.height
+    found["shots"] = digest_of(motion, spec.shots, spec.story, limits, aspect)
     found["acceptance"] = digest_of(
         found["story"],
         found["shots"],
         found["contact"],
+        found["category"],
         sorted(v for k, v in found.items() if k.startswith("static:")),
         spec.clauses,
         spec.prompt,
@@ -107,10 +111,12 @@ def stale_artifacts(before: WorldSpec, after: WorldSpec) -> list[str]:
 
 
 _STATIC_CHECKS = ("scale", "interpenetration")
+_SCENE_CHECKS = ("navigability", "shots")
+"""Checks that look at the whole scene even at frame 0: anything may stand in the way."""
 _BY_ARTIFACT = {
     "contact": ("contact",),
-    "category": ("motion",),
-    "numerical": ("motion",),
+    "category": ("category",),
+    "numerical": ("category",),
     "beat": ("story",),
     "causal": ("story",),
     "support": ("story",),
@@ -128,7 +134,7 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         if row.check == "audit":
             continue
         wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
-        if stages.get(row.id) != "static":
+        if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
         hit = sorted(wanted & changed)
         if hit:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Row, fail_closed
 from . import beats, category, causal, contact, delivery, interpenetration, navigability, numerical, phases, scale, shots, support
+from .diagnosis import diagnose
 
 __all__ = ["CHECKS", "CheckBinding", "names_of", "run_checks"]
 
@@ -61,5 +62,5 @@ def run_checks(
     for done, binding in enumerate(chosen):
         if progress is not None:
             progress(done, len(chosen), f"checking {binding.name}")
-        rows += [fail_closed(r) for r in binding.function(candidate)]
+        rows += [diagnose(fail_closed(r)) for r in binding.function(candidate)]
     return rows

@@ -118,6 +118,8 @@ WEAKER: list[dict[str, Any]] = [
     {"op": "add", "path": "/entities/wooden_block/dimensions/tolerance", "value": 0.1},
     {"op": "replace", "path": "/clauses/c2", "value": {"unmet": "too hard"}},
     {"op": "replace", "path": "/simulation/frames", "value": 30},
+    {"op": "replace", "path": "/materials/wood/substance", "value": "other"},
+    {"op": "replace", "path": f"{BEATS}/push/owner", "value": "nobody"},
 ]  # fmt: skip
 
 

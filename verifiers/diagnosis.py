@@ -33,11 +33,10 @@ def diagnose(row: Row) -> Row:
     """A row that does not pass, with the causes its diagnosis adds after the measured ones; others unchanged."""
     if row.status not in ("fail", "unverified"):
         return row
-    for source, pattern, entry in _entries():
-        if pattern.match(row.id):
-            break
-    else:
+    found = next(((source, entry) for source, pattern, entry in _entries() if pattern.match(row.id)), None)
+    if found is None:
         return row
+    source, entry = found
     cited = f"{source}#{entry['id']}"
     measured = [c if c.skill else c.model_copy(update={"skill": cited}) for c in row.corrections]
     known = {c.group for c in measured}

@@ -15,9 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["EDIT_CLASS", "correction", "make_row", "plain", "requested_frames"]
 
-EDIT_CLASS: Mapping[str, RowClass] = {
-    name: group.edit_class for name, group in GROUPS.items()
-}
+EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
 """Class of an edit to each causal parameter group (R111, R112)."""
 
 

@@ -16,8 +16,10 @@ __all__ = ["accept", "bake", "check", "final", "probe"]
 SHEET_FRAMES = 9
 
 
-def _failing(rows: list[Row]) -> list[str]:
-    return [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified")]
+def _failing(rows: list[Row], last: int) -> list[str]:
+    """Mandatory rows that do not pass; what can only be judged after frame `last` waits for the bake."""
+    later = {r.id for r in rows if r.status == "unverified" and r.frames is not None and r.frames[1] > last}
+    return [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified") and r.id not in later]
 
 
 def _session(payload: dict[str, Any]) -> tuple[Session, str]:
@@ -57,7 +59,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     candidate = run_probe(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.4, m), check=context.check)
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.35 * d / n), total * 1.4, m))
     changed = session.ledger.put_rows(rows, revision=session.revision, stage="probe", checks=names_of("probe"))
-    open_rows = _failing(rows)
+    open_rows = _failing(rows, candidate.last_frame)
     phases = find_phases(candidate)
     session.ledger.put_freeze(
         freeze,
@@ -115,8 +117,10 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(_promise_row(candidate, promised, found))
     changed = session.ledger.put_rows(rows, revision=session.revision, stage="full", checks=names_of("full"))
-    session.ledger.put_bake(freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows)})
-    open_rows = _failing(rows)
+    session.ledger.put_bake(
+        freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows, candidate.last_frame)}
+    )
+    open_rows = _failing(rows, candidate.last_frame)
     picture = _sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
     return {
         "complete": True,

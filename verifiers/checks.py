@@ -7,7 +7,21 @@ from dataclasses import dataclass
 
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Row, fail_closed
-from . import beats, category, causal, contact, delivery, interpenetration, navigability, numerical, phases, scale, shots, support
+from . import (
+    beats,
+    category,
+    causal,
+    contact,
+    delivery,
+    interpenetration,
+    navigability,
+    numerical,
+    phases,
+    relations,
+    scale,
+    shots,
+    support,
+)
 from .diagnosis import diagnose
 
 __all__ = ["CHECKS", "CheckBinding", "names_of", "run_checks"]
@@ -25,6 +39,7 @@ class CheckBinding:
 CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("scale", scale.check, ("static", "full")),
     CheckBinding("interpenetration", interpenetration.check, ("static", "full")),
+    CheckBinding("relations", relations.check, ("static", "probe", "full")),
     CheckBinding("support", support.check, ("static", "probe", "full")),
     CheckBinding("navigability", navigability.check, ("static", "full")),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),

@@ -29,6 +29,8 @@ __all__ = ["check"]
 
 SKIN_FACTOR = 1.5
 """Own choice: the suggested skin covers the measured depth this many times, since finer steps shift the deepest frame."""
+SKIN_SHARE = 0.9
+"""Share of the contact tolerance that two skins may take (`worlds/audit.py`)."""
 SKIN_MAX = 0.02
 """[m] Largest skin that the specification takes."""
 STEP_MIN = 2e-5
@@ -182,8 +184,8 @@ def _corrections(
         found.append(
             Correction(
                 cause="no solver instance has both as members, so they cannot feel each other",
-                edit_class="solver",
-                group="contact",
+                edit_class="scene",
+                group="shape",
                 action=f"List {mover!r} and {other!r} as members of one solver instance.",
                 pointers=("/simulation/solvers",),
             )
@@ -217,7 +219,7 @@ def _not_colliding(surfaces: Surfaces, parts: dict[str, str]) -> list[Correction
             found.append(
                 Correction(
                     cause=f"joint {name!r} switches contacts between its two bodies off",
-                    edit_class="solver",
+                    edit_class="scene",
                     group="joints",
                     action=f"Set `collide` of joint {name!r}, or declare the overlap at the joint as `fastened` with its depth.",
                     pointers=(path,),
@@ -231,7 +233,8 @@ def _resolution(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) 
     settings = surfaces.candidate.spec.simulation.solvers[solver].settings
     path = pointer("simulation", "solvers", solver, "settings")
     skin = math.ceil((settings.skin + SKIN_FACTOR * depth) * 1e5) / 1e5
-    fits = skin <= SKIN_MAX
+    # Two skins must stay below the contact tolerance, or the audit refuses them.
+    fits = skin <= min(SKIN_MAX, SKIN_SHARE * surfaces.candidate.spec.simulation.limits.contact_gap / 2)
     wider = Correction(
         cause="the collision skin is thinner than the overlap that one step allows",
         edit_class="solver",

@@ -21,6 +21,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row
 from ..worlds.spec import RigidPhysics
 from . import motion
+from .beats import is_invariant
 from .causal import driver_start
 from .verdicts import correction, make_row
 
@@ -204,6 +205,19 @@ def check(candidate: Candidate) -> list[Row]:
         phases = find_phases(candidate)
     except EvidenceError as error:
         return [make_row(candidate, "probe:phases", status="unverified", explanation=str(error), **common)]  # type: ignore[arg-type]
+    if phases.activation is None and _meant_to_rest(candidate):
+        text = f"nothing is driven or thrown, every beat asks for rest, and no body exceeds {phases.start_speed:.3g} m/s: no phase to cover"
+        return [
+            make_row(
+                candidate,
+                "probe:phases",
+                status="not_applicable",
+                explanation=text,
+                frames=(0, phases.last_frame),
+                evidence={"start_speed": phases.start_speed, "notes": phases.notes},
+                **common,  # type: ignore[arg-type]
+            )
+        ]
     missing = phases.missing()
     frames = {p: getattr(phases, p) for p in PHASES}
     evidence = {"phases": frames, "notes": phases.notes, "entities": phases.entities, "start_speed": phases.start_speed}
@@ -233,6 +247,16 @@ def check(candidate: Candidate) -> list[Row]:
             **common,  # type: ignore[arg-type]
         )
     ]
+
+
+def _meant_to_rest(candidate: Candidate) -> bool:
+    """Whether the specification sets nothing in motion and asks for nothing but lasting states."""
+    spec = candidate.spec
+    thrown = any(
+        isinstance(e.physics, RigidPhysics) and any((*e.physics.linear_velocity, *e.physics.angular_velocity))
+        for e in spec.entities.values()
+    )
+    return not thrown and not spec.simulation.drivers and all(is_invariant(b.predicate) for b in spec.story.beats.values())
 
 
 def _more_frames(candidate: Candidate, phases: Phases) -> int:

@@ -49,6 +49,8 @@ ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     )
 }
 """Evidence each engine of this build writes."""
+SKIN_SHARE = 0.9
+"""Two skins may take at most this share of the contact tolerance: a body placed at two skins must count as touching."""
 SKILL = "skill://world-building/SKILL.md"
 
 
@@ -194,6 +196,9 @@ class _Audit:
                 )
             elif entity.motion != "static" and len(owners) > 1:
                 problems.append(Problem(f"/simulation/solvers/{owners[1]}/members", f"{name!r} is moved by {owners}; keep one"))
+            if entity.active is not None:
+                text = f"{name!r} has an active interval, but no engine of this build makes bodies appear or vanish; leave it out"
+                problems.append(Problem(f"{place}/active", text, {"op": "remove", "path": f"{place}/active"}))
             if entity.motion == "kinematic" and name not in driven:
                 problems.append(
                     Problem(
@@ -355,12 +360,12 @@ class _Audit:
         """Limits fit the solver's settings."""
         limits, problems = self.spec.simulation.limits, []
         for name, instance in self.spec.simulation.solvers.items():
-            if isinstance(instance.settings, RigidSettings) and 2 * instance.settings.skin > limits.contact_gap:
+            if isinstance(instance.settings, RigidSettings) and 2 * instance.settings.skin > SKIN_SHARE * limits.contact_gap:
                 problems.append(
                     Problem(
                         f"/simulation/solvers/{name}/settings/skin",
-                        f"two skins of {instance.settings.skin:g} m exceed the contact tolerance {limits.contact_gap:g} m; "
-                        f"use a skin of at most {limits.contact_gap / 2:g} m or a smaller step",
+                        f"two skins of {instance.settings.skin:g} m exceed {SKIN_SHARE:g} of the contact tolerance {limits.contact_gap:g} m; "
+                        f"use a skin of at most {SKIN_SHARE * limits.contact_gap / 2:g} m or a smaller step",
                     )
                 )
         self.add("bounds", "collision skins stay within the contact tolerance", problems, group="physical")

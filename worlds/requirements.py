@@ -16,6 +16,7 @@ Check = Literal[
     "interpenetration",
     "support",
     "navigability",
+    "relations",
     "causal",
     "category",
     "numerical",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -115,7 +116,7 @@ def _lathe(rings: list[tuple[float, float]], segments: int) -> TriangleMesh:
             vertices += [(r * math.cos(t), r * math.sin(t), z) for t in (2 * math.pi * k / segments for k in range(segments))]
             index.append(list(range(start, start + segments)))
     faces = []
-    for low, high in zip(index, index[1:], strict=False):
+    for low, high in itertools.pairwise(index):
         for k in range(segments):
             n = (k + 1) % segments
             if low[k] != low[n]:

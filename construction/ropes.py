@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ..worlds.arrays import F64, RigidPose
@@ -37,7 +39,7 @@ def rope_segments(rope: Rope) -> list[tuple[Capsule, RigidPose]]:
     at = np.linspace(0.0, along[-1], rope.segments + 1)
     knots = np.stack([np.interp(at, along, points[:, k]) for k in range(3)], axis=-1)
     result = []
-    for a, b in zip(knots[:-1], knots[1:], strict=True):
+    for a, b in itertools.pairwise(knots):
         span = float(np.linalg.norm(b - a))
         result.append((Capsule(radius=rope.radius, length=span), RigidPose((a + b) / 2, _z_to((b - a) / span))))
     return result

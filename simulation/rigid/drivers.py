@@ -226,7 +226,7 @@ class Drivers:
 
     def plan_paths(self, start: float, dt: float, count: int) -> None:
         """Sample all paths at `count` steps of `dt` from `start` [s]."""
-        times = start + dt * np.arange(count + 1)
+        times: F64 = start + dt * np.arange(count + 1, dtype=np.float64)
         self._samples = []
         for entity in sorted(self.kinematic):
             qpos, dof = self._free[entity], self._dofs[entity][0]

@@ -69,6 +69,7 @@ class SolverRigid:
         self._overflows = 0
         self.relaxation = 0.0
         """Largest displacement of a body when the skins were opened [m]."""
+        self.frame = 0
         self.refined = 0
         """Halvings of the step that the present frame took."""
 

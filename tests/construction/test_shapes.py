@@ -285,8 +285,8 @@ def test_rope_segments_lie_end_to_end_and_share_the_declared_mass():
     built = build_entity(world({"r": rope}), "r", NO_ASSETS)
     assert sum(b.mass for b in built.bodies) == pytest.approx(0.5)
     assert len(built.bodies) == 20
+    thick = entity(generator={"kind": "rope", "points": [(0, 0, 0), (1, 0, 0)], "radius": 0.1, "segments": 20})
     with pytest.raises(InputError, match="segments"):
-        thick = entity(generator={"kind": "rope", "points": [(0, 0, 0), (1, 0, 0)], "radius": 0.1, "segments": 20})
         build_entity(world({"r": thick}), "r", NO_ASSETS)
 
 

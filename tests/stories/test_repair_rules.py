@@ -1,0 +1,179 @@
+"""After a failure: a hypothesis, one causal group, a test before the next change, the right class, no easier bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.requirements import Correction, Row
+
+Patch = Callable[..., list[dict[str, Any]]]
+WHY = "the ball is too slow to push all three blocks to the edge"
+REASON = "the user agreed that this part of the prompt may be dropped"
+FASTER = ("/entities/ball/physics", {"category": "rigid", "linear_velocity": [1, 0, 0], "angular_velocity": [0, 50, 0]})
+
+
+def _fail(agent: Any, row_id: str, check: str, edits: Sequence[tuple[str, str]], stage: str = "probe") -> None:
+    """Record a failing row as a check would."""
+    corrections = tuple(Correction(cause="c", edit_class=c, group=g, action="a") for c, g in edits)  # type: ignore[arg-type]
+    row = Row(id=row_id, check=check, group="physical", predicate="p", status="fail", artifact="x", corrections=corrections)  # type: ignore[arg-type]
+    Ledger(agent.workspace / "w" / "ledger.sqlite").put_rows([row], revision=1, stage=stage)
+
+
+def test_an_edit_after_a_failure_names_its_hypothesis(failed: Any, patch: Patch) -> None:
+    text = failed.refused("edit_spec", world="w", patch=patch(FASTER))
+    assert "hypothesis" in text
+    assert "rows fail" in text
+    assert "hypothesis" in failed.refused("edit_spec", world="w", patch=patch(FASTER), hypothesis="faster")
+    assert "hypothesis" in failed.refused("place_object", world="w", entity="b1", at=[0.0, 0.0])
+    failed.edit(FASTER, hypothesis=WHY)
+
+
+def test_two_causal_groups_at_once_are_refused_after_a_failure(failed: Any, patch: Patch) -> None:
+    both = patch(FASTER, ("/simulation/solvers/rigid/settings/step", 0.00025))
+    text = failed.refused("edit_spec", world="w", patch=both, hypothesis=WHY)
+    assert "2 causal parameter groups" in text
+    assert "initial_state" in text
+    assert "step" in text
+
+
+def test_a_second_change_waits_for_the_test_of_the_first(failed: Any, patch: Patch) -> None:
+    failed.edit(("/entities/ball/physics/linear_velocity/0", 0.6), hypothesis=WHY)
+    text = failed.refused("edit_spec", world="w", patch=patch(FASTER), hypothesis=WHY)
+    assert "revision 2 (initial_state) is not tested yet" in text
+    assert "probe_sim" in text
+    failed.call("place_object", world="w")
+    assert "not tested yet" in failed.refused("edit_spec", world="w", patch=patch(FASTER), hypothesis=WHY)
+    failed.edit(("/shots/only/intent", "wider"))
+    failed.call("probe_sim", world="w")
+    failed.edit(FASTER, hypothesis=WHY)
+    assert failed.call("probe_sim", world="w")["passed"]
+    iterations = failed.call("inspect_world", world="w", part="iterations")["iterations"]
+    assert [i["grp"] for i in iterations] == ["initial_state", "initial_state"]
+    assert all(i["hypothesis"] == WHY and i["failing_before"] and i["probe"] for i in iterations)
+    assert iterations[0]["failing_after"] == []
+
+
+def test_a_story_edit_does_not_launder_a_failure(failed: Any, patch: Patch) -> None:
+    failed.edit(("/story/beats/fall/predicate/max", -0.2))
+    assert "hypothesis" in failed.refused("edit_spec", world="w", patch=patch(FASTER))
+
+
+def test_a_repair_that_breaks_the_audit_or_the_geometry_can_be_mended(failed: Any, patch: Patch) -> None:
+    failed.edit(("/entities/ball/material", "lead"), hypothesis=WHY)
+    failed.edit(("/entities/ball/material", "steel"), hypothesis=WHY)
+    failed.call("probe_sim", world="w")
+    failed.edit(("/entities/b2/pose/position/0", 0.18), hypothesis=WHY)
+    assert not failed.call("place_object", world="w")["static_passed"]
+    assert "static rows" in failed.refused("probe_sim", world="w")
+    failed.edit(("/entities/b2/pose/position/0", small_spec()["entities"]["b2"]["pose"]["position"][0]), hypothesis=WHY)
+    assert failed.call("place_object", world="w")["static_passed"]
+
+
+def test_a_failure_of_the_scene_is_not_answered_by_the_solver(agent: Any, patch: Patch) -> None:
+    spec = small_spec()
+    spec["entities"]["b2"]["pose"]["position"][0] += 0.01
+    agent.call("edit_spec", world="w", prompt=PROMPT, spec=spec)
+    agent.call("place_object", world="w")
+    slower = patch(("/simulation/solvers/rigid/settings/step", 0.00025))
+    text = agent.refused("edit_spec", world="w", patch=slower, hypothesis=WHY)
+    assert "ask for a scene edit" in text
+    assert "placement" in text
+    assert "not a solver edit" in text
+    agent.edit(("/entities/b2/pose/position/0", 0.1705), hypothesis=WHY)
+
+
+def test_a_failure_of_the_solver_is_not_answered_by_the_scene(accepted: Any, patch: Patch) -> None:
+    _fail(accepted, "category:rigid:energy:rigid", "category", [("solver", "step")])
+    moved = patch(("/entities/b1/pose/position/0", 0.13))
+    text = accepted.refused("edit_spec", world="w", patch=moved, hypothesis=WHY)
+    assert "ask for a solver edit" in text
+    assert "not a scene edit" in text
+    accepted.edit(("/simulation/solvers/rigid/settings/step", 0.00025), hypothesis=WHY)
+
+
+def test_where_rows_ask_for_both_classes_either_is_allowed(accepted: Any) -> None:
+    _fail(accepted, "contact:a", "contact", [("solver", "step"), ("scene", "placement")])
+    accepted.edit(("/entities/b1/pose/position/0", 0.13), hypothesis=WHY)
+
+
+EASIER: dict[str, list[dict[str, Any]]] = {
+    "a removed beat": [
+        {"op": "remove", "path": "/story/beats/fall"},
+        {"op": "replace", "path": "/shots/only/covers", "value": ["roll"]},
+    ],
+    "a looser bound": [{"op": "replace", "path": "/story/beats/fall/predicate/max", "value": -0.05}],
+    "another predicate": [
+        {"op": "replace", "path": "/story/beats/fall/predicate", "value": {"kind": "speed", "entity": "b3", "min": 0.01}}
+    ],
+    "fewer frames": [{"op": "replace", "path": "/story/beats/fall/frames", "value": [4, 10]}],
+    "a shorter sequence": [
+        {"op": "replace", "path": "/simulation/frames", "value": 30},
+        {"op": "replace", "path": "/shots/only/frames", "value": [0, 29]},
+    ],
+    "an optional beat": [{"op": "add", "path": "/story/beats/fall/mandatory", "value": False}],
+    "an unseen beat": [{"op": "add", "path": "/story/beats/fall/observe", "value": False}],
+    "no cause": [{"op": "replace", "path": "/story/beats/fall/causes", "value": []}],
+    "a driver as owner": [
+        {"op": "add", "path": "/simulation/drivers/push", "value": {"kind": "force", "entity": "b3", "end": 1.0}},
+        {"op": "replace", "path": "/story/beats/fall/owner", "value": "push"},
+    ],
+    "overlap declared intended": [
+        {
+            "op": "add",
+            "path": "/graph/relations/glued",
+            "value": {"kind": "fastened", "a": "b1", "b": "b2", "max_depth": 0.01, "reason": "glued together"},
+        }
+    ],
+    "overlap declared intended in place of another relation": [
+        {
+            "op": "replace",
+            "path": "/graph/relations/hits",
+            "value": {"kind": "fastened", "a": "ball", "b": "b1", "max_depth": 0.01, "reason": "glued together"},
+        }
+    ],
+    "wider limits": [{"op": "add", "path": "/simulation/limits/energy_growth", "value": 0.2}],
+    "less to see": [{"op": "add", "path": "/simulation/limits/visible_share", "value": 0.05}],
+    "a dropped support": [{"op": "remove", "path": "/graph/relations/on_shelf_b1"}],
+    "a wider tolerance": [{"op": "add", "path": "/entities/b1/dimensions/tolerance", "value": 0.2}],
+    "a clause given up": [{"op": "replace", "path": "/clauses/c2", "value": {"unmet": "it would not fall in any of my tries"}}],
+    "another substance": [{"op": "replace", "path": "/materials/steel/substance", "value": "other"}],
+    "a removed entity": [
+        {"op": "remove", "path": "/entities/b2"},
+        {"op": "remove", "path": "/graph/relations/on_shelf_b2"},
+        {"op": "replace", "path": "/simulation/solvers/rigid/members", "value": ["floor", "shelf", "ball", "b1", "b3"]},
+    ],
+}
+
+
+@pytest.mark.parametrize("name", EASIER)
+def test_after_a_failure_nothing_becomes_easier_without_a_reason(failed: Any, name: str) -> None:
+    text = failed.refused("edit_spec", world="w", patch=EASIER[name], hypothesis=WHY)
+    assert "easier to satisfy" in text
+    assert "weakening_reason" in text
+    assert "easier" in failed.refused("edit_spec", world="w", patch=EASIER[name], hypothesis=WHY, weakening_reason="why not")
+
+
+def test_before_any_failure_the_plan_may_become_easier(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt=PROMPT, spec=small_spec())
+    agent.call("edit_spec", world="w", patch=EASIER["a looser bound"])
+
+
+def test_a_weakening_with_a_reason_is_recorded_and_printed_with_the_acceptance(accepted: Any) -> None:
+    _fail(accepted, "beat:fall", "beat", [("story", "story")], stage="full")
+    data = accepted.edit(("/story/beats/fall/predicate/max", -0.12), weakening_reason=REASON)
+    assert data["weakenings_recorded"] == ["/story/beats/fall/predicate loosened or replaced"]
+    verdict = accepted.call("run_checks", world="w", scope="acceptance")
+    assert verdict["verdict"] == "accepted"
+    printed = [{"revision": 2, "weakenings": ["/story/beats/fall/predicate loosened or replaced"], "reason": REASON}]
+    assert verdict["weakenings"] == printed
+    assert accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]["weakenings"] == printed
+
+
+def test_a_clause_listed_as_unmet_stands_in_the_acceptance(accepted: Any) -> None:
+    accepted.edit(("/clauses/c2", {"unmet": "only the first clause was asked for in the end"}))
+    verdict = accepted.call("run_checks", world="w", scope="acceptance")
+    assert verdict["unmet_clauses"] == {"c2": "only the first clause was asked for in the end"}

@@ -428,9 +428,20 @@ def _motion(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row
                 "shots",
                 f"spread the keys of shot {shot_id} over more frames, cut into two shots, or show it from farther away",
                 pointers=(f"/shots/{shot_id}/keys", f"/shots/{shot_id}/transition"),
+                patch=_steady(shot_id, shot),
             )
         ],
     )
+
+
+def _steady(shot_id: str, shot: Shot) -> list[dict[str, Any]]:
+    """The edit that keeps the aim of the shot's first key throughout."""
+    first, *others = sorted(shot.keys.items(), key=lambda item: item[1].frame)
+    return [
+        {"op": "replace", "path": f"/shots/{shot_id}/keys/{name}/target", "value": list(first[1].target)}
+        for name, key in others
+        if key.target != first[1].target
+    ]
 
 
 def _subjects(candidate: Candidate, shot: Shot) -> list[str]:

@@ -8,7 +8,9 @@ from worldagent.worlds.requirements import Row
 
 
 def _row(row_id: str, status: str) -> Row:
-    return Row.model_validate({"id": row_id, "check": "contact", "group": "physical", "predicate": "p", "status": status, "artifact": "a"})
+    return Row.model_validate(
+        {"id": row_id, "check": "contact", "group": "physical", "predicate": "p", "status": status, "artifact": "a"}
+    )
 
 
 def test_a_failing_row_gains_ranked_causes_that_cite_their_skill() -> None:

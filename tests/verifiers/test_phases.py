@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from worldagent.verifiers.phases import check, find_phases
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Contact
+from worldagent.worlds.predicates import Contact, RestsOn
 from worldagent.worlds.spec import Beat, ReleaseDriver
 
 from tests.worlds.small import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
@@ -80,11 +80,21 @@ def test_a_slow_but_steady_decline_is_settling(tmp_path: Path) -> None:
     assert phases.early_settling == 39
 
 
-def test_nothing_happens(tmp_path: Path) -> None:
+def test_nothing_happens_where_something_should(tmp_path: Path) -> None:
     entities = {"floor": ground(), "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1))}
-    row = check(make_candidate(tmp_path, world(entities), tracks={}))[0]
+    hits = Beat(text="", owner="rigid", subject="cube", frames=(1, 20), predicate=Contact(a="cube", b="floor"))
+    row = check(make_candidate(tmp_path, world(entities, beats={"hits": hits}), tracks={}))[0]
     assert (row.status, row.evidence["missing"][0]) == ("fail", "activation")
     assert row.corrections[0].group == "drivers"
+
+
+def test_a_world_that_is_meant_to_rest_has_no_phases_to_cover(tmp_path: Path) -> None:
+    entities = {"floor": ground(), "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1))}
+    rests = Beat(
+        text="", owner="rigid", subject="cube", frames=(0, 20), predicate=RestsOn(entity="cube", on="floor", when="always")
+    )
+    row = check(make_candidate(tmp_path, world(entities, beats={"rests": rests}), tracks={}))[0]
+    assert row.status == "not_applicable"
 
 
 def test_bodies_in_touch_from_the_start_are_no_first_contact(tmp_path: Path) -> None:

@@ -28,9 +28,18 @@ def make_solver(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) ->
     others = [m for m in spec.simulation.solvers[name].members if spec.entities[m].physics.category != "rigid"]
     if others:
         raise InputError(f"members {others[:5]} of solver {name!r} are not rigid; this build simulates rigid bodies only")
+    import mujoco
+
     from .rigid import SolverRigid
 
+    # Warnings are counted in the `overflows` record; the engine would also write a log file into the working directory.
+    mujoco.set_mju_user_warning(_ignore)
+
     return SolverRigid(spec, built, name)
+
+
+def _ignore(message: str) -> None:
+    del message
 
 
 def checkpoint_frames(spec: WorldSpec, frames: int) -> list[int]:

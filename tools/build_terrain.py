@@ -29,9 +29,9 @@ def build_terrain(
     ] = None,
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
 ) -> ToolReply:
-    """Make the ground: a static height field whose level part lies at z = 0, as a new revision, then check it.
+    """Make the ground: a static height field, as a new revision, then check it.
 
-    flat is level, slope rises towards +x, hills is spectral noise that fades to level inside plain_radius. The ground
+    flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is spectral noise that fades to z = 0 inside plain_radius. The ground
     becomes a member of the first solver instance. Indoors, or for a plain floor, a static box entity is enough.
     Rivers, erosion, materials by rule and vegetation are not in this build. Next: place_object.
     """

@@ -38,7 +38,8 @@ def place_object(
     """Build the entities' render, simulation and collision shapes and run the static checks; optionally move one entity first.
 
     With `on`, the entity is lowered onto that support (level support or slope) until it rests with a gap of two collision
-    skins, and a new revision with the pose is made. Returns the changed rows and what was built. The support relation
+    skins, and a new revision with the pose is made. Its orientation stays as specified (or turns by yaw_deg): on a slope, turn it
+    first with edit_spec. A move after a failed row is a repair and needs a hypothesis, as in edit_spec. Returns the changed rows and what was built. The support relation
     itself belongs into /graph/relations (edit_spec). Next: mend failing rows, then probe_sim; render_shot shows the scene.
     """
     from .session import Session, summary

@@ -20,9 +20,10 @@ def probe_sim(
         float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
     ] = 30.0,
 ) -> ToolReply:
-    """Simulate through the last beat with production settings, check the motion, and freeze the settings if it passes.
+    """Simulate to 0.75 s after the last beat with production settings, check the motion, and freeze the settings if it passes.
 
-    Covers preroll, activation, first contact, peak response and early settling. Returns the failing rows with measured
+    Covers preroll, activation, first contact, peak response and early settling (a world that is meant to rest has none of them).
+    What can only be judged later waits for the bake. Returns the failing rows with measured
     values, first failing entity and frame, ranked causes and suggested edits, plus a contact sheet. Refused while the
     audit or a static row fails. After a failure: one edit_spec with a hypothesis and one parameter group, then probe again.
     Next: bake_sim when it passes; render_shot(kind='contact_sheet', stage='probe') to see it.

@@ -44,7 +44,7 @@ def render_shot(
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
     wait_s: Annotated[float, Field(ge=0, le=240, description="For final: seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
-    """Look at the world. Every kind but final works at any time; pictures come back inline.
+    """Look at the world. Every kind but final works as soon as the audit passes; pictures come back inline.
 
     Numbers beat pictures for judging geometry: use run_checks and inspect_world for measurements, this for composition,
     light and understanding what happened. final is refused without acceptance of this very candidate; it renders the whole

@@ -153,6 +153,7 @@ ROWS = {
     "interpenetration": ["interpenetration:a:b", "interpenetration:scene"],
     "support": ["support:scene", "support:on:cup", "support:balance:cup", "support:derived:cup"],
     "navigability": ["navigability:way"],
+    "relations": ["relations:holds"],
     "causal": ["causal:a:b"],
     "category": [f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],

@@ -78,7 +78,7 @@ def build_terrain(
     }
     if report.passed:
         rows, changed, _ = session.check_static()
-        data |= {"changed_rows": len(changed), **summary(rows)}
+        data |= {"changed_rows": len(changed), **summary(rows, static=True)}
     else:
         data |= {"audit": summary(report.rows)}
     return ToolReply(data)

@@ -60,7 +60,7 @@ def place_object(
         "built": fresh if len(fresh) <= 20 else [*fresh[:20], f"and {len(fresh) - 20} more"],
         "static_passed": passed,
         "changed_rows": len(changed),
-        **summary(rows),
+        **summary(rows, static=True),
         "next": "probe_sim(world)" if passed else "mend the open rows with edit_spec or place_object",
     }
     links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)

@@ -39,7 +39,10 @@ def render_shot(
         Literal["best", "static", "probe", "full"],
         Field(description="What to show: default the bake, else the probe, else frame 0"),
     ] = "best",
-    width: Annotated[int | None, Field(ge=64, le=1920, description="Pixels; default 640, for final the specification's")] = None,
+    width: Annotated[
+        int | None,
+        Field(ge=64, le=1920, description="Pixels (of a whole contact sheet's tile); default 640, for final the specification's"),
+    ] = None,
     height: Annotated[int | None, Field(ge=64, le=1080, description="Pixels; default 360, for final the specification's")] = None,
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
     wait_s: Annotated[float, Field(ge=0, le=240, description="For final: seconds to wait before a job id is returned")] = 30.0,
@@ -63,14 +66,21 @@ def render_shot(
         raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
     if shot is not None and shot not in session.spec.shots:
         raise InputError(f"unknown shot {shot!r}; the world has {sorted(session.spec.shots)}")
+    from ..rendering import shot_of
+    from ..worlds.canonical import digest_of
+
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
     image = _picture(candidate, kind, frame, shot, camera, frames, width or 640, height or 360, samples)
-    name = f"{kind}_{session.revision:04d}_{frame:05d}.{image.format if image.format == 'png' else 'jpg'}"
+    view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
+    name = f"{kind}_{session.revision:04d}_{frame:05d}_{view}.{'png' if image.format == 'png' else 'jpg'}"
     session.folder.pictures.mkdir(exist_ok=True)
     (session.folder.pictures / name).write_bytes(image.data)
     if kind not in ("contact_sheet", "ledger"):
         data |= {"frame": frame, "time": round(frame / session.spec.simulation.fps, 4)}
-    data["file"] = f"pictures/{name}"
+    data |= {
+        "file": f"pictures/{name}",
+        "camera": "own" if camera is not None else shot or shot_of(session.spec, frame) or "automatic",
+    }
     links = ((name, f"worldagent://worlds/{world}/pictures/{name}", f"image/{image.format}"),)
     return ToolReply(data, pictures=(image,), links=links)
 
@@ -86,6 +96,8 @@ def _picture(
     height: int,
     samples: int | None,
 ) -> Picture:
+    import math
+
     import numpy as np
 
     from .. import rendering
@@ -99,6 +111,10 @@ def _picture(
         bad = [k for k in chosen if not 0 <= k <= candidate.last_frame]
         if bad:
             raise InputError(f"frames {bad} are out of range; allowed 0..{candidate.last_frame}")
+        # Tiles are shrunk to fit the sheet: no use in drawing them larger.
+        across = max(1, math.ceil(math.sqrt(len(chosen))))
+        tile = min(width, 1920 // across)
+        width, height = tile, max(64, round(height * tile / width))
         renderer = rendering.PreviewRenderer(candidate)
         fps = candidate.spec.simulation.fps
         images = [

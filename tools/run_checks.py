@@ -59,7 +59,7 @@ def run_checks(
     elif scope == "static":
         session.require_audit("static checks")
         rows, changed, fresh = session.check_static()
-        data = {"scope": scope, "built": fresh, "changed_rows": len(changed), **summary(rows)}
+        data = {"scope": scope, "built": fresh, "changed_rows": len(changed), **summary(rows, static=True)}
     elif scope == "acceptance":
         session.require_audit("acceptance")
         if only:

@@ -50,14 +50,19 @@ def counts(rows: Iterable[Row]) -> dict[str, int]:
     return found
 
 
-def summary(rows: Sequence[Row]) -> dict[str, Any]:
-    """Counts, and the rows that do not pass, worst first."""
-    rank = {"fail": 0, "unverified": 1}
-    open_rows = sorted((r for r in rows if r.status in rank), key=lambda r: (rank[r.status], not r.mandatory, r.id))
+def summary(rows: Sequence[Row], *, static: bool = False) -> dict[str, Any]:
+    """Counts, and the rows that do not pass, worst first; with `static`, what only motion can tell is just counted."""
+    rank = {"fail": 0} if static else {"fail": 0, "unverified": 1}
+    open_rows = sorted(
+        (r for r in rows if r.status in rank or (static and r.status == "unverified" and r.check != "shots")),
+        key=lambda r: (rank.get(r.status, 1), not r.mandatory, r.id),
+    )
     data: dict[str, Any] = {"counts": counts(rows), "open_rows": [brief(r) for r in open_rows[:MAX_BRIEF_ROWS]]}
     if len(open_rows) > MAX_BRIEF_ROWS:
         data["more_open_rows"] = [r.id for r in open_rows[MAX_BRIEF_ROWS : MAX_BRIEF_ROWS + 60]]
         data["note"] = f"{len(open_rows) - MAX_BRIEF_ROWS} further rows: inspect_world(part='matrix')"
+    if static:
+        data["waiting_for_motion"] = sum(r.status == "unverified" and r.check == "shots" for r in rows)
     return data
 
 
@@ -196,7 +201,7 @@ class Session:
                 f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next"
             )
-        wanted = {c.edit_class for r in failing for c in r.corrections}
+        wanted = {e for r in failing for e in r.evidence.get("edit_classes") or {c.edit_class for c in r.corrections}}
         edit = next(g.edit_class for g in groups if g.edit_class in CAUSAL_CLASSES)
         if wanted & set(CAUSAL_CLASSES) and edit not in wanted:
             names = sorted({c.group for r in failing for c in r.corrections if c.edit_class in CAUSAL_CLASSES})

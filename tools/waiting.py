@@ -24,8 +24,8 @@ def job_data(job: Job) -> dict[str, Any]:
         "kind": job.kind,
         "world": job.world,
         "state": job.state,
-        "progress": round(job.progress_done / total, 3) if total else None,
-        "message": job.message,
+        "progress": 1.0 if job.state == "done" else round(job.progress_done / total, 3) if total else None,
+        "message": "" if job.state == "done" else job.message,
         "seconds": round((job.finished or time.time()) - job.started, 1) if job.started else 0.0,
     }
     if job.error:

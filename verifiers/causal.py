@@ -23,7 +23,7 @@ from ..worlds.requirements import Correction, Row, Status
 from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver
 from . import motion
 from .chains import Chains, Hop, Reach, begins
-from .predicates import Outcome, beat_times
+from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ def _edge(candidate: Candidate, chains: Chains, cause_id: str, effect_id: str) -
             frames=(last, max(last, first)),
             first=(effect.subject, last),
             evidence=evidence,
-            corrections=_order_hints(cause_id, effect_id, cause, effect, gap),
+            corrections=_order_hints(candidate, cause_id, effect_id, last, gap),
         )
     return _linked(candidate, cause_id, effect_id, start, last, reach, evidence)
 
@@ -307,20 +307,37 @@ def _absent(
     )
 
 
-def _order_hints(cause_id: str, effect_id: str, cause: Beat, effect: Beat, gap: float) -> list[Correction]:
-    owner = f"/simulation/drivers/{cause.owner}"
+def _order_hints(candidate: Candidate, cause_id: str, effect_id: str, frame: int, gap: float) -> list[Correction]:
+    beats = candidate.spec.story.beats
+    cause, effect = beats[cause_id], beats[effect_id]
+    found = []
+    then = evaluate(candidate, cause.predicate, (frame, frame))
+    if then.value is not None and then.bound is not None:
+        found.append(
+            correction(
+                f"{cause_id} is under way before its threshold is passed",
+                "story",
+                f"at frame {frame} it measured {then.value:.4g} {then.unit}, its bound is {then.bound:.4g}: choose a bound that is "
+                f"reached by then if the process itself is the cause (a weakening edit: give weakening_reason)",
+                pointers=(f"/story/beats/{cause_id}/predicate",),
+            )
+        )
+    if cause.owner in candidate.spec.simulation.drivers:
+        found.append(
+            correction(
+                f"{cause_id} comes too late",
+                "drivers",
+                f"let it act {abs(gap):.3g} frames earlier",
+                pointers=(f"/simulation/drivers/{cause.owner}",),
+            )
+        )
     return [
+        *found,
         correction(
             f"something else starts {effect_id} before {cause_id}",
             "placement",
             f"look at what touches {effect.subject} first and keep it away until {cause_id}",
             pointers=(f"/entities/{effect.subject}/pose",),
-        ),
-        correction(
-            f"{cause_id} comes too late",
-            "drivers",
-            f"let it act {abs(gap):.3g} frames earlier",
-            pointers=(owner,),
         ),
         correction(
             "the story names the wrong cause",

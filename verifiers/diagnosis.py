@@ -52,5 +52,11 @@ def diagnose(row: Row) -> Row:
         for cause in entry["causes"]
         if cause["group"] not in known
     ]
-    evidence = {**row.evidence, "diagnosis": {"symptom": entry["symptom"], "cheapest_probe": entry["cheapest_probe"]}}
+    # The rule of repair goes by what the check itself measured; the table only adds ideas.
+    classes = sorted({c.edit_class for c in row.corrections})
+    evidence = {
+        **row.evidence,
+        **({"edit_classes": classes} if classes else {}),
+        "diagnosis": {"symptom": entry["symptom"], "cheapest_probe": entry["cheapest_probe"]},
+    }
     return row.model_copy(update={"corrections": (*measured, *added), "evidence": evidence})

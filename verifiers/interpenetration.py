@@ -168,6 +168,21 @@ def _middle(surfaces: Surfaces, entity: str) -> F64:
     return np.asarray((vertices.min(0) + vertices.max(0)) / 2)
 
 
+def _struck(surfaces: Surfaces, mover: str, other: str, offset: F64) -> str | None:
+    """An entity that `mover` would overlap after moving by `offset`, `other` apart; None when the place is free."""
+    vertices = surfaces.candidate.vertices(mover, 0) + offset
+    low, high = vertices.min(0), vertices.max(0)
+    for name in surfaces.entities:
+        if name in (mover, other):
+            continue
+        there = surfaces.candidate.vertices(name, 0)
+        if (there.min(0) > high).any() or (there.max(0) < low).any() or surfaces.allowed_depth(mover, name) > 0.0:
+            continue
+        if surfaces.gap(mover, name, 0, offset=offset).distance < -surfaces.noise(mover, name):
+            return name
+    return None
+
+
 def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool) -> list[Correction]:
     mover, other = names
     out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
@@ -190,14 +205,16 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
             moves[name] = distance * direction
     pose = pointer("entities", mover, "pose")
     found = []
-    for name, offset in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1]))):
+    hits = {name: _struck(surfaces, mover, other, offset) for name, offset in moves.items()}
+    for name, offset in sorted(moves.items(), key=lambda item: (hits[item[0]] is not None, float(np.linalg.norm(item[1])))):
         text = ", ".join(f"{c:+.4g}" for c in offset)
         found.append(
             Correction(
                 cause=f"{mover!r} is placed inside {other!r}",
                 edit_class="scene",
                 group="placement",
-                action=f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m.",
+                action=f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m."
+                + (f" It would then overlap {hits[name]!r}." if hits[name] else ""),
                 pointers=(pose,),
                 patch=translation_patch(surfaces.candidate, mover, offset),
             )

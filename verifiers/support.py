@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.requirements import Correction
-from ..worlds.spec import Supports
+from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
 from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
 from .rows import Comparison, guarded, guarded_rows, pointer, row, translation_patch
@@ -287,6 +287,16 @@ def _slips(surfaces: Surfaces, a: str, b: str) -> Correction:
     spec = surfaces.candidate.spec
     names = [spec.entities[n].material for n in (a, b)]
     friction = max(spec.materials[n].friction if n in spec.materials else 0.0 for n in names)
+    released = [d.time for d in spec.simulation.drivers.values() if isinstance(d, ReleaseDriver) and d.entity == b]
+    if released:
+        frame = int(max(released) * spec.simulation.fps)
+        return Correction(
+            cause=f"{b!r} is released at frame {frame}, within the interval",
+            edit_class="scene",
+            group="relations",
+            action=f"End `frames` of the relation at {frame} (a weakening edit: give weakening_reason), or leave `frames` out.",
+            pointers=("/graph/relations",),
+        )
     return Correction(
         cause="the body slides or tips off, or the interval reaches into its motion",
         edit_class="solver",

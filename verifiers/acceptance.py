@@ -16,7 +16,7 @@ from ..worlds.audit import audit
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
 from ..worlds.clauses import clauses_of
-from ..worlds.errors import EngineError, EvidenceError, RefusedError
+from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
@@ -54,10 +54,13 @@ def find_candidate(folder: WorldFolder, spec: WorldSpec) -> str:
     """
     wanted = spec_digest(spec)
     for path in sorted((folder.root / "candidates").glob("*/candidate.json")):
-        record = folder.read_json(path)
-        freeze = str(record["freeze"])
+        try:
+            record = folder.read_json(path)
+            freeze, spec_there = str(record["freeze"]), parse_spec(record["spec"])
+        except (EvidenceError, SpecError, KeyError, TypeError):
+            continue  # a damaged record is no candidate
         # A record that names another candidate's freeze would have that one judged in its place.
-        if spec_digest(parse_spec(record["spec"])) == wanted and path.parent == folder.candidate(freeze):
+        if spec_digest(spec_there) == wanted and path.parent == folder.candidate(freeze):
             return freeze
     raise RefusedError("no candidate holds this specification; call probe_sim, then bake_sim")
 

@@ -15,8 +15,8 @@ import numpy as np
 from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
-from .errors import EvidenceError
-from .folder import WorldFolder
+from .errors import EvidenceError, SpecError
+from .folder import WorldFolder, safe_join
 from .patch import parse_spec
 from .spec import WorldSpec
 
@@ -169,10 +169,13 @@ def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "fu
     """
     root = folder.candidate(freeze)
     record = folder.read_json(root / "candidate.json")
-    spec = parse_spec(record["spec"])
+    try:
+        spec, files = parse_spec(record["spec"]), {k: (str(f), str(d)) for k, (f, d) in record["built"].items()}
+    except (SpecError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise EvidenceError(f"candidate.json of {root.name!r} is damaged ({error}); call probe_sim again") from error
     built = {}
-    for entity, (file, digest) in record["built"].items():
-        built[entity] = load_built(folder.root / file)
+    for entity, (file, digest) in files.items():
+        built[entity] = load_built(safe_join(folder.root, file))
         if built[entity].digest() != digest:
             raise EvidenceError(f"built entity {entity!r} was altered since the freeze; call place_object, then probe again")
     where = root / ("probe" if stage == "probe" else "bake")

@@ -1,0 +1,119 @@
+"""Cache containers: bytes that depend on content only, damage that is named, digests over arrays and indices."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from worldagent.worlds.cache import Cache, CacheIndex, digest_arrays, read_container, write_container
+from worldagent.worlds.candidate import cache_digest
+from worldagent.worlds.errors import EvidenceError
+
+CHANNELS = {
+    "position": np.arange(6.0).reshape(2, 3),
+    "contact/pair": np.zeros((0, 2), dtype=np.int32),
+    "record/mass": np.float64(2.0),
+}
+
+
+def index(**more: object) -> CacheIndex:
+    known = {"solver": "rigid", "engine": "mujoco", "fps": 24, "frames": 2, "bodies": ("a/body",), "colliders": ("a", "b")}
+    return CacheIndex(**{**known, "joints": (), "drivers": (), "settings": "", "versions": {}, **more})  # type: ignore[arg-type]
+
+
+def test_equal_content_gives_equal_bytes_whenever_and_wherever_written(tmp_path: Path) -> None:
+    first = write_container(tmp_path / "a.npz", CHANNELS)
+    os.utime(tmp_path / "a.npz", (0, 0))
+    time.sleep(0.01)
+    second = write_container(tmp_path / "deep" / "b.npz", dict(reversed(CHANNELS.items())))
+    assert first == second
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "deep" / "b.npz").read_bytes()
+    assert [p.name for p in tmp_path.rglob("*.tmp")] == []
+
+
+def test_what_is_written_is_read_and_one_channel_can_be_read_alone(tmp_path: Path) -> None:
+    write_container(tmp_path / "a.npz", CHANNELS)
+    found = read_container(tmp_path / "a.npz")
+    assert set(found) == set(CHANNELS)
+    for name, values in CHANNELS.items():
+        np.testing.assert_array_equal(found[name], values)
+    assert set(read_container(tmp_path / "a.npz", ["position"])) == {"position"}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {**CHANNELS, "position": CHANNELS["position"] + 1e-15},
+        {**CHANNELS, "position": CHANNELS["position"].astype(np.float32)},
+        {**CHANNELS, "position": CHANNELS["position"].reshape(3, 2)},
+        {k: v for k, v in CHANNELS.items() if k != "record/mass"},
+        {**{k: v for k, v in CHANNELS.items() if k != "record/mass"}, "record/massx": CHANNELS["record/mass"]},
+    ],
+)
+def test_digests_differ_with_value_dtype_shape_and_name(other: dict[str, object]) -> None:
+    assert digest_arrays(other) != digest_arrays(CHANNELS)
+
+
+def test_negative_zero_and_order_of_memory(tmp_path: Path) -> None:
+    assert digest_arrays({"a": np.array([0.0])}) != digest_arrays({"a": np.array([-0.0])})
+    turned = np.asfortranarray(CHANNELS["position"])
+    assert digest_arrays({"a": turned}) == digest_arrays({"a": CHANNELS["position"]})
+
+
+@pytest.mark.parametrize("damage", ["cut", "text", "missing", "channel"])
+def test_damage_is_evidence_error(tmp_path: Path, damage: str) -> None:
+    path = tmp_path / "a.npz"
+    write_container(path, CHANNELS)
+    if damage == "cut":
+        path.write_bytes(path.read_bytes()[:100])
+    elif damage == "text":
+        path.write_text("nothing")
+    elif damage == "missing":
+        path.unlink()
+    with pytest.raises(EvidenceError, match=r"a\.npz"):
+        read_container(path, ["ghost"] if damage == "channel" else None)
+
+
+def test_a_flipped_byte_is_found(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    recorded = write_container(path, CHANNELS)
+    data = bytearray(path.read_bytes())
+    at = data.index(np.float64(5.0).tobytes())
+    data[at] ^= 1
+    path.write_bytes(bytes(data))
+    with contextlib.suppress(EvidenceError):
+        assert digest_arrays(read_container(path)) != recorded
+
+
+def _cache(folder: Path, **more: object) -> Cache:
+    cache = Cache(folder)
+    cache.write_index(index(**more))
+    digests = [write_container(cache.path(k), {"position": np.full((1, 3), float(k))}) for k in range(2)]
+    (folder / "digests.txt").write_text("\n".join(digests))
+    return Cache(folder)
+
+
+def test_the_digest_of_caches_covers_frames_names_and_index(tmp_path: Path) -> None:
+    plain = cache_digest({"rigid": _cache(tmp_path / "a")})
+    assert plain == cache_digest({"rigid": _cache(tmp_path / "b")})
+    assert plain != cache_digest({"other": _cache(tmp_path / "c")})
+    assert plain != cache_digest({"rigid": _cache(tmp_path / "d", bodies=("b/body",))})
+    (tmp_path / "b" / "digests.txt").write_text("0\n1\n")
+    assert plain != cache_digest({"rigid": Cache(tmp_path / "b")})
+
+
+def test_missing_digests_and_indices_are_evidence_errors(tmp_path: Path) -> None:
+    cache = _cache(tmp_path / "a")
+    (cache.folder / "digests.txt").write_text(cache.digests()[0])
+    with pytest.raises(EvidenceError, match="1 of 2 frames; bake again"):
+        cache_digest({"rigid": cache})
+    (cache.folder / "digests.txt").unlink()
+    with pytest.raises(EvidenceError, match=r"digests\.txt"):
+        cache_digest({"rigid": cache})
+    (cache.folder / "index.json").write_text("{}")
+    with pytest.raises(EvidenceError, match=r"index\.json"):
+        _ = Cache(cache.folder).index

@@ -1,14 +1,14 @@
 """Contact law: Newton's impact law for closing contacts, Coulomb friction without lift, a soft recovery of depth.
 
 MuJoCo solves a contact for an acceleration a = -b v - k r (direct `solref`), r < 0 being the depth inside the summed
-skins. With b = 1 / dt the approach ends within one step whatever the phase of the impact, so that a body enters a skin
-by at most v dt and friction sticks within a step too; k = 1 / (N dt)^2 pushes what entered back out, softly, because
-depth that is pushed out fast comes back as speed (phase / N^2 of the approach speed).
+skins. k = 1 / (N dt)^2 pushes what entered a skin back out, softly, because depth that is pushed out fast comes back as
+speed; b = 1 / (4 dt) damps that more than critically and lets friction stick within a few steps. b = 1 / dt would do that
+in one step, but its accelerations alternate from step to step and double the iterations of piles.
 
 Two things are added between the velocity stage of a step and its solution, in the reference accelerations:
 
-- **Restitution.** A contact that closes faster than `rest_speed` is solved for -(1 + e) v / dt, which is Newton's law
-  v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
+- **Restitution.** A contact that closes faster than `rest_speed` is solved for -(1 + e) v / dt: within one step, so
+  that a body enters a skin by v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
   at once). A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
 - **No lift.** The convex friction cone of MuJoCo makes a contact that slides at speed s separate at mu s: a sliding box
   hops, and a ball that hits obliquely bounces too high. Taking mu s / dt out of the normal reference makes the cone
@@ -31,6 +31,8 @@ IMPEDANCE = 0.97
 """Constant impedance d of contacts: a share 1 - d of the unconstrained acceleration passes. Below 1 the
 solver converges in 2-4 iterations instead of 10 or more; what is left, (1 - d) of gravity, sinks a resting body by
 (1 - d) / d g (N dt)^2, a few micrometres."""
+DAMPING_STEPS = 4.0
+"""Time constant of contact damping and of sticking friction, in steps."""
 HARDER = 0.01
 """Softness of closing contacts, in parts of that of others. How softly MuJoCo meets a reference depends on the estimated,
 not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution."""
@@ -49,7 +51,7 @@ _CONE = 4  # mjCNSTRSTATE_CONE: the contact slides
 
 def contact_reference(steps: float, dt: float) -> tuple[float, float]:
     """Stiffness k [1/s^2] and damping b [1/s] of a contact; MuJoCo takes them negated."""
-    return 1.0 / (steps * dt) ** 2, 1.0 / dt
+    return 1.0 / (steps * dt) ** 2, 1.0 / (DAMPING_STEPS * dt)
 
 
 def rest_speed(gravity: float, dt: float) -> float:

@@ -50,7 +50,7 @@ class RigidSettings(SpecModel):
         default=5e-4, ge=0, le=0.02, description="collision skin of every part [m]; contacts act at the sum of two"
     )
     contact_steps: float = Field(
-        default=8.0,
+        default=10.0,
         ge=2.0,
         le=40.0,
         description="how slowly depth inside the skins is pushed out: natural period / 2 pi, in steps",

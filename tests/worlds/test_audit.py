@@ -1,0 +1,134 @@
+"""Every rule of the audit: a specification broken in one way fails one row, with pointer and hint (R25-R31, R154-R156)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.worlds.audit import audit
+from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.spec import WorldSpec
+
+ROPE = {"kind": "rope", "points": [[0, 0, 1], [0, 0, 0.6]], "radius": 0.005}
+HINGE = {"kind": "hinge", "child": "b1", "anchor": [0, 0, 0], "axis": [0, 0, 1]}
+LAST = 35
+
+
+def base() -> WorldSpec:
+    return parse_spec({**small_spec(), "prompt": PROMPT})
+
+
+def broken(*operations: tuple[str, Any]) -> WorldSpec:
+    patch = [{"op": "remove", "path": p} if v is None else {"op": "add", "path": p, "value": v} for p, v in operations]
+    return apply_patch(base(), patch)
+
+
+BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
+    "an unknown material": ([("/entities/ball/material", "stele")], "references", "did you mean 'steel'"),
+    "an unknown part material": ([("/entities/ball/parts/body/material", "lead")], "references", "/parts/body/material"),
+    "an unknown support": ([("/graph/relations/on_shelf_b1/a", "table")], "references", "unknown entity 'table'"),
+    "an unknown region end": ([("/graph/relations/way", {"kind": "connects", "a": "r1", "b": "r2"})], "references", "unknown region 'r1'"),
+    "an unknown owner": ([("/story/beats/roll/owner", "fluid")], "references", "unknown owner 'fluid'"),
+    "an unknown cause": ([("/story/beats/fall/causes", ["bang"])], "references", "unknown beat 'bang'"),
+    "an unknown entity in a nested predicate": (
+        [("/story/beats/fall/predicate", {"kind": "and", "of": [{"kind": "speed", "entity": "b3", "min": 1}, {"kind": "speed", "entity": "b9", "min": 1}]})],
+        "references", "/of/1/entity"),
+    "an unknown entity in a count": (
+        [("/story/beats/fall/predicate", {"kind": "count", "entities": ["b3", "b9"], "min": 1, "predicate": {"kind": "speed", "entity": "each", "min": 1}})],
+        "references", "b9"),
+    "an unknown member": ([("/simulation/solvers/rigid/members/0", "ghost")], "references", "ghost"),
+    "an unknown joint": ([("/simulation/drivers/m", {"kind": "motor", "joint": "axle", "velocity": 1, "max_effort": 1, "end": 1})], "references", "axle"),
+    "an unknown subject of a shot": ([("/shots/only/subjects", ["ghost"])], "references", "ghost"),
+    "an unknown beat of a shot": ([("/shots/only/covers", ["roll", "strike", "fall", "ghost"])], "references", "ghost"),
+    "a body in no solver": ([("/simulation/solvers/rigid/members", ["floor", "shelf", "ball", "b1", "b2"])], "ownership", "'b3' (dynamic) is in no solver"),
+    "a body in two solvers": ([("/simulation/solvers/more", {"engine": "mujoco", "members": ["b3"]})], "ownership", "moved by ['rigid', 'more']"),
+    "a kinematic body without a path": ([("/entities/b1/motion", "kinematic")], "ownership", "no path driver"),
+    "a static body on a path": (
+        [("/simulation/drivers/p", {"kind": "path", "entity": "shelf", "keys": {"a": {"time": 0, "pose": {}}, "b": {"time": 1, "pose": {}}}})],
+        "ownership", "is static but a path driver moves it"),
+    "a force on what cannot move": ([("/simulation/drivers/f", {"kind": "force", "entity": "shelf", "end": 1})], "ownership", "not dynamic"),
+    "a hinge detached": ([("/simulation/joints/h", HINGE), ("/simulation/drivers/d", {"kind": "detach", "joint": "h", "time": 1})], "ownership", "only welds"),
+    "a motor on a weld": (
+        [("/simulation/joints/w", {"kind": "weld", "child": "b1", "anchor": [0, 0, 0]}),
+         ("/simulation/drivers/m", {"kind": "motor", "joint": "w", "velocity": 1, "max_effort": 1, "end": 1})], "ownership", "only hinges"),
+    "a category without an engine": ([("/entities/b1/physics", {"category": "gas", "resolution": 0.1})], "engine:b1", "no engine for 'gas'"),
+    "a beat beyond the end": ([("/story/beats/fall/frames", [4, 40])], "story", f"end after the last frame {LAST}"),
+    "an owner that does not move the subject": ([("/story/beats/fall/subject", "b3"), ("/simulation/solvers/rigid/members", ["floor", "shelf", "ball", "b1", "b2"])],
+                                                "story", "does not move 'b3'"),
+    "a driver of something else": (
+        [("/simulation/drivers/f", {"kind": "force", "entity": "b1", "end": 1}), ("/story/beats/roll/owner", "f")], "story", "does not act on 'ball'"),
+    "a cause that begins too late": ([("/story/beats/roll/frames", [11, 12])], "story", "after this beat ends"),
+    "causes in a circle": ([("/story/beats/roll/causes", ["fall"])], "story", "causes form a cycle"),
+    "a predicate about something else": ([("/story/beats/fall/predicate/entity", "b2")], "story", "says nothing about the subject 'b3'"),
+    "no mandatory beat": ([(f"/story/beats/{b}/mandatory", False) for b in ("roll", "strike", "fall")], "story", "nothing would prove the prompt"),
+    "support of itself": ([("/graph/relations/x", {"kind": "supports", "a": "b1", "b": "b1"})], "graph", "related to itself"),
+    "support in a circle": ([("/graph/relations/x", {"kind": "supports", "a": "b3", "b": "shelf"})], "graph", "runs in a circle"),
+    "a relation beyond the end": ([("/graph/relations/on_shelf_b1/frames", [0, 50])], "graph", "end after the last frame"),
+    "a density that is no wood": ([("/materials/wood/density", 5000)], "density:wood", "allowed 120 to 1200"),
+    "skins beyond the contact tolerance": ([("/simulation/solvers/rigid/settings/skin", 0.01)], "bounds", "use a skin of at most"),
+    "an unmapped clause": ([("/clauses/c2", None)], "clauses", "clause c2 'The last block falls off the shelf' is not mapped"),
+    "an empty clause": ([("/clauses/c2", {})], "clauses", "is not mapped"),
+    "a clause mapped to nothing": ([("/clauses/c2/met_by", ["/story/beats/ghost"])], "clauses", "leads nowhere"),
+    "a clause the prompt does not have": ([("/clauses/c9", {"unmet": "x"})], "clauses", "no clause 'c9'"),
+    "a shot beyond the end": ([("/shots/only/frames", [0, 50])], "shots", "end after the last frame"),
+    "a key outside its shot": ([("/shots/only/keys/a/frame", 36)], "shots", "lies outside the shot"),
+    "a shot of nothing": ([("/shots/more", {"frames": [0, 1], "keys": {"a": {"frame": 0, "position": [0, 0, 0], "target": [1, 0, 0]}}})], "shots", "covers no beat"),
+    "a beat that no shot covers": ([("/shots/only/covers", ["roll", "strike"])], "shots", "beat 'fall' (frames [4, 24]) is covered by no shot"),
+}  # fmt: skip
+
+
+def test_the_small_world_passes() -> None:
+    report = audit(base())
+    assert report.passed
+    assert all(r.check == "audit" and r.artifact == "world.json" and r.mandatory for r in report.rows)
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_each_fault_fails_its_row_with_a_pointer_and_a_hint(name: str) -> None:
+    operations, row_id, words = BROKEN[name]
+    report = audit(broken(*operations))
+    assert not report.passed
+    found = next(r for r in report.rows if r.id == f"audit:{row_id}")
+    assert found.status in ("fail", "unverified")
+    assert any(words in p for p in found.evidence["problems"]), found.evidence["problems"]
+    assert all(c.pointers and c.pointers[0].startswith("/") and c.action for c in found.corrections)
+
+
+def test_suggested_patches_mend_what_they_are_for() -> None:
+    mended = 0
+    for name, (operations, row_id, _) in BROKEN.items():
+        spec = broken(*operations)
+        found = next(r for r in audit(spec).rows if r.id == f"audit:{row_id}")
+        for correction in found.corrections:
+            if correction.patch:
+                before = len(found.evidence["problems"])
+                after = audit(apply_patch(spec, list(correction.patch)))
+                left = next(r for r in after.rows if r.id == f"audit:{row_id}").evidence.get("problems", [])
+                assert len(left) < before, name
+                mended += 1
+    assert mended >= 5
+
+
+def test_an_unmet_clause_with_a_reason_passes() -> None:
+    assert audit(broken(("/clauses/c2", {"unmet": "not wanted any more"}))).passed
+
+
+def test_what_follows_from_the_specification() -> None:
+    report = audit(base())
+    assert report.bake_order == ("rigid",)
+    assert ("b1", "ball") in report.contact_pairs
+    assert ("b1", "shelf") in report.contact_pairs
+    assert report.coverage == {"roll": ("only",), "strike": ("only",), "fall": ("only",)}
+
+
+def test_the_bake_order_is_declared_or_follows_from_one_way_couplings() -> None:
+    one = {"engine": "mujoco", "members": ["floor"]}
+    coupling = {"source": "b_late", "target": "a_early", "direction": "one_way", "variables": ["motion"]}
+    spec = broken(
+        ("/simulation/solvers/a_early", one), ("/simulation/solvers/b_late", one), ("/simulation/couplings/c", coupling)
+    )
+    order = audit(spec).bake_order
+    assert order.index("b_late") < order.index("a_early")
+    declared = apply_patch(spec, [{"op": "add", "path": "/simulation/order", "value": ["a_early", "b_late"]}])
+    assert audit(declared).bake_order == ("a_early", "b_late", "rigid")

@@ -150,6 +150,20 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             known = sorted(p.name for p in folder.pictures.iterdir() if p.is_file()) if folder.pictures.is_dir() else []
             return _file(folder.pictures, name, known)
 
+    @server.resource(
+        f"{base}/film",
+        name="world-film",
+        title="Film",
+        description="The newest film that render_shot(kind='final') rendered",
+        mime_type="video/webm",
+    )
+    def film(world: str) -> bytes:
+        with _opened(workspace, world) as folder:
+            films = sorted(folder.root.glob("candidates/*/final/final.*"), key=lambda p: p.stat().st_mtime)
+            if not films:
+                raise ResourceNotFoundError(f"world {world!r} has no film; render_shot(kind='final') makes one after acceptance")
+            return films[-1].read_bytes()
+
 
 def _add_skills(server: MCPServer[Any]) -> None:
     for name in skill_names():

@@ -92,15 +92,21 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
         "audit": {"passed": report.passed, **summary(report.rows)},
         "bake_order": list(report.bake_order),
         "coverage": {k: list(v) for k, v in report.coverage.items()},
-        "next": "place_object(world) builds the geometry and runs the static checks"
-        if report.passed
-        else "mend the audit's open rows with edit_spec",
+        "next": _next(report.passed, set(outcome.get("groups", ("shape",)))),
     }
     unmapped = [k for k in report.clauses if k not in session.spec.clauses]
     if unmapped:
         data["clauses_to_map"] = {k: report.clauses[k] for k in unmapped}
     links = ((f"{session.folder.id} specification", f"worldagent://worlds/{session.folder.id}/spec", "application/json"),)
     return ToolReply(data, links=links)
+
+
+def _next(passed: bool, groups: set[str]) -> str:
+    if not passed:
+        return "mend the audit's open rows with edit_spec"
+    if groups <= {"story", "limits", "shots", "look", "text"}:
+        return "run_checks(world, scope='probe') judges this again on the motion there is; without a probe, place_object and probe_sim"
+    return "place_object(world) builds the geometry and runs the static checks"
 
 
 def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
@@ -121,12 +127,40 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
     folder.root.mkdir(parents=True, exist_ok=True)
     folder.assets.mkdir(exist_ok=True)
     ledger = Ledger(folder.ledger_path)
-    number = ledger.add_revision(parsed.model_dump_json(exclude_none=True), spec_digest(parsed), expected=0, hypothesis="created")
+    number = ledger.add_revision(
+        parsed.model_dump_json(exclude_none=True),
+        spec_digest(parsed),
+        expected=0,
+        hypothesis="created",
+        weakenings=_siblings(context, world, prompt),
+        reason="a new world for a prompt whose earlier world has failed rows",
+    )
     if number is None:
         raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
     session = Session(folder, ledger, parsed, number)
     session.write_spec()
     return _answer(session, {"revision": number, "created": True, "clauses": clauses_of(prompt)})
+
+
+def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
+    """Other worlds of the same prompt whose rows failed: starting anew is recorded like any other way around them (R157)."""
+    import json
+
+    from ..worlds.folder import world_ids
+    from ..worlds.ledger import Ledger
+
+    found = []
+    for other in world_ids(context.workspace):
+        folder = WorldFolder(context.workspace / other)
+        if other == world or not folder.ledger_path.exists():
+            continue
+        try:
+            same = json.loads(folder.spec_path.read_text()).get("prompt") == prompt
+        except (OSError, ValueError):
+            continue
+        if same and Ledger(folder.ledger_path).ever_failed():
+            found.append(f"started anew beside world {other}, which has failed rows for this prompt")
+    return found
 
 
 def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, reason: str) -> ToolReply:

@@ -48,6 +48,20 @@ def _sheet(candidate: Any, folder: WorldFolder, name: str) -> str:
     return name
 
 
+def _film_sheet(folder: WorldFolder, frames: list[Path], name: str, fps: int) -> str:
+    """Contact sheet of a rendered film, kept in `pictures/`; returns its file name."""
+    import cv2
+    import numpy as np
+
+    from ..rendering import contact_sheet
+
+    chosen = sorted(set(np.linspace(0, len(frames) - 1, SHEET_FRAMES).round().astype(int).tolist()))
+    images = [np.asarray(cv2.imread(str(frames[k])))[..., ::-1].astype(np.uint8) for k in chosen]
+    folder.pictures.mkdir(exist_ok=True)
+    (folder.pictures / name).write_bytes(contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen], columns=3))
+    return name
+
+
 def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Probe the present settings; a pass freezes them."""
     from ..simulation.probe import probe_frames, run_probe
@@ -165,6 +179,12 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     rows = run_checks(candidate, only=payload.get("only"), progress=context.progress)
     done = names_of(stage) if payload.get("only") is None else payload["only"]
     changed = session.ledger.put_rows(rows, revision=session.revision, stage=stage, checks=done)
+    if stage == "probe" and payload.get("only") is None:
+        # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
+        open_rows = _failing(rows, candidate.last_frame)
+        detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
+        session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
+        session.ledger.close_iterations(freeze[:16], open_rows)
     return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
 
 
@@ -266,6 +286,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     context.check()
     video = write_video(frames, root / "final.webm", session.spec.simulation.fps)
     return {
+        "picture": _film_sheet(session.folder, frames, f"final_{freeze[:8]}.jpg", session.spec.simulation.fps),
         "video": session.folder.relative(video.path),
         "codec": video.codec,
         "frames": video.frames,

@@ -62,7 +62,11 @@ def render_shot(
 
     session.require_audit("rendering")
     candidate = latest_candidate(session, stage)
-    if frame > candidate.last_frame:
+    state = frame
+    if candidate.stage == "static" and camera is None and frame < session.spec.simulation.frames:
+        # Before any motion is known, the camera's way can be seen all the same: frame 0 from where the camera will be.
+        state = 0
+    if state > candidate.last_frame:
         raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
     if shot is not None and shot not in session.spec.shots:
         raise InputError(f"unknown shot {shot!r}; the world has {sorted(session.spec.shots)}")
@@ -70,7 +74,9 @@ def render_shot(
     from ..worlds.canonical import digest_of
 
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
-    image = _picture(candidate, kind, frame, shot, camera, frames, width or 640, height or 360, samples)
+    image = _picture(candidate, kind, state, shot, camera, frames, width or 640, height or 360, samples, seen_from=frame)
+    if state != frame:
+        data["note"] = "nothing is simulated yet: the state of frame 0, seen from this frame's camera"
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
     name = f"{kind}_{session.revision:04d}_{frame:05d}_{view}.{'png' if image.format == 'png' else 'jpg'}"
     session.folder.pictures.mkdir(exist_ok=True)
@@ -95,6 +101,8 @@ def _picture(
     width: int,
     height: int,
     samples: int | None,
+    *,
+    seen_from: int,
 ) -> Picture:
     import math
 
@@ -106,6 +114,8 @@ def _picture(
     view = None
     if camera is not None:
         view = Camera(np.array(camera[:3]), np.array(camera[3:]), 40.0, width, height)
+    elif seen_from != frame:
+        view = rendering.camera_for(candidate, seen_from, shot=shot, width=width, height=height)
     if kind == "contact_sheet":
         chosen = frames or sorted(set(np.linspace(0, candidate.last_frame, 9).round().astype(int).tolist()))
         bad = [k for k in chosen if not 0 <= k <= candidate.last_frame]
@@ -151,4 +161,10 @@ def _final(
     size = {"width": width, "height": height, "samples": samples}
     key = f"final:{freeze}:{session.revision}:{width}:{height}:{samples}"
     data = start_and_wait(context, session, "final", size, wait_s=wait_s, key=key)
-    return ToolReply({"world": session.folder.id, "kind": "final", **data})
+    name = data.get("picture")
+    if name is None:
+        return ToolReply({"world": session.folder.id, "kind": "final", **data})
+    sheet = Picture((session.folder.pictures / name).read_bytes(), "jpeg")
+    base = f"worldagent://worlds/{session.folder.id}"
+    links = ((name, f"{base}/pictures/{name}", "image/jpeg"), ("film", f"{base}/film", "video/webm"))
+    return ToolReply({"world": session.folder.id, "kind": "final", **data}, pictures=(sheet,), links=links)

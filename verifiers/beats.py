@@ -53,7 +53,12 @@ def check(candidate: Candidate) -> list[Row]:
 
 def is_invariant(predicate: SpecModel) -> bool:
     """Whether the predicate speaks of a state that lasts, not of an event."""
-    return getattr(predicate, "kind", "") in INVARIANTS or getattr(predicate, "when", "") == "always"
+    kind = getattr(predicate, "kind", "")
+    if kind == "count":
+        return is_invariant(predicate.predicate)  # type: ignore[attr-defined]
+    if kind in ("and", "or"):
+        return all(is_invariant(p) for p in predicate.of)  # type: ignore[attr-defined]
+    return kind in INVARIANTS or getattr(predicate, "when", "") == "always"
 
 
 def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> Outcome:

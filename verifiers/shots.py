@@ -34,7 +34,10 @@ __all__ = ["SAMPLES", "SCREEN_STEP", "check"]
 
 SAMPLES = 6
 """Own choice: frames per beat that are looked at, its first, last and first true frame among them."""
+MOVING_SAMPLES = 9
+"""Frames of a shot with a moving camera at which its subjects are looked for."""
 SHOT_SAMPLES = 3
+"""The same for a camera that stands still."""
 SCREEN_STEP = 0.2
 """Own choice: a picture that moves by more than a fifth of its width per frame cannot be followed by eye."""
 
@@ -303,7 +306,7 @@ def _framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row
         return _row(candidate, row_id, "unverified", CLAIMS["framed"], text, frames=shot.frames, entities=names)
     least = candidate.spec.simulation.limits.visible_pixels
     # The beats' own frames are judged by `shots:visible`; here it is enough to be in the shot at all.
-    frames = _samples(shot.frames, None, SHOT_SAMPLES if shot.subjects else SAMPLES)
+    frames = _samples(shot.frames, None, SHOT_SAMPLES if shot.subjects and len(shot.keys) == 1 else MOVING_SAMPLES)
     best = {n: max((sight.seen(n, shot_id, f) for f in frames), key=lambda s: s.share) for n in names}
     lost = [n for n, s in best.items() if s.share < least]
     worst = min(best, key=lambda n: best[n].share)
@@ -321,9 +324,18 @@ def _framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row
         entities=names,
         first_failing_entity=lost[0] if lost else None,
         first_failing_frame=frames[0] if lost else None,
-        corrections=reframe(candidate, sight, lost[0], best[lost[0]], shot.frames, False) if lost else (),
+        corrections=_reframed(candidate, sight, lost[0], best[lost[0]], shot, alone=len(names) <= 2) if lost else (),
         evidence={"best": {n: [s.frame, s.share, s.unoccluded] for n, s in best.items()}, "frames": frames},
     )
+
+
+def _reframed(candidate: Candidate, sight: Sight, name: str, look: Seen, shot: Shot, *, alone: bool) -> list[Correction]:
+    """Views of one subject; as ready edits only where they do not take the camera from several others."""
+    found = reframe(candidate, sight, name, look, shot.frames, False)
+    if alone:
+        return list(found)
+    text = f"the shot has other subjects too: turn or widen it so that {name} passes through the picture, or leave it to another shot"
+    return [c.model_copy(update={"patch": (), "action": f"{text} (alone: {c.action})"}) for c in found]
 
 
 # ---------------------------------------------------------------- the camera

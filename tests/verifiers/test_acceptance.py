@@ -30,8 +30,10 @@ def all_rows() -> list[Row]:
 
 
 def test_every_check_that_exists_is_needed() -> None:
-    assert acceptance.NEEDED == set(get_args(Check)) == {c.name for c in CHECKS} | {"audit"}
-    assert set(names_of("full")) | {"audit"} == acceptance.NEEDED
+    always = set(get_args(Check)) - {"relations"}  # a world need not have relations that are judged by themselves
+    assert always == acceptance.NEEDED
+    assert {c.name for c in CHECKS} | {"audit"} == set(get_args(Check))
+    assert set(names_of("full")) | {"audit"} >= acceptance.NEEDED
 
 
 def test_all_passing_rows_are_accepted() -> None:

@@ -1,0 +1,252 @@
+"""An agent with a shell: whatever it writes into the world folder, a verdict about something else does not follow."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.verifiers.acceptance import judge
+from worldagent.worlds.built import BuiltBody, BuiltEntity, load_built, save_built
+from worldagent.worlds.cache import Cache, read_container, write_container
+from worldagent.worlds.errors import EvidenceError, RefusedError
+
+SEEDS = range(4)
+
+
+def _sql(folder: Path, statement: str, *values: Any) -> None:
+    with sqlite3.connect(folder / "ledger.sqlite") as db:
+        db.execute(statement, values)
+    db.close()
+
+
+def _bake(folder: Path) -> Path:
+    (found,) = (folder / "candidates").glob("*/bake/rigid")
+    return found
+
+
+def _record(folder: Path) -> Path:
+    (found,) = (folder / "candidates").glob("*/candidate.json")
+    return found
+
+
+def _forge_frame(folder: Path, frame: int, *, digest: bool) -> None:
+    """Lower the last block by a millimetre in one frame; with `digest`, record the forged frame's digest."""
+    cache = Cache(_bake(folder))
+    data = read_container(cache.path(frame))
+    row = cache.index.bodies.index("b3/body")
+    data["position"][row, 2] -= 1e-3
+    found = write_container(cache.path(frame), data)
+    if digest:
+        digests = cache.digests()
+        digests[frame] = found
+        (cache.folder / "digests.txt").write_text("\n".join(digests) + "\n")
+
+
+def _open(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    return {r["id"]: r for r in record["rows"] if r["mandatory"] and r["status"] in ("fail", "unverified")}
+
+
+def test_statuses_written_into_the_ledger_open_nothing(failed: Any) -> None:
+    folder = failed.workspace / "w"
+    with sqlite3.connect(folder / "ledger.sqlite") as db:
+        for row_id, text in db.execute("SELECT id, row FROM matrix").fetchall():
+            row = {**json.loads(text), "status": "pass"}
+            db.execute("UPDATE matrix SET status='pass', row=? WHERE id=?", (json.dumps(row), row_id))
+        db.execute("DELETE FROM history WHERE status='fail'")
+    db.close()
+    assert failed.call("inspect_world", world="w")["matrix"]["mandatory_open"] == 0
+    assert "passing probe" in failed.refused("bake_sim", world="w")
+    assert "complete bake" in failed.refused("run_checks", world="w", scope="acceptance")
+    assert "not accepted" in failed.refused("render_shot", world="w", kind="final")
+
+
+def test_a_forged_freeze_leads_to_a_bake_that_acceptance_refuses(failed: Any) -> None:
+    _sql(failed.workspace / "w", "UPDATE freezes SET passed=1")
+    assert not failed.call("bake_sim", world="w")["passed"]
+    verdict = failed.call("run_checks", world="w", scope="acceptance")
+    assert verdict["verdict"] == "incomplete"
+    assert "beat:fall" in [r["id"] for r in verdict["open_rows"]]
+    assert "not accepted" in failed.refused("render_shot", world="w", kind="final")
+
+
+def test_an_edited_frame_is_found_refused_and_baked_again(accepted: Any) -> None:
+    folder = accepted.workspace / "w"
+    _forge_frame(folder, 30, digest=False)
+    ended = accepted.result("render_shot", world="w", kind="final", width=64, height=64, samples=1)
+    assert ended.is_error
+    assert "frame 30 was altered since acceptance" in ended.content[0].text
+    verdict = accepted.call("run_checks", world="w", scope="acceptance")
+    assert verdict["verdict"] == "incomplete"
+    row = next(r for r in verdict["open_rows"] if r["id"] == "delivery:digests:rigid")
+    assert row["first_failing_frame"] == 30
+    assert accepted.call("bake_sim", world="w")["passed"]
+    assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
+
+
+def test_swapped_frames_are_found(copy: Path) -> None:
+    cache = Cache(_bake(copy))
+    first, second = cache.path(20), cache.path(21)
+    spare = first.with_name("spare")
+    first.rename(spare)
+    second.rename(first)
+    spare.rename(second)
+    assert _open(judge(copy, replay=False))["delivery:digests:rigid"]["first_failing_frame"] == 20
+
+
+@pytest.mark.parametrize("frame", [0, 6, 18, 35])
+def test_a_frame_forged_with_its_digest_is_found_by_replay(copy: Path, frame: int) -> None:
+    _forge_frame(copy, frame, digest=True)
+    for seed in SEEDS:
+        found = _open(judge(copy, seed=seed)) if seed == 0 else None
+        if found is not None:
+            assert found["delivery:replay"]["first_failing_frame"] == frame
+            assert "delivery:digests:rigid" not in found
+
+
+@pytest.mark.parametrize("frame", [0, 12, 24])
+def test_an_edited_checkpoint_is_found_by_replay(copy: Path, frame: int) -> None:
+    path = _bake(copy) / "checkpoints" / f"{frame:06d}.bin"
+    data = bytearray(path.read_bytes())
+    # The last doubles of a state: velocities or warm starts of the last body.
+    values = np.frombuffer(bytes(data[-80:]), dtype=np.float64).copy() + 1e-3
+    data[-80:] = values.tobytes()
+    path.write_bytes(bytes(data))
+    assert "delivery:replay" in _open(judge(copy))
+
+
+def test_a_checkpoint_that_is_none_is_an_error_of_the_engine_or_evidence(copy: Path) -> None:
+    path = _bake(copy) / "checkpoints" / "000012.bin"
+    path.write_bytes(b"nothing")
+    found = judge_or_error(copy)
+    assert found != "accepted"
+    path.unlink()
+    assert "checkpoint" in judge_or_error(copy)
+
+
+def judge_or_error(folder: Path) -> str:
+    from worldagent.worlds.errors import WorldAgentError
+
+    try:
+        return str(judge(folder)["verdict"])
+    except WorldAgentError as error:
+        return str(error)
+
+
+def test_another_run_in_place_of_the_baked_one_is_found(copy: Path, failed_folder: Path) -> None:
+    """The frames, digests and checkpoints of a whole other simulation, consistent in themselves."""
+    from worldagent.simulation.schedule import run_frames
+    from worldagent.worlds.candidate import open_candidate
+    from worldagent.worlds.folder import WorldFolder
+
+    folder = WorldFolder(copy)
+    freeze = json.loads(_record(copy).read_text())["freeze"]
+    candidate = open_candidate(folder, freeze, "full")
+    ball = candidate.spec.entities["ball"]
+    faster = ball.model_copy(update={"physics": ball.physics.model_copy(update={"linear_velocity": (1.02, 0.0, 0.0)})})
+    spec = candidate.spec.model_copy(update={"entities": {**candidate.spec.entities, "ball": faster}})
+    bake = _bake(copy)
+    index = (bake / "index.json").read_text()
+    shutil.rmtree(bake)
+    run_frames(spec, candidate.built, bake.parent, frames=36)
+    (bake / "index.json").write_text(index)
+    found = _open(judge(copy))
+    assert found["delivery:replay"]["first_failing_frame"] == 0
+
+
+def test_an_index_that_renames_bodies_is_found(copy: Path) -> None:
+    path = _bake(copy) / "index.json"
+    data = json.loads(path.read_text())
+    data["bodies"] = [{"b1/body": "b2/body", "b2/body": "b1/body"}.get(b, b) for b in data["bodies"]]
+    path.write_text(json.dumps(data))
+    assert "delivery:replay" in _open(judge(copy))
+
+
+def test_an_index_edited_after_acceptance_closes_final(accepted: Any) -> None:
+    path = _bake(accepted.workspace / "w") / "index.json"
+    path.write_text(path.read_text().replace('"fps": 24', '"fps": 25'))
+    assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
+
+
+def test_a_weakened_specification_in_the_candidate_is_not_the_worlds(copy: Path) -> None:
+    path = _record(copy)
+    record = json.loads(path.read_text())
+    record["spec"]["story"]["beats"]["fall"]["predicate"]["max"] = -0.01
+    path.write_text(json.dumps(record))
+    with pytest.raises(RefusedError, match="no candidate holds this specification"):
+        judge(copy)
+
+
+def test_a_decoy_record_cannot_have_a_weakened_candidate_judged(copy: Path) -> None:
+    """One record holds the true specification but names the freeze of another whose specification is weakened."""
+    path = _record(copy)
+    decoy = copy / "candidates" / "0000000000000000" / "candidate.json"
+    decoy.parent.mkdir()
+    shutil.copy(path, decoy)
+    record = json.loads(path.read_text())
+    record["spec"]["story"]["beats"]["fall"]["predicate"]["max"] = -0.01
+    path.write_text(json.dumps(record))
+    with pytest.raises(RefusedError, match="no candidate holds this specification"):
+        judge(copy)
+
+
+def test_a_weakened_world_json_beside_the_candidate_is_refused(copy: Path) -> None:
+    path = copy / "world.json"
+    document = json.loads(path.read_text())
+    document["simulation"]["limits"]["max_speed"] = 100.0
+    path.write_text(json.dumps(document))
+    with pytest.raises(RefusedError, match="no candidate holds this specification"):
+        judge(copy)
+
+
+def test_an_acceptance_of_something_else_does_not_open_final(accepted: Any) -> None:
+    folder = accepted.workspace / "w"
+    accepted.edit(("/story/beats/fall/predicate/max", -0.28))
+    for subject in ("", "x", "0" * 64):
+        _sql(
+            folder,
+            "INSERT INTO acceptances (freeze, revision, subject, verdict, record, at) "
+            "SELECT freeze, 2, ?, 'accepted', record, at FROM acceptances LIMIT 1",
+            subject,
+        )
+    assert accepted.call("inspect_world", world="w")["last_verdict"]["verdict"] == "accepted"
+    assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
+
+
+def _heavier(path: Path) -> None:
+    found = load_built(path)
+    (body,) = found.bodies
+    heavy = BuiltBody(body.name, body.pose, body.mass * 3, body.center, body.inertia * 3, body.volume)
+    save_built(BuiltEntity(found.entity, (heavy,), found.parts, found.recipe), path)
+
+
+def test_a_built_file_replaced_after_the_freeze_is_found(copy: Path) -> None:
+    _heavier(next((copy / "built").glob("ball.*.zip")))
+    with pytest.raises(EvidenceError, match="'ball' was altered since the freeze"):
+        judge(copy)
+
+
+def test_a_built_file_replaced_before_the_probe_is_found_at_acceptance(accepted: Any) -> None:
+    built = accepted.workspace / "w" / "built"
+    _heavier(next(built.glob("ball.*.zip")))
+    assert accepted.call("probe_sim", world="w")["passed"]
+    accepted.call("bake_sim", world="w")
+    answer = accepted.result("run_checks", world="w", scope="acceptance")
+    assert answer.is_error
+    assert "geometry of 'ball' is not what the specification gives" in answer.content[0].text
+    assert accepted.call("place_object", world="w")["built"] == ["ball"]
+    assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
+
+
+def test_a_link_out_of_the_folder_is_found(copy: Path, tmp_path: Path) -> None:
+    (copy / "assets" / "far.obj").symlink_to(tmp_path)
+    assert _open(judge(copy, replay=False))["delivery:independent"]["evidence"]["links"] == ["assets/far.obj"]
+
+
+def test_a_missing_frame_is_found(copy: Path) -> None:
+    Cache(_bake(copy)).path(17).unlink()
+    assert judge_or_error(copy) != "accepted"

@@ -1,0 +1,129 @@
+"""An edit makes stale exactly what depends on it; the rest is kept, and what is stale is done again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from threading import Barrier, Thread
+from typing import Any
+
+from worldagent.worlds.ledger import Ledger
+
+
+def _files(folder: Path) -> dict[str, tuple[int, bytes]]:
+    return {p.relative_to(folder).as_posix(): (p.stat().st_mtime_ns, p.read_bytes()) for p in folder.rglob("*") if p.is_file()}
+
+
+def _stale(agent: Any) -> set[str]:
+    return {r.id for r in Ledger(agent.workspace / "w" / "ledger.sqlite").rows() if r.evidence.get("stale")}
+
+
+def test_moving_one_block_leaves_what_does_not_depend_on_it(accepted: Any) -> None:
+    folder = accepted.workspace / "w"
+    built, caches = _files(folder / "built"), _files(folder / "candidates")
+    data = accepted.edit(("/entities/b3/pose/position/0", 0.2047))
+    assert set(data["stale"]) == {"acceptance", "category", "contact", "final", "motion", "shots", "static:b3", "story"}
+    stale = _stale(accepted)
+    kept = {r.id for r in Ledger(folder / "ledger.sqlite").rows()} - stale
+    assert {"scale:ball", "scale:b1", "interpenetration:b1:b2"} <= kept
+    assert not [i for i in stale if i.startswith(("scale:", "interpenetration:")) and "b3" not in i and "scene" not in i]
+    assert {"beat:fall", "causal:strike:fall", "category:rigid:energy:rigid", "numerical:finite:rigid"} & stale
+    assert accepted.call("place_object", world="w")["built"] == []
+    assert _files(folder / "built") == built
+    assert {k: v for k, v in _files(folder / "candidates").items() if k in caches} == caches
+
+
+def test_another_shot_keeps_the_bake_and_asks_for_acceptance_again(accepted: Any) -> None:
+    folder = accepted.workspace / "w"
+    caches = _files(folder / "candidates")
+    data = accepted.edit(("/shots/only/keys/a/position", [0.2, -1.25, 0.5]))
+    assert data["stale"] == ["acceptance", "final", "shots"]
+    assert all(i.startswith(("shots:", "delivery:")) for i in _stale(accepted))
+    assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
+    assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
+    after = _files(folder / "candidates")
+    assert {k for k in caches if after[k] != caches[k]} == {k for k in caches if k.endswith("candidate.json")}
+    assert not accepted.call("inspect_world", world="w")["open_rows"]
+
+
+def test_another_look_keeps_the_acceptance_and_stales_only_the_final_pictures(accepted: Any) -> None:
+    data = accepted.edit(("/look/exposure", 0.5), ("/materials/wood/appearance/roughness", 0.9))
+    assert data["stale"] == ["final"]
+    assert data["rows_now_stale"] == 0
+    started = accepted.call("render_shot", world="w", kind="final", width=64, height=64, samples=1, wait_s=0)
+    assert started["job_id"]
+    accepted.call("job", action="cancel", job_id=started["job_id"])
+
+
+def test_another_picture_shape_asks_for_the_shot_checks_again(accepted: Any) -> None:
+    assert "shots" in accepted.edit(("/look/width", 128))["stale"]
+
+
+def test_one_mass_after_acceptance_goes_round_the_loop_again(accepted: Any) -> None:
+    before = accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]
+    data = accepted.edit(("/entities/b2/physics", {"category": "rigid", "mass": 0.05}))
+    assert {"built:b2", "motion", "story", "acceptance"} <= set(data["stale"])
+    assert not [a for a in data["stale"] if a.startswith(("built:", "static:")) and not a.endswith(":b2")]
+    assert "beat:fall" in accepted.call("inspect_world", world="w")["open_rows"]
+    assert accepted.call("probe_sim", world="w")["passed"]
+    assert accepted.call("bake_sim", world="w")["passed"]
+    assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
+    after = accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]
+    assert after["cache_digest"] != before["cache_digest"]
+    assert len(list((accepted.workspace / "w" / "candidates").iterdir())) == 2
+
+
+def test_undoing_an_edit_finds_its_evidence_again(accepted: Any) -> None:
+    accepted.edit(("/entities/b2/physics", {"category": "rigid", "mass": 0.05}))
+    accepted.edit(("/entities/b2/physics", {"category": "rigid"}))
+    assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
+
+
+def test_of_two_clients_that_edit_at_once_one_wins_and_nothing_is_lost(accepted: Any, agent_of: Any) -> None:
+    rounds = 6
+    with agent_of(accepted.workspace) as other:
+        for k in range(rounds):
+            revision = accepted.call("inspect_world", world="w")["revision"]
+            barrier, answers = Barrier(2), []
+
+            def work(
+                agent: Any, name: str, k: int = k, revision: int = revision, barrier: Any = barrier, answers: Any = answers
+            ) -> None:
+                barrier.wait()
+                change = [{"op": "add", "path": f"/story/requirements/{name}{k}", "value": REQUIREMENT}]
+                answers.append(agent.result("edit_spec", world="w", patch=change, expected_revision=revision))
+
+            threads = [Thread(target=work, args=pair) for pair in ((accepted, "one"), (other, "two"))]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            texts = [a.content[0].text for a in answers if a.is_error]
+            assert len(texts) == 1, texts
+            assert texts[0].startswith("refused: ")
+            assert "read it again" in texts[0]
+        requirements = accepted.call("inspect_world", world="w", part="spec", pointer="/story/requirements")["value"]
+        assert len(requirements) == rounds
+        assert accepted.call("inspect_world", world="w")["revision"] == 1 + rounds
+
+
+REQUIREMENT = {"text": "t", "predicate": {"kind": "speed", "entity": "ball", "max": 50, "when": "always"}}
+
+
+def test_two_clients_that_build_at_once_do_not_disturb_each_other(accepted: Any, agent_of: Any) -> None:
+    import shutil
+
+    with agent_of(accepted.workspace) as other:
+        for _ in range(2):
+            shutil.rmtree(accepted.workspace / "w" / "built")
+            barrier, answers = Barrier(2), []
+
+            def work(agent: Any, barrier: Any = barrier, answers: Any = answers) -> None:
+                barrier.wait()
+                answers.append(agent.result("place_object", world="w"))
+
+            threads = [Thread(target=work, args=(a,)) for a in (accepted, other)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            assert not any(a.is_error for a in answers), [a.content[0].text for a in answers]

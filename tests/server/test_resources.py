@@ -64,7 +64,7 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
     assert {"worldagent://schema/world", "worldagent://capabilities", "worldagent://worlds"} <= {str(r.uri) for r in resources}
     uris = [t.uri_template for t in templates]
     assert uris == [
-        f"worldagent://worlds/{{world}}/{part}" for part in ("spec", "matrix", "revisions", "report", "pictures/{name}")
+        f"worldagent://worlds/{{world}}/{part}" for part in ("spec", "matrix", "revisions", "report", "pictures/{name}", "film")
     ] + ["skill://{name}/{+path}"]
     for thing in (*resources, *templates):
         assert thing.description

@@ -45,6 +45,8 @@ contacts, joints, ropes and springs it agrees with the dense one to 1e-7 in equa
 CG, the usual way around, ends at its iteration cap with accelerations wrong by up to 7 %."""
 MAX_PAIR_GEOMS = 2000
 ROLLING_DEFAULT = 1e-6
+SOFTEST = 200.0
+"""Contacts are as soft as those of a body this many times lighter than the heaviest one, at most."""
 SLEEP_ACCELERATION = 0.005
 """[m/s^2] A body falls asleep when it is slower than this gives in ten steps, for ten steps. MuJoCo's default of 1 mm/s
 froze boxes on inclines just above the friction angle and dropped momentum of heavy, slow bodies."""
@@ -473,6 +475,9 @@ def build_model(
     for name, damping in builder.dragged.items():
         start = int(model.joint(name).dofadr[0])
         model.dof_damping[start : start + 3] = damping
+    # The softness of a contact follows its lighter body; under a far heavier one it would sink through the skin.
+    heaviest = float(model.body_mass[body_ids].max(initial=1e-9)) if body_ids else 1.0
+    model.body_invweight0[:, 0] = np.minimum(model.body_invweight0[:, 0], SOFTEST / heaviest)
     set_contact_law(result, settings.contact_steps, settings.step)
     return result
 

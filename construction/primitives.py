@@ -216,6 +216,10 @@ def _revolution(shape: Revolution) -> ShapeGeometry:
     mesh = _mesh(vertices, faces)
     pieces = []
     for ring in convex_partition(profile):
+        if sum(on_axis[i] for i in ring) >= 2:
+            # A convex profile with an edge on the axis revolves into one convex piece: a disc, not a cake of wedges.
+            pieces.append(_hull(mesh.vertices[sorted({v for i in ring for v in index[i]})]))
+            continue
         for s in range(segments):
             corners = sorted({index[i][t] for i in ring for t in (s, (s + 1) % segments)})
             pieces.append(_hull(mesh.vertices[corners]))

@@ -18,7 +18,7 @@ from typing import Any
 
 from .domino_world import PROMPT, domino_spec
 from .flaws import plant
-from .repair import propose
+from .repair import missed_carrier, propose
 
 __all__ = ["run", "show"]
 
@@ -66,6 +66,13 @@ class Agent:
         value: dict[str, Any] = data["value"]
         return value
 
+    async def landing(self, body: str, ground: str) -> list[float] | None:
+        """Where `body` first touched `ground`, as the server's contact events tell."""
+        data, refused = await self.call("inspect_world", part="events", entities=[body])
+        events = [] if refused else [e for e in data["events"] if {e["a"], e["b"]} == {body, ground}]
+        point: list[float] | None = events[0]["point"] if events else None
+        return point
+
     async def mend(self, rows: list[dict[str, Any]], stage: str) -> bool:
         """Propose one edit for the open rows and make it; False when there is none."""
         for row in rows[:4]:
@@ -73,7 +80,14 @@ class Agent:
             self.say(
                 f"  {row['id']}: {row['status']}; {why.get('explanation') or why.get('problems') or '' if isinstance(why, dict) else why[:160]}"
             )
-        edit = propose(await self.spec(), rows, self.clauses, self.tried)
+        spec = await self.spec()
+        landings = {}
+        for row in rows:
+            missed = missed_carrier(spec, row)
+            point = await self.landing(*missed) if missed is not None else None
+            if point is not None:
+                landings[row["id"]] = point
+        edit = propose(spec, rows, self.clauses, self.tried, landings)
         if edit is None or len(self.repairs) >= MAX_EDITS:
             self.say("  no repair known for these rows")
             return False

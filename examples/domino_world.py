@@ -119,7 +119,7 @@ def _seesaw(pivot: tuple[float, float], height: float) -> tuple[dict[str, Any], 
     return beam, fulcrum, hinge
 
 
-def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.6)) -> dict[str, Any]:
+def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
     """The specification without its prompt, as `edit_spec` takes it."""
     places = _chain()
     last_x, last_y, _ = places[-1]

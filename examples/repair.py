@@ -10,7 +10,7 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Edit", "propose"]
+__all__ = ["Edit", "missed_carrier", "propose"]
 
 ORDER = (
     "audit",
@@ -59,8 +59,18 @@ def _clause(spec: dict[str, Any], row: dict[str, Any], clauses: dict[str, str]) 
     return Edit(row["id"], "the clause was forgotten; the beat with its words meets it", patch, "text") if patch else None
 
 
-def _missed_region(spec: dict[str, Any], row: dict[str, Any]) -> Edit | None:
-    """A body ended outside a region that moves with another entity: move that entity to where the body came."""
+def missed_carrier(spec: dict[str, Any], row: dict[str, Any]) -> tuple[str, str] | None:
+    """(body, what the entity that should have caught it stands on) of a beat that missed a region carried by an entity."""
+    beat = spec["story"]["beats"].get(row["id"].removeprefix("beat:"))
+    if beat is None or beat["predicate"].get("kind") != "reaches":
+        return None
+    carrier = spec["graph"]["regions"][beat["predicate"]["region"]].get("relative_to")
+    under = [r["a"] for r in spec["graph"]["relations"].values() if r["kind"] == "supports" and r["b"] == carrier]
+    return (beat["predicate"]["entity"], under[0]) if under else None
+
+
+def _missed_region(spec: dict[str, Any], row: dict[str, Any], landing: list[float] | None) -> Edit | None:
+    """A body ended outside a region that moves with another entity: move that entity to where the body came down."""
     offset = _evidence(row).get("offset")
     beat = spec["story"]["beats"].get(row["id"].split(":", 1)[1])
     if offset is None or beat is None or beat["predicate"].get("kind") != "reaches":
@@ -70,6 +80,16 @@ def _missed_region(spec: dict[str, Any], row: dict[str, Any]) -> Edit | None:
     if carrier is None:
         return None
     position = list(spec["entities"][carrier]["pose"]["position"])
+    if landing is not None:
+        patch = [
+            {
+                "op": "replace",
+                "path": f"/entities/{carrier}/pose/position",
+                "value": [*(round(v, 4) for v in landing[:2]), position[2]],
+            }
+        ]
+        text = f"{row['entities'][0]} came down at x, y = {landing[0]:.3f}, {landing[1]:.3f} m, where {carrier} does not stand, so it goes there"
+        return Edit(row["id"], text, patch, "placement")
     # The offset leads from the region's surface to the body; going on by a part of its size brings the body well inside.
     reach = float(region.get("radius", 0.1))
     length = max((offset[0] ** 2 + offset[1] ** 2) ** 0.5, 1e-9)
@@ -127,17 +147,29 @@ def _suggested(row: dict[str, Any]) -> Edit | None:
     return None
 
 
-def _edit_of(spec: dict[str, Any], row: dict[str, Any], rows: list[dict[str, Any]], clauses: dict[str, str]) -> Edit | None:
+def _edit_of(
+    spec: dict[str, Any],
+    row: dict[str, Any],
+    rows: list[dict[str, Any]],
+    clauses: dict[str, str],
+    landings: dict[str, list[float]],
+) -> Edit | None:
     if row["id"] == "audit:clauses":
         return _clause(spec, row, clauses)
     if row["check"] == "scale":
         return _rescale(spec, row) or _suggested(row)
     if row["check"] == "beat":
-        return _too_late(spec, rows) or _missed_region(spec, row) or _suggested(row)
+        return _too_late(spec, rows) or _missed_region(spec, row, landings.get(row["id"])) or _suggested(row)
     return _suggested(row)
 
 
-def propose(spec: dict[str, Any], rows: list[dict[str, Any]], clauses: dict[str, str], tried: set[str]) -> Edit | None:
+def propose(
+    spec: dict[str, Any],
+    rows: list[dict[str, Any]],
+    clauses: dict[str, str],
+    tried: set[str],
+    landings: dict[str, list[float]],
+) -> Edit | None:
     """The next edit for these open rows, or None when no rule applies.
 
     Args:
@@ -145,10 +177,11 @@ def propose(spec: dict[str, Any], rows: list[dict[str, Any]], clauses: dict[str,
         rows: open rows as the server returned them.
         clauses: clauses of the prompt.
         tried: edits made before, as JSON of their patches; none is repeated.
+        landings: per failing row, where its body first touched what the entity that should have caught it stands on.
     """
     ranked = sorted(rows, key=lambda r: (ORDER.index(r["check"]), r["status"] != "fail", not r.get("mandatory", True)))
     for row in ranked:
-        edit = _edit_of(spec, row, rows, clauses)
+        edit = _edit_of(spec, row, rows, clauses, landings)
         if edit is not None and json.dumps(edit.patch) not in tried:
             return edit
     return None

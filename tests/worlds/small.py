@@ -43,7 +43,7 @@ from worldagent.worlds.spec import (
     Wedge,
     WorldSpec,
 )
-from worldagent.worlds.spec.base import SpecModel
+from worldagent.worlds.vocabulary import SpecModel
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 MATERIALS = {"wood": Material(density=600.0, friction=0.5, restitution=0.2, substance="wood")}

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.tests.worlds.small import IDENTITY, box, ground, make_candidate, pose, world
 from worldagent.verifiers.beats import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Always, Contact, Displacement, Not, Reaches, RestsOn, Speed, StaysIn, Topples
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, BoxRegion, PathDriver, PathKey, Requirement, Story
-
-from tests.worlds.small import IDENTITY, box, ground, make_candidate, pose, world
 
 N = 25
 TIME = np.arange(N) / 24

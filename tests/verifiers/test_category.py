@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.tests.worlds.small import IDENTITY, box, ground, make_candidate, world
 from worldagent.verifiers.category import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, HingeJoint, Limits
 from worldagent.worlds.spec.entities import LiquidPhysics
-
-from tests.worlds.small import IDENTITY, box, ground, make_candidate, world
 
 FPS, N = 24, 25
 TIME = np.arange(N) / FPS

@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.tests.worlds.small import Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.causal import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Topples
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, BoxRegion, DetachDriver, ReleaseDriver, SpringJoint, WeldJoint
-
-from tests.worlds.small import Event, Touch, ball, box, ground, make_candidate, world
 
 FPS, N = 24, 49
 TIME = np.arange(N) / FPS

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.tests.worlds.small import IDENTITY, box, ground, make_candidate, world
 from worldagent.verifiers.numerical import CLAIMS, check, thickness
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex
@@ -15,8 +16,6 @@ from worldagent.worlds.cache import write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Limits, RigidSettings
-
-from tests.worlds.small import IDENTITY, box, ground, make_candidate, world
 
 FPS, N = 24, 25
 TIME = np.arange(N) / FPS

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
+from worldagent.tests.worlds.small import IDENTITY, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.predicates import EVALUATORS, evaluate
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import (
@@ -40,8 +41,6 @@ from worldagent.worlds.predicates import (
     Within,
 )
 from worldagent.worlds.spec import Beat, BoxRegion, CylinderRegion, HingeJoint, SphereRegion
-
-from tests.worlds.small import IDENTITY, Touch, ball, box, ground, make_candidate, world
 
 FPS = 24
 N = 25

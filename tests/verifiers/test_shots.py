@@ -9,13 +9,12 @@ from typing import Any
 import jsonpatch
 import numpy as np
 import pytest
+from worldagent.tests.worlds.small import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.shots import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, CameraKey, Shot, WorldSpec
-
-from tests.worlds.small import IDENTITY, ball, box, ground, make_candidate, world
 
 N = 25
 TIME = np.arange(N) / 24

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from ..worlds.errors import InputError
+from ..worlds.vocabulary import ID_PATTERN
 from .context import ToolContext, ToolReply
 
 __all__ = ["build_terrain"]
@@ -39,6 +41,8 @@ def build_terrain(
     from ..worlds.patch import apply_patch
     from .session import Session, summary
 
+    if re.match(ID_PATTERN, entity) is None:
+        raise InputError(f"entity id {entity!r} must match {ID_PATTERN}, e.g. 'ground'")
     if not all(0.5 <= s <= 2000 for s in size):
         raise InputError(f"size {size} m is out of range; allowed 0.5 to 2000 m along each side")
     session = Session.open(context.workspace, world)

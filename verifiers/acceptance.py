@@ -49,9 +49,29 @@ TIMEOUT_SECONDS = 3600
 def find_candidate(folder: WorldFolder, spec: WorldSpec) -> str:
     """The freeze whose record holds exactly this specification.
 
+    Of several (another program version, geometry that was built otherwise), the one whose settings and geometry hash to
+    its freeze here and now; else the first.
+
     Raises:
         RefusedError: there is none.
     """
+    from ..simulation.freeze import freeze_hash
+
+    found = _recorded(folder, spec)
+    if not found:
+        raise RefusedError("no candidate holds this specification; call probe_sim, then bake_sim")
+    for freeze in found if len(found) > 1 else ():
+        try:
+            if freeze_hash(spec, open_candidate(folder, freeze, "full").built) == freeze:
+                return freeze
+        except EvidenceError:
+            continue
+    return found[0]
+
+
+def _recorded(folder: WorldFolder, spec: WorldSpec) -> list[str]:
+    """Freezes whose own record holds the specification."""
+    found = []
     wanted = spec_digest(spec)
     for path in sorted((folder.root / "candidates").glob("*/candidate.json")):
         try:
@@ -61,8 +81,8 @@ def find_candidate(folder: WorldFolder, spec: WorldSpec) -> str:
             continue  # a damaged record is no candidate
         # A record that names another candidate's freeze would have that one judged in its place.
         if spec_digest(spec_there) == wanted and path.parent == folder.candidate(freeze):
-            return freeze
-    raise RefusedError("no candidate holds this specification; call probe_sim, then bake_sim")
+            found.append(freeze)
+    return found
 
 
 def acceptance_subject(spec: WorldSpec, freeze: str, digest: str) -> str:

@@ -146,9 +146,9 @@ def test_a_job_outlives_its_client_and_its_server(long_probed: Path, tmp_path: P
         seen = later.call("job", action="status", job_id=job)
         assert seen["state"] in ("running", "done")
         assert later.call("bake_sim", world="w", wait_s=0)["job_id"] == job
-        ended = later.call("job", action="wait", job_id=job, wait_s=100)
-        assert ended["state"] == "done"
-        assert ended["result"]["complete"]
+        while len(list(workspace.glob("w/candidates/*/bake/rigid/frame_*.npz"))) < LONG:
+            time.sleep(0.02)
+        later.call("job", action="cancel", job_id=job)
 
 
 def test_a_torn_tail_is_not_trusted(long_probed: Path, unbroken: dict[str, bytes], tmp_path: Path) -> None:

@@ -76,10 +76,10 @@ def _call(rng: random.Random) -> tuple[str, dict[str, Any]]:
             {"entity": rng.choice(["b1", "b3", "ghost"]), "on": rng.choice(["shelf", "floor"]), "hypothesis": WHY},
         ),
         (1, "build_terrain", {"kind": "flat", "entity": rng.choice(["land", "floor"]), "cells": 2, "hypothesis": WHY}),
-        (2, "probe_sim", {"wait_s": 60}),
+        (1, "probe_sim", {"wait_s": 60}),
         (1, "bake_sim", {"wait_s": 60}),
         (2, "run_checks", {"scope": rng.choice(["audit", "static", "acceptance"]), "wait_s": 60}),
-        (0.3, "run_checks", {"scope": rng.choice(["probe", "full"]), "only": ["beat"], "wait_s": 60}),
+        (0.1, "run_checks", {"scope": rng.choice(["probe", "full"]), "only": ["beat"], "wait_s": 60}),
         (2, "render_shot", {"kind": "final", "wait_s": 0}),
         (0.2, "render_shot", {"kind": "preview", "width": 64, "height": 64}),
         (
@@ -119,7 +119,7 @@ def _walk(agent: Any, seed: int, calls: int) -> Counter[str]:
     seen: Counter[str] = Counter()
     for _ in range(calls):
         tool, arguments = _call(rng)
-        if rng.random() < 0.05:
+        if rng.random() < 0.03:
             _forge(rng, folder)
         answer = agent.result(tool, **arguments)
         text = answer.content[0].text

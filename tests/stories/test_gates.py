@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.ledger import Ledger
 
@@ -61,6 +62,7 @@ def test_every_later_edit_of_the_motion_closes_bake_acceptance_and_final(accepte
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
 
 
+@pytest.mark.slow
 def test_an_edit_of_the_story_closes_final_until_accepted_again(accepted: Any) -> None:
     accepted.edit(("/story/beats/fall/predicate/max", -0.2))
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")

@@ -48,7 +48,7 @@ def _edits(rng: random.Random) -> list[dict[str, Any]]:
         ("/story/beats/fall/text", "it flies"),
         ("/materials/wood/friction", round(rng.uniform(0, 1), 2)),
         ("/graph/relations/hits/text", "they meet"),
-        ("/entities/b2/material", rng.choice(["wood", "wood", "ghost"])),
+        ("/entities/b2/material", rng.choice(["wood", "ghost"])),
         ("/prompt", "another"),
         ("/nowhere", 1),
         ("/simulation/gravity", [0, 0, rng.choice([-9.81, -3.7])]),
@@ -76,10 +76,10 @@ def _call(rng: random.Random) -> tuple[str, dict[str, Any]]:
             {"entity": rng.choice(["b1", "b3", "ghost"]), "on": rng.choice(["shelf", "floor"]), "hypothesis": WHY},
         ),
         (1, "build_terrain", {"kind": "flat", "entity": rng.choice(["land", "floor"]), "cells": 2, "hypothesis": WHY}),
-        (1, "probe_sim", {"wait_s": 60}),
+        (2, "probe_sim", {"wait_s": 60}),
         (1, "bake_sim", {"wait_s": 60}),
         (2, "run_checks", {"scope": rng.choice(["audit", "static", "acceptance"]), "wait_s": 60}),
-        (0.1, "run_checks", {"scope": rng.choice(["probe", "full"]), "only": ["beat"], "wait_s": 60}),
+        (0.3, "run_checks", {"scope": rng.choice(["probe", "full"]), "only": ["beat"], "wait_s": 60}),
         (2, "render_shot", {"kind": "final", "wait_s": 0}),
         (0.2, "render_shot", {"kind": "preview", "width": 64, "height": 64}),
         (
@@ -112,14 +112,14 @@ def _forge(rng: random.Random, folder: Path) -> None:
     db.close()
 
 
-def _walk(agent: Any, seed: int, calls: int) -> Counter[str]:
+def _walk(agent: Any, seed: int, calls: int, *, forging: float) -> Counter[str]:
     rng = random.Random(seed)
     folder = agent.workspace / "w"
     agent.call("edit_spec", world="w", prompt=PROMPT, spec=_impossible())
     seen: Counter[str] = Counter()
     for _ in range(calls):
         tool, arguments = _call(rng)
-        if rng.random() < 0.03:
+        if rng.random() < forging:
             _forge(rng, folder)
         answer = agent.result(tool, **arguments)
         text = answer.content[0].text
@@ -140,7 +140,7 @@ def _walk(agent: Any, seed: int, calls: int) -> Counter[str]:
 
 
 def test_a_random_walk_of_calls_accepts_nothing_impossible_and_crashes_nothing(agent: Any) -> None:
-    seen = _walk(agent, 7, 150)
+    seen = _walk(agent, 7, 150, forging=0.02)
     assert seen["edit_spec"] > 5
     assert seen["edit_spec refused"] > 5
     assert seen["render_shot refused"] + seen["run_checks refused"] > 3
@@ -149,4 +149,4 @@ def test_a_random_walk_of_calls_accepts_nothing_impossible_and_crashes_nothing(a
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_long_random_walks(agent: Any, seed: int) -> None:
-    _walk(agent, seed, 250)
+    _walk(agent, seed, 250, forging=0.05)

@@ -173,6 +173,7 @@ def test_a_weakening_with_a_reason_is_recorded_and_printed_with_the_acceptance(a
     assert accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]["weakenings"] == printed
 
 
+@pytest.mark.slow
 def test_a_clause_listed_as_unmet_stands_in_the_acceptance(accepted: Any) -> None:
     accepted.edit(("/clauses/c2", {"unmet": "only the first clause was asked for in the end"}))
     verdict = accepted.call("run_checks", world="w", scope="acceptance")

@@ -6,6 +6,7 @@ from pathlib import Path
 from threading import Barrier, Thread
 from typing import Any
 
+import pytest
 from worldagent.worlds.ledger import Ledger
 
 
@@ -72,6 +73,7 @@ def test_one_mass_after_acceptance_goes_round_the_loop_again(accepted: Any) -> N
     assert len(list((accepted.workspace / "w" / "candidates").iterdir())) == 2
 
 
+@pytest.mark.slow
 def test_undoing_an_edit_finds_its_evidence_again(accepted: Any) -> None:
     accepted.edit(("/entities/b2/physics", {"category": "rigid", "mass": 0.05}))
     accepted.edit(("/entities/b2/physics", {"category": "rigid"}))

@@ -45,7 +45,7 @@ def _world(count: int) -> WorldSpec:
             "role": "domino row",
             "motion": motion,
             "material": material,
-            "dimensions": {"size": (1, 1, 1)},
+            "dimensions": {"size": shape.get("size") or (2 * shape["radius"],) * 3},
             "physics": {"category": "rigid", **physics},
             "pose": {"position": at},
             "parts": {"p": {"shape": shape}},
@@ -127,16 +127,15 @@ def _worst_clearance(candidate: Candidate) -> float:
     return min(float(clearance_series(solids[a], tracks[a], solids[b], tracks[b], skip_above=2e-3).min()) for a, b in pairs)
 
 
-def _verify_over_bake(candidate: Candidate, bake: float) -> tuple[float | None, str | None]:
-    try:
-        from ..verifiers.contact import check
-    except ImportError as error:
-        return None, f"no contact verifier: {error}"
+def _verify_over_bake(candidate: Candidate, bake: float) -> tuple[float, str | None]:
+    """Every check that judges a full bake; `delivery` needs a world folder and is left out."""
+    from ..verifiers.checks import names_of, run_checks
+
     begin = time.process_time()
-    rows = check(candidate)
+    rows = run_checks(candidate, only=[n for n in names_of("full") if n != "delivery"])
     seconds = time.process_time() - begin
-    bad = sorted({r.status for r in rows} - {"pass", "not_applicable"})
-    return round(seconds / bake, 3), f"rows that do not pass: {bad}" if bad else None
+    bad = sorted(r.id for r in rows if r.mandatory and r.status not in ("pass", "not_applicable"))
+    return round(seconds / bake, 3), f"rows that do not pass: {bad[:8]}" if bad else None
 
 
 def run() -> dict[str, Any]:

@@ -55,7 +55,7 @@ def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> Wor
         raise SpecError(f"patch has {len(operations)} operations, at most {MAX_OPERATIONS}; split it")
     document = spec.model_dump(mode="json", exclude_none=True)
     try:
-        changed = jsonpatch.apply_patch(document, [dict(o) for o in operations])
+        changed = jsonpatch.apply_patch(document, [dict(o) for o in operations], in_place=True)
     except (jsonpatch.JsonPatchException, jsonpointer.JsonPointerException, TypeError, KeyError) as error:
         raise SpecError(
             f"patch cannot be applied, nothing was changed: {error}. Paths are JSON pointers into world.json"

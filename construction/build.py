@@ -13,6 +13,8 @@ from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matr
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import InputError
+from ..worlds.folder import safe_join
+from ..worlds.provenance import geometry_slice
 from ..worlds.spec import Entity, Part, RigidPhysics, Rope, WorldSpec
 from .primitives import ShapeGeometry, build_shape
 from .ropes import rope_segments
@@ -24,19 +26,6 @@ EXACT_KINDS = ("box", "wedge", "extrusion", "revolution")
 IDENTITY = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
-def _slice(spec: WorldSpec, entity: Entity) -> dict[str, Any]:
-    """What an entity's geometry depends on: not its pose, not its look."""
-    names = {entity.material, *(p.material for p in entity.parts.values() if p.material is not None)}
-    return {
-        "spec_version": spec.spec_version,
-        "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
-        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
-        "material": entity.material,
-        "densities": {n: spec.materials[n].density for n in sorted(names)},
-        "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
-    }
-
-
 def entity_recipe(spec: WorldSpec, name: str, assets: Path) -> str:
     """Hash of everything a built entity derives from: its slice, mesh files, and this folder's source.
 
@@ -44,18 +33,15 @@ def entity_recipe(spec: WorldSpec, name: str, assets: Path) -> str:
         InputError: a material is not declared.
     """
     entity = spec.entities[name]
-    try:
-        inputs = _slice(spec, entity)
-    except KeyError as error:
-        raise InputError(
-            f"entity {name!r} uses material {error} which is not declared; add /materials/{error.args[0]}"
-        ) from error
+    for material in {entity.material, *(p.material for p in entity.parts.values() if p.material is not None)}:
+        if material not in spec.materials:
+            raise InputError(f"entity {name!r} uses material {material!r} which is not declared; add /materials/{material}")
     files = {}
     for part in entity.parts.values():
         if part.shape.kind == "mesh" and part.shape.file is not None:
-            path = assets / part.shape.file
+            path = safe_join(assets, part.shape.file)
             files[part.shape.file] = digest_of(path.read_bytes().hex()) if path.is_file() else "missing"
-    return digest_of(inputs, files, source_digest(Path(__file__).parent))
+    return digest_of(spec.spec_version, geometry_slice(spec, name), files, source_digest(Path(__file__).parent))
 
 
 def _placed(mesh: TriangleMesh, pose: RigidPose) -> TriangleMesh:

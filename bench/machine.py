@@ -32,14 +32,14 @@ _PACKAGES = (
 )
 
 
-def run_benchmark(name: str, entry: str) -> dict[str, Any]:
-    """Run `module:function` and join its figures with what they were measured on.
+def run_benchmark(name: str, entry: str, **options: Any) -> dict[str, Any]:
+    """Run `module:function(**options)` and join its figures with what they were measured on.
 
     The figures may carry `versions` of further packages; they are joined too.
     """
     module, function = entry.split(":")
     started = time.perf_counter()
-    figures: dict[str, Any] = getattr(importlib.import_module(module), function)()
+    figures: dict[str, Any] = getattr(importlib.import_module(module), function)(**options)
     return {
         **figures,
         "name": name,

@@ -21,6 +21,7 @@ BENCHMARKS: dict[str, str] = {
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
     "clearance": "worldagent.bench.clearance:run",
     "render": "worldagent.bench.render:run",
+    "defects": "worldagent.bench.defects.suites:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 
@@ -90,6 +91,9 @@ def _parser() -> argparse.ArgumentParser:
 
     add("warm", _warm, "Compile kernels and prove the renderer's variant now rather than at first use.")
     bench = add("bench", _bench, "Run a benchmark: progress on stderr, one JSON object as the last line of stdout.")
+    bench.add_argument("--only", metavar="CHECK", action="append", help="defects: only this check (repeatable)")
+    bench.add_argument("--variants", type=int, metavar="N", help="defects: generated worlds of each kind per check")
+    bench.add_argument("--seed", type=int, metavar="N", help="defects: draws magnitudes and details; default a new one")
     bench.add_argument(
         "name", metavar="NAME|list", choices=("list", *BENCHMARKS), help=f"list, or one of: {', '.join(BENCHMARKS)}"
     )
@@ -196,5 +200,10 @@ def _bench(arguments: argparse.Namespace) -> int:
         return OK
     from ..bench.machine import run_benchmark
 
-    print(json.dumps(run_benchmark(arguments.name, BENCHMARKS[arguments.name])))
+    options: dict[str, Any] = {"variants": arguments.variants, "seed": arguments.seed}
+    options["checks"] = tuple(arguments.only) if arguments.only else None
+    given = {k: v for k, v in options.items() if v is not None}
+    if given and arguments.name != "defects":
+        raise InputError(f"--only, --variants and --seed belong to the benchmark 'defects', not to {arguments.name!r}")
+    print(json.dumps(run_benchmark(arguments.name, BENCHMARKS[arguments.name], **given)))
     return OK

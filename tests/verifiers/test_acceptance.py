@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from worldagent.tests.worlds.small import box, ground, make_candidate, world
+from worldagent.bench.small_worlds import box, ground, make_candidate, world
 from worldagent.verifiers import acceptance
 from worldagent.verifiers.acceptance import acceptance_subject, approximations, find_candidate, judge_fresh, verdict_of
 from worldagent.verifiers.checks import CHECKS, names_of

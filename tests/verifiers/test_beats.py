@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, box, ground, make_candidate, pose, world
+from worldagent.bench.small_worlds import IDENTITY, box, ground, make_candidate, pose, world
 from worldagent.verifiers.beats import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Always, Contact, Displacement, Not, Reaches, RestsOn, Speed, StaysIn, Topples
@@ -87,7 +87,7 @@ def test_what_never_started_to_fall_is_not_waited_for(tmp_path: Path) -> None:
 
 
 def test_too_little_impulse_says_how_much_more(tmp_path: Path) -> None:
-    from tests.worlds.small import Touch
+    from worldagent.bench.small_worlds import Touch
 
     beats = {"b": beat(Contact(a="cube", b="rest", min_impulse=2.0))}
     row = rows_of(sliding(tmp_path, beats, touches=[Touch(5, "cube", "rest", 0.5)]))["beat:b"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, box, ground, make_candidate, world
 from worldagent.verifiers.category import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import Event, Touch, ball, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.causal import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Topples

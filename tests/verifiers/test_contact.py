@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, Touch, ball, box, entity, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, Touch, ball, box, entity, ground, make_candidate, world
 from worldagent.verifiers import contact
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, Fastened, HingeJoint, Part, PathDriver, PathKey, Pose

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from worldagent.tests.worlds.small import box, ground, make_candidate, world
+from worldagent.bench.small_worlds import box, ground, make_candidate, world
 from worldagent.verifiers.delivery import check
 from worldagent.worlds.cache import Cache, read_container, write_container
 from worldagent.worlds.candidate import Candidate

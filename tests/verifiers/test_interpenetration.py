@@ -7,7 +7,7 @@ import math
 import jsonpatch
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import ball, box, build_all, entity, ground, make_candidate, pose, world
+from worldagent.bench.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers import interpenetration
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, Extrusion, Fastened, Part, Rope, Wedge, WorldSpec

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import ball, box, entity, make_candidate, pose, world
+from worldagent.bench.small_worlds import ball, box, entity, make_candidate, pose, world
 from worldagent.verifiers import navigability
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, BoxRegion, Connects, CylinderRegion, Part, Wedge

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, box, ground, make_candidate, world
 from worldagent.verifiers.numerical import CLAIMS, check, thickness
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.phases import check, find_phases
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Contact, RestsOn

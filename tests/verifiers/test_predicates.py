@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
-from worldagent.tests.worlds.small import IDENTITY, Touch, ball, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.predicates import EVALUATORS, evaluate
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import (

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import ball, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import ball, box, ground, make_candidate, world
 from worldagent.verifiers.relations import check
 from worldagent.worlds.spec import Adjacent, BoxRegion, Contains
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from worldagent.tests.worlds.small import ball, box, build_all, entity, ground, make_candidate, pose, world
+from worldagent.bench.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers import scale
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Adjacent, Box, Contains, Part, Rope, Supports

@@ -9,7 +9,7 @@ from typing import Any
 import jsonpatch
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, ball, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.shots import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement

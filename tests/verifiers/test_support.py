@@ -7,7 +7,7 @@ import math
 import jsonpatch
 import numpy as np
 import pytest
-from worldagent.tests.worlds.small import IDENTITY, ball, box, build_all, entity, ground, make_candidate, pose, world
+from worldagent.bench.small_worlds import IDENTITY, ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers import support
 from worldagent.worlds.predicates import Count, Displacement, StaysIn, Topples
 from worldagent.worlds.requirements import Row

@@ -1,4 +1,4 @@
-"""Small worlds for tests: short specifications, their geometry, and caches written by hand.
+"""Small worlds for tests and seeded defects: short specifications, their geometry, and caches written by hand.
 
 Geometry is made here and not by `construction`, so that a verifier's test does not depend on the code it judges.
 """
@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from worldagent.worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
-from worldagent.worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
-from worldagent.worlds.cache import Cache, CacheIndex, write_container
-from worldagent.worlds.candidate import Candidate, Stage
-from worldagent.worlds.spec import (
+
+from ..worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
+from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
+from ..worlds.cache import Cache, CacheIndex, write_container
+from ..worlds.candidate import Candidate, Stage
+from ..worlds.spec import (
     Beat,
     Box,
     Capsule,
@@ -43,7 +44,7 @@ from worldagent.worlds.spec import (
     Wedge,
     WorldSpec,
 )
-from worldagent.worlds.vocabulary import SpecModel
+from ..worlds.vocabulary import SpecModel
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 MATERIALS = {"wood": Material(density=600.0, friction=0.5, restitution=0.2, substance="wood")}
@@ -190,7 +191,7 @@ def mesh_of(shape: Shape) -> TriangleMesh:
     elif isinstance(shape, HeightField):
         made = _heightfield(shape)
     else:
-        raise NotImplementedError(f"tests/worlds/small.py has no mesh for {shape.kind!r}")
+        raise NotImplementedError(f"bench/small_worlds.py has no mesh for {shape.kind!r}")
     return TriangleMesh(np.array(made.vertices, dtype=np.float64), np.array(made.faces, dtype=np.int32))
 
 

@@ -1,0 +1,100 @@
+"""The list of suites, one module per check, and the benchmark over all of them."""
+
+from __future__ import annotations
+
+import importlib
+import secrets
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+from .cases import Suite
+from .judge import Outcome, interval, smallest_detected, survey
+
+__all__ = ["CHECKS", "run", "suite_of", "table"]
+
+CHECKS = ("scale", "interpenetration", "support", "navigability", "causal", "category", "numerical", "contact", "shots")
+"""Checks with a suite: module `bench/defects/<check>.py`, attribute `SUITE`."""
+VARIANTS = 102
+"""Generated worlds of each kind per check."""
+
+
+def suite_of(check: str) -> Suite:
+    """The suite of one check."""
+    found: Suite = importlib.import_module(f".{check}", __package__).SUITE
+    return found
+
+
+def run(*, checks: tuple[str, ...] = CHECKS, variants: int = VARIANTS, seed: int | None = None) -> dict[str, Any]:
+    """Judge every suite; figures per check, and the share of defects found and of sound worlds refused.
+
+    Args:
+        checks: which suites.
+        variants: generated worlds of each kind per check.
+        seed: draws magnitudes and details; default a new one, which the figures name.
+    """
+    seed = secrets.randbelow(2**31) if seed is None else seed
+    figures: dict[str, Any] = {}
+    for check in checks:
+        suite, start = suite_of(check), time.perf_counter()
+        outcomes = survey(suite, variants=variants, seed=seed, progress=lambda o, c=check: _tell(c, o))  # type: ignore[misc]
+        figures[check] = _figures(suite, outcomes, seed)
+        print(f"{check}: {len(outcomes)} worlds in {time.perf_counter() - start:.0f} s", file=sys.stderr, flush=True)
+    print(table(figures), file=sys.stderr, flush=True)
+    broken, clean = (sum(f[k] for f in figures.values()) for k in ("broken", "clean"))
+    found, alarms = (sum(f[k] for f in figures.values()) for k in ("detected", "false_alarms"))
+    return {
+        "seed": seed,
+        "checks": figures,
+        "detection": found / max(1, broken),
+        "detection_95": interval(found, broken),
+        "false_alarm": alarms / max(1, clean),
+        "false_alarm_95": interval(alarms, clean),
+    }
+
+
+def _tell(check: str, outcome: Outcome) -> None:
+    if not outcome.right:
+        what = "missed" if outcome.broken else "false alarm"
+        print(f"{check}: {what}: {outcome.mechanism} at {outcome.magnitude!r}, seed {outcome.seed}", file=sys.stderr, flush=True)
+
+
+def _figures(suite: Suite, outcomes: list[Outcome], seed: int) -> dict[str, Any]:
+    broken, clean = ([o for o in outcomes if o.broken == kind] for kind in (True, False))
+    detected, alarms = sum(o.right for o in broken), sum(not o.right for o in clean)
+    return {
+        "broken": len(broken),
+        "detected": detected,
+        "detection_95": interval(detected, len(broken)),
+        "clean": len(clean),
+        "false_alarms": alarms,
+        "false_alarm_95": interval(alarms, len(clean)),
+        "median_ms": round(float(np.median([o.milliseconds for o in outcomes])), 2),
+        "mechanisms": {"broken": len(suite.of(broken=True)), "clean": len(suite.of(broken=False))},
+        "hand_picked": {"broken": sum(o.named for o in broken), "clean": sum(o.named for o in clean)},
+        "smallest_detected": {
+            m.name: {"magnitude": smallest_detected(suite.check, m, seed), "bound": m.bound, "unit": m.unit}
+            for m in suite.of(broken=True)
+            if m.bound is not None
+        },
+        "missed": [{"mechanism": o.mechanism, "magnitude": o.magnitude, "seed": o.seed} for o in outcomes if not o.right],
+    }
+
+
+def table(figures: dict[str, Any]) -> str:
+    """The figures as text, one line per check and one per smallest defect."""
+    lines = [f"{'check':16} {'detected':>12} {'95 %':>16} {'false alarms':>13} {'95 %':>16} {'median ms':>10}"]
+    for check, f in figures.items():
+        found, alarm = (f"{100 * f[k][0]:.2f}-{100 * f[k][1]:.2f} %" for k in ("detection_95", "false_alarm_95"))
+        lines.append(
+            f"{check:16} {f['detected']:>5} / {f['broken']:<4} {found:>16} {f['false_alarms']:>6} / {f['clean']:<4} {alarm:>16} "
+            f"{f['median_ms']:>10.2f}"
+        )
+    lines.append("smallest detected defect (bound)")
+    for check, f in figures.items():
+        for name, least in f["smallest_detected"].items():
+            value = "not found" if least["magnitude"] is None else f"{least['magnitude']:.4g}"
+            lines.append(f"  {check}: {name}: {value} {least['unit']} ({least['bound']:.4g})")
+    return "\n".join(lines)

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from .arrays import F64, I32, RigidPose
+from .cache import read_array
 from .errors import EvidenceError
 
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
@@ -170,7 +171,7 @@ def load_built(path: Path) -> BuiltEntity:
             meta = json.loads(archive.read("meta.json"))
 
             def array(name: str) -> Any:
-                return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+                return read_array(archive, name)
 
             parts = tuple(
                 BuiltPart(

@@ -31,6 +31,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
@@ -43,7 +44,7 @@ import numpy as np
 from .arrays import F64, RigidPose
 from .errors import EvidenceError
 
-__all__ = ["Cache", "CacheIndex", "digest_arrays", "read_container", "write_container"]
+__all__ = ["Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,28 @@ def digest_arrays(channels: Mapping[str, Any]) -> str:
     return state.hexdigest()
 
 
+def read_array(archive: zipfile.ZipFile, name: str) -> Any:
+    """One `.npy` member of a container, never larger than the file itself: a stranger's container may be a bomb.
+
+    Raises:
+        KeyError: there is no such member.
+        ValueError: it is compressed, encrypted, no plain array, or its header promises another size than it has.
+    """
+    info = archive.getinfo(name)
+    if info.compress_type != zipfile.ZIP_STORED or info.flag_bits & 1:
+        raise ValueError(f"member {name!r} is compressed or encrypted, which no container is")
+    raw = archive.read(info)
+    stream = io.BytesIO(raw)
+    version = np.lib.format.read_magic(stream)
+    header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, fortran, dtype = header(stream)
+    count = math.prod(shape)
+    if dtype.hasobject or min(shape, default=0) < 0 or count * dtype.itemsize != len(raw) - stream.tell():
+        raise ValueError(f"member {name!r} promises {shape} of {dtype} and holds {len(raw)} bytes")
+    flat = np.frombuffer(bytearray(raw), dtype, count, stream.tell()) if count else np.empty(0, dtype)
+    return flat.reshape(shape, order="F" if fortran else "C")
+
+
 def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, Any]:
     """Read all channels of a container, or just `names`.
 
@@ -98,7 +121,7 @@ def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, 
     try:
         with zipfile.ZipFile(path) as archive:
             wanted = [n.removesuffix(".npy") for n in archive.namelist()] if names is None else list(names)
-            return {n: np.lib.format.read_array(io.BytesIO(archive.read(n + ".npy")), allow_pickle=False) for n in wanted}
+            return {n: read_array(archive, n + ".npy") for n in wanted}
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
 

@@ -45,6 +45,8 @@ CAPS: dict[str, Cap] = _caps(
     Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid"),
     Cap("triangles", 5_000_000, "triangles", "coarser meshes or fewer of them"),
     Cap("cache_bytes", 20_000_000_000, "bytes", "fewer bodies or frames"),
+    Cap("bundle_bytes", 4_000_000_000, "bytes", "write the bundle without caches (worldagent bundle --no-caches)"),
+    Cap("bundle_members", 200_000, "members", "write the bundle without caches (worldagent bundle --no-caches)"),
     Cap("running_jobs", 16, "jobs", "wait for running jobs or cancel some with the job tool"),
     Cap("workspace_bytes", 100_000_000_000, "bytes", "delete old candidates or worlds from the workspace folder"),
 )

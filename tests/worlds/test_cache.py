@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import time
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +89,36 @@ def test_a_flipped_byte_is_found(tmp_path: Path) -> None:
     path.write_bytes(bytes(data))
     with contextlib.suppress(EvidenceError):
         assert digest_arrays(read_container(path)) != recorded
+
+
+def _container(path: Path, raw: bytes, compression: int = zipfile.ZIP_STORED) -> Path:
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        archive.writestr("a.npy", raw)
+    return path
+
+
+def test_a_container_cannot_promise_more_than_it_holds(tmp_path: Path) -> None:
+    """A stranger's container: bombs are refused before any memory is taken."""
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, np.zeros(4))
+    raw = stream.getvalue()
+    assert read_container(_container(tmp_path / "good.npz", raw))["a"].tolist() == [0, 0, 0, 0]
+    with pytest.raises(EvidenceError, match="compressed"):
+        read_container(_container(tmp_path / "bomb.npz", raw, zipfile.ZIP_DEFLATED))
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (10**15,)})
+    with pytest.raises(EvidenceError, match="promises"):
+        read_container(_container(tmp_path / "promise.npz", header.getvalue() + bytes(32)))
+    with pytest.raises(EvidenceError):
+        read_container(_container(tmp_path / "objects.npz", raw.replace(b"'<f8'", b"'|O' ")))
+
+
+def test_arrays_of_every_order_and_length_come_back_writable(tmp_path: Path) -> None:
+    given = {"f": np.asfortranarray(np.arange(6.0).reshape(2, 3)), "none": np.zeros((0, 3)), "one": np.float64(2.5)}
+    write_container(tmp_path / "a.npz", given)
+    found = read_container(tmp_path / "a.npz")
+    assert all(np.array_equal(found[k], v) and found[k].shape == np.shape(v) for k, v in given.items())
+    found["f"][0, 0] = 9.0
 
 
 def _cache(folder: Path, **more: object) -> Cache:

@@ -72,8 +72,10 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     total = probe_frames(session.spec)
     candidate = run_probe(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.4, m), check=context.check)
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.35 * d / n), total * 1.4, m))
-    changed = session.ledger.put_rows(rows, revision=session.revision, stage="probe", checks=names_of("probe"))
     open_rows = _failing(rows, candidate.last_frame)
+    session.ledger.close_iterations(freeze[:16], open_rows, rows)
+    rows = session.cited(rows)
+    changed = session.ledger.put_rows(rows, revision=session.revision, stage="probe", checks=names_of("probe"))
     phases = find_phases(candidate)
     session.ledger.put_freeze(
         freeze,
@@ -81,7 +83,6 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         passed=not open_rows,
         detail={"frames": total, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)},
     )
-    session.ledger.close_iterations(freeze[:16], open_rows)
     picture = _sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
     return {
         "passed": not open_rows,
@@ -130,6 +131,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(_promise_row(candidate, promised, found))
+    rows = session.cited(rows)
     changed = session.ledger.put_rows(rows, revision=session.revision, stage="full", checks=names_of("full"))
     session.ledger.put_bake(
         freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows, candidate.last_frame)}
@@ -178,13 +180,16 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     candidate = open_candidate(session.folder, freeze, stage)
     rows = run_checks(candidate, only=payload.get("only"), progress=context.progress)
     done = names_of(stage) if payload.get("only") is None else payload["only"]
+    whole = stage == "probe" and payload.get("only") is None
+    open_rows = _failing(rows, candidate.last_frame)
+    if whole:
+        session.ledger.close_iterations(freeze[:16], open_rows, rows)
+    rows = session.cited(rows)
     changed = session.ledger.put_rows(rows, revision=session.revision, stage=stage, checks=done)
-    if stage == "probe" and payload.get("only") is None:
+    if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
-        open_rows = _failing(rows, candidate.last_frame)
         detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
         session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
-        session.ledger.close_iterations(freeze[:16], open_rows)
     return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
 
 
@@ -211,6 +216,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         **summary(rows),
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
         "unmet_clauses": {k: c["unmet"] for k, c in record["clauses"].items() if c["unmet"]},
+        "clauses_without_event": {k: c["static_because"] for k, c in record["clauses"].items() if c.get("static_because")},
         "weakenings": record["weakenings"],
         "approximations": record["approximations"][:20],
         "next": "render_shot(world, kind='final')"

@@ -192,7 +192,7 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
     if replay:
         rows.append(_replay_row(candidate, seed))
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]
-    unmet = {k: c.unmet for k, c in spec.clauses.items() if c.unmet}
+    mapped = spec.clauses
     return {
         "verdict": verdict_of(rows),
         "freeze": freeze,
@@ -201,7 +201,14 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
         "spec_digest": spec_digest(spec),
         "prompt_digest": prompt_digest(spec.prompt),
         "rows": [r.model_dump(mode="json") for r in rows],
-        "clauses": {k: {"text": t, "unmet": unmet.get(k)} for k, t in clauses_of(spec.prompt).items()},
+        "clauses": {
+            k: {
+                "text": t,
+                "unmet": mapped[k].unmet if k in mapped else None,
+                "static_because": mapped[k].static_because if k in mapped else None,
+            }
+            for k, t in clauses_of(spec.prompt).items()
+        },
         "approximations": approximations(candidate),
         "versions": engine_versions(),
         "verifier_source": source_digest(Path(__file__).parent),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.candidate import Candidate
-from ..worlds.predicates import describe_predicate, entities_of
+from ..worlds.predicates import describe_predicate, entities_of, is_invariant
 from ..worlds.requirements import Correction, Group, Row
 from ..worlds.spec import PathDriver
 from .predicates import Outcome, beat_times, evaluate
@@ -22,9 +22,8 @@ from .verdicts import correction, make_row, requested_frames
 if TYPE_CHECKING:
     from ..worlds.spec import Beat, Requirement, SpecModel
 
-__all__ = ["check", "is_invariant"]
+__all__ = ["check"]
 
-INVARIANTS = frozenset({"always", "stays_in", "supported", "no_contact", "not"})
 SPATIAL = frozenset({"reaches", "stays_in", "separation", "supported", "rests_on", "crosses", "displacement"})
 SETTLING_FRAMES = 2
 """A closest approach this near to the end of the run counts as still under way. Own choice."""
@@ -49,16 +48,6 @@ def check(candidate: Candidate) -> list[Row]:
         group: Group = "spatial" if requirement.predicate.kind in SPATIAL else "physical"
         rows.append(_row(candidate, f"requirement:{name}", group, requirement, outcome, hints, ()))
     return rows
-
-
-def is_invariant(predicate: SpecModel) -> bool:
-    """Whether the predicate speaks of a state that lasts, not of an event."""
-    kind = getattr(predicate, "kind", "")
-    if kind == "count":
-        return is_invariant(predicate.predicate)  # type: ignore[attr-defined]
-    if kind in ("and", "or"):
-        return all(is_invariant(p) for p in predicate.of)  # type: ignore[attr-defined]
-    return kind in INVARIANTS or getattr(predicate, "when", "") == "always"
 
 
 def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> Outcome:
@@ -192,8 +181,13 @@ def _unbroken(candidate: Candidate, predicate: SpecModel, decisive: int | None) 
 
 def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
     plan, entities = candidate.spec.simulation, candidate.spec.entities
-    if beat.owner not in plan.solvers and not beat.causes:
-        return []  # an authored input: a trigger, not an outcome
+    followed = any(beat_id in b.causes for b in candidate.spec.story.beats.values())
+    if (
+        beat.owner not in plan.solvers
+        and not beat.causes
+        and (followed or not isinstance(plan.drivers.get(beat.owner), PathDriver))
+    ):
+        return []  # an authored input: a trigger, not an outcome; a path from which nothing follows is an outcome
     paths = {d.entity: name for name, d in plan.drivers.items() if isinstance(d, PathDriver)}
     authored = {n for n, e in entities.items() if e.motion == "kinematic"} | set(paths)
     moving = [n for n in entities_of(beat.predicate) if n in entities and entities[n].motion != "static"]

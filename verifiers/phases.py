@@ -18,10 +18,10 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
+from ..worlds.predicates import is_invariant
 from ..worlds.requirements import Correction, Row
 from ..worlds.spec import RigidPhysics
 from . import motion
-from .beats import is_invariant
 from .causal import driver_start
 from .verdicts import correction, make_row
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from .canonical import digest_of
 from .clauses import clauses_of
+from .gate import Problem, bound_problems, clause_problems, overlap_problems
 from .groups import group_of
 from .predicates import PREDICATES, entities_of
 from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
@@ -69,14 +70,6 @@ class AuditReport:
     def passed(self) -> bool:
         """Whether every mandatory row passes."""
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
-
-
-class Problem(NamedTuple):
-    """One finding: where, what to do, and the edit that would do it where there is only one."""
-
-    pointer: str
-    text: str
-    patch: dict[str, Any] | None = None
 
 
 def _replace(pointer: str, value: Any) -> dict[str, Any]:
@@ -368,7 +361,9 @@ class _Audit:
                         f"use a skin of at most {SKIN_SHARE * limits.contact_gap / 2:g} m or a smaller step",
                     )
                 )
-        self.add("bounds", "collision skins stay within the contact tolerance", problems, group="physical")
+        problems += bound_problems(self.spec) + overlap_problems(self.spec)
+        text = "collision skins stay within the contact tolerance, bounds of events above noise, intended overlaps below the bodies' size"
+        self.add("bounds", text, problems, group="physical")
 
     def clauses(self) -> Mapping[str, str]:
         """R155: every clause of the prompt is mapped or listed as unmet."""
@@ -384,6 +379,7 @@ class _Audit:
             for pointer in clause.met_by:
                 if not resolves(self.document, pointer):
                     problems.append(Problem(f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
+        problems += clause_problems(self.spec, found)
         for key in self.spec.clauses:
             if key not in found:
                 problems.append(Problem(f"/clauses/{key}", f"the prompt has no clause {key!r}; its clauses are {list(found)}"))

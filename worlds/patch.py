@@ -167,10 +167,40 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
     for key, entity in old.items():
         if key not in new:
             yield f"/entities/{key} removed"
-        elif new[key]["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
+            continue
+        now = new[key]
+        if entity["motion"] == "dynamic" and now["motion"] != "dynamic":
+            yield f"/entities/{key}/motion dynamic -> {now['motion']}"
+        for name, part in entity["parts"].items():
+            if name not in now["parts"]:
+                yield f"/entities/{key}/parts/{name} removed"
+            elif part["collides"] and not now["parts"][name]["collides"]:
+                yield f"/entities/{key}/parts/{name} collides no more"
+        if now["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
             yield f"/entities/{key}/dimensions/tolerance widened"
         elif "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:
             yield f"/entities/{key}/nominal_diagonal changed"
+
+
+def _shot_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    """What no shot covers or frames any more, taking all shots together: shots may be cut anew."""
+    for field, what in (("covers", "beat"), ("subjects", "subject")):
+        before, now = ({name for shot in shots.values() for name in shot[field]} for shots in (old, new))
+        yield from (f"/shots: {what} {name} is in no shot's {field} any more" for name in sorted(before - now))
+
+
+def _clause_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key, clause in new.items():
+        was = old.get(key, {})
+        if clause.get("unmet"):
+            if not was.get("unmet"):
+                yield f"/clauses/{key} given up: {clause['unmet']}"
+            continue
+        if clause.get("static_because") and not was.get("static_because"):
+            yield f"/clauses/{key} asks for no event or way: {clause['static_because']}"
+        lost = sorted(set(was.get("met_by", ())) - set(clause.get("met_by", ())))
+        if lost:
+            yield f"/clauses/{key}/met_by lost {lost}"
 
 
 def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
@@ -184,9 +214,8 @@ def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
     for key, material in old["materials"].items():
         if key in new["materials"] and new["materials"][key]["substance"] != material["substance"]:
             found.append(f"/materials/{key}/substance {material['substance']} -> {new['materials'][key]['substance']}")
-    for key, clause in new["clauses"].items():
-        if clause.get("unmet") and not old["clauses"].get(key, {}).get("unmet"):
-            found.append(f"/clauses/{key} given up: {clause['unmet']}")
+    found += _shot_weakenings(old["shots"], new["shots"])
+    found += _clause_weakenings(old["clauses"], new["clauses"])
     if new["simulation"]["frames"] < old["simulation"]["frames"]:
         found.append(f"/simulation/frames {old['simulation']['frames']} -> {new['simulation']['frames']}")
     return found

@@ -107,6 +107,12 @@ def test_every_limit_has_a_direction_that_weakens() -> None:
         ("/entities/b1/dimensions/tolerance", 0.01, 0.05),
         ("/simulation/frames", 36, 30),
         ("/clauses/c1", {"met_by": ["/entities/ball"]}, {"unmet": "too hard"}),
+        ("/clauses/c1/met_by", ["/entities/ball", "/story/beats/roll"], ["/entities/ball"]),
+        ("/clauses/c1", {"met_by": []}, {"met_by": [], "static_because": "the words name a thing"}),
+        ("/shots/only/covers", ["roll", "strike", "fall"], ["roll", "strike"]),
+        ("/shots/only/subjects", ["ball", "b3"], ["b3"]),
+        ("/entities/b1/motion", "dynamic", "static"),
+        ("/entities/b1/parts/body/collides", True, False),
     ],
 )
 def test_one_way_changes(pointer: str, hard: Any, easy: Any) -> None:

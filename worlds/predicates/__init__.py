@@ -27,7 +27,7 @@ from .models import (
     Until,
     Within,
 )
-from .registry import PREDICATES, PredicateInfo, describe_predicate, entities_of
+from .registry import PREDICATES, PredicateInfo, describe_predicate, entities_of, is_invariant
 
 __all__ = [
     "ATOMS",
@@ -59,4 +59,5 @@ __all__ = [
     "Within",
     "describe_predicate",
     "entities_of",
+    "is_invariant",
 ]

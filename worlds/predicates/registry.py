@@ -10,7 +10,7 @@ from ..vocabulary import Ref, SpecModel
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREDICATES", "PredicateInfo", "describe_predicate", "entities_of"]
+__all__ = ["PREDICATES", "PredicateInfo", "describe_predicate", "entities_of", "is_invariant"]
 
 Tightens = Literal["up", "down", "none"]
 
@@ -81,6 +81,19 @@ def entities_of(predicate: SpecModel) -> tuple[str, ...]:
         names.update(dict.fromkeys(entities_of(child)))
     names.pop("each", None)
     return tuple(names)
+
+
+INVARIANTS = frozenset({"always", "stays_in", "supported", "no_contact", "not"})
+
+
+def is_invariant(predicate: SpecModel) -> bool:
+    """Whether the predicate speaks of a state that lasts, not of an event."""
+    kind = getattr(predicate, "kind", "")
+    if kind == "count":
+        return is_invariant(predicate.predicate)  # type: ignore[attr-defined]
+    if kind in ("and", "or"):
+        return all(is_invariant(p) for p in predicate.of)  # type: ignore[attr-defined]
+    return kind in INVARIANTS or getattr(predicate, "when", "") == "always"
 
 
 def describe_predicate(predicate: SpecModel) -> str:

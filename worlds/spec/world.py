@@ -22,6 +22,9 @@ class Clause(SpecModel):
 
     met_by: list[Annotated[str, StringConstraints(pattern=r"^/(entities|graph|story|shots|simulation|look)/.+")]] = []
     unmet: Text | None = None
+    static_because: Annotated[str, StringConstraints(min_length=10, max_length=300)] | None = Field(
+        default=None, description="why words that sound like an event or a way ask for none; printed with the acceptance"
+    )
 
 
 class AreaLight(SpecModel):

@@ -10,6 +10,9 @@ from ...worlds.arrays import F64
 
 __all__ = ["Ledger", "velocities"]
 
+BATCH = 256
+"""Steps after which what was copied is evaluated, so that a frame of many steps needs no memory."""
+
 
 def velocities(model: Any, data: Any) -> tuple[F64, F64]:
     """Velocities of all bodies' centres of mass and angular velocities, world axes, each (nbody, 3)."""
@@ -30,8 +33,38 @@ class Ledger:
     def __init__(self, model: Any, moving: Any, kinematic: Any) -> None:
         self.model, self.moving = model, moving
         self.free, self.authored = moving[~kinematic], moving[kinematic]
-        self._reach = np.zeros(model.nbody)
-        np.maximum.at(self._reach, model.geom_bodyid, model.geom_rbound + np.linalg.norm(model.geom_pos, axis=1))
+        reach = np.zeros(model.nbody)
+        np.maximum.at(reach, model.geom_bodyid, model.geom_rbound + np.linalg.norm(model.geom_pos, axis=1))
+        self._reach = reach[moving]
+        roots = np.bincount(model.body_rootid[1:], minlength=model.nbody)
+        self._articulated = bool((roots[model.body_rootid[moving]] > 1).any())
+        self.begin()
+
+    def begin(self) -> None:
+        """Start a frame: no step of it is seen yet."""
+        self._twists: list[Any] = []
+        self._arms: list[Any] = []
+        self._speed, self._surface = 0.0, 0.0
+
+    def watch(self, data: Any) -> None:
+        """Copy the velocities of a step's beginning; once per step and at the end of the frame."""
+        self._twists.append(data.cvel.copy())
+        if self._articulated:
+            self._arms.append(data.xipos - data.subtree_com[self.model.body_rootid])
+        if len(self._twists) >= BATCH:
+            self._evaluate()
+
+    def _evaluate(self) -> None:
+        """Turn the copied steps into the largest speeds of the frame; a NaN stays one."""
+        twists = np.stack(self._twists)[:, self.moving]
+        angular, linear = twists[..., :3], twists[..., 3:]
+        if self._articulated:
+            linear = linear + np.cross(angular, np.stack(self._arms)[:, self.moving])
+        speed = np.linalg.norm(linear, axis=-1)
+        surface = speed + np.linalg.norm(angular, axis=-1) * self._reach
+        self._speed = float(np.maximum(self._speed, speed.max(initial=0.0)))
+        self._surface = float(np.maximum(self._surface, surface.max(initial=0.0)))
+        self._twists, self._arms = [], []
 
     def energy(self, data: Any, bodies: Any, speeds: tuple[F64, F64]) -> tuple[float, float]:
         """Kinetic and gravitational potential energy of some bodies [J]."""
@@ -71,12 +104,13 @@ class Ledger:
         return float(np.abs(data.efc_pos[: data.nefc][rows]).max(initial=0.0))
 
     def measure(self, data: Any, speeds: tuple[F64, F64], step: float) -> dict[str, float]:
-        """Records of the present state; `step` [s] turns speeds into travel."""
-        model, (linear, angular) = self.model, speeds
+        """Records of the present state and of the frame's fastest step; `step` [s] turns speeds into travel."""
+        model, (linear, _) = self.model, speeds
         kinetic, potential = self.energy(data, self.free, speeds)
         mass = model.body_mass[self.free]
         momentum = mass @ linear[self.free] if len(self.free) else np.zeros(3)
-        surface = np.linalg.norm(linear, axis=1) + np.linalg.norm(angular, axis=1) * self._reach
+        self.watch(data)
+        self._evaluate()
         return {
             "kinetic_energy": kinetic,
             "potential_energy": potential + self.spring_energy(data),
@@ -85,6 +119,6 @@ class Ledger:
             "momentum_z": float(momentum[2]),
             "mass": float(mass.sum()),
             "body_count": float(len(self.moving)),
-            "max_speed": float(np.linalg.norm(linear[self.moving], axis=1).max(initial=0.0)),
-            "max_travel_per_step": float(surface[self.moving].max(initial=0.0)) * step,
+            "max_speed": self._speed,
+            "max_travel_per_step": self._surface * step,
         }

@@ -108,6 +108,7 @@ class SolverRigid:
         self._adopt_contacts(0.0)
         self._work = 0.0
         self.restore(self._bytes(), 0)
+        self.ledger.begin()
         self._finish_frame(0, self.settings.step)
 
     def _adopt_contacts(self, time: float) -> None:
@@ -150,7 +151,7 @@ class SolverRigid:
         mujoco, model, data = self._mj, self.model, self.data
         first, second, after_step = mujoco.mj_step1, mujoco.mj_step2, self.monitor.after_step
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
-        gyration, ropes = self.gyration.apply, self.drivers.has_ropes
+        gyration, ropes, watch = self.gyration.apply, self.drivers.has_ropes, self.ledger.watch
         working = self.work.begin(data, velocities(model, data))
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
         for k in range(count):
@@ -159,6 +160,7 @@ class SolverRigid:
             if ropes:
                 self.drivers.slacken(data)
             first(model, data)
+            watch(data)
             gyration(data, dt)
             contact_law(data, dt, slowest)
             second(model, data)
@@ -186,6 +188,7 @@ class SolverRigid:
         authored = self.ledger.authored_energy(self.data)
         for level in range(self.settings.refine + 1):
             self.monitor.begin()
+            self.ledger.begin()
             step = self.settings.step / 2**level
             taken = self._run(start, end, step)
             self._joint_error = self.ledger.joint_error(self.data)

@@ -158,3 +158,14 @@ def test_a_frame_that_would_overlap_is_redone_finer_and_others_are_not():
     members = SCENES["fast ball"].simulation.solvers["main"].model_copy(update={"settings": coarse})
     plan = SCENES["fast ball"].simulation.model_copy(update={"solvers": {"main": members}})
     assert np.all(Run(SCENES["fast ball"].model_copy(update={"simulation": plan})).record("steps")[1:] <= 85)
+
+
+def test_the_largest_speed_within_a_frame_is_recorded():
+    """A ball dropped 0.2 m hits at 1.98 m/s between frames 4 and 5, and is slower at both of them."""
+    run = Run(world({"ground": floor(), "ball": ball(0.05, at=(0, 0, 0.25))}, seconds=0.3, restitution=0.5))
+    written = np.linalg.norm(run.of("ball", "velocity"), axis=1)
+    hit = np.sqrt(2 * 9.81 * 0.2)
+    frame = int(np.ceil(np.sqrt(2 * 0.2 / 9.81) * 24))
+    assert written.max() < 0.97 * hit
+    assert run.record("max_speed")[frame] == pytest.approx(hit, rel=0.01)
+    assert run.record("max_speed")[frame + 1] == pytest.approx(written[frame], rel=1e-6)

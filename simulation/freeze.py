@@ -13,7 +13,7 @@ from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.provenance import motion_slice
 from ..worlds.spec import WorldSpec
 
-__all__ = ["engine_versions", "freeze_hash", "open_freeze"]
+__all__ = ["engine_versions", "freeze_hash", "open_freeze", "solver_source"]
 
 
 @lru_cache(maxsize=1)
@@ -24,10 +24,21 @@ def engine_versions() -> dict[str, str]:
     return {"mujoco": version("mujoco"), "numpy": version("numpy"), "scipy": version("scipy")}
 
 
-def freeze_hash(spec: WorldSpec, built: Mapping[str, BuiltEntity]) -> str:
-    """Hash of production settings: motion slice, content of the geometry, solver source, engine versions."""
+def solver_source() -> str:
+    """SHA-256 over the source of what computes the motion."""
+    return source_digest(Path(__file__).parent)
+
+
+def freeze_hash(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], *, source: str | None = None, versions: Mapping[str, str] | None = None
+) -> str:
+    """Hash of production settings: motion slice, content of the geometry, solver source, engine versions.
+
+    `source` and `versions` are of this installation, or what a record says: a record that another version made hashes to its
+    own freeze all the same.
+    """
     contents = {name: entity.digest() for name, entity in built.items()}
-    return digest_of(motion_slice(spec), contents, source_digest(Path(__file__).parent), engine_versions())
+    return digest_of(motion_slice(spec), contents, source or solver_source(), dict(versions or engine_versions()))
 
 
 def open_freeze(
@@ -45,7 +56,7 @@ def open_freeze(
         "spec": spec.model_dump(mode="json", exclude_none=True),
         "built": {name: [files[name], built[name].digest()] for name in sorted(built)},
         "versions": engine_versions(),
-        "source": source_digest(Path(__file__).parent),
+        "source": solver_source(),
     }
     path = folder.candidate(freeze) / "candidate.json"
     write_atomically(path, json.dumps(record, sort_keys=True, indent=1).encode())

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -59,8 +61,8 @@ def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str,
     The start is compared too: what the rows of the cache stand for, frame 0 and its checkpoint. Each interval ends at the
     checkpoint that the next one starts from, so that no link of the chain is taken on trust.
 
-    Returns one record per interval: solver, first and last frame, whether all frames equal the cache, and the first
-    that does not.
+    Returns one record per interval: solver, first and last frame, whether all frames equal the cache, the first that does
+    not, and by how much positions differ [m] (None where they cannot be compared).
 
     Raises:
         EvidenceError: a checkpoint is missing.
@@ -88,31 +90,39 @@ def _checkpoint(cache: Cache, frame: int) -> bytes:
 
 def _replay_start(solver: Solver, cache: Cache) -> dict[str, object]:
     index = dataclasses.replace(solver.index(), frames=cache.index.frames)
-    same = (
-        index == cache.index
-        and digest_arrays(dict(solver.frame_data())) == cache.frame_digest(0)
-        and solver.checkpoint() == _checkpoint(cache, 0)
-    )
+    data = dict(solver.frame_data())
+    same = index == cache.index and digest_arrays(data) == cache.frame_digest(0) and solver.checkpoint() == _checkpoint(cache, 0)
+    # What the rows stand for is the same on every machine; only the versions beside it are not.
+    alike = dataclasses.replace(index, versions=cache.index.versions) == cache.index
     return {
         "solver": cache.index.solver,
         "frames": [0, 0],
         "identical": same,
+        "alike": alike,
         "first_different_frame": None if same else 0,
-        "largest_difference_m": 0.0,
+        "largest_difference_m": 0.0 if same else _apart(cache, 0, data),
     }
+
+
+def _apart(cache: Cache, frame: int, data: Mapping[str, Any]) -> float | None:
+    """Largest distance [m] between positions simulated and cached; None where they cannot be compared."""
+    stored = cache.read(frame, ("position",))["position"]
+    if stored.shape != data["position"].shape:
+        return None
+    distance = float(np.abs(data["position"] - stored).max(initial=0.0))
+    return distance if math.isfinite(distance) else None
 
 
 def _replay_interval(solver: Solver, cache: Cache, start: int, end: int, marks: set[int]) -> dict[str, object]:
     solver.restore(_checkpoint(cache, start), start)
     first_bad = None
-    worst = 0.0
+    apart: list[float | None] = []
     for frame in range(start + 1, end + 1):
         solver.advance(frame)
         data = dict(solver.frame_data())
         if digest_arrays(data) != cache.frame_digest(frame):
             first_bad = frame if first_bad is None else first_bad
-            stored = cache.read(frame, ("position",))["position"]
-            worst = max(worst, float(np.abs(data["position"] - stored).max(initial=0.0)))
+            apart.append(_apart(cache, frame, data))
     if end in marks and first_bad is None and solver.checkpoint() != _checkpoint(cache, end):
         first_bad = end
     return {
@@ -120,5 +130,5 @@ def _replay_interval(solver: Solver, cache: Cache, start: int, end: int, marks: 
         "frames": [start, end],
         "identical": first_bad is None,
         "first_different_frame": first_bad,
-        "largest_difference_m": worst,
+        "largest_difference_m": None if None in apart else max((d for d in apart if d is not None), default=0.0),
     }

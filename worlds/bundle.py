@@ -177,7 +177,7 @@ def _checked_infos(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
     """Members by name, if their headers alone are in order: nothing is unpacked yet."""
     infos = archive.infolist()
     names = [info.filename for info in infos]
-    if len(set(map(str.casefold, names))) < len(names):
+    if len(set(names)) < len(names):
         raise EvidenceError("two members have one name")
     try:
         check_cap("bundle_members", len(infos), what="this bundle")

@@ -16,12 +16,14 @@ from ..worlds.audit import audit
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
 from ..worlds.clauses import clauses_of
+from ..worlds.environment import environment
 from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import WorldSpec, prompt_digest
+from .bundle import event_list
 
 __all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
@@ -138,10 +140,10 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
     return found
 
 
-def _replay_row(candidate: Candidate, seed: int) -> Row:
+def _replay_row(candidate: Candidate, seed: int, intervals: int) -> Row:
     from ..simulation.probe import replay
 
-    results = replay(candidate, intervals=REPLAY_INTERVALS, seed=seed)
+    results = replay(candidate, intervals=intervals, seed=seed)
     bad = [r for r in results if not r["identical"]]
     return Row(
         id="delivery:replay",
@@ -170,10 +172,16 @@ def _replay_row(candidate: Candidate, seed: int) -> Row:
     )
 
 
-def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
+def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = REPLAY_INTERVALS) -> dict[str, Any]:
     """Judge the candidate of a world folder's present `world.json`, reading only.
 
-    Returns a JSON-able record: verdict, freeze, subject, rows, clauses, approximations, versions.
+    Args:
+        root: the world folder.
+        replay: also simulate the start and randomly chosen checkpoint intervals again.
+        seed: of that choice.
+        intervals: how many per solver instance; more than there are means all.
+
+    Returns a JSON-able record: verdict, freeze, subject, rows, clauses, approximations, versions, environment, events.
 
     Raises:
         RefusedError: no candidate holds this specification, or its bake is incomplete.
@@ -190,7 +198,7 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
     rows.append(_freeze_row(candidate, freeze, freeze_hash(spec, candidate.built)))
     rows += run_checks(candidate)
     if replay:
-        rows.append(_replay_row(candidate, seed))
+        rows.append(_replay_row(candidate, seed, intervals))
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]
     mapped = spec.clauses
     return {
@@ -211,7 +219,9 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
         },
         "approximations": approximations(candidate),
         "versions": engine_versions(),
+        "environment": environment(),
         "verifier_source": source_digest(Path(__file__).parent),
+        "events": event_list(candidate),
         "replayed": replay,
         "seed": seed,
     }
@@ -261,7 +271,7 @@ def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
     )
 
 
-def judge_fresh(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, Any]:
+def judge_fresh(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = REPLAY_INTERVALS) -> dict[str, Any]:
     """Run `judge` in a fresh Python process and return its record.
 
     Raises:
@@ -269,6 +279,7 @@ def judge_fresh(root: Path, *, replay: bool = True, seed: int = 0) -> dict[str, 
         EngineError: the process died.
     """
     command = [sys.executable, "-P", "-m", "worldagent.verifiers.acceptance", str(root), "--seed", str(seed)]
+    command += ["--intervals", str(intervals)]
     if not replay:
         command.append("--no-replay")
     done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_SECONDS, check=False, stdin=subprocess.DEVNULL)
@@ -291,10 +302,11 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--intervals", type=int, default=REPLAY_INTERVALS)
     parser.add_argument("--no-replay", action="store_true")
     options = parser.parse_args()
     try:
-        record = judge(options.folder, replay=not options.no_replay, seed=options.seed)
+        record = judge(options.folder, replay=not options.no_replay, seed=options.seed, intervals=options.intervals)
     except WorldAgentError as error:
         record = {"error": {"type": type(error).__name__, "message": str(error)}}
     sys.stdout.write(json.dumps(record, allow_nan=False) + "\n")

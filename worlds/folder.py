@@ -5,6 +5,7 @@ ledger.sqlite          revisions, matrix, iterations, freezes, acceptances
 assets/                mesh files that the specification names
 built/                 one file per built entity and recipe
 candidates/<id>/       candidate.json, probe/<solver>/, bake/<solver>/, final/
+acceptance/            <id>.zip: bundle of a judged candidate; <id>.html: its matrix report
 pictures/              previews, contact sheets, plots
 """
 
@@ -98,6 +99,11 @@ class WorldFolder:
     def pictures(self) -> Path:
         """Folder of pictures."""
         return self.root / "pictures"
+
+    @property
+    def acceptance(self) -> Path:
+        """Folder of acceptance bundles and matrix reports."""
+        return self.root / "acceptance"
 
     def built(self, entity: str, recipe: str) -> Path:
         """File of a built entity."""

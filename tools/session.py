@@ -24,6 +24,9 @@ __all__ = ["CAUSAL_CLASSES", "Session", "brief", "counts"]
 
 CAUSAL_CLASSES = ("scene", "solver")
 MAX_BRIEF_ROWS = 12
+MAX_CHANGES = 8
+MAX_LENGTH = 4
+"""An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
 COMMIT_SECONDS = 0.3
 """Longest that a client stands between its ledger entry and its `world.json` [s]."""
 
@@ -36,8 +39,11 @@ def brief(row: Row, *, corrections: int = 2) -> dict[str, Any]:
         data["corrections"] = [
             {k: v for k, v in c.model_dump(mode="json").items() if v not in ("", [], None)} for c in row.corrections[:corrections]
         ]
-        text = json.dumps(row.evidence, default=str)
-        data["evidence"] = row.evidence if len(text) < 1500 else text[:1500] + "..."
+        measured = {k: v for k, v in row.evidence.items() if k not in ("diagnosis", "edit_classes")}
+        text = json.dumps(measured, default=str)
+        data["evidence"] = measured if len(text) < 1500 else text[:1500] + "..."
+        if "diagnosis" in row.evidence:
+            data["diagnosis"] = row.evidence["diagnosis"]
     return data
 
 
@@ -134,7 +140,8 @@ class Session:
             RefusedError: the edit breaks R111-R113 or R157, or another revision came first.
         """
         before = self.spec
-        places = list(differences(before.model_dump(mode="json"), after.model_dump(mode="json")))
+        documents = before.model_dump(mode="json"), after.model_dump(mode="json")
+        places = list(differences(*documents))
         groups = {group_of(p) for p in places}
         causal = sorted({g.name for g in groups if g.edit_class in CAUSAL_CLASSES})
         weaker = weakenings(before, after)
@@ -159,7 +166,9 @@ class Session:
         lost = stale_rows(self.ledger.rows(), self.ledger.stages(), stale)
         self.ledger.mark_stale({k: f"{v} changed in revision {number}" for k, v in lost.items()}, number)
         if failing and causal:
-            self.ledger.add_iteration(number, hypothesis, causal[0], [r.id for r in failing])
+            changed = [p for p in places if group_of(p).edit_class in CAUSAL_CLASSES]
+            values = [(p, _value(documents[0], p), _value(documents[1], p)) for p in changed[:MAX_CHANGES]]
+            self.ledger.add_iteration(number, hypothesis, causal[0], failing, values)
         self.spec, self.revision = after, number
         self.write_spec()
         return {
@@ -217,7 +226,7 @@ class Session:
         report = audit(self.spec)
         self.ledger.put_rows(report.rows, revision=self.revision, stage="audit", checks=("audit",))
         if not report.passed:  # no other test can run on this change: the audit has been its test
-            self.ledger.close_iterations("audit", [r.id for r in report.rows if r.status == "fail" and r.mandatory])
+            self.ledger.close_iterations("audit", [r.id for r in report.rows if r.status == "fail" and r.mandatory], report.rows)
         return report
 
     def require_audit(self, purpose: str) -> AuditReport:
@@ -251,12 +260,32 @@ class Session:
         # A change that leaves the geometry failing has been tested: no probe would run on it.
         blocked = any(r.check != "shots" for r in rows if r.mandatory and r.status in ("fail", "unverified"))
         if blocked or any(self._static_only(i) for i in self.ledger.open_iterations()):
-            self.ledger.close_iterations("static", failing)
+            self.ledger.close_iterations("static", failing, rows)
+        rows, judged_now = self.cited(rows), {r.id for r in fresh_rows}
+        self.ledger.put_rows([r for r in rows if r.id in judged_now], revision=self.revision, stage="static")
         return rows, changed, fresh
+
+    def cited(self, rows: Sequence[Row]) -> list[Row]:
+        """Rows with what past edits of this world did to them; call it after the iterations that they test are closed."""
+        from ..verifiers.diagnosis import cite
+
+        attempts = self.ledger.attempts()
+        return [cite(r, attempts.get(r.id, ())) for r in rows]
 
     def _static_only(self, iteration: Mapping[str, Any]) -> bool:
         stages = self.ledger.stages()
         return all(stages.get(r, "static") in ("static", "audit", "stale") for r in json.loads(str(iteration["failing_before"])))
+
+
+def _value(document: Any, pointer: str) -> Any:
+    """What a document holds at a pointer, where it is a number, a word or a short list of them; else None."""
+    at = document
+    for token in pointer.split("/")[1:]:
+        if not isinstance(at, dict) or token not in at:
+            return None
+        at = at[token]
+    flat = at if isinstance(at, list) and len(at) <= MAX_LENGTH else [at]
+    return at if all(v is None or isinstance(v, bool | int | float | str) for v in flat) else None
 
 
 def _failed(row: Row) -> bool:

@@ -71,6 +71,9 @@ def _row(
     subjects: tuple[str, ...],
 ) -> Row:
     pointer = "/story/" + row_id.replace("beat:", "beats/").replace("requirement:", "requirements/")
+    at = _happens_at(candidate, declared.predicate, outcome.frames) if outcome.status == "fail" else None
+    late = 0 if at is None else at - outcome.frames[0 if at < outcome.frames[0] else 1]
+    off = {"happens_at_frame": at, "late_frames": late, "late_s": late / candidate.spec.simulation.fps} if late else {}
     return make_row(
         candidate,
         row_id,
@@ -95,6 +98,7 @@ def _row(
             "margin": outcome.margin,
             "failing": list(outcome.failing),
             "pointers": [pointer],
+            **off,
             **outcome.details,
         },
         extra=[declared.model_dump(mode="json"), candidate.spec.simulation.limits.contact_gap],
@@ -257,12 +261,9 @@ def _corrections(
 def _timing(
     candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
 ) -> list[Correction]:
-    if is_invariant(predicate) or frames == (0, candidate.last_frame):
-        late = None
-    else:
-        late = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
+    late = _happens_at(candidate, predicate, frames)
     found = []
-    if late is not None and not frames[0] <= late <= frames[1]:
+    if late is not None:
         gap = late - frames[1] if late > frames[1] else frames[0] - late
         when = "after the interval ends" if late > frames[1] else "before it begins"
         moved = [min(frames[0], late), max(frames[1], late)]
@@ -289,6 +290,14 @@ def _timing(
             )
         )
     return found
+
+
+def _happens_at(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]) -> int | None:
+    """Frame outside its interval at which an event comes true; None where it does not, or is a state that lasts."""
+    if is_invariant(predicate) or frames == (0, candidate.last_frame):
+        return None
+    at = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
+    return None if at is None or frames[0] <= at <= frames[1] else at
 
 
 def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:

@@ -77,5 +77,5 @@ def run_checks(
     for done, binding in enumerate(chosen):
         if progress is not None:
             progress(done, len(chosen), f"checking {binding.name}")
-        rows += [diagnose(fail_closed(r)) for r in binding.function(candidate)]
+        rows += [diagnose(fail_closed(r), candidate.spec) for r in binding.function(candidate)]
     return rows

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from .requirements import Row, fail_closed
+from .requirements import Attempt, Outcome, Row, fail_closed, outcome_of
 
 __all__ = ["Ledger"]
 
@@ -26,7 +26,7 @@ CREATE TABLE IF NOT EXISTS history (
     measured REAL, bound REAL, entity TEXT, frame INTEGER, at REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS iterations (
     n INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, hypothesis TEXT NOT NULL, grp TEXT NOT NULL,
-    failing_before TEXT NOT NULL, probe TEXT, failing_after TEXT, at REAL NOT NULL);
+    failing_before TEXT NOT NULL, probe TEXT, failing_after TEXT, at REAL NOT NULL, changes TEXT, before TEXT, after TEXT);
 CREATE TABLE IF NOT EXISTS freezes (
     freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, passed INTEGER NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS bakes (freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL);
@@ -34,6 +34,9 @@ CREATE TABLE IF NOT EXISTS acceptances (
     n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL, verdict TEXT NOT NULL,
     record TEXT NOT NULL, at REAL NOT NULL);
 """
+
+_LATER_COLUMNS = {"iterations": ("changes", "before", "after")}
+"""Columns that ledgers of older worlds lack; they are added at the first write that needs them."""
 
 
 class Ledger:
@@ -214,18 +217,49 @@ class Ledger:
 
     # ---------------------------------------------------------------- iterations, freezes, bakes, acceptances
 
-    def add_iteration(self, revision: int, hypothesis: str, group: str, failing: Iterable[str]) -> None:
-        """Record an attempt at repair, before its probe."""
+    def add_iteration(
+        self, revision: int, hypothesis: str, group: str, failing: Iterable[Row], changes: Iterable[tuple[str, Any, Any]] = ()
+    ) -> None:
+        """Record an attempt at repair, before its test.
+
+        Args:
+            revision: that makes the change.
+            hypothesis: of the edit.
+            group: causal parameter group that it changes.
+            failing: rows that fail before it, with what they measured.
+            changes: (JSON pointer, old value, new value).
+        """
+        rows = list(failing)
+        before = {r.id: outcome_of(r).model_dump(mode="json") for r in rows}
         with self._write() as db:
+            _add_columns(db, "iterations")
             db.execute(
-                "INSERT INTO iterations (revision, hypothesis, grp, failing_before, at) VALUES (?,?,?,?,?)",
-                (revision, hypothesis, group, json.dumps(list(failing)), time.time()),
+                "INSERT INTO iterations (revision, hypothesis, grp, failing_before, at, changes, before) VALUES (?,?,?,?,?,?,?)",
+                (
+                    revision,
+                    hypothesis,
+                    group,
+                    json.dumps([r.id for r in rows]),
+                    time.time(),
+                    json.dumps([list(c) for c in changes]),
+                    json.dumps(before),
+                ),
             )
 
-    def close_iterations(self, probe: str, failing: Iterable[str]) -> None:
-        """Record the outcome of the probe that tested all open iterations."""
+    def close_iterations(self, probe: str, failing: Iterable[str], rows: Iterable[Row] = ()) -> None:
+        """Record the outcome of the test of all open iterations: what fails now, and what `rows` measured.
+
+        Rows that are still `unverified` were not judged by the test and are left out.
+        """
+        after = {r.id: outcome_of(r).model_dump(mode="json") for r in rows if r.status != "unverified"}
         with self._write() as db:
-            db.execute("UPDATE iterations SET probe=?, failing_after=? WHERE probe IS NULL", (probe, json.dumps(list(failing))))
+            _add_columns(db, "iterations")
+            for found in db.execute("SELECT n, failing_before FROM iterations WHERE probe IS NULL").fetchall():
+                kept = {k: after[k] for k in json.loads(found["failing_before"]) if k in after}
+                db.execute(
+                    "UPDATE iterations SET probe=?, failing_after=?, after=? WHERE n=?",
+                    (probe, json.dumps(list(failing)), json.dumps(kept), found["n"]),
+                )
 
     def open_iterations(self) -> list[dict[str, Any]]:
         """Iterations whose change no probe has tested yet."""
@@ -233,17 +267,29 @@ class Ledger:
             return [dict(r) for r in db.execute("SELECT * FROM iterations WHERE probe IS NULL ORDER BY n").fetchall()]
 
     def iterations(self, limit: int = 50) -> list[dict[str, Any]]:
-        """Iterations, newest first."""
+        """Iterations, newest first, with what the rows that failed measured before and after."""
         with self._open() as db:
             rows = db.execute("SELECT * FROM iterations ORDER BY n DESC LIMIT ?", (limit,)).fetchall()
-        return [
-            {
-                **dict(r),
-                "failing_before": json.loads(r["failing_before"]),
-                "failing_after": json.loads(r["failing_after"] or "null"),
-            }
-            for r in rows
-        ]
+        parsed = ("failing_before", "failing_after", "changes", "before", "after")
+        return [{**dict(r), **{k: json.loads((k in r.keys() and r[k]) or "null") for k in parsed}} for r in rows]  # noqa: SIM118
+
+    def attempts(self, limit: int = 50) -> dict[str, list[Attempt]]:
+        """Past attempts at repair per row that failed then, newest first."""
+        found: dict[str, list[Attempt]] = {}
+        for i in self.iterations(limit):
+            before, after = i["before"] or {}, i["after"] or {}
+            for row_id in i["failing_before"]:
+                attempt = Attempt(
+                    revision=i["revision"],
+                    group=i["grp"],
+                    hypothesis=i["hypothesis"],
+                    changes=tuple((p, old, new) for p, old, new in i["changes"] or ()),
+                    test=i["probe"],
+                    before=Outcome(**before[row_id]) if row_id in before else None,
+                    after=Outcome(**after[row_id]) if row_id in after else None,
+                )
+                found.setdefault(row_id, []).append(attempt)
+        return found
 
     def put_freeze(self, freeze: str, revision: int, *, passed: bool, detail: Mapping[str, Any]) -> None:
         """Record a probe's outcome for these settings; only a passed one is a freeze."""
@@ -287,3 +333,11 @@ class Ledger:
         with self._open() as db:
             row = db.execute(f"SELECT * FROM acceptances{where} ORDER BY n DESC LIMIT 1", values).fetchone()  # noqa: S608 - fixed text
         return None if row is None else {**dict(row), "record": json.loads(row["record"])}
+
+
+def _add_columns(db: sqlite3.Connection, table: str) -> None:
+    """Give a table of an older ledger the columns it lacks."""
+    known = {r["name"] for r in db.execute(f"PRAGMA table_info({table})").fetchall()}
+    for column in _LATER_COLUMNS[table]:
+        if column not in known:
+            db.execute(f"ALTER TABLE {table} ADD COLUMN {column} TEXT")

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Check", "Correction", "Group", "Row", "RowClass", "Status", "fail_closed"]
+__all__ = ["Attempt", "Check", "Correction", "Group", "Outcome", "Row", "RowClass", "Status", "fail_closed", "outcome_of"]
 
 Status = Literal["pass", "fail", "unverified", "not_applicable"]
 Group = Literal["spatial", "physical", "temporal", "observational", "delivery"]
@@ -46,6 +46,10 @@ class Correction(BaseModel):
     """A suggested RFC 6902 patch, where the numbers determine one."""
     skill: str = ""
     """`skill://` resource that explains it."""
+    because: str = ""
+    """Evidence of this row that speaks for the cause, or against it."""
+    tried: str = ""
+    """What past edits of this group did to this row, newest first."""
 
 
 class Row(BaseModel):
@@ -77,6 +81,50 @@ class Row(BaseModel):
     evidence: dict[str, Any] = Field(default_factory=dict)
     recipe: str = ""
     """Hash of everything the verdict was derived from; differs from the current one when stale."""
+
+
+class Outcome(BaseModel):
+    """What one judgement of a row came to, as an attempt at repair remembers it."""
+
+    model_config = ConfigDict(frozen=True)
+
+    status: Status
+    measured: float | None = None
+    bound: float | None = None
+    unit: str = ""
+    entity: str | None = None
+    frame: int | None = None
+
+
+class Attempt(BaseModel):
+    """One edit after a failure, as seen from one row: what was changed and what the row measured before and after."""
+
+    model_config = ConfigDict(frozen=True)
+
+    revision: int
+    group: str
+    """Causal parameter group that was changed."""
+    hypothesis: str
+    changes: tuple[tuple[str, Any, Any], ...] = ()
+    """(JSON pointer, old value, new value) of what was changed; values that are no plain numbers or words are None."""
+    test: str | None = None
+    """What tested it: `audit`, `static`, or the freeze of a probe; None while nothing has."""
+    before: Outcome | None = None
+    after: Outcome | None = None
+    """None where the test did not judge this row."""
+
+
+def outcome_of(row: Row) -> Outcome:
+    """What is remembered of a row's judgement; one that an edit made stale counts as what it was."""
+    status = row.evidence.get("was", row.status) if row.status == "unverified" else row.status
+    return Outcome(
+        status=status,
+        measured=row.measured,
+        bound=row.bound,
+        unit=row.unit,
+        entity=row.first_failing_entity,
+        frame=row.first_failing_frame,
+    )
 
 
 def fail_closed(row: Row) -> Row:

@@ -106,7 +106,7 @@ def test_a_failing_audit_is_no_evidence_against_the_world(ledger: Ledger) -> Non
 
 
 def test_iterations_stay_open_until_tested(ledger: Ledger) -> None:
-    ledger.add_iteration(2, "because", "step", ["a"])
+    ledger.add_iteration(2, "because", "step", [row("a", "fail")])
     (opened,) = ledger.open_iterations()
     assert (opened["revision"], opened["grp"]) == (2, "step")
     ledger.close_iterations("f1", ["b"])

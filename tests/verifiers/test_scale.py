@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
-from worldagent.bench.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
+from worldagent.bench.small_worlds import ball, box, build, build_all, entity, ground, make_candidate, mesh_of, pose, world
 from worldagent.verifiers import scale
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Adjacent, Box, Contains, Part, Rope, Supports
+from worldagent.verifiers.extents import specified_extent
+from worldagent.worlds.built import TriangleMesh
+from worldagent.worlds.spec import (
+    Adjacent,
+    Box,
+    BoxRegion,
+    Capsule,
+    Connects,
+    Contains,
+    Cylinder,
+    HeightField,
+    Interacts,
+    Limits,
+    Mesh,
+    Part,
+    Revolution,
+    Rope,
+    Sphere,
+    Supports,
+    Wedge,
+)
 
 
 def rows_of(tmp_path, entities, **more) -> dict[str, Row]:
@@ -108,3 +131,96 @@ def test_a_rope_is_measured_over_all_its_segments(tmp_path):
     rope = Rope(points=[(0, 0, 0), (0, 0, -1)], radius=0.01, segments=8)
     rows = rows_of(tmp_path, {"rope": entity(rope=rope, motion="dynamic", size=(0.02, 0.02, 1.02), tolerance=0.02)})
     assert rows["scale:rope"].status == "pass"
+
+
+CROOKED = pose((0.3, -0.2, 0.1), euler=(0.4, -0.7, 1.1))
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Box(size=(0.4, 0.3, 0.2)),
+        Sphere(radius=0.2),
+        Cylinder(radius=0.1, height=0.5),
+        Capsule(radius=0.1, length=0.3),
+        Wedge(size=(0.4, 0.3, 0.2)),
+        HeightField(size=(1.0, 0.5), heights=[[0.0, 0.1, 0.2], [0.3, 0.1, 0.0]]),
+    ],
+)
+def test_extents_from_the_numbers_of_a_shape_equal_those_of_its_mesh(shape):
+    part = Part(shape=shape, pose=CROOKED)
+    found = build(world({"thing": entity(part)}), "thing").parts[0].render.vertices
+    wanted = specified_extent(part)
+    assert wanted is not None
+    np.testing.assert_allclose(wanted.low, found.min(axis=0), atol=0.005)  # facets of round shapes
+    np.testing.assert_allclose(wanted.high, found.max(axis=0), atol=0.005)
+
+
+def test_extents_of_a_revolution_follow_its_profile_and_imported_files_have_none():
+    cone = Revolution(profile=[(0, 0), (0.3, 0), (0, 0.8)])
+    extent = specified_extent(Part(shape=cone))
+    assert extent is not None
+    np.testing.assert_allclose(extent.size, (0.6, 0.6, 0.8))
+    assert specified_extent(Part(shape=Mesh(file="chair.obj"))) is None
+
+
+@pytest.mark.parametrize("dust", ["vertex", "sliver", "speck"])
+def test_dust_gives_a_small_thing_no_size(tmp_path, dust):
+    mesh = mesh_of(Box(size=(0.4, 0.3, 0.1)))
+    n, corner = len(mesh.vertices), np.array([0.2, 0.15, 0.15])
+    extra = {"vertex": [corner], "sliver": [corner, corner], "speck": [corner, corner - [1e-5, 0, 0], corner - [0, 1e-5, 0]]}[
+        dust
+    ]
+    face = {"vertex": np.zeros((0, 3)), "sliver": [[0, n, n + 1]], "speck": [[n, n + 1, n + 2]]}[dust]
+    vertices, faces = np.vstack([mesh.vertices, extra]), np.vstack([mesh.faces, face]).astype(int)
+    shape = Mesh(vertices=vertices.tolist(), faces=faces.tolist())
+    row = rows_of(tmp_path, {"thing": entity(shape, size=(0.4, 0.3, 0.2))})["scale:thing"]
+    assert (row.status, row.evidence["axis"]) == ("fail", "z")
+    assert row.measured == pytest.approx(0.5)
+    assert rows_of(tmp_path, {"thing": entity(shape, size=(0.4, 0.3, 0.1))})["scale:thing"].status == "pass"
+
+
+def test_parts_inside_the_box_are_compared_with_their_shapes(tmp_path):
+    table = entity(Part(shape=Box(size=(1, 1, 1))), Part(shape=Box(size=(0.1, 0.1, 0.1)), pose=pose((0.2, 0, 0))))
+    spec = world({"table": table})
+    whole = build(spec, "table")
+
+    def judged(*parts) -> Row:
+        made = replace(whole, parts=tuple(parts))
+        return {r.id: r for r in scale.check(make_candidate(tmp_path, spec, built={"table": made}))}["scale:table"]
+
+    board, inner = whole.parts
+    assert judged(board, inner).status == "pass"
+    missing = judged(board)
+    assert missing.status == "fail"
+    assert missing.evidence["part"] == "p1"
+    moved = replace(inner, render=TriangleMesh(inner.render.vertices + [0.0, 0.003, 0.0], inner.render.faces))
+    row = judged(board, moved)
+    assert (row.status, row.evidence["part"], row.evidence["axis"], row.bound) == ("fail", "p1", "y", scale.FACETS)
+    assert row.measured == pytest.approx(0.03)
+
+
+def test_every_kind_of_relation_has_documented_bounds_and_regions_are_measured(tmp_path):
+    assert set(scale.RATIOS) == {"supports", "contains", "adjacent", "connects", "interacts", "fastened"}
+    assert all(r.reason for r in scale.RATIOS.values())
+    regions = {"hall": BoxRegion(min=(0, 0, 0), max=(100, 100, 100)), "mat": BoxRegion(min=(0, 0, 0), max=(0.1, 0.1, 0.1))}
+    relations = {
+        "way": Connects(a="hall", b="mat"),
+        "told": Connects(a="hall", b="mat", ratio=(900, 1100)),
+        "in": Contains(a="hall", b="die"),
+        "spot": Contains(a="mat", b="die"),
+    }
+    things = {"die": box(0.2, 0.2, 0.2, motion="dynamic")}
+    rows = rows_of(tmp_path, things, relations=relations, regions=regions)
+    row = rows["scale:relation:way"]
+    assert row.status == "fail"
+    assert (row.measured, row.bound) == (pytest.approx(1000.0), 500.0)
+    assert [rows[f"scale:relation:{n}"].status for n in ("told", "in", "spot")] == ["pass"] * 3
+
+
+def test_limits_of_the_world_move_the_defaults(tmp_path):
+    things = {"a": box(1, 1, 1, motion="dynamic"), "b": box(0.001, 0.001, 0.001, motion="dynamic")}
+    relations = {"hit": Interacts(a="a", b="b")}
+    assert rows_of(tmp_path, things, relations=relations)["scale:relation:hit"].status == "fail"
+    wide = Limits(scale_ratio=(1e-4, 1e4))
+    assert rows_of(tmp_path, things, relations=relations, limits=wide)["scale:relation:hit"].status == "pass"

@@ -38,7 +38,7 @@ class Extent(NamedTuple):
 def specified_extent(part: Part) -> Extent | None:
     """Box of a part in the entity's frame, from the numbers of its shape and pose alone; None for an imported file.
 
-    Round shapes by their support function h(u) = max x . u; the others by their corners.
+    Round shapes by their support function h(u) = max x . u; the others by their corners, meshes without dust.
     """
     pose = pose_of(part.pose)
     shape = part.shape
@@ -53,16 +53,18 @@ def specified_extent(part: Part) -> Extent | None:
         half = shape.radius * np.sqrt(np.maximum(1.0 - along**2, 0.0)) + 0.5 * shape.height * along
     elif isinstance(shape, Capsule):
         half = shape.radius + 0.5 * shape.length * np.abs(turn[:, 2])
-    else:
-        corners = _corners(shape)
-        if corners is None:
+    elif isinstance(shape, Mesh):
+        if shape.vertices is None or shape.faces is None:
             return None
-        placed = pose.apply(corners)
+        vertices = np.array(shape.vertices, dtype=np.float64) * shape.scale
+        return _extent(pose.apply(vertices)[np.array(shape.faces, dtype=np.intp)])
+    else:
+        placed = pose.apply(_corners(shape))
         return Extent(placed.min(axis=0), placed.max(axis=0))
     return Extent(pose.position - half, pose.position + half)
 
 
-def _corners(shape: Shape) -> F64 | None:
+def _corners(shape: Shape) -> F64:
     """Points whose convex hull is that of the shape, shape (n, 3)."""
     if isinstance(shape, Wedge):
         signs = np.array([[-1, -1, -1], [1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, -1], [-1, 1, 1]])
@@ -85,10 +87,7 @@ def _corners(shape: Shape) -> F64 | None:
         top = np.stack([*np.meshgrid(x, y), heights], axis=-1).reshape(-1, 3)
         bottom = np.array([[sx * x[0], sy * y[0], heights.min() - shape.base] for sx in (-1, 1) for sy in (-1, 1)])
         return np.concatenate([top, bottom])
-    if isinstance(shape, Mesh) and shape.vertices is not None and shape.faces is not None:
-        used = np.unique(np.array(shape.faces, dtype=np.intp))
-        return np.array(shape.vertices, dtype=np.float64)[used] * shape.scale
-    return None
+    raise NotImplementedError(f"shape kind {shape.kind!r} has no extent")
 
 
 def built_extent(built: BuiltEntity) -> Extent:

@@ -126,7 +126,7 @@ def _wrong_unit(folder: Path, m: float, rng: RNG) -> World:
     )
 
 
-def _with_dust(mesh: TriangleMesh, corner: F64, rng: RNG, kind: int) -> TriangleMesh:
+def _with_dust(mesh: TriangleMesh, corner: F64, kind: int) -> TriangleMesh:
     """The mesh and dust that reaches out to `corner`: a vertex, a sliver without area, or a loose speck."""
     n, size = len(mesh.vertices), float(np.ptp(mesh.vertices, axis=0).max())
     if kind == 0:
@@ -147,7 +147,7 @@ def _stray_vertex(folder: Path, m: float, rng: RNG) -> World:
     small[axis] *= 1.0 - m
     mesh = mesh_of(Box(size=tuple(small)))
     mesh = replace(mesh, vertices=mesh.vertices - 0.5 * (wanted - small))
-    dusty = _with_dust(mesh, 0.5 * wanted, rng, int(rng.integers(3)))
+    dusty = _with_dust(mesh, 0.5 * wanted, int(rng.integers(3)))
     thing = entity(_as_mesh(dusty.vertices, dusty.faces), size=wanted.tolist(), **_place(rng))
     return _judged(folder, rng, thing, culprit=True)
 
@@ -318,7 +318,7 @@ def _harmless_dust(folder: Path, m: float, rng: RNG) -> World:
     wanted = _size(rng)
     mesh = mesh_of(Box(size=tuple(wanted)))
     mesh = replace(mesh, faces=mesh.faces[:, ::-1] if rng.random() < 0.5 else mesh.faces[:-1])
-    dusty = _with_dust(mesh, (0.5 + m) * wanted, rng, 0)
+    dusty = _with_dust(mesh, (0.5 + m) * wanted, int(rng.integers(3)))
     thing = entity(_as_mesh(dusty.vertices, dusty.faces), size=wanted.tolist(), **_place(rng))
     return _judged(folder, rng, thing, culprit=False)
 

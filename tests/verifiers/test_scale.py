@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from worldagent.bench.small_worlds import ball, box, build, build_all, entity, ground, make_candidate, mesh_of, pose, world
 from worldagent.verifiers import scale
-from worldagent.worlds.requirements import Row
 from worldagent.verifiers.extents import specified_extent
 from worldagent.worlds.built import TriangleMesh
+from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (
     Adjacent,
     Box,
@@ -194,7 +194,7 @@ def test_parts_inside_the_box_are_compared_with_their_shapes(tmp_path):
     missing = judged(board)
     assert missing.status == "fail"
     assert missing.evidence["part"] == "p1"
-    moved = replace(inner, render=TriangleMesh(inner.render.vertices + [0.0, 0.003, 0.0], inner.render.faces))
+    moved = replace(inner, render=TriangleMesh(inner.render.vertices + np.array([0.0, 0.003, 0.0]), inner.render.faces))
     row = judged(board, moved)
     assert (row.status, row.evidence["part"], row.evidence["axis"], row.bound) == ("fail", "p1", "y", scale.FACETS)
     assert row.measured == pytest.approx(0.03)

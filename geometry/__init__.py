@@ -5,16 +5,23 @@ from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
 from .idcast import IdCaster, IdImage, coverage
 from .inside import contains, distance_to_surface, winding_number
+from .motions import Motion, State, relative_travel
 from .solids import Solid
+from .sweep import Lowest, Swept, lowest_clearance, swept_clearance
 from .triangles import Nearest
+from .walls import wall_thickness
 
 __all__ = [
     "Camera",
     "Clearance",
     "IdCaster",
     "IdImage",
+    "Lowest",
+    "Motion",
     "Nearest",
     "Solid",
+    "State",
+    "Swept",
     "aabb_of",
     "camera_at",
     "candidate_pairs",
@@ -22,7 +29,11 @@ __all__ = [
     "contains",
     "coverage",
     "distance_to_surface",
+    "lowest_clearance",
     "query_noise",
+    "relative_travel",
     "signed_clearance",
+    "swept_clearance",
+    "wall_thickness",
     "winding_number",
 ]

@@ -1,0 +1,155 @@
+"""Swept clearance between two known states: formulas, dense sampling, and what a path between two frames can hide."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+from worldagent.geometry import Motion, State, clearance_series, lowest_clearance, swept_clearance, wall_thickness
+from worldagent.geometry.motions import relative_travel
+from worldagent.worlds.arrays import rotation_matrix
+
+from .meshes import ball, box, hull, ring, solid_of
+
+UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0]])
+
+
+def still(n=1, at=(0, 0, 0)):
+    state = State(np.tile(np.array(at, dtype=float), (n, 1)), np.tile(UPRIGHT, (n, 1)))
+    return Motion.between(state, state, np.zeros(3), 1.0)
+
+
+def straight(start, end, *, v0=None, v1=None, duration=1.0):
+    known = v0 is not None
+    first = State(np.array([start], dtype=float), UPRIGHT, np.array([v0], dtype=float) if known else None)
+    last = State(np.array([end], dtype=float), UPRIGHT, np.array([v1], dtype=float) if known else None)
+    return Motion.between(first, last, np.zeros(3), duration)
+
+
+def about_z(angle):
+    return np.array([[math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]])
+
+
+def random_motion(rng, spread, n=1):
+    quaternion = rng.normal(size=(2, n, 4))
+    quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    position, velocity, spin = rng.normal(size=(2, n, 3)) * spread, rng.normal(size=(2, n, 3)) * 2, rng.normal(size=(2, n, 3)) * 4
+    first = State(position[0], quaternion[0], velocity[0], spin[0])
+    return Motion.between(first, State(position[1], quaternion[1], velocity[1], spin[1]), rng.normal(size=3) * 0.1, 1.0)
+
+
+def test_a_cubic_through_both_velocities_is_the_parabola_of_a_throw():
+    g, v0, h = np.array([0, 0, -9.81]), np.array([1.0, 2.0, 3.0]), 0.5
+    end = v0 * h + 0.5 * g * h * h
+    motion = straight((0, 0, 0), end, v0=v0, v1=v0 + g * h, duration=h)
+    for s in (0.2, 0.5, 0.9):
+        expected = v0 * s * h + 0.5 * g * (s * h) ** 2
+        assert motion.centers(np.array([s]))[0] == pytest.approx(expected, abs=1e-14)
+    part = motion.restrict(0.3, 0.8)
+    assert part.centers(np.array([0.5])) == pytest.approx(motion.centers(np.array([0.55])), abs=1e-14)
+
+
+@pytest.mark.parametrize("turns", [-2.3, -0.7, 0.4, 1.0, 1.6, 3.0])
+def test_the_known_spin_counts_whole_turns(turns):
+    spin = np.array([[0, 0, 2 * math.pi * turns]])
+    first = State(np.zeros((1, 3)), UPRIGHT, np.zeros((1, 3)), spin)
+    last = State(np.zeros((1, 3)), about_z(2 * math.pi * turns), np.zeros((1, 3)), spin)
+    motion = Motion.between(first, last, np.zeros(3), 1.0)
+    assert motion.turn[0] == pytest.approx(spin[0], abs=1e-9)
+    _, quarter = motion.at(np.array([0.25]))
+    assert rotation_matrix(quarter) == pytest.approx(rotation_matrix(about_z(math.pi / 2 * turns)), abs=1e-9)
+
+
+def test_the_travel_bound_is_never_exceeded():
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        a, b = random_motion(rng, 0.5), random_motion(rng, 0.5)
+        s, e = np.sort(rng.uniform(size=2))
+        bound = relative_travel(a, 0.3, b, 0.2, np.array([s]), np.array([e]))[0]
+        local_a, local_b = rng.normal(size=3), rng.normal(size=3)
+        local_a *= 0.3 / np.linalg.norm(local_a)
+        local_b *= 0.2 / np.linalg.norm(local_b)
+        places = []
+        for t in np.linspace(s, e, 200):
+            (pa, qa), (pb, qb) = a.at(np.array([t])), b.at(np.array([t]))
+            x = rotation_matrix(qa[0]) @ (local_a + a.center) + pa[0]
+            y = rotation_matrix(qb[0]) @ (local_b + b.center) + pb[0]
+            places.append(x - y)
+        length = np.linalg.norm(np.diff(np.array(places), axis=0), axis=1).sum()
+        assert length <= bound * (1 + 1e-9)
+
+
+def test_a_ball_through_a_plate_is_found_with_its_time_and_depth():
+    sphere, plate = ball(0.02, 3), box(1, 1, 0.01)
+    (found,) = swept_clearance(sphere, straight((0, 0, 0.3), (0, 0, -0.5)), plate, still(), precision=1e-5)
+    # Contact at a height of 0.025 above the middle; deepest when a face of the plate passes the middle of the ball.
+    assert found.first == pytest.approx((0.3 - 0.025) / 0.8, abs=1e-4)
+    assert found.distance == pytest.approx(-0.02, abs=3e-4)
+    assert np.linalg.norm(found.point_a - found.point_b) == pytest.approx(-found.distance, rel=1e-6)
+
+
+def test_bodies_that_pass_each_other_stay_apart():
+    (found,) = swept_clearance(ball(0.1), straight((-1, 0.201, 0), (1, 0.201, 0)), ball(0.1), still(), precision=1e-5)
+    assert found.first is None
+    assert 0.0 < found.distance < 0.01
+    a, b = ball(0.1), ball(0.1)
+    (found,) = swept_clearance(a, straight((-1, 0.05, 0), (1, 0.05, 0)), b, straight((1, 0, 0), (-1, 0, 0)), precision=1e-5)
+    assert found.distance < -0.05
+    assert found.first == pytest.approx((1 - 0.5 * math.sqrt(0.04 - 0.0025)) / 2, abs=0.01)
+
+
+@pytest.mark.parametrize("angle", [0.9, 2.5, 2 * math.pi, 5.0])
+def test_a_turning_blade_strikes_a_post_at_the_angle_of_geometry(angle):
+    """A bar of half length 1 and half width 0.01 turns about z; the post's near corner stands at 0.5 rad."""
+    blade, post = box(2, 0.02, 0.1), box(0.02, 0.02, 1)
+    spin = np.array([[0, 0, angle]])
+    first = State(np.zeros((1, 3)), UPRIGHT, np.zeros((1, 3)), spin)
+    motion = Motion.between(first, State(np.zeros((1, 3)), about_z(angle), np.zeros((1, 3)), spin), np.zeros(3), 1.0)
+    place = (0.8 * math.cos(0.5), 0.8 * math.sin(0.5), 0)
+    (found,) = swept_clearance(blade, motion, post, still(at=place), precision=1e-5)
+    corners = np.array([(place[0] + x, place[1] + y) for x in (-0.01, 0.01) for y in (-0.01, 0.01)])
+    radius, polar = np.hypot(*corners.T), np.arctan2(corners[:, 1], corners[:, 0])
+    assert found.first * angle == pytest.approx(float((polar - np.arcsin(0.01 / radius)).min()), abs=1e-3)
+    assert found.distance == pytest.approx(-0.01, abs=2e-3)
+
+
+def test_the_lowest_clearance_is_that_of_dense_sampling():
+    rng = np.random.default_rng(3)
+    shapes = [hull(rng), ring(), ball(0.3), box(1.0, 0.02, 0.3)]
+    for i, j in ((0, 3), (3, 3), (2, 3), (1, 3)):
+        a, b = shapes[i], shapes[j]
+        one, two = random_motion(rng, 0.8), random_motion(rng, 0.8)
+        low = lowest_clearance(a, one, b, two, precision=5e-3, skip_above=np.inf)
+        s = np.linspace(0, 1, 100)
+        rows = np.zeros(100, dtype=int)
+        dense = clearance_series(a, one.take(rows).at(s), b, two.take(rows).at(s), skip_above=np.inf)
+        assert low.value[0] <= dense.min() + 5e-3 + 0.011 * max(0.0, -dense.min())
+        assert low.value[0] >= dense.min() - relative_travel(one, 1.0, two, 1.0, np.zeros(1), np.ones(1))[0] / 200
+
+
+def test_only_what_is_lower_than_wanted_is_searched():
+    a, b = ball(0.1), ball(0.1)
+    motion = straight((-1, 0.19, 0), (1, 0.19, 0))
+    low = lowest_clearance(a, motion, b, still(), below=-0.05, precision=1e-4)
+    assert low.value[0] > -0.05
+    assert lowest_clearance(a, motion, b, still(), below=0.0, precision=1e-4).value[0] < 0.0
+
+
+def test_an_open_sheet_is_swept_too():
+    sheet = solid_of(trimesh.Trimesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]]), closed=False)
+    (found,) = swept_clearance(box(0.1, 0.1, 0.1), straight((0.3, 0, 1), (0.3, 0, -1)), sheet, still(), precision=1e-4)
+    assert found.first == pytest.approx(0.475, abs=1e-3)
+    assert found.distance == pytest.approx(-0.05, abs=1e-3)
+
+
+def test_walls_of_shells_are_thin_and_of_solids_thick():
+    assert wall_thickness(box(1, 2, 0.01)) == pytest.approx(0.01)
+    assert wall_thickness(ball(0.1, 3)) == pytest.approx(0.2, rel=0.02)
+    assert wall_thickness(ring(0.5, 0.52, 0.3)) == pytest.approx(0.02, rel=0.1)
+    sheet = solid_of(trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), closed=False)
+    assert wall_thickness(sheet) == math.inf
+    inverted = trimesh.creation.annulus(0.5, 0.52, 0.3, sections=10)
+    inverted.invert()
+    assert wall_thickness(solid_of(inverted)) == pytest.approx(0.02, rel=0.1)

@@ -9,7 +9,7 @@ from typing import Any, Literal, Protocol
 from ..worlds.arrays import F64
 from ..worlds.cache import CacheIndex
 
-__all__ = ["Channel", "Exchange", "Port", "Solver"]
+__all__ = ["Channel", "Exchange", "Intervention", "Port", "Solver"]
 
 PortKind = Literal["motion", "wrench", "pressure", "heat", "mass"]
 
@@ -50,6 +50,23 @@ class Exchange:
     def residual(self) -> F64:
         """`given + received`; zero when action equals reaction."""
         return self.given + self.received
+
+
+@dataclass(frozen=True)
+class Intervention:
+    """What is done to a run from outside, so that something in it does not happen (Pearl's do operator).
+
+    It changes no degree of freedom of the model: a checkpoint of the untouched run continues under it.
+    """
+
+    without: frozenset[str] = frozenset()
+    """Drivers taken away from the start: a hold never lets go, a path stays where it was, forces and motors do nothing."""
+    held: frozenset[str] = frozenset()
+    """Entities kept at rest from `since` on, at the pose (jointed ones: at the joint coordinate) that they have then."""
+    since: float = 0.0
+    """[s]"""
+    apart: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of entities that pass through each other."""
 
 
 class Solver(Protocol):

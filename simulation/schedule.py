@@ -11,7 +11,7 @@ from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, write_container
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.spec import WorldSpec
-from .protocol import Solver
+from .protocol import Intervention, Solver
 
 __all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "make_solver", "run_frames"]
 
@@ -19,8 +19,8 @@ CHECKPOINT_SECONDS = 0.5
 """Interval between checkpoints [s of the world]: what a resumed or replayed run repeats at most."""
 
 
-def make_solver(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -> Solver:
-    """The solver of one instance, not yet prepared.
+def make_solver(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None = None) -> Solver:
+    """The solver of one instance, not yet prepared; with an intervention, of the run in which it is made.
 
     Raises:
         InputError: a member has no engine in this build.
@@ -35,7 +35,7 @@ def make_solver(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) ->
     # Warnings are counted in the `overflows` record; the engine would also write a log file into the working directory.
     mujoco.set_mju_user_warning(_ignore)
 
-    return SolverRigid(spec, built, name)
+    return SolverRigid(spec, built, name, intervention)
 
 
 def _ignore(message: str) -> None:

@@ -18,19 +18,26 @@ Two things are added between the velocity stage of a step and its solution, in t
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 
-__all__ = ["IMPEDANCE", "ContactLaw", "contact_reference", "rest_speed"]
+if TYPE_CHECKING:
+    from .model import RigidModel
+
+__all__ = ["IMPEDANCE", "ContactLaw", "contact_reference", "rest_speed", "set_contact_law"]
 
 IMPEDANCE = 0.97
 """Constant impedance d of contacts: a share 1 - d of the unconstrained acceleration passes. Below 1 the
 solver converges in 2-4 iterations instead of 10 or more; what is left, (1 - d) of gravity, sinks a resting body by
 (1 - d) / d g (N dt)^2, a few micrometres."""
+JOINT_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
+"""The same for welds, connections, limits and dry friction of joints; stiffer, for they carry loads without skins."""
+JOINT_STEPS = 4.0
+"""Natural period / 2 pi of welds, connections and limits, in steps; they are critically damped."""
 DAMPING_STEPS = 4.0
 """Time constant of contact damping and of sticking friction, in steps."""
 HARDER = 0.01
@@ -153,3 +160,18 @@ class ContactLaw:
                 inner = data.map_efc2iefc[part]
                 data.iefc_R[inner] *= HARDER
                 data.iefc_D[inner] /= HARDER
+
+
+def set_contact_law(rigid: RigidModel, steps: float, dt: float) -> None:
+    """Write step and contact, limit and equality stiffness for a time step `dt` [s]."""
+    model = rigid.model
+    model.opt.timestep = dt
+    k, b = contact_reference(steps, dt)
+    for target in (model.geom_solref, model.pair_solref):
+        target[:] = (-k, -b)
+    omega = 1.0 / (JOINT_STEPS * dt)
+    for target in (model.eq_solref, model.jnt_solref):
+        target[:] = (-(omega**2), -2.0 * omega)
+    model.dof_solref[:] = (-((1.0 / dt) ** 2), -1.0 / dt)
+    for target in (model.eq_solimp, model.jnt_solimp, model.dof_solimp):
+        target[:] = JOINT_SOLIMP

@@ -10,6 +10,7 @@ import numpy as np
 from ...worlds.arrays import F64, pose_of, rotation_matrix
 from ...worlds.errors import InputError
 from ...worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, RigidPhysics, WorldSpec
+from ..protocol import Intervention
 from .holds import Holds
 from .model import RigidModel
 
@@ -71,13 +72,18 @@ class Drivers:
         spec: the specification.
         rigid: the compiled model.
         members: entities of the instance.
+        intervention: drivers taken away and entities held from outside.
 
     Raises:
         InputError: a driver acts on what cannot follow it.
     """
 
-    def __init__(self, spec: WorldSpec, rigid: RigidModel, members: frozenset[str]) -> None:
+    def __init__(
+        self, spec: WorldSpec, rigid: RigidModel, members: frozenset[str], intervention: Intervention | None = None
+    ) -> None:
         self.rigid, self.spec = rigid, spec
+        done = intervention or Intervention()
+        self._without, self._stopped, self._since = done.without, done.held & members, done.since
         model, plan = rigid.model, spec.simulation
         self.names = tuple(
             n
@@ -99,15 +105,23 @@ class Drivers:
         self.kinematic_dofs = np.array([d for e in sorted(self.kinematic) for d in self._dofs[e]], dtype=np.int64)
         self._require_followable()
         self._paths = {d.entity: Path(d) for d in self._drivers.values() if isinstance(d, PathDriver)}
+        # Times [s] at which an intervention stops a path: at its first key where its driver is taken away.
+        self._until = dict.fromkeys(self._stopped & self._paths.keys(), self._since)
+        self._until |= {
+            d.entity: self._paths[d.entity].first
+            for n, d in self._drivers.items()
+            if n in self._without and isinstance(d, PathDriver)
+        }
         self.holds = Holds(model, self._dofs, self._bodies)
         self._native_eq = model.eq_active0.copy()
         self._stiffness, self._tendon_damping = model.tendon_stiffness.copy(), model.tendon_damping.copy()
         self._effort = model.actuator_forcerange.copy()
         self._excludes = model.exclude_signature.copy()
         self._release: dict[str, float] = {}
-        for driver in self._drivers.values():
+        for name, driver in self._drivers.items():
             if isinstance(driver, ReleaseDriver):
-                self._release[driver.entity] = max(driver.time, self._release.get(driver.entity, 0.0))
+                time = np.inf if name in self._without else driver.time
+                self._release[driver.entity] = max(time, self._release.get(driver.entity, 0.0))
         for entity, contract in spec.entities.items():
             physics = contract.physics
             moving = isinstance(physics, RigidPhysics) and any((*physics.linear_velocity, *physics.angular_velocity))
@@ -152,11 +166,12 @@ class Drivers:
 
     def held(self, time: float) -> frozenset[str]:
         """Entities that a hold or path fixes at `time`."""
-        return self.kinematic | {e for e, t in self._release.items() if time < t - _SLACK}
+        stopped = self._stopped if time >= self._since - _SLACK else frozenset()
+        return self.kinematic | stopped | {e for e, t in self._release.items() if time < t - _SLACK}
 
     def switch_times(self, start: float, end: float) -> list[float]:
         """Times in (start, end) at which a driver switches, sorted."""
-        times: set[float] = set(self._release.values())
+        times: set[float] = {*self._release.values(), *([self._since] if self._stopped else [])}
         for driver in self._drivers.values():
             if isinstance(driver, ForceDriver | MotorDriver):
                 times |= {driver.start, driver.end}
@@ -176,10 +191,10 @@ class Drivers:
         for name, driver in self._drivers.items():
             if isinstance(driver, MotorDriver):
                 row = self.rigid.actuator_of[name]
-                on = driver.start - _SLACK <= time < driver.end - _SLACK
+                on = driver.start - _SLACK <= time < driver.end - _SLACK and name not in self._without
                 model.actuator_forcerange[row] = self._effort[row] if on else (0.0, 0.0)
             elif isinstance(driver, DetachDriver):
-                cut = time >= driver.time - _SLACK
+                cut = time >= driver.time - _SLACK and name not in self._without
                 if driver.joint in self.rigid.tendon_of:
                     row = self.rigid.tendon_of[driver.joint]
                     model.tendon_stiffness[row] = 0.0 if cut else self._stiffness[row]
@@ -194,7 +209,11 @@ class Drivers:
         data.xfrc_applied[:] = 0.0
         data.qfrc_applied[:] = 0.0
         data.eq_active[:] = self._native_eq
+        if self._stopped and abs(time - self._since) <= 10 * _SLACK:
+            self._keep(data)
         for name, driver in self._drivers.items():
+            if name in self._without:
+                continue
             if isinstance(driver, ForceDriver) and driver.start - _SLACK <= time < driver.end - _SLACK:
                 bodies = self._bodies[driver.entity]
                 for body in bodies:
@@ -204,17 +223,26 @@ class Drivers:
             elif isinstance(driver, DetachDriver) and driver.joint in self.rigid.eq_of and time >= driver.time - _SLACK:
                 data.eq_active[self.rigid.eq_of[driver.joint]] = 0
         for entity in self.held(time) - self.kinematic:
-            dofs = self._dofs[entity]
-            data.qvel[dofs] = 0.0
-            for joint in np.unique(self.rigid.model.dof_jntid[dofs]):
-                at = self.rigid.model.jnt_qposadr[joint]
-                size = (7, 4, 1, 1)[self.rigid.model.jnt_type[joint]]
-                data.qpos[at : at + size] = self._pose[at : at + size]
+            data.qvel[self._dofs[entity]] = 0.0
+            for at in self._coordinates(entity):
+                data.qpos[at] = self._pose[at]
         if self.switches_at(time):
             # A sleeping body does not notice that what held it is gone; a negative zero wakes it and moves nothing. A body
             # about to fall asleep starts its countdown anew.
             data.qvel[data.qvel == 0.0] = -0.0
             data.tree_asleep[data.tree_asleep < 0] = -(1 + _MIN_AWAKE)
+
+    def _coordinates(self, entity: str) -> list[slice]:
+        """Slices of `qpos` that belong to an entity."""
+        model = self.rigid.model
+        starts = [(int(model.jnt_qposadr[j]), int(model.jnt_type[j])) for j in np.unique(model.dof_jntid[self._dofs[entity]])]
+        return [slice(at, at + (7, 4, 1, 1)[kind]) for at, kind in starts]
+
+    def _keep(self, data: Any) -> None:
+        """Remember where those that an intervention holds from now on are."""
+        for entity in self._stopped & self._dofs.keys():
+            for at in self._coordinates(entity):
+                self._pose[at] = data.qpos[at]
 
     def slacken(self, data: Any) -> None:
         """Take the damping from ropes that are slack: they only pull."""
@@ -231,7 +259,9 @@ class Drivers:
         for entity in sorted(self.kinematic):
             qpos, dof = self._free[entity], self._dofs[entity][0]
             if entity in self._paths:
-                poses, twists = self._paths[entity].sample(times)
+                until = self._until.get(entity, np.inf)
+                poses, twists = self._paths[entity].sample(np.minimum(times, until))
+                twists[times >= until - _SLACK] = 0.0
             else:
                 poses, twists = np.tile(self._pose[qpos : qpos + 7], (count + 1, 1)), np.zeros((count + 1, 6))
             self._samples.append(PathSamples(qpos, dof, poses, twists))
@@ -271,8 +301,10 @@ class Drivers:
     def active(self, start: float, end: float) -> Any:
         """Which drivers acted during [start, end), u1, shape (drivers,)."""
         flags = []
-        for driver in self._drivers.values():
-            if isinstance(driver, ReleaseDriver | DetachDriver):
+        for name, driver in self._drivers.items():
+            if name in self._without:
+                flags.append(False)
+            elif isinstance(driver, ReleaseDriver | DetachDriver):
                 flags.append(start - _SLACK <= driver.time < end - _SLACK)
             elif isinstance(driver, PathDriver):
                 times = [k.time for k in driver.keys.values()]

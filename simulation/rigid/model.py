@@ -6,8 +6,9 @@ makes immovable.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,17 +29,13 @@ from ...worlds.spec import (
     WeldJoint,
     WorldSpec,
 )
-from .contact_law import IMPEDANCE, ContactLaw, contact_reference
+from .contact_law import IMPEDANCE, ContactLaw, set_contact_law
 from .holds import FIXED, MOVING
 
 __all__ = ["RigidModel", "build_model"]
 
 SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0)
 """MuJoCo `solimp`: constant, so that a contact is the linear law of `contact_law`."""
-JOINT_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
-"""The same for welds, connections, limits and dry friction of joints; stiffer, for they carry loads without skins."""
-JOINT_STEPS = 4.0
-"""Natural period / 2 pi of welds, connections and limits, in steps; they are critically damped."""
 DENSE_LIMIT = 60
 """Degrees of freedom up to which the Jacobian is dense. 4.0.0 is said to have a wrong sparse Hessian (issue 3767); on
 contacts, joints, ropes and springs it agrees with the dense one to 1e-7 in equal iterations, which a test keeps watching.
@@ -109,11 +106,17 @@ def _joint_tree(spec: WorldSpec, members: frozenset[str]) -> dict[str, str]:
 
 class _Builder:
     def __init__(
-        self, spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tuple[str, ...], settings: RigidSettings
+        self,
+        spec: WorldSpec,
+        built: Mapping[str, BuiltEntity],
+        members: tuple[str, ...],
+        settings: RigidSettings,
+        apart: frozenset[frozenset[str]],
     ) -> None:
         import mujoco
 
         self.mj = mujoco
+        self.apart = apart
         self.spec, self.built, self.members, self.settings = spec, built, members, settings
         self.out = mujoco.MjSpec()
         self.out.compiler.degree = False
@@ -323,6 +326,9 @@ class _Builder:
     def links(self) -> None:
         """Springs, detachable welds, excluded and special contact pairs, motors."""
         mujoco, plan = self.mj, self.spec.simulation
+        for a, b in (sorted(pair) for pair in self.apart if pair <= set(self.members)):
+            for one, two in itertools.product(self._bodies_of(a), self._bodies_of(b)):
+                self.out.add_exclude(bodyname1=one, bodyname2=two)
         for name, joint in plan.joints.items():
             if joint.child not in self.members:
                 continue
@@ -351,6 +357,10 @@ class _Builder:
                 actuator.set_to_velocity(kv=gain)
                 actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
                 actuator.forcerange = [-driver.max_effort, driver.max_effort]
+
+    def _bodies_of(self, name: str) -> list[str]:
+        """Names of an entity's bodies in the model."""
+        return [name] if self.spec.entities[name].generator is None else [f"{name}/{b.name}" for b in self.built[name].bodies]
 
     def drag(self) -> None:
         """Viscous drag of free bodies."""
@@ -390,7 +400,7 @@ class _Builder:
                 continue
             if pair.restitution is not None:
                 values[pair.a, pair.b] = pair.restitution
-            if pair.friction is None:
+            if pair.friction is None or frozenset((pair.a, pair.b)) in self.apart:
                 continue
             combos = [(g, h) for g in self.geoms_of[pair.a] for h in self.geoms_of[pair.b] if g != h]
             if len(combos) > MAX_PAIR_GEOMS:
@@ -416,16 +426,21 @@ def _half_length(built: BuiltEntity, body: str) -> float:
 
 
 def build_model(
-    spec: WorldSpec, built: Mapping[str, BuiltEntity], members: tuple[str, ...], settings: RigidSettings
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    members: tuple[str, ...],
+    settings: RigidSettings,
+    *,
+    apart: Iterable[tuple[str, str]] = (),
 ) -> RigidModel:
-    """Compile the model of one solver instance.
+    """Compile the model of one solver instance; the pairs `apart` pass through each other.
 
     Raises:
         InputError: joints that form loops, share a child or name non-members; too many special pairs.
     """
     import mujoco
 
-    builder = _Builder(spec, built, members, settings)
+    builder = _Builder(spec, built, members, settings, frozenset(frozenset(pair) for pair in apart))
     builder.options(6 * sum(len(built[m].bodies) for m in members if spec.entities[m].motion != "static"))
     for name in members:
         builder.entity(name)
@@ -480,18 +495,3 @@ def build_model(
     model.body_invweight0[:, 0] = np.minimum(model.body_invweight0[:, 0], SOFTEST / heaviest)
     set_contact_law(result, settings.contact_steps, settings.step)
     return result
-
-
-def set_contact_law(rigid: RigidModel, steps: float, dt: float) -> None:
-    """Write step and contact, limit and equality stiffness for a time step `dt` [s]."""
-    model = rigid.model
-    model.opt.timestep = dt
-    k, b = contact_reference(steps, dt)
-    for target in (model.geom_solref, model.pair_solref):
-        target[:] = (-k, -b)
-    omega = 1.0 / (JOINT_STEPS * dt)
-    for target in (model.eq_solref, model.jnt_solref):
-        target[:] = (-(omega**2), -2.0 * omega)
-    model.dof_solref[:] = (-((1.0 / dt) ** 2), -1.0 / dt)
-    for target in (model.eq_solimp, model.jnt_solimp, model.dof_solimp):
-        target[:] = JOINT_SOLIMP

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...worlds.errors import EngineError
 from ...worlds.spec import RigidSettings
-from .model import RigidModel, set_contact_law
+from .contact_law import set_contact_law
+from .model import RigidModel
 
 __all__ = ["open_skins"]
 

@@ -16,12 +16,12 @@ from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import EngineError, InputError
 from ...worlds.spec import RigidSettings, WorldSpec
-from ..protocol import Channel, Port
-from .contact_law import rest_speed
+from ..protocol import Channel, Intervention, Port
+from .contact_law import rest_speed, set_contact_law
 from .drivers import Drivers
 from .gyration import Gyration
 from .holds import FIXED
-from .model import RigidModel, build_model, set_contact_law
+from .model import RigidModel, build_model
 from .monitor import ContactMonitor
 from .records import Ledger, velocities
 from .relax import open_skins
@@ -59,8 +59,11 @@ CHANNELS = (
 class SolverRigid:
     """One MuJoCo instance. Between two checkpoints, equal bytes and settings give equal frames."""
 
-    def __init__(self, spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -> None:
+    def __init__(
+        self, spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None = None
+    ) -> None:
         self.spec, self.built, self.name = spec, built, name
+        self._intervention = intervention or Intervention()
         instance = spec.simulation.solvers[name]
         self.members = tuple(dict.fromkeys(instance.members))
         self.settings: RigidSettings = instance.settings
@@ -83,11 +86,11 @@ class SolverRigid:
         import mujoco
 
         self._mj = mujoco
-        self.rigid: RigidModel = build_model(self.spec, self.built, self.members, self.settings)
+        self.rigid: RigidModel = build_model(self.spec, self.built, self.members, self.settings, apart=self._intervention.apart)
         self.model = self.rigid.model
         self.data = mujoco.MjData(self.model)
         self._saved = mujoco.MjData(self.model)
-        self.drivers = Drivers(self.spec, self.rigid, frozenset(self.members))
+        self.drivers = Drivers(self.spec, self.rigid, frozenset(self.members), self._intervention)
         self.work = DriverWork(self.model, self.rigid.actuator_of, self.drivers)
         self.gyration = Gyration(self.model)
         self.monitor = ContactMonitor(self.rigid)

@@ -2,9 +2,12 @@
 
 from .denoise import denoise, meter, tonemap
 from .frames import FrameRenderer, frame_path, frame_recipe, render_frame, render_sequence
+from .highlight import highlight
 from .plan import plan_view, section_view
 from .plots import ledger_series, plot_ledger
 from .preview import PreviewRenderer, id_view, preview
+from .report import ReportPictures, matrix_page
+from .report_pictures import report_pictures
 from .sheet import Encoded, contact_sheet, encode
 from .variant import Variant, choose_variant
 from .video import VideoFile, write_video
@@ -14,6 +17,7 @@ __all__ = [
     "Encoded",
     "FrameRenderer",
     "PreviewRenderer",
+    "ReportPictures",
     "Variant",
     "VideoFile",
     "automatic_camera",
@@ -25,14 +29,17 @@ __all__ = [
     "focus_bounds",
     "frame_path",
     "frame_recipe",
+    "highlight",
     "id_view",
     "ledger_series",
+    "matrix_page",
     "meter",
     "plan_view",
     "plot_ledger",
     "preview",
     "render_frame",
     "render_sequence",
+    "report_pictures",
     "section_view",
     "shot_of",
     "tonemap",

@@ -45,6 +45,12 @@ class PreviewRenderer:
         shown = [k for k, (name, _) in enumerate(self.parts) if active(self.candidate, name, frame)]
         return self._caster.cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
 
+    def mask(self, frame: int, camera: Camera, entity: str) -> Any:
+        """Pixels that an entity would cover if nothing stood before it, shape (height, width)."""
+        poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
+        own = [k for k, (name, _) in enumerate(self.parts) if name == entity]
+        return self._caster.cast(camera, poses, only=own).ids >= 0
+
     def entity_ids(self, image: IdImage) -> Any:
         """Index into `entities` per pixel, -1 where nothing is; shape (height, width)."""
         return np.where(image.ids >= 0, self._entity_of[np.maximum(image.ids, 0)], -1)

@@ -83,9 +83,35 @@ def _parser() -> argparse.ArgumentParser:
     doctor.add_argument("--json", action="store_true", help="print JSON instead of a table")
     doctor.add_argument("--workspace", type=Path, metavar="DIR", help="workspace to check")
 
-    verify = add("verify", _verify, "Judge a world folder by this installation's own verifiers; exit code 0 only when accepted.")
-    verify.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
-    verify.add_argument("--replay", action="store_true", help="also re-simulate intervals from checkpoints and compare")
+    verify = add(
+        "verify",
+        _verify,
+        "Judge a world folder or an acceptance bundle by this installation's own verifiers; 0 only when accepted.",
+    )
+    verify.add_argument(
+        "folder", type=Path, metavar="FOLDER_OR_BUNDLE", help="world folder (holds world.json), or a bundle (zip)"
+    )
+    verify.add_argument(
+        "--replay", action="store_true", help="also re-simulate intervals from checkpoints and compare (always, for a bundle)"
+    )
+    verify.add_argument(
+        "--intervals", type=_intervals, metavar="N|all", help="how many intervals to replay (default: 3, at random)"
+    )
+    verify.add_argument("--seed", type=int, metavar="N", help="chooses the intervals; default a new one, printed")
+    verify.add_argument("--report", type=Path, metavar="OUT.html", help="also write the matrix report of this judgement")
+    report = add("report", _report, "Judge a world folder now and write its matrix report, one HTML page; 0 only when accepted.")
+    report.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
+    report.add_argument("--out", type=Path, required=True, metavar="OUT.html", help="the page")
+    bundle = add(
+        "bundle", _bundle, "Judge a world folder now and write its acceptance bundle; incomplete ones are marked as such."
+    )
+    bundle.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
+    bundle.add_argument("--out", type=Path, metavar="OUT.zip", help="the file (default: acceptance/<freeze>.zip in the world)")
+    bundle.add_argument(
+        "--caches",
+        action=argparse.BooleanOptionalAction,
+        help="take the frames along, or their digests only (default: unless they are large)",
+    )
     recompute = add("recompute", _recompute, "Build and bake a world folder anew, then judge it; exit code 0 only when accepted.")
     recompute.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
 
@@ -170,10 +196,36 @@ def _doctor(arguments: argparse.Namespace) -> int:
     return OK if report["ok"] else FAILED
 
 
+def _intervals(text: str) -> int:
+    if text == "all":
+        return sys.maxsize
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} must be a number from 1, or 'all'")
+    return int(text)
+
+
 def _verify(arguments: argparse.Namespace) -> int:
     from ..tools.verify_folder import verify_folder
 
-    return _judged(verify_folder(arguments.folder.expanduser().absolute(), replay=arguments.replay))
+    options = {k: getattr(arguments, k) for k in ("replay", "seed", "intervals", "report")}
+    return _judged(verify_folder(arguments.folder.expanduser().absolute(), **options))
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from ..tools.matrix_report import report_world
+
+    return _judged(report_world(arguments.folder.expanduser().absolute(), arguments.out))
+
+
+def _bundle(arguments: argparse.Namespace) -> int:
+    from ..tools.bundles import bundle_world
+
+    print(
+        json.dumps(
+            bundle_world(arguments.folder.expanduser().absolute(), out=arguments.out, with_caches=arguments.caches), indent=1
+        )
+    )
+    return OK
 
 
 def _recompute(arguments: argparse.Namespace) -> int:

@@ -147,7 +147,7 @@ def compare_history(history: Mapping[str, Any], digest: str) -> list[str]:
         last = spec_digest(after)
         if last != revision["digest"]:
             problems.append(f"history: the specification of revision {number} does not give its digest")
-        owed = [] if before is None else weakenings(before, after)
+        owed: list[str] = [] if before is None else weakenings(before, after)
         hidden = sorted(set(owed) - set(revision["weakenings"]))
         if hidden:
             problems.append(f"history: revision {number} hides weakenings: {'; '.join(hidden[:4])}")

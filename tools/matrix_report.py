@@ -1,0 +1,68 @@
+"""The matrix report of a world as a file: `worldagent report`, and beside every acceptance bundle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.errors import EvidenceError, InputError
+from ..worlds.folder import WorldFolder, write_atomically
+from ..worlds.ledger import Ledger
+from ..worlds.patch import parse_spec
+from ..worlds.requirements import Row
+
+__all__ = ["report_world", "write_report"]
+
+
+def write_report(out: Path, folder: WorldFolder, record: Mapping[str, Any], *, problems: Sequence[str] = ()) -> None:
+    """Write the page about a judged candidate.
+
+    Args:
+        out: the HTML file.
+        folder: the world.
+        record: of the judgement.
+        problems: further reasons against the verdict.
+    """
+    from ..rendering import ReportPictures, matrix_page, report_pictures
+
+    spec = parse_spec(folder.read_json(folder.spec_path))
+    candidate = _candidate(folder, str(record["freeze"]), str(record.get("stage", "full")))
+    pictures = ReportPictures() if candidate is None else report_pictures(candidate, record["rows"])
+    write_atomically(out, matrix_page(record, spec, pictures=pictures, problems=problems).encode())
+
+
+def _candidate(folder: WorldFolder, freeze: str, stage: str) -> Candidate | None:
+    """What there is to draw; None where nothing was simulated."""
+    if not freeze or stage not in ("probe", "full"):
+        return None
+    try:
+        return open_candidate(folder, freeze, "full" if stage == "full" else "probe")
+    except EvidenceError:
+        return None
+
+
+def report_world(root: Path, out: Path) -> dict[str, Any]:
+    """Judge a world folder now and write its page; where there is no complete bake, the page shows what the matrix knows.
+
+    Raises:
+        InputError: there is no such world.
+        EvidenceError: it has no ledger.
+    """
+    from .bundles import judged
+    from .session import counts
+
+    folder = WorldFolder(root.resolve())
+    if not folder.spec_path.is_file():
+        raise InputError(f"{str(root)!r} is no world folder: it has no world.json")
+    if not folder.ledger_path.is_file():
+        raise EvidenceError(f"{folder.id!r} has no ledger.sqlite; use worldagent verify FOLDER --report OUT.html")
+    record = judged(folder, Ledger(folder.ledger_path))
+    write_report(out, folder, record)
+    return {
+        "verdict": record["verdict"],
+        "report": str(out),
+        "rows": counts(Row.model_validate(r) for r in record["rows"]),
+        **({"reason": record["reason"]} if "reason" in record else {}),
+    }

@@ -11,8 +11,9 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from .predicates import is_invariant
-from .spec import Clause, Fastened, WorldSpec
+from .predicates import entities_of, is_invariant
+from .references import kinds_of
+from .spec import Beat, Clause, Fastened, WorldSpec
 
 __all__ = ["Problem", "bound_problems", "clause_problems", "event_words", "overlap_problems", "way_words"]
 
@@ -28,11 +29,16 @@ one can see; a fall that does not rock back."""
 OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
-_EVENTS = (
-    "bounce", "break", "burst", "collapse", "collide", "crash", "crumble", "drop", "explode", "fall", "fly", "hit", "knock", "pour",
-    "push", "roll", "shatter", "slide", "slip", "smash", "spill", "splash", "strike", "swing", "throw", "tip", "topple", "tumble",
-)  # fmt: skip
-"""Verbs that tell an event wherever they stand as verbs."""
+_MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
+_FALL = _MOTION - {"speed"}
+_BLOW = _MOTION | {"contact"}
+EVENTS: Mapping[str, frozenset[str] | None] = {
+    **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
+    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION),
+    **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), _BLOW),
+    **dict.fromkeys(("break", "burst", "explode", "pour", "shatter", "spill", "splash"), None),
+}
+"""Verbs that tell an event, and the kinds of predicate that can tell it; None: any kind of event."""
 _FORMS = {
     "break": "broke|broken", "fall": "fell|fallen", "fly": "flies|flew|flown", "hit": "hits|hit", "slide": "slid", "strike": "struck",
     "swing": "swung", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
@@ -42,6 +48,8 @@ _NOUNS = re.compile(
 )
 """What stands before such a word when it is a noun ("a slide", "drops of water")."""
 _WAYS = re.compile(r"\b(?:walks?|walkable|walking|route|doorway|corridor|stairs|staircase|passage|passageway)\b", re.IGNORECASE)
+_PRONOUN = re.compile(r"\b(?:it|they|them|this|that|these|those|one|everything|something)\b", re.IGNORECASE)
+_WORD = re.compile(r"[a-z]{4,}")
 _JUDGED = re.compile(r"^/(entities|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
 
 
@@ -59,12 +67,26 @@ def _verb(word: str) -> str:
     return f"{plural}|{stem}ed|{word}|{_FORMS[word]}" if word in _FORMS else f"{plural}|{stem}ed|{word}"
 
 
-_EVENT = re.compile(rf"\b(?:{'|'.join(_verb(w) for w in _EVENTS)})\b", re.IGNORECASE)
+_EVENT = re.compile("|".join(rf"(?P<{w}>\b(?:{_verb(w)})\b)" for w in EVENTS), re.IGNORECASE)
 
 
-def event_words(text: str) -> tuple[str, ...]:
-    """Words of a clause that tell an event, as they stand there."""
-    return tuple(m.group().lower() for m in _EVENT.finditer(text) if not _NOUNS.search(text[: m.start()]))
+def event_words(text: str) -> dict[str, str]:
+    """Words of a clause that tell an event: the verb by the word as it stands there."""
+    return {m.group().lower(): str(m.lastgroup) for m in _EVENT.finditer(text) if not _NOUNS.search(text[: m.start()])}
+
+
+def _names(spec: WorldSpec, beat: Beat) -> set[str]:
+    """Words by which the specification calls what a beat is about, singular."""
+    entities = [n for n in (beat.subject, *entities_of(beat.predicate)) if n in spec.entities]
+    text = " ".join(f"{n} {spec.entities[n].role}" for n in entities).replace("_", " ").replace("-", " ").lower()
+    return {_singular(w) for w in _WORD.findall(text)}
+
+
+def _singular(word: str) -> str:
+    for ending in ("oes", "ches", "shes", "xes"):
+        if word.endswith(ending):
+            return word[:-2]
+    return word.removesuffix("s")
 
 
 def way_words(text: str) -> tuple[str, ...]:
@@ -103,14 +125,7 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
         yield Problem(place, f"clause {key} {text!r} is met by optional beats only ({', '.join(optional)}); make one mandatory")
     if clause.static_because:
         return
-    beats = [spec.story.beats[n] for kind, n in named if kind == "story/beats" and n in spec.story.beats]
-    events = event_words(text)
-    if events and not any(b.mandatory and b.observe and not is_invariant(b.predicate) for b in beats):
-        yield Problem(
-            place,
-            f"clause {key} {text!r} tells an event ({', '.join(events)}): name a beat in met_by that is mandatory, observed and no lasting "
-            "state; or say in static_because why these words tell no event (printed with the acceptance)",
-        )
+    yield from _events(spec, key, text, [spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats])
     ways = way_words(text)
     routes = [
         n for kind, n in named if kind == "graph/relations" and getattr(spec.graph.relations.get(n), "kind", "") == "connects"
@@ -120,6 +135,33 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
             place,
             f"clause {key} {text!r} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; or say in static_because why "
             "nobody needs to pass (printed with the acceptance)",
+        )
+
+
+def _events(spec: WorldSpec, key: str, text: str, beats: list[Beat]) -> Iterator[Problem]:
+    words = event_words(text)
+    if not words:
+        return
+    place, tells = f"/clauses/{key}/met_by", f"clause {key} {text!r} tells an event ({', '.join(words)})"
+    escape = "or say in static_because why these words ask for no such beat (printed with the acceptance)"
+    good = [b for b in beats if b.mandatory and b.observe and not is_invariant(b.predicate)]
+    if not good:
+        yield Problem(place, f"{tells}: name a beat in met_by that is mandatory, observed and no lasting state; {escape}")
+        return
+    for word, verb in words.items():
+        kinds = EVENTS[verb]
+        if kinds is not None and not any(kinds & set(kinds_of(b.predicate)) for b in good):
+            yield Problem(
+                place,
+                f"{tells}: no beat in met_by can tell {word!r}; give one a predicate of {', '.join(sorted(kinds))}; {escape}",
+            )
+    own = {_singular(w) for w in _WORD.findall(text.lower())}
+    if not _PRONOUN.search(text) and not any(own & _names(spec, b) for b in good):
+        called = sorted({b.subject for b in good})
+        yield Problem(
+            place,
+            f"{tells}, but nothing in the clause is called like {', '.join(called)} or what else its beats are about; give these entities "
+            f"the role that the prompt names, or name the right beat; {escape}",
         )
 
 

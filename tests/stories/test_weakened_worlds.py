@@ -1,0 +1,183 @@
+"""A world whose physics does not do what the prompt asks, and every way in which its specification may be made easier.
+
+The ball is too slow: the last block never falls. Each attempt is a fresh world that would be accepted if the server asked for
+no more than the specification does (R154-R157).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+
+Spec = dict[str, Any]
+FALL = ("story", "beats", "fall")
+
+
+def _slow() -> Spec:
+    spec = small_spec()
+    spec["entities"]["ball"]["physics"] |= {"linear_velocity": [0.4, 0, 0], "angular_velocity": [0, 20, 0]}
+    return spec
+
+
+def _beat(spec: Spec, **change: Any) -> None:
+    spec["story"]["beats"]["fall"] |= change
+
+
+def _without_the_beat(spec: Spec) -> None:
+    del spec["story"]["beats"]["fall"]
+    spec["shots"]["only"]["covers"] = ["roll", "strike"]
+    spec["clauses"]["c2"] = {"met_by": ["/entities/b3"]}
+
+
+def _another_beat_in_its_place(spec: Spec) -> None:
+    """The clause is met by a beat that happens anyhow, but says nothing of the block."""
+    _without_the_beat(spec)
+    spec["clauses"]["c2"] = {"met_by": ["/story/beats/strike"]}
+
+
+def _optional(spec: Spec) -> None:
+    _beat(spec, mandatory=False)
+
+
+def _unseen(spec: Spec) -> None:
+    _beat(spec, observe=False, predicate={"kind": "contact", "a": "ball", "b": "b3"})
+
+
+def _noise(spec: Spec) -> None:
+    _beat(spec, predicate={"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": -1e-6})
+
+
+def _already_true(spec: Spec) -> None:
+    _beat(spec, predicate={"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": 0.1})
+
+
+def _already_true_in_an_or(spec: Spec) -> None:
+    easy = {"kind": "displacement", "entity": "b3", "max": 1.0}
+    _beat(spec, predicate={"kind": "or", "of": [spec["story"]["beats"]["fall"]["predicate"], easy]})
+
+
+def _lasting(spec: Spec) -> None:
+    _beat(spec, predicate={"kind": "supported", "entity": "b3"}, causes=[])
+
+
+def _kinematic(spec: Spec) -> None:
+    """The block itself follows a path off the shelf."""
+    x, y, z = spec["entities"]["b3"]["pose"]["position"]
+    spec["entities"]["b3"]["motion"] = "kinematic"
+    spec["simulation"]["drivers"] = {
+        "path": {"kind": "path", "entity": "b3", "keys": {
+            "a": {"time": 0.2, "pose": {"position": [x, y, z]}},
+            "b": {"time": 0.4, "pose": {"position": [x + 0.06, y, z]}},
+            "c": {"time": 0.7, "pose": {"position": [x + 0.06, y, 0.1]}}}}
+    }  # fmt: skip
+
+
+def _kinematic_as_a_trigger(spec: Spec) -> None:
+    _kinematic(spec)
+    _beat(spec, owner="path", causes=[])
+
+
+def _kinematic_as_a_trigger_of_something(spec: Spec) -> None:
+    """The staged fall is called the cause of a further beat, which is staged with it."""
+    _kinematic_as_a_trigger(spec)
+    spec["story"]["beats"]["land"] = {
+        "text": "it is down", "owner": "rigid", "subject": "b3", "frames": [8, 30], "causes": ["fall"],
+        "predicate": {"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": -0.15}}  # fmt: skip
+    spec["shots"]["only"]["covers"].append("land")
+
+
+def _pushed_by_hand(spec: Spec) -> None:
+    """A force on the block itself, while the specification says that the blow does it."""
+    spec["simulation"]["drivers"] = {"hand": {"kind": "force", "entity": "b3", "force": [1.5, 0, 0], "start": 0.2, "end": 0.4}}
+
+
+def _overlap_declared(spec: Spec) -> None:
+    """The blocks stand inside each other, so that the engine throws them apart; all overlaps are called intended."""
+    for k, name in enumerate(("b1", "b2", "b3")):
+        spec["entities"][name]["pose"]["position"][0] = 0.19 + 0.004 * k
+    for a, b in (("b1", "b2"), ("b2", "b3"), ("b1", "b3")):
+        spec["graph"]["relations"][f"glue_{a}_{b}"] = {"kind": "fastened", "a": a, "b": b, "max_depth": 0.03, "reason": "they are meant to be so"}  # fmt: skip
+
+
+def _through_the_shelf(spec: Spec) -> None:
+    """The block falls through a shelf that does not collide with it."""
+    spec["entities"]["shelf"]["parts"]["body"]["collides"] = False
+
+
+def _unsupported(spec: Spec) -> None:
+    """The block starts in the air beside the shelf, without a word about support."""
+    spec["entities"]["b3"]["pose"]["position"][0] = 0.26
+    del spec["graph"]["relations"]["on_shelf_b3"]
+
+
+def _short_interval(spec: Spec) -> None:
+    _beat(spec, frames=[30, 30], predicate={"kind": "speed", "entity": "b3", "max": 0.5})
+
+
+def _given_up(spec: Spec) -> None:
+    _without_the_beat(spec)
+    spec["clauses"] = {k: {"unmet": "not in this version of the world"} for k in ("c1", "c2")}
+
+
+def _impossible_density(spec: Spec) -> None:
+    """A ball of steel as heavy as nothing is."""
+    spec["materials"]["steel"]["density"] = 60000.0
+
+
+ATTEMPTS: tuple[Callable[[Spec], None], ...] = (
+    _without_the_beat, _another_beat_in_its_place, _optional, _unseen, _noise, _already_true, _already_true_in_an_or, _lasting, _kinematic, _kinematic_as_a_trigger,
+    _kinematic_as_a_trigger_of_something, _pushed_by_hand, _overlap_declared, _through_the_shelf, _unsupported, _short_interval, _given_up,
+    _impossible_density,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def agents(tmp_path_factory: pytest.TempPathFactory, agent_of: Callable[[Path], Any]) -> Iterator[Any]:
+    with pytest.MonkeyPatch.context() as patch, agent_of(tmp_path_factory.mktemp("weakened")) as made:
+        run_jobs_inline(patch)
+        yield made
+
+
+def _as_far_as_it_goes(agent: Any, world: str, spec: Spec) -> tuple[str, dict[str, Any]]:
+    """Every step in order, whatever the one before said; the text of refusals and the last verdict."""
+    said = []
+    for tool, more in (
+        ("edit_spec", {"prompt": PROMPT, "spec": spec}),
+        ("place_object", {}),
+        ("probe_sim", {}),
+        ("bake_sim", {}),
+        ("run_checks", {"scope": "acceptance"}),
+        ("render_shot", {"kind": "final", "width": 64, "height": 64, "samples": 1}),
+    ):
+        answer = agent.result(tool, world=world, **more)
+        assert not answer.content[0].text.startswith("internal error"), answer.content[0].text
+        said.append(answer.content[0].text)
+    return "\n".join(said), agent.call("inspect_world", world=world)
+
+
+def test_the_sound_world_is_accepted(agents: Any) -> None:
+    """Otherwise nothing below would prove anything."""
+    assert _as_far_as_it_goes(agents, "sound", small_spec())[1]["last_verdict"]["verdict"] == "accepted"
+
+
+def test_the_slow_ball_is_not_enough(agents: Any) -> None:
+    text, overview = _as_far_as_it_goes(agents, "slow", _slow())
+    assert "beat:fall" in text
+    assert overview.get("last_verdict") is None
+
+
+@pytest.mark.parametrize("attempt", ATTEMPTS, ids=lambda a: a.__name__.strip("_"))
+def test_no_easier_specification_is_accepted(agents: Any, attempt: Callable[[Spec], None]) -> None:
+    spec = _slow()
+    attempt(spec)
+    world = attempt.__name__.strip("_")
+    text, overview = _as_far_as_it_goes(agents, world, spec)
+    verdict = (overview.get("last_verdict") or {}).get("verdict")
+    assert verdict != "accepted", text
+    assert not list((agents.workspace / world).glob("candidates/*/final"))
+    assert "fail" in text or "not validate" in text or "unverified" in text

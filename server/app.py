@@ -188,6 +188,6 @@ def _described(binding: ToolBinding, arguments: Arguments) -> Tool:
 
 
 def _mime_type(uri: str) -> str | None:
-    if "/pictures/" not in uri and not uri.startswith("skill://"):
+    if not any(part in uri for part in ("/pictures/", "/acceptance/")) and not uri.startswith("skill://"):
         return None
     return "text/markdown" if uri.endswith(".md") else mimetypes.guess_type(uri)[0]

@@ -151,6 +151,18 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             return _file(folder.pictures, name, known)
 
     @server.resource(
+        f"{base}/acceptance/{{name}}",
+        name="world-proof",
+        title="Report or bundle",
+        description="The matrix report (one HTML page with pictures) or the acceptance bundle (zip) that acceptance wrote",
+        mime_type="application/octet-stream",
+    )
+    def proof(world: str, name: str) -> bytes:
+        with _opened(workspace, world) as folder:
+            known = sorted(p.name for p in folder.acceptance.iterdir() if p.is_file()) if folder.acceptance.is_dir() else []
+            return _file(folder.acceptance, name, known)
+
+    @server.resource(
         f"{base}/film",
         name="world-film",
         title="Film",

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from ..worlds.errors import InputError
 from .context import ToolContext, ToolReply
+from .links import proof_links
 
 __all__ = ["inspect_world"]
 
@@ -24,7 +25,7 @@ def inspect_world(
         Field(
             description="overview: where the world stands; spec: a part of world.json; matrix: requirement rows; row: one row in full with "
             "its history; state: poses and speeds at one frame; events: contact begins; records: energy, momentum, ... over time; "
-            "acceptance: the last verdict with its approximation register"
+            "acceptance: the last verdict with its approximation register, links to its report page and bundle"
         ),
     ] = "overview",
     pointer: Annotated[str, Field(description="For spec: JSON pointer, e.g. /entities/ball")] = "",
@@ -93,11 +94,19 @@ def inspect_world(
             if latest is None
             else {k: latest["record"].get(k) for k in keys} | {"revision": latest["revision"]}
         }
+        if latest is not None:
+            files = [session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for kind in ("html", "zip")]
+            data |= {
+                name: session.folder.relative(path)
+                for name, path in zip(("report", "bundle"), files, strict=True)
+                if path.is_file()
+            }
     else:
         from .measurements import measured
 
         data = measured(session, part, entities=entities, frames=frames, limit=limit, offset=offset)
-    return ToolReply({"world": world, "revision": session.revision, "part": part, **data})
+    links = proof_links(world, data) if part == "acceptance" else ()
+    return ToolReply({"world": world, "revision": session.revision, "part": part, **data}, links=links)
 
 
 def _page(total: int, offset: int, limit: int) -> dict[str, Any]:

@@ -206,7 +206,11 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     context.progress(0, 1, "a fresh process judges the candidate")
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31))
     rows = [Row.model_validate(r) for r in record["rows"]]
-    record["weakenings"] = session.ledger.weakenings()
+    record |= {"weakenings": session.ledger.weakenings(), "stage": "full"}
+    context.progress(0.6, 1, "writing the report")
+    proof = _proof(session, record)
+    # The ledger keeps verdicts; contact events are in the caches.
+    record.pop("events", None)
     session.ledger.put_rows(rows, revision=session.revision, stage="full")
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], record)
     context.progress(1, 1, record["verdict"])
@@ -219,10 +223,26 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "clauses_without_event": {k: c["static_because"] for k, c in record["clauses"].items() if c.get("static_because")},
         "weakenings": record["weakenings"],
         "approximations": record["approximations"][:20],
+        **proof,
         "next": "render_shot(world, kind='final')"
         if record["verdict"] == "accepted"
         else "repair with edit_spec; inspect_world shows the rows",
     }
+
+
+def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
+    """Writes the matrix report of a verdict, and the bundle of an accepted one; where they are, in the world folder."""
+    from .bundles import make_bundle
+    from .matrix_report import write_report
+
+    folder = session.folder
+    page = folder.acceptance / f"{record['freeze'][:16]}.html"
+    write_report(page, folder, record)
+    found = {"report": folder.relative(page)}
+    if record["verdict"] == "accepted":
+        written = make_bundle(folder, session.ledger, record)
+        found |= {"bundle": folder.relative(written.path), "bundle_digest": written.digest}
+    return found
 
 
 def require_true_geometry(session: Session) -> None:

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from ..worlds.errors import InputError, RefusedError
 from .context import ToolContext, ToolReply
+from .links import proof_links
 
 __all__ = ["run_checks"]
 
@@ -74,7 +75,7 @@ def run_checks(
         data = start_and_wait(
             context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{which}:{session.revision}", reuse=False
         )
-    return ToolReply({"world": world, "revision": session.revision, **data})
+    return ToolReply({"world": world, "revision": session.revision, **data}, links=proof_links(world, data))
 
 
 def _freeze(session: Any) -> str:

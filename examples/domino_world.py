@@ -243,7 +243,7 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
         "title": "Domino run on a workbench",
         "clauses": {
             "c1": {"met_by": ["/simulation/drivers/let_go", "/entities/ramp", "/entities/ball", "/story/beats/release"]},
-            "c2": {"met_by": ["/story/beats/strike", "/entities/d20"]},
+            "c2": {"met_by": ["/story/beats/release", "/story/beats/strike", "/entities/d20"]},
             "c3": {"met_by": ["/story/beats/corner", "/story/beats/chain"]},
             "c4": {"met_by": ["/story/beats/tip"]},
             "c5": {"met_by": ["/story/beats/throw", "/story/beats/catch"]},

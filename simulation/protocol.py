@@ -72,8 +72,8 @@ class Intervention:
 class Solver(Protocol):
     """One running engine. States are opaque bytes; equal bytes and settings continue equally."""
 
-    def prepare(self) -> None:
-        """Build the engine's model and the state at frame 0."""
+    def prepare(self, *, resumed: bool = False) -> None:
+        """Build the engine's model and the state at frame 0; `resumed` leaves out what a checkpoint restored next replaces."""
 
     def max_stable_dt(self) -> float:
         """Largest stable time step in the present state [s]."""

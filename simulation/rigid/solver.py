@@ -76,8 +76,11 @@ class SolverRigid:
         self.refined = 0
         """Halvings of the step that the present frame took."""
 
-    def prepare(self) -> None:
+    def prepare(self, *, resumed: bool = False) -> None:
         """Compile, open the skins, run the preroll, set the declared velocities: the state at frame 0.
+
+        Args:
+            resumed: a checkpoint is restored next, so that the preroll is not run.
 
         Raises:
             InputError: the model cannot be built.
@@ -103,7 +106,7 @@ class SolverRigid:
         self.drivers.follow_paths(self.data, 0, self.settings.step)
         self.relaxation = open_skins(self.rigid, self.data, self.settings)
         self.drivers.remember_poses(self.data)
-        if start < 0:
+        if start < 0 and not resumed:
             self._run(start, 0.0, self.settings.step)
         self.drivers.set_model(0.0)
         self._settle_kinematics()

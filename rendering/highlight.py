@@ -19,20 +19,24 @@ MARK = np.array([235.0, 60.0, 30.0])
 """Colour of what is shown."""
 SMALL = 0.004
 """Share of the picture below which the shot's camera does not show an entity, so that one of its own is used."""
-NEAR, FAR = 2.2, 6.0
-"""Distances of the entity's own camera, in its diagonals."""
+NEAR = 2.6
+"""Distance of the entity's own camera, in diagonals of what it frames."""
+TOGETHER = 8.0
+"""Entities are framed together while the box around them is at most this many diagonals of the first."""
 
 
 def _near_camera(candidate: Candidate, frame: int, entities: Sequence[str], width: int, height: int) -> Camera:
-    """A three-quarter view from above of the first entity, with its surroundings."""
+    """A three-quarter view from above of the first entity, and of the others where they are near."""
     points = candidate.vertices(entities[0], frame)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    for name in entities[1:]:
+        both = np.concatenate([points, candidate.vertices(name, frame)])
+        if np.linalg.norm(np.ptp(both, axis=0)) <= TOGETHER * size:
+            points = both
     low, high = points.min(0), points.max(0)
-    size = max(float(np.linalg.norm(high - low)), 1e-3)
-    others = [candidate.vertices(name, frame) for name in entities[1:]]
-    reach = min(FAR, NEAR + max((float(np.linalg.norm(np.ptp(o, axis=0))) / size for o in others), default=0.0))
+    center, reach = 0.5 * (low + high), NEAR * max(float(np.linalg.norm(high - low)), 1e-3)
     towards = np.array([0.5, -0.78, 0.42])
-    center = 0.5 * (low + high)
-    return Camera(center + reach * size * towards / np.linalg.norm(towards), center, 40.0, width, height)
+    return Camera(center + reach * towards / np.linalg.norm(towards), center, 40.0, width, height)
 
 
 def highlight(

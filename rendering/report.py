@@ -107,17 +107,16 @@ def _actions(row: Mapping[str, Any]) -> str:
 
 
 def _evidence(row: Mapping[str, Any]) -> str:
-    found = row.get("evidence") or {}
+    """The explanation in words; the numbers behind it folded."""
+    found = dict(row.get("evidence") or {})
+    words = found.pop("explanation", None)
+    said = _tag("div", _e(words), class_="dim") if isinstance(words, str) else ""
     if not found:
-        return ""
-    text = json.dumps(found, indent=1, sort_keys=True, ensure_ascii=False, default=str)
-    cut = (
-        text
-        if len(text) <= MAX_EVIDENCE
-        else text[:MAX_EVIDENCE] + f"\n... {len(text) - MAX_EVIDENCE} more characters in the bundle"
-    )
-    # What the escape of control characters would spell out, a line break is not.
-    return _tag("details", _tag("summary", "evidence") + _tag("pre", "\n".join(_e(line) for line in cut.split("\n"))))
+        return said
+    text = json.dumps(found, sort_keys=True, ensure_ascii=False, default=str)
+    left = len(text) - MAX_EVIDENCE
+    cut = _e(text[:MAX_EVIDENCE]) + (_e(f" ... {left} more characters in the bundle") if left > 0 else "")
+    return said + _tag("details", _tag("summary", "evidence") + _tag("pre", cut))
 
 
 def _sorted(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -125,15 +124,18 @@ def _sorted(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     return sorted(rows, key=lambda r: (rank.get(r["status"], 0), not r["mandatory"], r["id"]))
 
 
+def _is_open(row: Mapping[str, Any]) -> bool:
+    return row["status"] in ("fail", "unverified")
+
+
 def _group(name: str, rows: Sequence[Mapping[str, Any]]) -> str:
     shown = [
         (
-            _td(_status(r["status"]) + ("" if r["mandatory"] else _tag("div", "optional", class_="dim"))),
-            _td(_tag("div", _e(r["id"]), class_="id") + _e(r["predicate"])),
-            _td(_measured(r), "n"),
+            _td(_status(r["status"]) + ("" if r["mandatory"] else _tag("div", "optional", class_="dim")), "n"),
+            _td(_tag("div", _e(r["id"]), class_="id") + _e(r["predicate"]) + (_actions(r) if _is_open(r) else "") + _evidence(r)),
+            _td(_measured(r)),
             _td(_e("-" if r.get("frames") is None else f"{r['frames'][0]} to {r['frames'][1]}"), "n"),
             _td(_first(r)),
-            _td((_actions(r) if r["status"] in ("fail", "unverified") else "") + _evidence(r)),
         )
         for r in _sorted(rows)[:MAX_GROUP_ROWS]
     ]
@@ -142,7 +144,7 @@ def _group(name: str, rows: Sequence[Mapping[str, Any]]) -> str:
     counts = ", ".join(
         f"{sum(r['status'] == s for r in rows)} {s.replace('_', ' ')}" for s in ORDER if any(r["status"] == s for r in rows)
     )
-    head = ("status", "requirement", "measured", "frames", "first failing", "what to do, evidence")
+    head = ("status", "requirement, evidence", "measured", "frames", "first failing")
     return _tag("h3", _e(f"{name}: {counts}")) + _table(head, shown) + note
 
 
@@ -204,7 +206,7 @@ def _timeline(record: Mapping[str, Any], spec: WorldSpec) -> str:
 
 
 def _open_rows(record: Mapping[str, Any], pictures: ReportPictures) -> str:
-    found = [r for r in _sorted(record["rows"]) if r["status"] in ("fail", "unverified") and r["mandatory"]]
+    found = [r for r in _sorted(record["rows"]) if _is_open(r) and r["mandatory"]]
     cards = []
     for row in found[:60]:
         caption, data = pictures.rows.get(row["id"], ("", None))
@@ -269,7 +271,7 @@ def matrix_page(
     rows = record["rows"]
     verdict = str(record["verdict"])
     counts = ", ".join(f"{sum(r['status'] == s for r in rows)} {s.replace('_', ' ')}" for s in ORDER)
-    open_count = sum(r["mandatory"] and r["status"] in ("fail", "unverified") for r in rows)
+    open_count = sum(r["mandatory"] and _is_open(r) for r in rows)
     head = (
         _tag("h1", _e(spec.title))
         + _tag(

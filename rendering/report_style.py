@@ -14,14 +14,15 @@ h1{font-size:1.6rem;margin:.2rem 0}h2{font-size:1.2rem;margin:2rem 0 .6rem;borde
 .accepted{color:var(--pass)}.incomplete{color:var(--open)}.refused{color:var(--fail)}
 blockquote{margin:.6rem 0;padding:.5rem 1rem;border-left:4px solid var(--line);background:var(--soft);white-space:pre-wrap}
 table{border-collapse:collapse;width:100%;margin:.4rem 0}th,td{text-align:left;vertical-align:top;padding:.3rem .5rem;border-bottom:1px solid var(--line)}
-th{color:var(--dim);font-weight:600;font-size:.85em}td.n{white-space:nowrap;font-variant-numeric:tabular-nums}
+ul,ol{margin:.2rem 0;padding-left:1.3rem}
+th{white-space:nowrap;color:var(--dim);font-weight:600;font-size:.85em}td.n{white-space:nowrap;overflow-wrap:normal;font-variant-numeric:tabular-nums}
 .scroll{overflow-x:auto}
-details{margin:.15rem 0}summary{cursor:pointer;color:var(--dim)}pre{white-space:pre-wrap;background:var(--soft);padding:.5rem;margin:.3rem 0;font-size:.82em}
+details{margin:.15rem 0}summary{cursor:pointer;color:var(--dim)}pre{max-width:46rem;white-space:pre-wrap;background:var(--soft);padding:.5rem;margin:.3rem 0;font-size:.82em}
 figure{margin:.6rem 0}img{max-width:100%;height:auto;border:1px solid var(--line);border-radius:.3rem;background:#fff}figcaption{color:var(--dim);font-size:.88em}
 .card{border:1px solid var(--line);border-left:4px solid var(--fail);border-radius:.3rem;padding:.6rem .9rem;margin:.7rem 0}
 .card.unverified{border-left-color:var(--open);color:inherit}.card.fail{color:inherit}
 .bar{position:relative;height:1.5rem;background:var(--soft);border:1px solid var(--line);border-radius:.2rem;min-width:16rem}
-.bar span{position:absolute;top:0;bottom:0;background:color-mix(in srgb,currentColor 35%,transparent);border-left:2px solid currentColor;border-right:2px solid currentColor}
+.bar span{position:absolute;top:0;bottom:0;background:currentColor;opacity:.4;min-width:3px}
 .bar i{position:absolute;top:-3px;bottom:-3px;width:3px;background:var(--ink)}
-@media print{body{max-width:none;padding:0;font-size:11px}.card,figure,tr{break-inside:avoid}details::details-content{content-visibility:visible;display:block}summary{list-style:none}}
+@media print{body{max-width:none;padding:0;font-size:11px}.card,figure,tr{break-inside:avoid}}
 """

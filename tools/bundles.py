@@ -40,7 +40,7 @@ def judged(folder: WorldFolder, ledger: Ledger, *, seed: int | None = None) -> d
         record = judge_fresh(folder.root, seed=secrets.randbelow(2**31) if seed is None else seed)
         record["stage"] = "full"
     except (RefusedError, EvidenceError) as error:
-        record = _open_record(folder, ledger, str(error))
+        record = _open_record(folder, ledger, str(error).replace(f"{folder.root}/", ""))
     record["weakenings"] = ledger.weakenings()
     return record
 
@@ -48,12 +48,14 @@ def judged(folder: WorldFolder, ledger: Ledger, *, seed: int | None = None) -> d
 def _open_record(folder: WorldFolder, ledger: Ledger, reason: str) -> dict[str, Any]:
     from ..simulation.freeze import engine_versions
     from ..verifiers.acceptance import find_candidate
+    from ..verifiers.bundle import event_list
 
     spec = parse_spec(folder.read_json(folder.spec_path))
-    stage, freeze, digest = "static", "", ""
+    stage, freeze, digest, events = "static", "", "", None
     try:
         freeze = find_candidate(folder, spec)
-        digest, stage = open_candidate(folder, freeze, "probe").digest, "probe"
+        probed = open_candidate(folder, freeze, "probe")
+        digest, stage, events = probed.digest, "probe", event_list(probed)
     except (RefusedError, EvidenceError):
         pass
     return {
@@ -74,7 +76,7 @@ def _open_record(folder: WorldFolder, ledger: Ledger, reason: str) -> dict[str, 
         "environment": environment(),
         "replayed": False,
         "seed": None,
-        "events": None,
+        "events": events,
     }
 
 

@@ -117,12 +117,19 @@ def _report(found: Verification, seed: int) -> dict[str, Any]:
         "other_environment": found.other,
         "rows": {s: sum(r["status"] == s for r in rows) for s in ("pass", "fail", "unverified", "not_applicable")},
         "failing": [r["id"] for r in rows if r["mandatory"] and r["status"] in ("fail", "unverified")],
+        "bundled_failing": [r.get("id") for r in _open_rows(found.record)],
         "unmet_clauses": {k: c["unmet"] for k, c in own.get("clauses", {}).items() if c["unmet"]},
         "weakenings": found.record.get("weakenings", []),
         "approximations": own.get("approximations", []),
         "replayed": next((r["evidence"].get("intervals") for r in rows if r["id"] == "delivery:replay"), []),
         "seed": seed,
     }
+
+
+def _open_rows(record: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Rows that the bundle itself calls open: what is left to do about an incomplete candidate."""
+    rows = [r for r in record.get("rows") or () if isinstance(r, dict)]
+    return [r for r in rows if r.get("mandatory") and r.get("status") in ("fail", "unverified")]
 
 
 def _check(found: Verification, root: Path, *, seed: int, intervals: int) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction
+from .own_bodies import own_gap, own_pairs
 from .passages import find_passages
 from .rows import guarded, guarded_rows, pointer, row
 from .surfaces import surfaces_of
@@ -22,8 +23,9 @@ from .surfaces import surfaces_of
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
+    from .own_bodies import OwnPair
     from .passages import Passage
-    from .surfaces import Surfaces
+    from .surfaces import Gap, Surfaces
 
 __all__ = ["check"]
 
@@ -50,10 +52,12 @@ def check(candidate: Candidate) -> list[Row]:
     surfaces = surfaces_of(candidate)
     peaks = _peaks(candidate)
     rows: list[Row] = []
-    for (a, b), series in surfaces.moving.items():
+    near = [(a, b, series, None) for (a, b), series in surfaces.moving.items()]
+    own = [(e, e, np.min([p.series for p in pairs], axis=0), pairs) for e, pairs in own_pairs(surfaces, _all(surfaces)).items()]
+    for a, b, series, pairs in [*near, *own]:
         rows += guarded_rows(
             candidate,
-            lambda a=a, b=b, series=series: [_pair(surfaces, a, b, series, peaks)],  # type: ignore[misc]
+            lambda a=a, b=b, series=series, pairs=pairs: [_pair(surfaces, a, b, series, peaks, pairs)],  # type: ignore[misc]
             id=f"contact:{a}:{b}",
             check="contact",
             group="physical",
@@ -65,9 +69,22 @@ def check(candidate: Candidate) -> list[Row]:
     return [_scene(surfaces, rows, through, passages.inspected), *rows, *through]
 
 
+def _all(surfaces: Surfaces) -> NDArray[np.intp]:
+    return np.arange(surfaces.frames)
+
+
+def _gap(surfaces: Surfaces, a: str, b: str, frame: int, own: list[OwnPair] | None) -> Gap:
+    """Exact clearance at one frame, of two entities or of two bodies of one."""
+    if own is None:
+        return surfaces.gap(a, b, frame)
+    return own_gap(surfaces, min(own, key=lambda pair: float(pair.series[frame])), frame)
+
+
 def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
     allowed = surfaces.allowed_depth(a, b)
     eps = f"{allowed:g} m (declared fastened)" if allowed else f"eps, eps = query noise {surfaces.noise(a, b):.2g} m"
+    if a == b:
+        return f"clearance between bodies of {a} that are not joined >= -{eps}, at every frame"
     return f"clearance({a}, {b}) >= -{eps}, at every frame"
 
 
@@ -88,7 +105,9 @@ def _peaks(candidate: Candidate) -> dict[Pair, tuple[float, int]]:
     return found
 
 
-def _pair(surfaces: Surfaces, a: str, b: str, series: F64, peaks: dict[Pair, tuple[float, int]]) -> Row:
+def _pair(
+    surfaces: Surfaces, a: str, b: str, series: F64, peaks: dict[Pair, tuple[float, int]], own: list[OwnPair] | None
+) -> Row:
     allowed, noise = surfaces.allowed_depth(a, b), surfaces.noise(a, b)
     bound = -(allowed + noise)
     worst = int(np.argmin(series))
@@ -99,7 +118,7 @@ def _pair(surfaces: Surfaces, a: str, b: str, series: F64, peaks: dict[Pair, tup
     order = (a, b)
     corrections: list[Correction] = []
     if len(bad):
-        gap = surfaces.gap(a, b, int(bad[0]))
+        gap = _gap(surfaces, a, b, int(bad[0]), own)
         order = (a, b) if not surfaces.is_static(a) else (b, a)
         tunnel = _tunnels(surfaces, a, b, series)
         evidence |= {
@@ -110,7 +129,7 @@ def _pair(surfaces: Surfaces, a: str, b: str, series: F64, peaks: dict[Pair, tup
             "tunnelling": tunnel,
             "depth_at_first_m": -gap.distance,
         }
-        corrections = _corrections(surfaces, order, {a: gap.part_a, b: gap.part_b}, bad, float(-series[worst]), tunnel=tunnel)
+        corrections = _corrections(surfaces, order, ((a, gap.part_a), (b, gap.part_b)), bad, float(-series[worst]), tunnel=tunnel)
         text = (
             f"{a}/{gap.part_a} and {b}/{gap.part_b} overlap at {len(bad)} of {surfaces.frames} frames, first at frame {bad[0]} "
             f"by {-gap.distance * 1e3:.4g} mm, worst at frame {worst} by {-series[worst] * 1e3:.4g} mm"
@@ -151,7 +170,7 @@ def _solver_of(surfaces: Surfaces, *entities: str) -> str | None:
 
 
 def _corrections(
-    surfaces: Surfaces, order: Pair, parts: dict[str, str], bad: NDArray[np.intp], depth: float, *, tunnel: bool
+    surfaces: Surfaces, order: Pair, parts: tuple[Pair, Pair], bad: NDArray[np.intp], depth: float, *, tunnel: bool
 ) -> list[Correction]:
     """Ranked: what makes contact impossible first, then a wrong start, then resolution."""
     mover, other = order
@@ -195,11 +214,11 @@ def _corrections(
     return found + resolution
 
 
-def _not_colliding(surfaces: Surfaces, parts: dict[str, str]) -> list[Correction]:
+def _not_colliding(surfaces: Surfaces, parts: tuple[Pair, Pair]) -> list[Correction]:
     """Reasons why the engine does not keep two entities apart at all, given the part of each that overlaps."""
     spec = surfaces.candidate.spec
     found = []
-    for entity, part in parts.items():
+    for entity, part in parts:
         content = spec.entities[entity].parts.get(part)
         if content is not None and not content.collides:
             path = pointer("entities", entity, "parts", part, "collides")
@@ -214,7 +233,7 @@ def _not_colliding(surfaces: Surfaces, parts: dict[str, str]) -> list[Correction
                 )
             )
     for name, joint in spec.simulation.joints.items():
-        if {joint.parent, joint.child} == set(parts) and getattr(joint, "collide", True) is False:
+        if {joint.parent, joint.child} == {entity for entity, _ in parts} and getattr(joint, "collide", True) is False:
             path = pointer("simulation", "joints", name, "collide")
             found.append(
                 Correction(
@@ -264,23 +283,33 @@ def _through(surfaces: Surfaces, passage: Passage) -> Row:
     order = (passage.entity, passage.through)
     solver = _solver_of(surfaces, *order)
     point = ", ".join(f"{c:.4g}" for c in passage.point)
+    parts = ((passage.entity, passage.parts[0]), (passage.through, passage.parts[1]))
+    felt = "although the engine felt a contact" if passage.felt else "and the engine felt no contact of the two"
+    resolution = _resolution(surfaces, solver, passage.depth, tunnel=True) if solver else []
     return row(
         surfaces.candidate,
         id=f"contact:through:{passage.entity}:{passage.through}",
         check="contact",
         group="physical",
-        predicate=f"{passage.entity} does not cross the surface of {passage.through} between two frames",
+        predicate=f"{passage.entity} does not pass through {passage.through} between two frames: overlap on every path that "
+        f"the states allow <= {TUNNEL_SHARE:g} of the thinner wall",
         status="fail",
-        explanation=f"{passage.entity!r} moves {passage.travel:.4g} m between frames {passage.frame - 1} and {passage.frame} "
-        f"and enters {passage.through!r} at ({point}) m on every path that its velocities allow",
-        measured=passage.travel,
-        bound=0.0,
+        explanation=f"{passage.entity!r} moves {passage.travel:.4g} m between frames {passage.frame - 1} and {passage.frame}, "
+        f"overlaps {passage.through!r} by {passage.depth * 1e3:.4g} mm on the way at ({point}) m, {felt}",
+        measured=passage.depth,
+        bound=passage.bound,
         comparison="<=",
         unit="m",
         entities=order,
         first_failing_frame=passage.frame,
-        corrections=_resolution(surfaces, solver, passage.travel, tunnel=True) if solver else (),
-        evidence={"point": passage.point.tolist(), "travel_m": passage.travel},
+        corrections=[*_not_colliding(surfaces, parts), *resolution],
+        evidence={
+            "point": passage.point.tolist(),
+            "travel_m": passage.travel,
+            "felt": passage.felt,
+            "parts": list(passage.parts),
+        },
+        extra=[surfaces.allowed_depth(*order)],
     )
 
 
@@ -304,7 +333,7 @@ def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: i
     else:
         text = (
             f"{len(movers)} moving entities among {len(candidate.spec.entities)}, {surfaces.frames} frames: "
-            f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves tested for passages"
+            f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves of pairs tested for passages"
         )
     failing = [*broken, *(r.first_failing_entity for r in bad if r.first_failing_entity)]
     return row(

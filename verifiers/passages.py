@@ -1,201 +1,319 @@
-"""Bodies that pass through static surfaces between two frames, where no inspected frame shows an overlap (R108)."""
+"""Bodies that pass through each other between two written frames, where no inspected frame shows it (R108).
+
+Criterion. Between two frames each body moves on the cubic through its recorded velocities and turns at a constant rate
+(`geometry/motions.py`), which is exact where only gravity acts. A passage is an overlap on the way deeper than
+`SHARE` of the thinner of the two walls, unless
+
+- the engine felt it: the pair is in the contact log of that frame, its collision shapes never overlapped that deep at
+  a step, and a step is too short to hide such a depth; or
+- the path is bent: contacts, joints or drivers changed the velocities by more than gravity does, and one of the other
+  paths that the end states allow is free: straight; free flight up to the first logged contact and after the last; or
+  the cubic displaced in its middle by no more than the change of velocity can explain.
+
+A body that begins on one side of a wall and ends on the other has no free path. Depth is Lipschitz in the travel, so
+that intervals with less relative travel than twice the wanted depth hide nothing and are not tested.
+"""
 
 from __future__ import annotations
 
+import itertools
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import distance_to_surface
-from ..worlds.arrays import F64, rotation_matrix
+from ..geometry import (
+    Lowest,
+    Motion,
+    Solid,
+    State,
+    aabb_of,
+    candidate_pairs,
+    lowest_clearance,
+    relative_travel,
+    signed_clearance,
+    wall_thickness,
+)
+from ..worlds.arrays import F64, RigidPose
 from ..worlds.errors import EvidenceError
+from .flights import ContactLog, Flight, reconstructed
+from .own_bodies import joined
+from .surfaces import NOWHERE
 
 if TYPE_CHECKING:
-    from ..geometry import Solid
-    from .surfaces import Surfaces, Track
+    from .surfaces import PartSurface, Surfaces
 
-__all__ = ["Passage", "Passages", "find_passages"]
+__all__ = ["SHARE", "Passage", "Passages", "find_passages"]
 
-BENDS = 8
-"""Segments that a curved path is drawn with."""
-PAIRS = 500_000
-"""Segment-triangle pairs tested at once."""
+SHARE = 0.25
+"""Own choice, the same as for written frames (`contact.TUNNEL_SHARE`): a body that goes through a wall reaches half of it."""
+PRECISION = 0.1
+"""Own choice: the deepest place of a path is found within this share of the wanted depth."""
+BENT = 0.1
+"""Own choice: a path counts as bent when it may leave the cubic by more than this share of the wanted depth."""
+BENDS = 6
+"""Displacements tried, each away from the deepest place of the last."""
+BEYOND = 1.2
+"""Own choice: a displacement goes this much farther than the depth it escapes."""
 
 
 class Passage(NamedTuple):
-    """An entity went through a static one between `frame - 1` and `frame`."""
+    """An entity went through another between `frame - 1` and `frame`."""
 
     entity: str
     through: str
     frame: int
     point: F64
-    """Where the straight path enters [m], shape (3,)."""
+    """Deepest place on the way [m], shape (3,)."""
     travel: float
-    """[m] in that frame."""
+    """Upper bound of the relative travel in that frame [m]."""
+    depth: float
+    """Overlap on the way [m]."""
+    bound: float
+    """Depth up to which it is no passage [m]."""
+    parts: tuple[str, str]
+    """Parts of the two."""
+    felt: bool
+    """Whether the engine logged a contact of the pair in that frame."""
 
 
 class Passages(NamedTuple):
-    """What was found, and how many frame-to-frame paths were fast enough to need the test."""
+    """What was found, and how many frame-to-frame motions of a pair were tested."""
 
     found: list[Passage]
     inspected: int
 
 
-class _Probe(NamedTuple):
-    """A point of a body that lies within its material."""
+@dataclass
+class _Body:
+    """Motion of one body over all frame intervals."""
 
-    track: F64
-    """World [m], shape (frames, 3)."""
-    velocity: F64 | None
-    """[m/s], shape (frames, 3)."""
-    depth: float
-    """[m] of material around it."""
+    flight: Flight
+    static: bool
 
 
-def find_passages(surfaces: Surfaces) -> Passages:
-    """Test the path of a point inside every moving body against the static surfaces, frame to frame.
+class _Search:
+    def __init__(self, surfaces: Surfaces) -> None:
+        self.surfaces = surfaces
+        self.intervals = surfaces.frames - 1
+        self.step = 1.0 / surfaces.candidate.spec.simulation.fps
+        self.bodies: dict[tuple[str, str], _Body] = {}
+        self.walls: dict[int, float] = {}
+        self.log = ContactLog(surfaces.candidate)
 
-    A path shorter than the material around the point cannot skip a surface without an overlap at one of its ends, so
-    only longer ones are tested. The path between two frames is unknown; a passage is reported when the chord, the cubic
-    through both velocities, and the bounce (straight in, straight out) all enter the same static entity.
-    """
-    statics = [n for n in surfaces.entities if surfaces.is_static(n)]
-    found: list[Passage] = []
-    inspected = 0
-    step = 1.0 / surfaces.candidate.spec.simulation.fps
-    for entity in surfaces.entities:
-        if surfaces.is_static(entity):
-            continue
-        for body in surfaces.candidate.entity(entity).bodies:
-            probe = _probe(surfaces, entity, body.name)
-            if probe is None:
-                continue
-            with np.errstate(invalid="ignore", over="ignore"):
-                travel = np.linalg.norm(np.diff(probe.track, axis=0), axis=1)
-            fast = np.flatnonzero(travel[: max(0, surfaces.broken.get(entity, surfaces.frames) - 1)] > probe.depth)
-            inspected += len(fast)
-            if len(fast) == 0:
-                continue
-            for other in statics:
-                entered, point = _enters(surfaces, other, _chords(probe, fast))
-                if probe.velocity is not None:
-                    for path in (_cubics(probe, fast, step), _bounces(probe, fast, step)):
-                        entered &= _enters(surfaces, other, path)[0]
-                if entered.any():
-                    k = int(np.argmax(entered))
-                    found.append(Passage(entity, other, int(fast[k]) + 1, point[k], float(travel[fast[k]])))
-    return Passages(found, inspected)
+    def body(self, part: PartSurface) -> _Body:
+        key = (part.entity, part.body)
+        if key not in self.bodies:
+            self.bodies[key] = _Body(self._flight(*key), self.surfaces.is_static(part.entity))
+        return self.bodies[key]
 
-
-def _probe(surfaces: Surfaces, entity: str, body: str) -> _Probe | None:
-    """The interior point of the body's largest closed part, with its motion; None where nothing is closed."""
-    parts = [surfaces.parts[i] for i in surfaces.parts_of[entity] if surfaces.parts[i].body == body]
-    closed = [p for p in parts if p.solid.closed]
-    if not closed:
-        return None
-    solid = max((p.solid for p in closed), key=lambda s: abs(s.volume))
-    point = solid.interior_point
-    if point is None:
-        return None
-    depth = float(distance_to_surface(solid, point[None]).distance[0])
-    motion: Track = surfaces.track(entity, body)
-    with np.errstate(invalid="ignore", over="ignore"):
-        turn = rotation_matrix(motion.quaternion)
-        track = turn @ point + motion.position
-        place = surfaces.candidate.cache_row(entity, body)
-        velocity = None
+    def _flight(self, entity: str, body: str) -> Flight:
+        """Broken poses are replaced by the last sound one; `usable` leaves their intervals out."""
+        candidate = self.surfaces.candidate
+        position, quaternion = self.surfaces.track(entity, body)
+        sound = self.surfaces.broken.get(entity, self.surfaces.frames)
+        keep = np.minimum(np.arange(self.surfaces.frames), max(sound - 1, 0))
+        if sound == 0:
+            position, quaternion = np.zeros_like(position), np.tile([1.0, 0.0, 0.0, 0.0], (len(quaternion), 1))
+        position, quaternion = position[keep], quaternion[keep]
+        velocity = spin = None
+        place = candidate.cache_row(entity, body)
         if place is not None:
             cache, row = place
             try:
-                linear, angular = cache.series("velocity")[:, row], cache.series("angular_velocity")[:, row]
+                velocity = np.nan_to_num(cache.series("velocity")[: self.surfaces.frames, row][keep])
+                spin = np.nan_to_num(cache.series("angular_velocity")[: self.surfaces.frames, row][keep])
             except EvidenceError:
-                return _Probe(track, None, depth)
-            arm = turn @ (point - surfaces.candidate.body(entity, body).center)
-            velocity = (linear[: surfaces.frames] + np.cross(angular[: surfaces.frames], arm)).astype(np.float64)
-    return _Probe(track, velocity, depth)
+                velocity = spin = None
+        center = candidate.body(entity, body).center
+        states = State(position, quaternion, velocity, spin)
+        gravity = np.array(candidate.spec.simulation.gravity)
+        falls = candidate.spec.entities[entity].motion == "dynamic"
+        return Flight.of(states, center, self.step, gravity if falls else np.zeros(3))
+
+    def usable(self, entity: str) -> int:
+        """Number of first intervals with sound poses at both ends."""
+        return max(0, min(self.intervals, self.surfaces.broken.get(entity, self.surfaces.frames) - 1))
+
+    def wall(self, index: int) -> float:
+        if index not in self.walls:
+            self.walls[index] = wall_thickness(self.surfaces.parts[index].solid)
+        return self.walls[index]
+
+    @cached_property
+    def radius(self) -> list[float]:
+        """Radius of every part about the centre of its body [m]."""
+        return [
+            float(np.linalg.norm(p.solid.vertices - self.body(p).flight.motion.center, axis=1).max()) for p in self.surfaces.parts
+        ]
+
+    def boxes(self) -> tuple[F64, F64]:
+        """Boxes that hold every part on its way through each interval [m], shapes (parts, intervals, 3)."""
+        parts = self.surfaces.parts
+        low, high = np.full((len(parts), self.intervals, 3), NOWHERE), np.full((len(parts), self.intervals, 3), -NOWHERE)
+        for i, part in enumerate(parts):
+            body, count = self.body(part), self.usable(part.entity)
+            if count == 0:
+                continue
+            track = self.surfaces.track(part.entity, part.body)
+            if body.static:
+                low[i, :count], high[i, :count] = aabb_of(part.solid.vertices, track.position[:1], track.quaternion[:1])
+                continue
+            corners = np.array(list(itertools.product(*zip(part.solid.lower, part.solid.upper, strict=True))))
+            lower, upper = aabb_of(corners, track.position[: count + 1], track.quaternion[: count + 1])
+            sag = body.flight.motion.sag(self.radius[i])[:count, None]
+            low[i, :count] = np.minimum(lower[:-1], lower[1:]) - sag
+            high[i, :count] = np.maximum(upper[:-1], upper[1:]) + sag
+        return low, high
 
 
-def _chords(probe: _Probe, fast: NDArray[np.intp]) -> F64:
-    """Straight paths, shape (n, 2, 3)."""
-    return np.stack([probe.track[fast], probe.track[fast + 1]], axis=1)
-
-
-def _cubics(probe: _Probe, fast: NDArray[np.intp], step: float) -> F64:
-    """Cubic Hermite paths through both velocities, shape (n, BENDS + 1, 3)."""
-    assert probe.velocity is not None
-    t = np.linspace(0.0, 1.0, BENDS + 1)[None, :, None]
-    p0, p1 = probe.track[fast][:, None], probe.track[fast + 1][:, None]
-    v0, v1 = step * probe.velocity[fast][:, None], step * probe.velocity[fast + 1][:, None]
-    return np.asarray(
-        (2 * t**3 - 3 * t**2 + 1) * p0 + (t**3 - 2 * t**2 + t) * v0 + (3 * t**2 - 2 * t**3) * p1 + (t**3 - t**2) * v1
-    )
-
-
-def _bounces(probe: _Probe, fast: NDArray[np.intp], step: float) -> F64:
-    """Straight in with the first velocity, straight out with the second, meeting where the two come nearest."""
-    assert probe.velocity is not None
-    p0, p1 = probe.track[fast], probe.track[fast + 1]
-    v0, v1 = probe.velocity[fast], probe.velocity[fast + 1]
-    offset, relative = p0 - (p1 - step * v1), v0 - v1
-    square = np.maximum(np.einsum("ni,ni->n", relative, relative), 1e-12)
-    time = np.clip(-np.einsum("ni,ni->n", offset, relative) / square, 0.0, step)[:, None]
-    turn = 0.5 * (p0 + time * v0 + p1 - (step - time) * v1)
-    return np.stack([p0, turn, p1], axis=1)
-
-
-def _enters(surfaces: Surfaces, static: str, paths: F64) -> tuple[NDArray[np.bool_], F64]:
-    """Which polylines, shape (n, k, 3), cross a surface of the static entity from outside, and where."""
-    count, points = paths.shape[0], paths.shape[1]
-    entered, where = np.zeros(count, dtype=bool), np.full((count, 3), np.nan)
-    for i in surfaces.parts_of[static]:
-        part = surfaces.parts[i]
-        pose = surfaces.track(static, part.body).at(0)
-        local = pose.inverse().apply(paths.reshape(-1, 3)).reshape(count, points, 3)
-        low, high = local.min(axis=1), local.max(axis=1)
-        near = np.flatnonzero(((low <= part.solid.upper) & (high >= part.solid.lower)).all(axis=1))
-        if len(near) == 0:
+def find_passages(surfaces: Surfaces) -> Passages:
+    """All pairs of which one moves, frame to frame; the first passage of each pair of entities."""
+    if surfaces.frames < 2 or not surfaces.parts:
+        return Passages([], 0)
+    search = _Search(surfaces)
+    low, high = search.boxes()
+    first: dict[tuple[str, str], Passage] = {}
+    inspected = 0
+    for i, j in candidate_pairs(low, high, 0.0):
+        a, b = surfaces.parts[i], surfaces.parts[j]
+        if not _concerns(surfaces, a, b):
             continue
-        segments = np.stack([local[near, :-1], local[near, 1:]], axis=2).reshape(-1, 2, 3)
-        hit, point = _first_entry(part.solid, segments)
-        hit, point = hit.reshape(len(near), -1), point.reshape(len(near), -1, 3)
-        first = hit.argmax(axis=1)
-        any_hit = hit.any(axis=1)
-        entered[near[any_hit]] = True
-        where[near[any_hit]] = pose.apply(point[np.arange(len(near)), first][any_hit])
-    return entered, where
+        meet = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= 0.0).all(axis=1))
+        tested, passage = _pair(search, i, j, meet)
+        inspected += tested
+        if passage is not None:
+            key = (passage.entity, passage.through)
+            if key not in first or passage.frame < first[key].frame:
+                first[key] = passage
+    return Passages(sorted(first.values(), key=lambda p: (p.frame, p.entity, p.through)), inspected)
 
 
-def _first_entry(solid: Solid, segments: F64) -> tuple[NDArray[np.bool_], F64]:
-    """Whether each segment, shape (n, 2, 3), enters the solid (crosses an open sheet), and where first.
+def _concerns(surfaces: Surfaces, a: PartSurface, b: PartSurface) -> bool:
+    if a.entity == b.entity:
+        if a.body == b.body:
+            return False
+        order = [body.name for body in surfaces.candidate.entity(a.entity).bodies]
+        return abs(order.index(a.body) - order.index(b.body)) > joined(surfaces, a.entity)
+    return not (surfaces.is_static(a.entity) and surfaces.is_static(b.entity))
 
-    Intersection by Moeller and Trumbore (1997), doi:10.1080/10867651.1997.10487468.
-    """
-    triangles, normals = solid.triangles, solid.face_normals
-    low, high = triangles.min(axis=1), triangles.max(axis=1)
-    hit, point = np.zeros(len(segments), dtype=bool), np.full((len(segments), 3), np.nan)
-    step = max(1, PAIRS // len(triangles))
-    for start in range(0, len(segments), step):
-        block = segments[start : start + step]
-        least, most = block.min(axis=1)[:, None], block.max(axis=1)[:, None]
-        rows, faces = np.nonzero(((least <= high) & (most >= low)).all(axis=2))
-        origin, along = block[rows, 0], block[rows, 1] - block[rows, 0]
-        a = triangles[faces, 0]
-        e1, e2 = triangles[faces, 1] - a, triangles[faces, 2] - a
-        p = np.cross(along, e2)
-        determinant = np.einsum("ni,ni->n", e1, p)
-        usable = determinant != 0.0
-        if solid.closed:
-            usable &= np.einsum("ni,ni->n", along, normals[faces]) < 0.0
-        inverse = 1.0 / np.where(usable, determinant, 1.0)
-        s = origin - a
-        u = np.einsum("ni,ni->n", s, p) * inverse
-        q = np.cross(s, e1)
-        v = np.einsum("ni,ni->n", along, q) * inverse
-        t = np.einsum("ni,ni->n", e2, q) * inverse
-        crosses = usable & (u >= -1e-12) & (v >= -1e-12) & (u + v <= 1.0 + 1e-12) & (t > 0.0) & (t < 1.0)
-        order = np.argsort(-t[crosses], kind="stable")
-        mine = rows[crosses][order] + start
-        hit[mine] = True
-        point[mine] = (origin + t[:, None] * along)[crosses][order]
-    return hit, point
+
+def _pair(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> tuple[int, Passage | None]:
+    """How many intervals of two parts were tested, and the first passage among them."""
+    surfaces = search.surfaces
+    a, b = surfaces.parts[i], surfaces.parts[j]
+    noise, allowed = surfaces.noise(a.entity, b.entity), surfaces.allowed_depth(a.entity, b.entity)
+    one, two = search.body(a).flight, search.body(b).flight
+    travel = relative_travel(
+        one.motion.take(meet), search.radius[i], two.motion.take(meet), search.radius[j], np.zeros(len(meet)), np.ones(len(meet))
+    )
+    fast = travel > 2.0 * noise
+    meet, travel = meet[fast], travel[fast]
+    if len(meet) == 0:
+        return 0, None
+    walls = min(search.wall(i), search.wall(j))
+    # Two open sheets have no wall: any crossing counts.
+    bound = allowed + (max(SHARE * walls, noise) if np.isfinite(walls) else noise)
+    fast = travel > 2.0 * bound
+    meet, travel = meet[fast], travel[fast]
+    if len(meet) == 0:
+        return 0, None
+    case = _Case(a.solid, one, b.solid, two, bound, PRECISION * (bound - allowed))
+    low = case.lowest(one.motion.take(meet), two.motion.take(meet))
+    # What overlaps at a written frame fails there.
+    deep = np.flatnonzero((low.value < -bound) & (low.ends.min(axis=1) >= -(allowed + noise)))
+    for k in deep:
+        interval = int(meet[k])
+        felt = search.log.gap(a.entity, b.entity, interval + 1)
+        if felt is not None and _felt_in_time(surfaces, a.entity, b.entity, felt, bound, float(travel[k])):
+            continue
+        if case.bent_free(search, i, j, interval, float(low.value[k]), float(low.time[k])):
+            continue
+        point = case.witness(one.motion.take(meet[[k]]), two.motion.take(meet[[k]]), float(low.time[k]))[1]
+        one_, two_ = _order(search, a, b, interval)
+        depth, parts = -float(low.value[k]), (one_.part, two_.part)
+        found = Passage(one_.entity, two_.entity, interval + 1, point, float(travel[k]), depth, bound, parts, felt is not None)
+        return len(meet), found
+    return len(meet), None
+
+
+def _order(search: _Search, a: PartSurface, b: PartSurface, interval: int) -> tuple[PartSurface, PartSurface]:
+    """The faster one first; a static one never."""
+    path = []
+    for part in (a, b):
+        control = search.body(part).flight.motion.control[interval]
+        path.append((not search.surfaces.is_static(part.entity), float(np.linalg.norm(control[3] - control[0]))))
+    return (a, b) if path[0] >= path[1] else (b, a)
+
+
+def _felt_in_time(surfaces: Surfaces, a: str, b: str, gap: float, bound: float, travel: float) -> bool:
+    """Whether the contact log of the frame rules a passage out."""
+    plan = surfaces.candidate.spec.simulation
+    steps = [s.settings.step for s in plan.solvers.values() if a in s.members and b in s.members]
+    if not steps or not np.isfinite(gap):
+        return False
+    per_step = travel * max(steps) * plan.fps
+    return gap >= -bound and per_step <= 2.0 * bound
+
+
+@dataclass(frozen=True)
+class _Case:
+    """Two parts and the depth that matters between them."""
+
+    solid_a: Solid
+    flight_a: Flight
+    solid_b: Solid
+    flight_b: Flight
+    bound: float
+    precision: float
+
+    def lowest(self, motion_a: Motion, motion_b: Motion) -> Lowest:
+        return lowest_clearance(
+            self.solid_a, motion_a, self.solid_b, motion_b, below=-self.bound, precision=max(self.precision, 1e-9 * self.bound)
+        )
+
+    def witness(self, motion_a: Motion, motion_b: Motion, time: float) -> tuple[F64, F64]:
+        """The way a must move to get out, unit, shape (3,), and the deep point [m], for the one motion of each."""
+        s = np.array([time])
+        (pa, qa), (pb, qb) = motion_a.at(s), motion_b.at(s)
+        found = signed_clearance(self.solid_a, RigidPose(pa[0], qa[0]), self.solid_b, RigidPose(pb[0], qb[0]))
+        way = found.point_b - found.point_a
+        length = float(np.linalg.norm(way))
+        return (way / length if length > 0.0 else np.zeros(3)), found.point_a
+
+    def bent_free(self, search: _Search, i: int, j: int, interval: int, value: float, time: float) -> bool:
+        """Whether forces other than gravity bent the paths enough for one of the other plausible paths to be free."""
+        radius_a, radius_b = search.radius[i], search.radius[j]
+        slack = float(self.flight_a.slack(radius_a)[interval] + self.flight_b.slack(radius_b)[interval])
+        if slack <= BENT * self.bound:
+            return False
+        here = np.array([interval])
+        motion_a, motion_b = self.flight_a.motion.take(here), self.flight_b.motion.take(here)
+        if self._free([(motion_a.straight(), motion_b.straight())]):
+            return True
+        a, b = search.surfaces.parts[i].entity, search.surfaces.parts[j].entity
+        times = [search.log.times(n, interval + 1, search.step) for n in (a, b)]
+        if any(times):
+            pieces = reconstructed(self.flight_a, times[0], self.flight_b, times[1], interval)
+            if self._free(pieces):
+                return True
+        return self._displaced(motion_a, motion_b, slack, value, time)
+
+    def _free(self, pieces: list[tuple[Motion, Motion]]) -> bool:
+        return all(float(self.lowest(one, two).value[0]) >= -self.bound for one, two in pieces)
+
+    def _displaced(self, motion_a: Motion, motion_b: Motion, slack: float, value: float, time: float) -> bool:
+        total = np.zeros(3)
+        for _ in range(BENDS):
+            away, _point = self.witness(motion_a.bent(total[None]), motion_b, time)
+            height = max(4.0 * time * (1.0 - time), 1e-3)
+            total = total + BEYOND * (-value) / height * away
+            if float(np.linalg.norm(total)) > slack:
+                return False
+            low = self.lowest(motion_a.bent(total[None]), motion_b)
+            value, time = float(low.value[0]), float(low.time[0])
+            if value >= -self.bound:
+                return True
+        return False

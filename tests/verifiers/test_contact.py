@@ -149,7 +149,7 @@ def test_a_fast_ball_that_skips_a_thin_plate_fails(tmp_path):
     assert failing(rows) == {"contact:scene", "contact:through:b:plate"}
     row = rows["contact:through:b:plate"]
     assert row.first_failing_frame == 4
-    assert row.evidence["point"] == pytest.approx([0, 0, 0.005], abs=1e-9)
+    assert row.evidence["point"] == pytest.approx([0, 0, 0.005], abs=1e-4)
     assert row.corrections[0].group == "step"
 
 

@@ -116,12 +116,20 @@ class ContactMonitor:
 
     # ------------------------------------------------------------------ per step
 
-    def after_step(self, data: Any, time: float, dt: float) -> None:
-        """Record the step that ended at `time` [s]; contacts are those of its beginning."""
+    def watch_sleep(self, data: Any, time: float) -> None:
+        """Note which bodies fell asleep or woke, in the step that ends at `time` [s]."""
         awake = data.body_awake_ind[: data.nbody_awake].tobytes()
         if awake != self._awake:
             self._note_sleep(data, time)
             self._awake = awake
+
+    def watch_contacts(self, data: Any, time: float, dt: float) -> None:
+        """Record the solved contacts of the step that ends at `time` [s].
+
+        Before the integration: where a body falls asleep in it, MuJoCo evaluates the contacts once more, without what
+        `contact_law` has written, and those forces never acted.
+        """
+        self.watch_sleep(data, time)
         if not data.ncon:
             return
         if data.nefc:

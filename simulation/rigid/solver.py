@@ -155,7 +155,7 @@ class SolverRigid:
     def _segment(self, start: float, dt: float, count: int) -> None:
         """`count` steps of `dt` [s] within which no driver switches."""
         mujoco, model, data = self._mj, self.model, self.data
-        first, second, after_step = mujoco.mj_step1, mujoco.mj_step2, self.monitor.after_step
+        first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
         gyration, ropes, watch = self.gyration.apply, self.drivers.has_ropes, self.ledger.watch
         working = self.work.begin(data, velocities(model, data))
@@ -169,8 +169,14 @@ class SolverRigid:
             watch(data)
             gyration(data, dt)
             contact_law(data, dt, slowest)
-            second(model, data)
-            after_step(data, start + (k + 1) * dt, dt)
+            # The stages of `mj_step2`, so that forces are read before the integration.
+            mujoco.mj_fwdActuation(model, data)
+            mujoco.mj_fwdAcceleration(model, data)
+            mujoco.mj_fwdConstraint(model, data)
+            mujoco.mj_checkAcc(model, data)
+            watch_contacts(data, start + (k + 1) * dt, dt)
+            mujoco.mj_implicit(model, data)
+            watch_sleep(data, start + (k + 1) * dt)
             if working:
                 self.work.after_step(data, dt)
         if authored:

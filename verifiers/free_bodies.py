@@ -24,6 +24,8 @@ LAUNCH_SPEED = 0.1
 """[m/s] Own choice: a slower initial velocity is no launch and does not explain a body in the air."""
 LIFT = 0.9
 """Own choice: a force driver holds a body when it carries this share of its weight at frame 0."""
+GRIP_TIME = 0.1
+"""[s] Own choice: a body that nothing presses has fallen 49 mm by then, ten times the default `support_drift`."""
 LEFT = 1e-4
 """[m] Own choice: clearance that a suggested move leaves."""
 DERIVED = "at frame 0 a chain of contacts, joints or drivers leads from the free body to something static, or it is launched"
@@ -112,7 +114,7 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     spec = surfaces.candidate.spec
     if gravity_direction(surfaces) is None:
         return "is in a world without gravity", {}
-    if bool(graph.grounded(entity)[0]):
+    if bool(graph.grounded(entity)[0]) and not _slips_through(graph, entity):
         chain = graph.chain(entity, 0)
         return f"is held up through {' -> '.join(chain)}", {"chain": chain}
     released = [n for n, d in spec.simulation.drivers.items() if isinstance(d, ReleaseDriver) and d.entity == entity]
@@ -130,6 +132,17 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
         if speed >= LAUNCH_SPEED:
             return f"is launched with {speed:.4g} m/s", {"speed_m_s": speed}
     return "", {}
+
+
+def _slips_through(graph: SupportGraph, entity: str) -> bool:
+    """Whether a body that only friction from its sides could hold falls at once: rest was possible, but it is not pressed."""
+    surfaces = graph.surfaces
+    if not graph.gripped(entity)[0] or entity in surfaces.broken:
+        return False
+    plan = surfaces.candidate.spec.simulation
+    last = min(surfaces.frames - 1, int(np.ceil(GRIP_TIME * plan.fps)))
+    fallen = motion.centers(surfaces.candidate, entity)[[0, last]] @ np.array(plan.gravity) / np.linalg.norm(plan.gravity)
+    return bool(fallen[1] - fallen[0] > plan.limits.support_drift)
 
 
 def _declared(surfaces: Surfaces, entity: str) -> Any:

@@ -22,6 +22,7 @@ __all__ = [
     "angles",
     "asleep",
     "caches_with",
+    "carried",
     "centers",
     "entity_mass",
     "entity_poses",
@@ -100,6 +101,13 @@ def _body_channel(candidate: Candidate, entity: str, body: str, channel: str) ->
     if contract.motion == "dynamic" and contract.physics.category == "rigid":
         initial = contract.physics.linear_velocity if channel == "velocity" else contract.physics.angular_velocity
     return np.repeat(np.array(initial, dtype=np.float64)[None], candidate.frame_count, 0)
+
+
+def carried(positions: F64, quaternions: F64, local: F64) -> F64:
+    """Path of a point of a body [m], shape (frames, 3), from the body's motion and the point in its frame, shape (3,)."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        path: F64 = _rotations(quaternions) @ local + positions
+    return path
 
 
 def velocities(candidate: Candidate, entity: str) -> F64:

@@ -17,8 +17,9 @@ from ..worlds.requirements import Correction
 from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
 from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
-from .rows import Comparison, guarded, guarded_rows, pointer, row, translation_patch
-from .support_graph import SupportGraph, balance, drop
+from .resting import rest_rows
+from .rows import Comparison, guarded, guarded_rows, pointer, row
+from .support_graph import SupportGraph, drop
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
@@ -29,19 +30,18 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "support_interval"]
 
-OUTSIDE = 0.002
-"""[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
 MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses"})
 """Predicates that say that an entity leaves its place."""
 
 
 @guarded("support", "every free body is held up by contact, joint or driver")
 def check(candidate: Candidate) -> list[Row]:
-    """Rows per `supports` relation, per balanced body, per free body without a relation, and one for the scene."""
+    """Rows per `supports` relation, per body that is to rest, per free body without a relation, and one for the scene."""
     surfaces = surfaces_of(candidate)
     graph, start = SupportGraph(surfaces), SupportGraph(surfaces, until=1)
     rows: list[Row] = []
     covered: set[str] = set()
+    claimed: list[str] = []
     for name, relation in candidate.spec.graph.relations.items():
         if not isinstance(relation, Supports):
             continue
@@ -62,14 +62,16 @@ def check(candidate: Candidate) -> list[Row]:
             entities=(relation.b, relation.a),
         )
         if first == 0 and last > 0 and candidate.spec.entities[relation.b].motion == "dynamic":
-            rows += guarded_rows(
-                candidate,
-                lambda n=name, b=relation.b: _balance(start, n, b),  # type: ignore[misc]
-                id=f"support:balance:{relation.b}",
-                check="support",
-                predicate="the centre of mass lies above the contact polygon",
-                entities=(relation.b, relation.a),
-            )
+            claimed.append(relation.b)
+    for name in dict.fromkeys(claimed):
+        rows += guarded_rows(
+            candidate,
+            lambda b=name: rest_rows(start, b, claimed),  # type: ignore[misc]
+            id=f"support:balance:{name}",
+            check="support",
+            predicate="it can rest where it is at frame 0",
+            entities=(name,),
+        )
     for name, entity in candidate.spec.entities.items():
         if entity.motion == "dynamic" and name not in covered:
             rows += guarded_rows(
@@ -249,13 +251,15 @@ def _faults(
         text = f"{b!r} overlaps {a!r} by {depth * 1e3:.4g} mm at frame {begin + k}"
         lift = along_up(surfaces, depth + LEFT) if begin + k == 0 else None
         yield _Fault(begin + k, text, -depth, bound, ">=", "m", placement(surfaces, b, lift, f"{b!r} sinks into {a!r}"))
-    k = first(~linked & (distance <= gap) & ~surfaces.carries(a, b)[window])
+    k = first(~linked & (distance <= gap) & ~surfaces.carries(a, b)[window] & ~_leans(graph, a, b, frames))
     if k is not None:
-        text = f"{a!r} touches {b!r} at frame {begin + k} but does not stand beneath it, so it cannot carry it"
+        text = (
+            f"{a!r} touches {b!r} at frame {begin + k} but is neither beneath it nor needed to hold it, so it does not carry it"
+        )
         yield _Fault(
             begin + k, text, 0.0, 1.0, "==", "1", placement(surfaces, b, None, f"{b!r} is beside or below {a!r}, not on it")
         )
-    k = first(creep > drift)
+    k = first(~linked & (creep > drift))
     if k is not None:
         text = f"{b!r} creeps {creep.max() * 1e3:.4g} mm on {a!r}, beyond {drift * 1e3:.4g} mm from frame {begin + k} on"
         yield _Fault(begin + k, text, float(creep.max()), drift, "<=", "m", _slips(surfaces, a, b))
@@ -265,6 +269,17 @@ def _faults(
         fall = drop(surfaces, a, begin + k) if begin + k == 0 else None
         offset = along_up(surfaces, LEFT - fall[0]) if fall else None
         yield _Fault(begin + k, text, 0.0, 1.0, "==", "1", placement(surfaces, a, offset, f"{a!r} itself is not supported"))
+
+
+def _leans(graph: SupportGraph, a: str, b: str, frames: tuple[int, int]) -> NDArray[np.bool_]:
+    """At which frames `b` can rest only because it touches `a`, though `a` is not beneath it, shape (frames,)."""
+    surfaces = graph.surfaces
+    open_frames = (surfaces.series(a, b) <= surfaces.contact_gap(a, b)) & ~surfaces.carries(a, b) & ~graph.linked(a, b)
+    result = np.zeros(surfaces.frames, dtype=bool)
+    for k in np.flatnonzero(open_frames[: frames[1] + 1]):
+        if k >= frames[0]:
+            result[k] = graph.rests(b, int(k)) and not graph.rests(b, int(k), without=a)
+    return result[frames[0] : frames[1] + 1]
 
 
 def _finer(surfaces: Surfaces) -> Correction:
@@ -330,54 +345,6 @@ def _apart(surfaces: Surfaces, relation: Supports, frame: int, gap: float) -> _F
     else:
         cause = f"nothing lies beneath {b!r}"
     return _Fault(0, text, found.distance, gap, "<=", "m", placement(surfaces, b, offset, cause))
-
-
-def _balance(graph: SupportGraph, relation: str, entity: str) -> list[Row]:
-    """Whether a body that is to stay can stay at frame 0; nothing to judge where joints or drivers hold it."""
-    surfaces = graph.surfaces
-    surfaces.require(entity)
-    if graph.jointed(entity) or graph.held(entity)[0]:
-        return []
-    others = surfaces.neighbours[entity]
-    if not any(surfaces.carries(n, entity, until=1)[0] for n in others):
-        return []  # the relation's own row says that nothing carries it
-    # What it leans on from the side counts too: wall and foot together hold a ladder.
-    carriers = [n for n in others if surfaces.series(n, entity)[0] <= surfaces.contact_gap(n, entity)]
-    found = balance(surfaces, entity, carriers, 0)
-    if found is None:
-        return []
-    distance, back = found
-    ok = distance <= OUTSIDE
-    where = f"{abs(distance) * 1e3:.4g} mm {'outside' if distance > 0 else 'inside'}"
-    text = f"the centre of mass of {entity!r} lies {where} the polygon of its contacts with {', '.join(carriers)}"
-    shift = np.zeros(3) if ok else back
-    return [
-        row(
-            surfaces.candidate,
-            id=f"support:balance:{entity}",
-            check="support",
-            predicate=f"the centre of mass of {entity}, seen along gravity, lies within {OUTSIDE:g} m of its contact polygon",
-            status="pass" if ok else "fail",
-            explanation=text,
-            measured=distance,
-            bound=OUTSIDE,
-            comparison="<=",
-            unit="m",
-            frames=(0, 0),
-            entities=(entity, *carriers),
-            corrections=[
-                Correction(
-                    cause=f"{entity!r} overhangs its support and tips over",
-                    edit_class="scene",
-                    group="placement",
-                    action=f"Move {entity!r} at least {distance * 1e3:.4g} mm towards the middle of its support, or widen that.",
-                    pointers=(pointer("entities", entity, "pose"),),
-                    patch=translation_patch(surfaces.candidate, entity, shift),
-                )
-            ],
-            evidence={"carriers": carriers, "relation": relation},
-        )
-    ]
 
 
 def _scene(surfaces: Surfaces, rows: list[Row]) -> Row:

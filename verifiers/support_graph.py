@@ -5,36 +5,32 @@ Contacts are read from geometry, never from contact logs: a sleeping body has no
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64
-from ..worlds.spec import DetachDriver, ReleaseDriver, Rope
+from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.spec import ReleaseDriver
+from .equilibrium import Balance, Group, group_of, solve, touching
+from .links import Link, links_of
 
 if TYPE_CHECKING:
     from .surfaces import Surfaces
 
-__all__ = ["Link", "SupportGraph", "balance", "drop", "gravity_direction"]
+__all__ = ["MISSING", "OUTSIDE", "SupportGraph", "drop", "gravity_direction", "rolling"]
 
-EDGE_SLACK = 5e-4
-"""[m] Own choice: points this much farther than the nearest belong to one flat contact."""
+OUTSIDE = 0.002
+"""[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
+MISSING = 0.01
+"""Own choice: share of a body's weight that contact and friction may seem to lack (facets, rounded friction pyramids)."""
+SAME_PLACE = 1e-4
+"""[m], and [1] of rotation matrices. Own choice: frames that differ less have one balance of forces."""
 DROP_STEPS = 200
 NEAR = 1e-5
 """[m] Conservative advancement stops at this clearance."""
-
-
-class Link(NamedTuple):
-    """A joint, spring or rope end between two entities (None: the world), and when it holds, shape (frames,)."""
-
-    name: str
-    a: str | None
-    b: str
-    holds: NDArray[np.bool_]
 
 
 def gravity_direction(surfaces: Surfaces) -> F64 | None:
@@ -51,24 +47,15 @@ class SupportGraph:
         self.surfaces = surfaces
         self.until = until
         self._grounded: dict[str, NDArray[np.bool_]] = {}
+        self._gripped: dict[str, NDArray[np.bool_]] = {}
+        self._rests: dict[tuple[str, str, bytes], bool] = {}
+        self.resting: dict[str, tuple[Group, Balance, F64]] = {}
+        """What `verifiers/resting.py` found at frame 0, per body."""
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        """Joints and rope ends; a `detach` driver ends one after its time."""
-        spec = self.surfaces.candidate.spec
-        frames = np.arange(self.surfaces.frames) / spec.simulation.fps
-        opened = {d.joint: d.time for d in spec.simulation.drivers.values() if isinstance(d, DetachDriver)}
-        found = [
-            Link(name, joint.parent, joint.child, frames <= opened.get(name, math.inf))
-            for name, joint in spec.simulation.joints.items()
-        ]
-        always = np.ones(self.surfaces.frames, dtype=bool)
-        for name, entity in spec.entities.items():
-            if isinstance(entity.generator, Rope):
-                for end in (entity.generator.attach_start, entity.generator.attach_end):
-                    if end is not None:
-                        found.append(Link(name, None if end == "world" else end, name, always))
-        return tuple(found)
+        """Joints and rope ends."""
+        return links_of(self.surfaces)
 
     def linked(self, a: str, b: str) -> NDArray[np.bool_]:
         """At which frames a joint or rope end holds the two together, shape (frames,)."""
@@ -78,9 +65,9 @@ class SupportGraph:
                 holds |= link.holds
         return holds
 
-    def jointed(self, entity: str) -> bool:
-        """Whether any joint or rope end is attached to the entity at frame 0."""
-        return any(entity in (link.a, link.b) and bool(link.holds[0]) for link in self.links)
+    def jointed(self, entity: str, frame: int) -> bool:
+        """Whether any joint or rope end that bears weight is attached to the entity at a frame."""
+        return any(entity in (link.a, link.b) and bool(link.holds[frame]) for link in self.links)
 
     def held(self, entity: str) -> NDArray[np.bool_]:
         """At which frames the entity needs nothing beneath it: static, authored, not yet released, or fixed to the world."""
@@ -120,8 +107,8 @@ class SupportGraph:
                     continue
                 holds = self.held(name)
                 holders[name] = [] if holds.all() or name in self._grounded else list(self._holders(name))
-                waiting += [other for other, _ in holders[name]]
-            state = {name: self._grounded.get(name, self.held(name)).copy() for name in holders}
+                waiting += [other for other, _ in holders[name] if other not in holders]
+            state = {name: self._grounded.get(name, self.held(name) | self.gripped(name)).copy() for name in holders}
             changed = True
             while changed:
                 changed = False
@@ -133,6 +120,49 @@ class SupportGraph:
             self._grounded |= state
         return self._grounded[entity]
 
+    def _touch(self, a: str, b: str) -> NDArray[np.bool_]:
+        touches = self.surfaces.series(a, b) <= self.surfaces.contact_gap(a, b)
+        if self.until is not None:
+            touches[self.until :] = False
+        return np.asarray(touches)
+
+    def gripped(self, entity: str) -> NDArray[np.bool_]:
+        """At which frames nothing is beneath the entity, but friction and contacts from several sides can bear it, shape (frames,)."""
+        if entity not in self._gripped:
+            others = [n for n in self.surfaces.neighbours.get(entity, ()) if self._touch(entity, n).any()]
+            open_frames = np.zeros(self.surfaces.frames, dtype=bool)
+            for other in others:
+                open_frames |= self._touch(entity, other)
+            for other in others if not self.held(entity).all() else ():
+                open_frames &= ~self.surfaces.carries(other, entity, until=self.until)
+            open_frames &= ~self.held(entity)
+            self._gripped[entity] = np.zeros_like(open_frames)
+            for frame in np.flatnonzero(open_frames):
+                self._gripped[entity][frame] = self.rests(entity, int(frame))
+        return self._gripped[entity]
+
+    def rests(self, entity: str, frame: int, *, without: str = "") -> bool:
+        """Whether contact forces within friction can bear the entity, optionally as if it did not touch one other."""
+        key = (entity, without, self._place(entity, frame))
+        if key not in self._rests:
+            group = group_of(self, entity, frame)
+            if group is not None and without:
+                group = group.without(entity, without)
+            self._rests[key] = group is not None and _can_rest(self.surfaces, group, entity)
+        return self._rests[key]
+
+    def _place(self, entity: str, frame: int) -> bytes:
+        """Where all that touches the entity, directly or through others, is as seen from it."""
+        members, pairs = touching(self, entity, frame)
+        involved = sorted({*members, *(n for pair in pairs for n in pair)})
+        origin = self.surfaces.candidate.center(entity, frame)
+        state: list[F64] = []
+        for name in involved:
+            for body in self.surfaces.candidate.entity(name).bodies:
+                pose = self.surfaces.track(name, body.name).at(frame)
+                state += [pose.position - origin, rotation_matrix(pose.quaternion).ravel()]
+        return ",".join(involved).encode() + np.round(np.concatenate(state) / SAME_PLACE).astype(np.int64).tobytes()
+
     def chain(self, entity: str, frame: int) -> list[str]:
         """Shortest chain of holders from the entity to something held at a frame; empty where there is none."""
         paths: list[list[str]] = [[entity]]
@@ -141,11 +171,34 @@ class SupportGraph:
             path = paths.pop(0)
             if self.held(path[-1])[frame]:
                 return path
+            if self.gripped(path[-1])[frame]:
+                return [
+                    *path,
+                    " and ".join(sorted(n for n in self.surfaces.neighbours[path[-1]] if self._touch(path[-1], n)[frame])),
+                ]
             for other, holds in self._holders(path[-1]):
                 if holds[frame] and other not in seen:
                     seen.add(other)
                     paths.append([*path, other])
         return []
+
+
+def rolling(surfaces: Surfaces, entity: str) -> float:
+    """Largest rolling resistance length of an entity's materials [m]: so far may a contact force act from its point."""
+    materials = surfaces.candidate.spec.materials
+    used = {p.material for p in surfaces.candidate.entity(entity).parts}
+    return max((materials[m].rolling_friction for m in used if m in materials), default=0.0)
+
+
+def _can_rest(surfaces: Surfaces, group: Group, entity: str) -> bool:
+    """Whether the entity can rest, on bodies of the group that can themselves."""
+    while entity in group.members:
+        found = solve(group, claimed=(entity,), shift=OUTSIDE)
+        fit = {m for m, b in found.items() if b.missing <= MISSING and b.shift <= OUTSIDE + rolling(surfaces, m)}
+        if len(fit) == len(group.members):
+            return True
+        group = group.of(fit)
+    return False
 
 
 def drop(surfaces: Surfaces, entity: str, frame: int) -> tuple[float, str] | None:
@@ -174,87 +227,3 @@ def drop(surfaces: Surfaces, entity: str, frame: int) -> tuple[float, str] | Non
         if fallen <= reach and clearance <= NEAR and (best is None or fallen < best[0]):
             best = (fallen, other)
     return best
-
-
-def balance(surfaces: Surfaces, entity: str, carriers: list[str], frame: int) -> tuple[float, F64] | None:
-    """How far the centre of mass lies outside the polygon of contact points, seen along gravity [m]; negative inside.
-
-    Also returns the horizontal way back to the polygon's middle, shape (3,). Contact points are the corners of the
-    overlap of the touching faces: vertices of either near the other, and crossings of edges. None without contact.
-    """
-    direction = gravity_direction(surfaces)
-    if direction is None:
-        return None
-    found = [p for other in carriers for p in _contact_points(surfaces, entity, other, frame)]
-    if not found:
-        return None
-    points = np.array(found)
-    center = surfaces.candidate.center(entity, frame)
-    side = np.linalg.svd(direction[None])[2][1:]
-    flat, middle = (points - center) @ side.T, np.zeros(2)
-    distance = _outside(flat, middle)
-    return distance, np.asarray((flat.mean(axis=0)) @ side)
-
-
-def _outside(points: F64, query: F64) -> float:
-    """Signed distance of a point in the plane outside the convex hull of others; negative inside."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except (QhullError, ValueError):
-        spread = points - points.mean(axis=0)
-        axis = np.linalg.svd(spread)[2][0] if len(points) > 1 else np.array([1.0, 0.0])
-        along = spread @ axis
-        start, end = points[along.argmin()], points[along.argmax()]
-        length = float((end - start) @ (end - start))
-        t = float(np.clip((query - start) @ (end - start) / length, 0.0, 1.0)) if length > 0.0 else 0.0
-        return float(np.linalg.norm(start + t * (end - start) - query))
-    planes = hull.equations[:, :2] @ query + hull.equations[:, 2]
-    if planes.max() <= 0.0:
-        return float(planes.max())
-    corners = points[hull.simplices]
-    along = corners[:, 1] - corners[:, 0]
-    t = np.clip(np.einsum("ni,ni->n", query - corners[:, 0], along) / np.einsum("ni,ni->n", along, along), 0.0, 1.0)
-    return float(np.linalg.norm(corners[:, 0] + t[:, None] * along - query, axis=1).min())
-
-
-def _contact_points(surfaces: Surfaces, a: str, b: str, frame: int) -> list[F64]:
-    from ..geometry import distance_to_surface
-    from ..geometry.triangles import segment_points
-
-    nearest = surfaces.gap(a, b, frame)
-    if nearest.distance > surfaces.contact_gap(a, b):
-        return []
-    found = [0.5 * (nearest.point_a + nearest.point_b)]
-    for i in surfaces.parts_of[a]:
-        for j in surfaces.parts_of[b]:
-            one, two = surfaces.parts[i], surfaces.parts[j]
-            slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
-            pose_a, pose_b = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
-            here, there = pose_a.apply(one.solid.vertices), pose_b.apply(two.solid.vertices)
-            low = np.maximum(here.min(axis=0), there.min(axis=0)) - slack
-            high = np.minimum(here.max(axis=0), there.max(axis=0)) + slack
-            if (low > high).any():
-                continue
-            for points, solid, pose in ((here, two.solid, pose_b), (there, one.solid, pose_a)):
-                inside = points[((points >= low) & (points <= high)).all(axis=1)]
-                if len(inside):
-                    distance = distance_to_surface(solid, pose.inverse().apply(inside)).distance
-                    found += list(inside[distance <= slack])
-            edges = [_near_edges(p, s.edges, low, high) for p, s in ((here, one.solid), (there, two.solid))]
-            (p, q), (r, s) = (edges[0][:, 0], edges[0][:, 1]), (edges[1][:, 0], edges[1][:, 1])
-            if 0 < len(p) * len(r) <= 1_000_000:
-                u, v = (q - p)[:, None], (s - r)[None]
-                t, w = segment_points(p[:, None], u, r[None], v)
-                first, second = p[:, None] + t[..., None] * u, r[None] + w[..., None] * v
-                close = np.linalg.norm(first - second, axis=-1) <= slack
-                found += list(first[close])
-    return found
-
-
-def _near_edges(points: F64, edges: NDArray[np.int32], low: F64, high: F64) -> F64:
-    """Edges whose boxes meet a box, shape (n, 2, 3)."""
-    ends = points[edges]
-    meets = ((ends.min(axis=1) <= high) & (ends.max(axis=1) >= low)).all(axis=1)
-    return np.asarray(ends[meets])

@@ -110,7 +110,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     import shutil
 
     from ..simulation.bake import run_bake
-    from ..verifiers.checks import names_of, run_checks
+    from ..verifiers.checks import names_of, rerun_ids, run_checks
     from .measurements import refuted
 
     session, freeze = _session(payload)
@@ -132,7 +132,9 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(_promise_row(candidate, promised, found))
     rows = session.cited(rows)
-    changed = session.ledger.put_rows(rows, revision=session.revision, stage="full", checks=names_of("full"))
+    changed = session.ledger.put_rows(
+        rows, revision=session.revision, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec)
+    )
     session.ledger.put_bake(
         freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows, candidate.last_frame)}
     )
@@ -172,7 +174,7 @@ def _promise_row(candidate: Any, promised: dict[str, int | None], found: dict[st
 
 def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Run the checks of one scope again on what is there."""
-    from ..verifiers.checks import names_of, run_checks
+    from ..verifiers.checks import names_of, rerun_ids, run_checks
     from ..worlds.candidate import open_candidate
 
     session, freeze = _session(payload)
@@ -185,7 +187,9 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if whole:
         session.ledger.close_iterations(freeze[:16], open_rows, rows)
     rows = session.cited(rows)
-    changed = session.ledger.put_rows(rows, revision=session.revision, stage=stage, checks=done)
+    changed = session.ledger.put_rows(
+        rows, revision=session.revision, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec)
+    )
     if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
         detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}

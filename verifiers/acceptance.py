@@ -177,7 +177,7 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = RE
 
     Args:
         root: the world folder.
-        replay: also simulate the start and randomly chosen checkpoint intervals again.
+        replay: also simulate again: the start and randomly chosen checkpoint intervals, and the world without its causes.
         seed: of that choice.
         intervals: how many per solver instance; more than there are means all.
 
@@ -196,7 +196,7 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = RE
     candidate = open_candidate(folder, freeze, "full")
     rows = list(audit(spec).rows)
     rows.append(_freeze_row(candidate, freeze, freeze_hash(spec, candidate.built)))
-    rows += run_checks(candidate)
+    rows += run_checks(candidate, reruns=replay)
     if replay:
         rows.append(_replay_row(candidate, seed, intervals))
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]

@@ -29,7 +29,7 @@ from .verdicts import correction, make_row
 if TYPE_CHECKING:
     from ..worlds.spec import Beat
 
-__all__ = ["REST_SPEED", "REST_SPIN", "check", "driver_start", "moving"]
+__all__ = ["REST_SPEED", "REST_SPIN", "Onset", "check", "driver_start", "moving", "onset_of"]
 
 REST_SPEED = 0.01
 """[m/s] A body slower than this (and `REST_SPIN`) is at rest. Own choice: 0.4 mm per frame at 24 fps."""
@@ -41,7 +41,7 @@ INSTANTS = frozenset({"contact", "reaches", "crosses"})
 
 
 @dataclass(frozen=True)
-class _Cause:
+class Onset:
     """When and where a cause starts to act."""
 
     sources: tuple[str, ...]
@@ -112,11 +112,12 @@ def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str
     return (driver.start if isinstance(driver, MotorDriver) else driver.time), ends
 
 
-def _cause(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> _Cause:
+def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onset:
+    """When and where a beat that came true at frame `first` started to act as a cause."""
     plan = candidate.spec.simulation
     if beat.owner in plan.drivers:
         time, entities = driver_start(candidate, beat.owner)
-        return _Cause(
+        return Onset(
             tuple(dict.fromkeys((*entities, beat.subject))),
             time - 1 / plan.fps,
             time * plan.fps,
@@ -128,7 +129,7 @@ def _cause(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> _Cause
         while onset > max(0, beat.frames[0] - 1) and active[onset]:
             onset -= 1
     # Interval frame k covers ((k-1)/fps, k/fps]: its contacts may have begun a frame earlier than k.
-    return _Cause((beat.subject,), onset / plan.fps, first, f"{beat_id} was first true at frame {first}")
+    return Onset((beat.subject,), onset / plan.fps, first, f"{beat_id} was first true at frame {first}")
 
 
 def _instant(candidate: Candidate, beat: Beat, first: int) -> float | None:
@@ -148,7 +149,7 @@ def _edge(candidate: Candidate, chains: Chains, cause_id: str, effect_id: str) -
     first, last = outcomes[cause_id].first_true_frame, outcomes[effect_id].first_true_frame
     if first is None:
         return _absent(candidate, cause_id, effect_id, cause_id, outcomes[cause_id])
-    start = _cause(candidate, cause_id, cause, first)
+    start = onset_of(candidate, cause_id, cause, first)
     until = last if last is not None else min(effect.frames[1], candidate.last_frame)
     reach = chains.spread(start.sources, start.start, until)
     if last is None:
@@ -184,7 +185,7 @@ def _linked(
     candidate: Candidate,
     cause_id: str,
     effect_id: str,
-    start: _Cause,
+    start: Onset,
     last: int,
     reach: Reach,
     evidence: dict[str, object],
@@ -290,7 +291,7 @@ def _absent(
     outcome: Outcome,
     *,
     reach: Reach | None = None,
-    start: _Cause | None = None,
+    start: Onset | None = None,
 ) -> Row:
     beat = candidate.spec.story.beats[beat_id]
     text = f"{'cause' if beat_id == cause_id else 'effect'} {beat_id} never came true: {outcome.explanation}"

@@ -157,23 +157,25 @@ class Chains:
         end = np.array([p[2] for p in pairs] * 2, dtype=np.float64)
         return _Edges(sender, receiver, np.full(count, -NEVER), end, np.full(count, NEVER))
 
-    def spread(self, sources: Iterable[str], start: float, until_frame: int) -> Reach:
-        """Earliest arrivals of chains that leave `sources` at `start` [s], over contacts up to `until_frame`."""
+    def spread(self, sources: Iterable[str], start: float, until_frame: int, *, mute: Iterable[str] = ()) -> Reach:
+        """Earliest arrivals of chains that leave `sources` at `start` [s], over contacts up to `until_frame`; `mute` sends none."""
+        sends = self._sends.copy()
+        sends[[self._index[m] for m in mute]] = False
         arrival = np.full(len(self.names), NEVER)
         hops: dict[int, Hop] = {}
         arrival[[self._index[s] for s in sources if s in self._index]] = start
         first = max(0, int(np.floor(start * self._fps)))
         for frame in range(first, min(until_frame, self.candidate.frame_count - 1) + 1):
-            while self._relax(arrival, hops, frame):
+            while self._relax(arrival, hops, frame, sends):
                 pass
         return Reach(self.names, arrival, hops)
 
-    def _relax(self, arrival: F64, hops: dict[int, Hop], frame: int) -> bool:
+    def _relax(self, arrival: F64, hops: dict[int, Hop], frame: int, sends: NDArray[np.bool_]) -> bool:
         changed = False
         here, joints = self._frames[frame], self._joints
         sender, receiver, begin, end, impulse = (np.concatenate([a, b]) for a, b in zip(here, joints, strict=True))
         now = frame / self._fps
-        usable = self._sends[sender] & self._receives[receiver] & (arrival[sender] <= np.minimum(end, now))
+        usable = sends[sender] & self._receives[receiver] & (arrival[sender] <= np.minimum(end, now))
         usable &= impulse >= self._floor[frame, receiver]
         offered = np.maximum(arrival[sender], begin)
         for k in np.flatnonzero(usable & (offered < arrival[receiver])):

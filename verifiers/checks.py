@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Row, fail_closed
+from ..worlds.spec import WorldSpec
 from . import (
     beats,
     category,
     causal,
     contact,
+    counterfactual,
     delivery,
     interpenetration,
     navigability,
@@ -24,7 +26,7 @@ from . import (
 )
 from .diagnosis import diagnose
 
-__all__ = ["CHECKS", "CheckBinding", "names_of", "run_checks"]
+__all__ = ["CHECKS", "CheckBinding", "names_of", "rerun_ids", "run_checks"]
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,8 @@ class CheckBinding:
     name: str
     function: Callable[[Candidate], list[Row]]
     stages: tuple[Stage, ...]
+    reruns: Callable[[WorldSpec], frozenset[str]] | None = None
+    """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
 
 
 CHECKS: tuple[CheckBinding, ...] = (
@@ -50,6 +54,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("beat", phases.check, ("probe",)),
     CheckBinding("causal", causal.check, ("probe", "full")),
     CheckBinding("delivery", delivery.check, ("full",)),
+    CheckBinding("causal", counterfactual.check, ("probe", "full"), counterfactual.row_ids),
 )
 
 
@@ -58,10 +63,16 @@ def names_of(stage: Stage) -> tuple[str, ...]:
     return tuple(dict.fromkeys(c.name for c in CHECKS if stage in c.stages))
 
 
+def rerun_ids(spec: WorldSpec) -> frozenset[str]:
+    """Ids of the rows that take simulations: a bake of the probed settings leaves those of its probe as they are."""
+    return frozenset().union(*(c.reruns(spec) for c in CHECKS if c.reruns is not None))
+
+
 def run_checks(
     candidate: Candidate,
     *,
     only: Iterable[str] | None = None,
+    reruns: bool | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> list[Row]:
     """Run every check that judges at the candidate's stage.
@@ -69,10 +80,14 @@ def run_checks(
     Args:
         candidate: what is judged.
         only: names of checks; default all.
+        reruns: whether to simulate variants of the world for the checks that need them; default at the probe only.
         progress: called with (done, total, message) before each check.
     """
     wanted = None if only is None else set(only)
-    chosen = [c for c in CHECKS if candidate.stage in c.stages and (wanted is None or c.name in wanted)]
+    again = candidate.stage == "probe" if reruns is None else reruns
+    chosen = [
+        c for c in CHECKS if candidate.stage in c.stages and (wanted is None or c.name in wanted) and (again or c.reruns is None)
+    ]
     rows: list[Row] = []
     for done, binding in enumerate(chosen):
         if progress is not None:

@@ -279,6 +279,12 @@ class _Audit:
                             f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends"
                         )
                     )
+            for cause in beat.margins:
+                if cause not in beat.causes:
+                    text = f"the margin names {cause!r}, which is not among the causes"
+                    problems.append(
+                        Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"})
+                    )
             if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
                 problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
             missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]

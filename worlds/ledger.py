@@ -131,7 +131,9 @@ class Ledger:
 
     # ---------------------------------------------------------------- matrix
 
-    def put_rows(self, rows: Iterable[Row], *, revision: int, stage: str, checks: Iterable[str] = ()) -> list[Row]:
+    def put_rows(
+        self, rows: Iterable[Row], *, revision: int, stage: str, checks: Iterable[str] = (), keep: Iterable[str] = ()
+    ) -> list[Row]:
         """Write rows; returns those whose status or measurement changed.
 
         Args:
@@ -139,11 +141,12 @@ class Ledger:
             revision: of the specification they were derived from.
             stage: `audit`, `static`, `probe`, `full` or `acceptance`.
             checks: checks that were run completely: their older rows of any stage that are not among `rows` go.
+            keep: ids of older rows that stay all the same, because this run could not judge them.
         """
         changed: list[Row] = []
         now = time.time()
         closed = [fail_closed(r) for r in rows]
-        kept = {r.id for r in closed}
+        kept = {r.id for r in closed} | set(keep)
         with self._write() as db:
             for check in checks:
                 for old in db.execute("SELECT id, row FROM matrix").fetchall():

@@ -129,11 +129,23 @@ def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str)
             yield f"{place}/{key}/frames {beat.get('frames')} -> {now.get('frames')}"
         if not set(beat.get("causes", [])) <= set(now.get("causes", [])):
             yield f"{place}/{key}/causes lost {sorted(set(beat['causes']) - set(now.get('causes', [])))}"
+        yield from _margin_weakenings(beat, now, f"{place}/{key}/margins")
         for field in ("subject", "owner"):
             if beat.get(field) != now.get(field):
                 yield f"{place}/{key}/{field} {beat.get(field)} -> {now.get(field)}"
         if _predicate_weaker(beat["predicate"], now["predicate"]):
             yield f"{place}/{key}/predicate loosened or replaced"
+
+
+def _margin_weakenings(old: Mapping[str, Any], beat: Mapping[str, Any], place: str) -> Iterator[str]:
+    """Without a margin an effect must vanish with its cause; any margin asks less, a smaller one still less."""
+    for cause, margin in beat.get("margins", {}).items():
+        before = old.get("margins", {}).get(cause)
+        if before == margin or cause not in old.get("causes", []):
+            continue
+        field = next(iter(margin))
+        if before is None or field not in before or margin[field] < before[field]:
+            yield f"{place}/{cause} {before or 'must vanish'} -> {margin}"
 
 
 def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:

@@ -28,6 +28,7 @@ __all__ = [
     "Beat",
     "BoxRegion",
     "CameraKey",
+    "CausalMargin",
     "Connects",
     "Contains",
     "CylinderRegion",
@@ -44,6 +45,21 @@ __all__ = [
 ]
 
 
+class CausalMargin(SpecModel):
+    """How much a cause must matter to an effect that comes without it too. Give one of the two."""
+
+    frames: int | None = Field(default=None, ge=1, description="without the cause it comes at least so many frames later")
+    value: Positive | None = Field(
+        default=None, description="without the cause its measured value, at the frame where it came true, differs by this"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> CausalMargin:
+        if (self.frames is None) == (self.value is None):
+            raise ValueError("give frames or value, one of the two")
+        return self
+
+
 class Beat(SpecModel):
     """One event of the world story."""
 
@@ -53,6 +69,9 @@ class Beat(SpecModel):
     frames: FrameInterval
     predicate: Predicate
     causes: list[BeatRef] = Field(default=[], description="beats that must happen before and bring this one about")
+    margins: dict[BeatRef, CausalMargin] = Field(
+        default={}, description="per cause: by how much its absence must change this beat; default: it must not happen at all"
+    )
     mandatory: bool = True
     observe: bool = Field(default=True, description="must be visible in the shots that cover it")
 

@@ -1,0 +1,382 @@
+"""Counterfactual causality: take the cause away, let the world go on, and the effect must not come (R97, R156, S8).
+
+Row `causal:without:<cause>:<effect>`: the world is continued from just before the onset of the cause, with the cause
+prevented, up to the end of the effect's interval. The effect must vanish, or change by the margin that the effect
+declares for this cause. Coincident independent events fail: each comes without the other. An effect that is true in a
+run without its cause is vacuous.
+
+How a cause is prevented, in this order; an intervention counts only if the cause's own predicate then stays false:
+
+1. The cause is owned by a driver: the driver is taken away (a hold never lets go, a path stays at its first key, forces
+   and motors do nothing, a joint is not opened).
+2. The cause is a contact that acts on through what was struck: what moves in is held where it is one frame before.
+   Letting it pass instead would have a ball strike the second domino in place of the first.
+3. The cause is a contact that acts on through what moves in (a rebound, a landing): the two pass through each other.
+4. Anything else: its subject is held at its pose and at rest from the onset on; where that is not enough, all moving
+   bodies of its predicate are.
+
+Sources: J. Pearl, *Causality*, 2nd ed. 2009, chapters 3 and 7 (the do operator and counterfactuals); J. Y. Halpern, *Actual
+Causality*, 2016, chapter 2 (why the rest of the world is left as it happened).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..simulation.protocol import Intervention
+from ..simulation.variants import first_frame, run_variant
+from ..worlds.candidate import Candidate
+from ..worlds.errors import EvidenceError
+from ..worlds.predicates import Contact, entities_of
+from ..worlds.requirements import Correction, Row, Status
+from . import motion
+from .causal import driver_start, onset_of
+from .chains import Chains
+from .predicates import Outcome, beat_times, evaluate
+from .verdicts import correction, make_row
+
+if TYPE_CHECKING:
+    from ..worlds.spec import Beat, CausalMargin, SpecModel, WorldSpec
+
+__all__ = ["check", "row_ids"]
+
+FLIPPED: Mapping[str, str] = {">=": "<=", "<=": ">="}
+
+
+class _Try(NamedTuple):
+    """One way to prevent a cause."""
+
+    done: Intervention
+    start: int
+    """Frame up to which the run is the candidate's own."""
+    text: str
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A variant, and what it took."""
+
+    candidate: Candidate
+    frames: int
+    steps: int
+    """Solver steps of the frames from its start on; unlike seconds equal on every machine."""
+
+
+def row_ids(spec: WorldSpec) -> frozenset[str]:
+    """Ids of the rows that this check gives for a specification."""
+    return frozenset(_row_id(c, e) for e, beat in spec.story.beats.items() for c in beat.causes if c in spec.story.beats)
+
+
+def _row_id(cause_id: str, effect_id: str) -> str:
+    return f"causal:without:{cause_id}:{effect_id}"
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """One row per declared cause of every beat; runs that serve several effects are made once."""
+    beats = candidate.spec.story.beats
+    edges = [(c, e) for e, beat in beats.items() for c in beat.causes if c in beats]
+    if not edges:
+        return []
+    work = _Work(candidate, edges)
+    rows = []
+    for cause_id, effect_id in edges:
+        try:
+            rows.append(work.judge(cause_id, effect_id))
+        except EvidenceError as error:
+            rows.append(_row(candidate, cause_id, effect_id, "unverified", str(error)))
+    return rows
+
+
+class _Work:
+    """The variants of one candidate."""
+
+    def __init__(self, candidate: Candidate, edges: list[tuple[str, str]]) -> None:
+        self.candidate = candidate
+        self._chains: Chains | None = None
+        self._tries: dict[tuple[str, str], list[_Try] | EvidenceError] = {}
+        self._ends: dict[_Try, int] = {}
+        self._runs: dict[_Try, _Run | EvidenceError] = {}
+        beats = candidate.spec.story.beats
+        for edge in edges:
+            try:
+                tries = self._tries[edge] = self._interventions(*edge)
+            except EvidenceError as error:
+                self._tries[edge] = error
+                continue
+            end = min(candidate.last_frame, max(beats[edge[0]].frames[1], beats[edge[1]].frames[1]))
+            for option in tries:
+                self._ends[option] = max(end, self._ends.get(option, 0))
+
+    def judge(self, cause_id: str, effect_id: str) -> Row:
+        """The row of one edge.
+
+        Raises:
+            EvidenceError: the cause cannot be prevented, or the run not be repeated.
+        """
+        candidate, beats = self.candidate, self.candidate.spec.story.beats
+        tries = self._tries[cause_id, effect_id]
+        if isinstance(tries, EvidenceError):
+            raise tries
+        original = beat_times(candidate).outcome(effect_id)
+        if original.status != "pass" or original.first_true_frame is None:
+            raise EvidenceError(f"{effect_id} did not come true, so nothing can vanish: {original.explanation}")
+        failed: list[str] = []
+        for option in tries:
+            run = self._run(option)
+            removed = evaluate(run.candidate, beats[cause_id].predicate, self._held(run, beats[cause_id]))
+            if removed.status == "unverified":
+                raise EvidenceError(f"cannot tell whether {cause_id} was prevented: {removed.explanation}")
+            if removed.status == "fail":
+                return _compare(candidate, (cause_id, effect_id), option, run, failed)
+            failed.append(option.text)
+        raise EvidenceError(
+            f"nothing that this build can do prevents {cause_id} ({'; '.join(failed) or 'no body of it moves'}); "
+            "state the cause as an event of a moving body"
+        )
+
+    def _held(self, run: _Run, beat: Beat) -> tuple[int, int]:
+        return beat.frames[0], min(beat.frames[1], run.candidate.last_frame)
+
+    def _run(self, option: _Try) -> _Run:
+        if option not in self._runs:
+            try:
+                end = self._ends[option]
+                made = run_variant(self.candidate, option.done, start=option.start, end=end)
+                frames = end - first_frame(self.candidate, option.start)
+                steps = sum(c.series("record/steps")[option.start + 1 :].sum() for c in made.caches.values())
+                self._runs[option] = _Run(made, frames, int(steps))
+            except EvidenceError as error:
+                self._runs[option] = error
+        found = self._runs[option]
+        if isinstance(found, EvidenceError):
+            raise found
+        return found
+
+    # ---------------------------------------------------------------- interventions
+
+    def _interventions(self, cause_id: str, effect_id: str) -> list[_Try]:
+        candidate, plan = self.candidate, self.candidate.spec.simulation
+        beat = candidate.spec.story.beats[cause_id]
+        outcome = beat_times(candidate).outcome(cause_id)
+        if outcome.status != "pass" or outcome.first_true_frame is None:
+            raise EvidenceError(f"{cause_id} did not come true, so it cannot be taken away: {outcome.explanation}")
+        found = []
+        if beat.owner in plan.drivers:
+            moment, _ = driver_start(candidate, beat.owner)
+            frame = min(max(0, int(np.floor(moment * plan.fps + 1e-9))), candidate.last_frame)
+            found.append(_Try(Intervention(without=frozenset({beat.owner})), frame, f"driver {beat.owner} is taken away"))
+        onset = onset_of(candidate, cause_id, beat, outcome.first_true_frame)
+        sources = [n for n in dict.fromkeys((beat.subject, *entities_of(beat.predicate))) if self._moves(n)]
+        if isinstance(beat.predicate, Contact):
+            frame = max(0, min(outcome.first_true_frame - 1, int(np.floor(onset.start * plan.fps + 1e-9))))
+            found += self._contact(beat.predicate, effect_id, frame)
+        else:
+            frame = max(0, int(np.floor(onset.start * plan.fps + 1e-9)))
+            if self._moves(beat.subject):
+                found.append(self._hold((beat.subject,), frame))
+        if sources and (not found or found[-1].done.held != frozenset(sources)):
+            found.append(self._hold(tuple(sources), frame))
+        return found
+
+    def _contact(self, contact: Contact, effect_id: str, frame: int) -> list[_Try]:
+        candidate = self.candidate
+        moving = [n for n in (contact.a, contact.b) if self._moves(n)]
+        if not moving:
+            return []
+        speed = {n: float(motion.fastest_points(candidate, n)[frame]) for n in moving}
+        mover = max(moving, key=lambda n: speed[n])
+        struck = contact.b if mover == contact.a else contact.a
+        if self._acts_through(struck, mover, effect_id, frame):
+            return [self._hold((mover,), frame)]
+        apart = Intervention(apart=frozenset({(contact.a, contact.b)}))
+        return [_Try(apart, frame, f"{contact.a} and {contact.b} pass through each other from frame {frame} on")]
+
+    def _acts_through(self, struck: str, mover: str, effect_id: str, frame: int) -> bool:
+        """Whether the contact acts on through what was struck, not only through what struck it."""
+        subject = self.candidate.spec.story.beats[effect_id].subject
+        if subject in (struck, mover):
+            return subject == struck
+        if self._chains is None:
+            self._chains = Chains(self.candidate)
+        last = beat_times(self.candidate).outcome(effect_id).first_true_frame
+        until = self.candidate.last_frame if last is None else last
+        reach = self._chains.spread((struck,), frame / self.candidate.spec.simulation.fps, until, mute=(mover,))
+        return reach.time(subject) is not None
+
+    def _hold(self, entities: tuple[str, ...], frame: int) -> _Try:
+        done = Intervention(held=frozenset(entities), since=frame / self.candidate.spec.simulation.fps)
+        return _Try(done, frame, f"{', '.join(entities)} held from frame {frame} on")
+
+    def _moves(self, entity: str) -> bool:
+        contract = self.candidate.spec.entities.get(entity)
+        return contract is not None and contract.motion != "static"
+
+
+# ---------------------------------------------------------------- judgement
+
+
+def _compare(candidate: Candidate, edge: tuple[str, str], option: _Try, run: _Run, failed: list[str]) -> Row:
+    cause_id, effect_id = edge
+    effect = candidate.spec.story.beats[effect_id]
+    original = beat_times(candidate).outcome(effect_id)
+    first = original.first_true_frame
+    assert first is not None
+    without = beat_times(run.candidate).outcome(effect_id)
+    if without.status == "unverified":
+        raise EvidenceError(f"without {cause_id}, {effect_id} cannot be judged: {without.explanation}")
+    came = without.status == "pass"
+    margin = effect.margins.get(cause_id)
+    evidence: dict[str, object] = {
+        "intervention": option.text,
+        "not_enough": failed,
+        "from_frame": option.start,
+        "frames_rerun": run.frames,
+        "steps_rerun": run.steps,
+        "frame_with_cause": first,
+        "frame_without_cause": without.first_true_frame if came else None,
+        "value_with_cause": original.value,
+        "value_without_cause": without.value,
+    }
+    measured: dict[str, object] = _vanishing(without, came=came)
+    status: Status = "fail" if came else "pass"
+    text = f"without {cause_id} ({option.text}) {effect_id} "
+    if came:
+        at = without.first_true_frame
+        text += f"still comes{f' at frame {at}' if at is not None else ''} (with it at frame {first}): {without.explanation}"
+        if margin is not None:
+            status, measured, more = _changed(run.candidate, candidate, effect.predicate, effect, first, without, margin)
+            text += f"; {more}"
+        else:
+            text += "; it needs no such cause, so that as its effect it is vacuous"
+    else:
+        text += f"does not come: {without.explanation}"
+    return _row(
+        candidate,
+        cause_id,
+        effect_id,
+        status,
+        text,
+        frames=(option.start, run.candidate.last_frame),
+        first=(effect.subject, without.first_true_frame) if status == "fail" else None,
+        evidence=evidence,
+        corrections=_hints(cause_id, effect_id, effect, margin is not None),
+        **measured,  # type: ignore[arg-type]
+    )
+
+
+def _vanishing(without: Outcome, *, came: bool) -> dict[str, object]:
+    """What the effect's predicate measured without the cause, against the bound that it must now miss."""
+    if without.value is not None and without.bound is not None and without.comparison in FLIPPED:
+        return {
+            "measured": without.value,
+            "bound": without.bound,
+            "comparison": FLIPPED[without.comparison],
+            "unit": without.unit,
+        }
+    return {"measured": float(came), "bound": 0.0, "comparison": "<=", "unit": "1"}
+
+
+def _changed(
+    variant: Candidate,
+    candidate: Candidate,
+    predicate: SpecModel,
+    effect: Beat,
+    first: int,
+    without: Outcome,
+    margin: CausalMargin,
+) -> tuple[Status, dict[str, object], str]:
+    """Whether an effect that comes without its cause too differs by its margin."""
+    if margin.frames is not None:
+        if without.first_true_frame is None:
+            raise EvidenceError("without its cause it comes true, but at no one frame; declare a margin of its value instead")
+        late = without.first_true_frame - first
+        text = f"{late} frames later, {margin.frames} are asked"
+        measured = {"measured": float(late), "bound": float(margin.frames), "comparison": ">=", "unit": "frame"}
+        return ("pass" if late >= margin.frames else "fail"), measured, text
+    assert margin.value is not None
+    # An impulse adds up from the interval's beginning; everything else is what it is at the frame.
+    span = (effect.frames[0] if isinstance(predicate, Contact) else first, first)
+    values = [evaluate(c, predicate, span) for c in (candidate, variant)]
+    if values[0].value is None or values[1].value is None:
+        raise EvidenceError(
+            f"{values[0].unit or 'the predicate'} has no measured value at frame {first}; declare a margin in frames"
+        )
+    change = abs(values[0].value - values[1].value)
+    text = f"at frame {first} it measures {values[1].value:.4g} instead of {values[0].value:.4g} {values[0].unit}, {margin.value:g} is asked"
+    measured = {"measured": change, "bound": margin.value, "comparison": ">=", "unit": values[0].unit}
+    return ("pass" if change >= margin.value else "fail"), measured, text
+
+
+def _hints(cause_id: str, effect_id: str, effect: Beat, has_margin: bool) -> list[Correction]:
+    return [
+        correction(
+            f"something else brings {effect_id} about",
+            "placement",
+            f"look at what touches or releases {effect.subject} in this run and let only {cause_id} lead to it",
+            pointers=(f"/entities/{effect.subject}/pose",),
+        ),
+        correction(
+            f"a driver acts on {effect.subject}, or releases it, by its own clock",
+            "drivers",
+            f"take that driver away and let {cause_id} do it",
+            pointers=("/simulation/drivers",),
+        ),
+        correction(
+            "the story names the wrong cause",
+            "story",
+            f"correct the causes of {effect_id}"
+            + (
+                ""
+                if has_margin
+                else f"; where {cause_id} only hastens or strengthens it, say by how much in its margins (a weakening)"
+            ),
+            pointers=(f"/story/beats/{effect_id}/causes", f"/story/beats/{effect_id}/margins"),
+        ),
+    ]
+
+
+def _row(
+    candidate: Candidate,
+    cause_id: str,
+    effect_id: str,
+    status: Status,
+    explanation: str,
+    *,
+    measured: float | None = None,
+    bound: float | None = None,
+    comparison: str = "",
+    unit: str = "",
+    frames: tuple[int, int] | None = None,
+    first: tuple[str, int | None] | None = None,
+    evidence: Mapping[str, object] | None = None,
+    corrections: list[Correction] | None = None,
+) -> Row:
+    beats = candidate.spec.story.beats
+    cause, effect = beats[cause_id], beats[effect_id]
+    margin = effect.margins.get(cause_id)
+    asked = "does not come" if margin is None else f"does not come, or {margin.model_dump(exclude_none=True)} apart"
+    return make_row(
+        candidate,
+        _row_id(cause_id, effect_id),
+        check="causal",
+        group="temporal",
+        predicate=f"without {cause_id}, {effect_id} {asked}",
+        mandatory=effect.mandatory,
+        status=status,
+        explanation=explanation,
+        frames=frames,
+        measured=measured,
+        bound=bound,
+        comparison=comparison,  # type: ignore[arg-type]
+        unit=unit,
+        entities=(cause.subject, effect.subject),
+        first_failing_entity=first[0] if first else None,
+        first_failing_frame=first[1] if first else None,
+        corrections=corrections or (),
+        evidence={"pointers": [f"/story/beats/{effect_id}/causes"], **(evidence or {})},
+        extra=[b.model_dump(mode="json") for b in (cause, effect)],
+    )

@@ -7,6 +7,7 @@ from .idcast import IdCaster, IdImage, coverage
 from .inside import contains, distance_to_surface, winding_number
 from .motions import Motion, State, relative_travel
 from .solids import Solid
+from .soup import Crossings, crossing_triangles, self_crossings
 from .sweep import Lowest, Swept, lowest_clearance, swept_clearance
 from .triangles import Nearest
 from .walls import wall_thickness
@@ -14,6 +15,7 @@ from .walls import wall_thickness
 __all__ = [
     "Camera",
     "Clearance",
+    "Crossings",
     "IdCaster",
     "IdImage",
     "Lowest",
@@ -28,10 +30,12 @@ __all__ = [
     "clearance_series",
     "contains",
     "coverage",
+    "crossing_triangles",
     "distance_to_surface",
     "lowest_clearance",
     "query_noise",
     "relative_travel",
+    "self_crossings",
     "signed_clearance",
     "swept_clearance",
     "wall_thickness",

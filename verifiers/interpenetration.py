@@ -1,7 +1,8 @@
 """Interpenetration: no unintended overlap of visible surfaces at frame 0 (R89-R91), static pairs included.
 
 The bound is query noise and no allowance (R90). Overlap that a `fastened` relation declares is judged against its
-depth; everything else fails, seen by a camera or not.
+depth; everything else fails, seen by a camera or not. Bodies of one entity are compared too, except neighbours along a
+rope. A surface that passes through itself gets a row of its own (`self_crossing.py`).
 """
 
 from __future__ import annotations
@@ -12,12 +13,15 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.requirements import Correction
+from .own_bodies import own_gap, own_pairs
 from .rows import guarded, guarded_rows, pointer, row, translation_patch
+from .self_crossing import self_rows
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
+    from .own_bodies import OwnPair
     from .surfaces import Gap, Surfaces
 
 __all__ = ["MARGIN", "check", "correction_order", "separating_move"]
@@ -46,7 +50,10 @@ def check(candidate: Candidate) -> list[Row]:
             predicate=_predicate(surfaces, a, b),
             entities=(a, b),
         )
-    return [_scene(surfaces, rows), *rows]
+    for entity, pairs in own_pairs(surfaces, np.zeros(1, dtype=np.intp)).items():
+        rows.append(_own(surfaces, entity, pairs))
+    crossed = [r for entity in surfaces.entities for r in self_rows(surfaces, entity)]
+    return [_scene(surfaces, rows, crossed), *rows, *crossed]
 
 
 def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
@@ -56,10 +63,41 @@ def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
     return f"clearance({a}, {b}) >= -eps at frame 0, eps = query noise {surfaces.noise(a, b):.2g} m"
 
 
-def _scene(surfaces: Surfaces, rows: list[Row]) -> Row:
+def _own(surfaces: Surfaces, entity: str, pairs: list[OwnPair]) -> Row:
+    """The nearest two bodies of one entity that are not joined."""
+    gap = min((own_gap(surfaces, pair, 0) for pair in pairs), key=lambda g: g.distance)
+    allowed, noise = surfaces.allowed_depth(entity, entity), surfaces.noise(entity, entity)
+    ok = gap.distance >= -(allowed + noise)
+    bend = Correction(
+        cause=f"{entity!r} is laid out through itself",
+        edit_class="scene",
+        group="placement",
+        action=f"Lay {entity}/{gap.part_a} and {entity}/{gap.part_b} at least {-gap.distance * 1e3:.4g} mm farther apart.",
+        pointers=(pointer("entities", entity, "generator", "points"),),
+    )
+    return row(
+        surfaces.candidate,
+        id=f"interpenetration:{entity}:{entity}",
+        check="interpenetration",
+        predicate=f"clearance between bodies of {entity} that are not joined >= -eps at frame 0, eps = query noise {noise:.2g} m",
+        status="pass" if ok else "fail",
+        explanation=f"{entity}/{gap.part_a} and {entity}/{gap.part_b} have a clearance of {gap.distance * 1e3:.4g} mm",
+        measured=gap.distance,
+        bound=-(allowed + noise),
+        comparison=">=",
+        unit="m",
+        frames=(0, 0),
+        entities=(entity,),
+        corrections=() if ok else (bend,),
+        evidence={"point_a": gap.point_a.tolist(), "point_b": gap.point_b.tolist(), "part_a": gap.part_a, "part_b": gap.part_b},
+        extra=[allowed],
+    )
+
+
+def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
     names = list(surfaces.candidate.spec.entities)
     broken = [n for n, frame in surfaces.broken.items() if frame == 0]
-    bad = [r for r in rows if r.status != "pass"]
+    bad = [r for r in [*rows, *crossed] if r.status != "pass"]
     failing = list(dict.fromkeys([*broken, *(n for r in bad for n in r.entities)]))
     worst = min((d for (a, b), d in surfaces.first.items() if surfaces.allowed_depth(a, b) == 0.0), default=None)
     unverified = not names or bool(surfaces.missing) or any(r.status == "unverified" for r in bad)

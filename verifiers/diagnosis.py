@@ -6,6 +6,7 @@ edits of the same world did to the row, given as data.
 
 from __future__ import annotations
 
+import math
 import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +25,8 @@ MIN_EFFECT = 0.1
 more of the same takes over ten edits."""
 AROUND = 3
 """Frames before and after a failure that the suggested probes look at."""
+NEAREST = 2.5e-3
+"""Least gap [m] that a suggested move leaves: two skins of 1.2 mm, the largest that the audit lets pass by default."""
 CITED = 3
 """Most past edits told per cause."""
 EASIER_GROUPS = ("story", "limits")
@@ -56,7 +59,7 @@ def diagnose(row: Row, spec: WorldSpec | None = None) -> Row:
     document = spec.model_dump(mode="json", exclude_none=True) if spec is not None and ruled else None
     ranked: list[tuple[int, Correction]] = []
     for measured in row.corrections:
-        cause = _same(entry, measured.group, row)
+        cause = _same(entry, measured.group, row, names)
         rank, because = _rank(row, cause, measured.group)
         ranked.append((rank, _joined(measured, cause, row, names, document, cited, because)))
     known = {c.group for c in row.corrections}
@@ -116,9 +119,9 @@ def _entry(row: Row) -> tuple[str, Entry] | None:
     return None
 
 
-def _same(entry: Entry, group: str, row: Row) -> Cause | None:
+def _same(entry: Entry, group: str, row: Row, names: Mapping[str, Any]) -> Cause | None:
     """The cause of the table that speaks of a group: the one that the evidence supports best."""
-    own = [c for c in entry.causes if c.group == group]
+    own = [c for c in entry.causes if c.group == group and set(c.needs) <= set(names)]
     return min(own, key=lambda c: _rank(row, c, group)[0], default=None)
 
 
@@ -130,7 +133,7 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
         if against:
             rank, because = CONTRADICTED, "against it: " + _words(row, against[0])
         elif cause.when and all(_holds(row, c) for c in cause.when):
-            rank, because = SUPPORTED, "; ".join(_words(row, c) for c in cause.when)
+            rank, because = SUPPORTED, "; ".join(dict.fromkeys(_words(row, c) for c in cause.when))
     easier = group in EASIER_GROUPS or (cause is not None and cause.weakens)
     return rank + easier, because + ("; it makes the specification easier" if easier and because else "")
 
@@ -235,6 +238,11 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     found["striker"] = thrown[0] if len(thrown) == 1 else None
     if row.check in ("beat", "causal"):
         found["driver"] = _driver(spec, row.id.split(":")[1] if row.check == "causal" else found["beat"])
+    acting = [n for n, d in plan.drivers.items() if getattr(d, "entity", None) in row.entities]
+    found["driver"] = found.get("driver") or (acting[0] if len(acting) == 1 else None)
+    tip = row.evidence.get("tip")
+    # What stands and falls can be set nearer to what follows it; what is thrown starts elsewhere.
+    found["tip"] = tip if tip in spec.entities and tip not in thrown else None
     if found["shot"] not in spec.shots:
         found["shot"] = next((n for n, s in spec.shots.items() if found["shot"] in s.covers), None)
 
@@ -276,7 +284,7 @@ def _operations(row: Row, rules: Sequence[PatchRule], names: Mapping[str, Any], 
         if "<" in pointer:
             return []
         present = _at(document, pointer)
-        wanted = _wanted(row, rule, present)
+        wanted = _nearer(document, pointer, rule, names) if rule.toward else _wanted(row, rule, present)
         if wanted is None or wanted == present:
             return []
         found.append({"op": "replace" if pointer.rpartition("/")[2].isdigit() else "add", "path": pointer, "value": wanted})
@@ -293,6 +301,31 @@ def _at(document: Any, pointer: str) -> Any:
         else:
             return None
     return at
+
+
+def _nearer(document: dict[str, Any], pointer: str, rule: PatchRule, names: Mapping[str, Any]) -> list[float] | None:
+    """Position of an entity, moved level towards another until it is in its reach; None where it is, or would touch."""
+    name, other = pointer.split("/")[2], _filled(rule.toward, names)
+    one, two = (document["entities"].get(n) for n in (name, other))
+    if one is None or two is None or rule.reach is None or name == other:
+        return None
+    here, there = one["pose"]["position"], two["pose"]["position"]
+    way = [a - b for a, b in zip(here[:2], there[:2], strict=True)]
+    apart = math.hypot(*way)
+    if apart == 0.0:
+        return None
+    touch = sum(_half_width(e, [w / apart for w in way]) for e in (one, two)) + NEAREST
+    wanted = max(rule.reach * two["dimensions"]["size"][2], touch)
+    if wanted >= apart:
+        return None
+    return [*(round(t + w * wanted / apart, 6) for t, w in zip(there[:2], way, strict=True)), here[2]]
+
+
+def _half_width(entity: Mapping[str, Any], along: Sequence[float]) -> float:
+    """Half of an entity's level extent [m] along a unit direction; of its diagonal where it is turned."""
+    x, y = entity["dimensions"]["size"][:2]
+    turned = any(k in entity["pose"] for k in ("euler", "quaternion"))
+    return 0.5 * (math.hypot(x, y) if turned else abs(along[0]) * x + abs(along[1]) * y)
 
 
 def _wanted(row: Row, rule: PatchRule, present: Any) -> Any:

@@ -38,7 +38,10 @@ class Condition(_Data):
 
 
 class PatchRule(_Data):
-    """One operation of a suggested patch, from the value in `world.json` and numbers of the row. Give one of the four."""
+    """One operation of a suggested patch, from the value in `world.json` and numbers of the row.
+
+    Give one of `value`, `scale`, `ratio`, `plus`, `toward`.
+    """
 
     pointer: str = Field(description="JSON pointer, with placeholders such as <entity> and <solver>")
     value: float | int | bool | str | None = Field(default=None, description="the new value")
@@ -50,6 +53,12 @@ class PatchRule(_Data):
     margin: float = 1.0
     plus: str | None = Field(default=None, description="key: the present value plus `times` that number")
     times: float = 1.0
+    toward: str | None = Field(
+        default=None, description="entity (a placeholder) to which a position is moved, level, so that ..."
+    )
+    reach: float | None = Field(
+        default=None, description="... the two are this share of that entity's height apart, never nearer than in touch"
+    )
     low: float | None = Field(default=None, description="least value; none is suggested that the present one has passed")
     high: float | None = None
 

@@ -1,0 +1,383 @@
+"""Counterfactual causality: the cause is taken away in a run that goes on from a checkpoint, and the effect must not come."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench.simulated_worlds import SLICK, beat, simulate
+from worldagent.bench.small_worlds import ball, box, ground, make_candidate, world
+from worldagent.simulation import variants
+from worldagent.simulation.protocol import Intervention
+from worldagent.simulation.variants import run_variant
+from worldagent.verifiers import counterfactual
+from worldagent.verifiers.checks import rerun_ids, run_checks
+from worldagent.verifiers.counterfactual import check, row_ids
+from worldagent.worlds.cache import write_container
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.errors import EvidenceError
+from worldagent.worlds.predicates import And, Contact, Displacement, JointAngle, Reaches, Speed, Tilts
+from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import (
+    BoxRegion,
+    CausalMargin,
+    DetachDriver,
+    ForceDriver,
+    HingeJoint,
+    MotorDriver,
+    PathDriver,
+    ReleaseDriver,
+    WeldJoint,
+    WorldSpec,
+)
+
+N = 25
+
+
+def only(candidate: Candidate) -> Row:
+    rows = check(candidate)
+    assert len(rows) == 1
+    return rows[0]
+
+
+def pushed(**more: Any) -> WorldSpec:
+    """A sliding block strikes a second one, which slides on; frames 0 to 24 at 24 fps."""
+    entities = {
+        "floor": ground(),
+        "a": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.051), velocity=(1.5, 0, 0)),
+        "b": box(0.1, 0.1, 0.1, motion="dynamic", at=(0.3, 0, 0.051)),
+        **more.pop("entities", {}),
+    }
+    beats = more.pop("beats", None) or {
+        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["hit"]),
+    }
+    return world(entities, beats=beats, frames=N, materials=SLICK, **more)
+
+
+def test_an_effect_vanishes_with_its_cause(tmp_path: Path) -> None:
+    row = only(simulate(tmp_path, pushed()))
+    assert (row.id, row.check, row.group, row.status) == ("causal:without:hit:slide", "causal", "temporal", "pass")
+    assert (row.bound, row.comparison, row.unit) == (0.05, "<=", "m")
+    assert row.measured == pytest.approx(0.0, abs=1e-4)
+    assert row.evidence["intervention"].startswith("a held from frame")
+    assert row.evidence["frames_rerun"] == 24
+    assert row.evidence["steps_rerun"] > 0
+
+
+def test_coincident_independent_events_fail(tmp_path: Path) -> None:
+    """R97: two balls dropped together land together; neither needs the other."""
+    entities = {"floor": ground()} | {n: ball(0.05, motion="dynamic", at=(x, 0, 0.5)) for n, x in (("a", 0.0), ("b", 0.5))}
+    beats = {
+        "one": beat("a", Contact(a="a", b="floor"), frames=(1, 20)),
+        "two": beat("b", Contact(a="b", b="floor"), frames=(1, 20), causes=["one"]),
+    }
+    row = only(simulate(tmp_path, world(entities, beats=beats, frames=N)))
+    assert (row.status, row.first_failing_entity) == ("fail", "b")
+    assert row.evidence["frame_without_cause"] == row.evidence["frame_with_cause"]
+    assert {c.edit_class for c in row.corrections} == {"scene", "solver", "story"}
+
+
+def test_a_hidden_driver_that_does_it_anyway_fails(tmp_path: Path) -> None:
+    drivers = {"wind": ForceDriver(entity="b", force=(3, 0, 0), start=0.3, end=1.0)}
+    row = only(simulate(tmp_path, pushed(drivers=drivers)))
+    assert row.status == "fail"
+    assert "still comes" in row.evidence["explanation"]
+
+
+def test_a_margin_asks_for_a_later_effect(tmp_path: Path) -> None:
+    """The hit only hastens what the wind does as well."""
+    drivers = {"wind": ForceDriver(entity="b", force=(3, 0, 0), start=0.3, end=1.0)}
+    late = {}
+    for asked in (1, 40):
+        spec = pushed(drivers=drivers)
+        slide = spec.story.beats["slide"].model_copy(update={"margins": {"hit": CausalMargin(frames=asked)}})
+        story = spec.story.model_copy(update={"beats": {**spec.story.beats, "slide": slide}})
+        row = only(simulate(tmp_path / str(asked), spec.model_copy(update={"story": story})))
+        assert (row.unit, row.comparison, row.bound) == ("frame", ">=", asked)
+        late[asked] = (row.status, row.measured)
+    assert late[1][0] == "pass"
+    assert late[40][0] == "fail"
+    assert late[1][1] == late[40][1] > 0
+
+
+def test_a_margin_asks_for_another_value_at_the_same_frame(tmp_path: Path) -> None:
+    drivers = {"wind": ForceDriver(entity="b", force=(3, 0, 0), start=0.0, end=1.0)}
+    for asked, status in ((0.01, "pass"), (1.0, "fail")):
+        beats = {
+            "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+            "far": beat(
+                "b", Displacement(entity="b", min=0.2), frames=(1, 24), causes=["hit"], margins={"hit": CausalMargin(value=asked)}
+            ),
+        }
+        row = only(simulate(tmp_path / str(asked), pushed(drivers=drivers, beats=beats)))
+        assert (row.status, row.unit, row.bound) == (status, "m", asked)
+
+
+@pytest.mark.parametrize(
+    ("margin", "error"), [({}, "one of the two"), ({"frames": 2, "value": 1.0}, "one of the two"), ({"frames": 0}, "greater")]
+)
+def test_a_margin_is_frames_or_a_value(margin: dict[str, Any], error: str) -> None:
+    with pytest.raises(ValueError, match=error):
+        CausalMargin(**margin)
+
+
+# ---------------------------------------------------------------- which intervention
+
+
+def test_a_rebound_is_taken_away_by_letting_the_two_pass(tmp_path: Path) -> None:
+    """A ball that comes back from a wall: held, it would prove nothing about the wall."""
+    entities = {
+        "floor": ground(),
+        "wall": box(0.1, 1.0, 0.5, at=(0.5, 0, 0.25)),
+        "ball": ball(0.05, motion="dynamic", at=(0, 0, 0.3), velocity=(3, 0, 0)),
+    }
+    regions = {"back": BoxRegion(min=(-2, -1, 0), max=(0.2, 1, 2)), "beyond": BoxRegion(min=(0.3, -1, 0), max=(3, 1, 2))}
+    beats = {
+        "bounce": beat("ball", Contact(a="ball", b="wall"), frames=(2, 12)),
+        "returns": beat("ball", Reaches(entity="ball", region="back"), frames=(6, 24), causes=["bounce"]),
+    }
+    spec = world(
+        entities,
+        beats=beats,
+        regions=regions,
+        frames=N,
+        materials={"wood": SLICK["wood"].model_copy(update={"restitution": 0.8})},
+    )
+    row = only(simulate(tmp_path / "a", spec))
+    assert row.status == "pass"
+    assert "pass through each other" in row.evidence["intervention"]
+
+
+def test_what_a_ball_brushes_on_its_way_is_no_cause_of_where_it_goes(tmp_path: Path) -> None:
+    """A hit on a feather-light block on the way does not bring the ball to its goal."""
+    entities = {
+        "floor": ground(),
+        "ball": ball(0.1, motion="dynamic", at=(0, 0, 0.101), velocity=(2, 0, 0)),
+        "tuft": box(0.02, 0.02, 0.02, motion="dynamic", at=(0.4, 0, 0.011)),
+    }
+    regions = {"goal": BoxRegion(min=(0.8, -1, 0), max=(3, 1, 2))}
+    beats = {
+        "brush": beat("ball", Contact(a="ball", b="tuft"), frames=(1, 12)),
+        "arrive": beat("ball", Reaches(entity="ball", region="goal"), frames=(6, 24), causes=["brush"]),
+    }
+    row = only(simulate(tmp_path, world(entities, beats=beats, regions=regions, frames=N)))
+    assert row.status == "fail"
+    assert "pass through each other" in row.evidence["intervention"]
+
+
+def test_a_row_of_blocks_is_stopped_by_holding_what_strikes_the_first(tmp_path: Path) -> None:
+    entities = {"c": box(0.1, 0.1, 0.1, motion="dynamic", at=(0.45, 0, 0.051))}
+    beats = {
+        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+        "last": beat("c", Displacement(entity="c", min=0.02), frames=(1, 24), causes=["hit"]),
+    }
+    row = only(simulate(tmp_path, pushed(entities=entities, beats=beats)))
+    assert row.status == "pass"
+    assert row.evidence["intervention"].startswith("a held")
+
+
+def test_a_cause_that_no_intervention_prevents_is_unverified(tmp_path: Path) -> None:
+    """Holding a block cannot keep it from being near the floor."""
+    beats = {
+        "low": beat("b", Displacement(entity="b", max=0.5), frames=(0, 24)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["low"]),
+    }
+    row = only(simulate(tmp_path, pushed(beats=beats)))
+    assert row.status == "unverified"
+    assert "prevents low" in row.evidence["explanation"]
+
+
+def test_where_holding_the_subject_is_not_enough_all_bodies_of_the_cause_are_held(tmp_path: Path) -> None:
+    beats = {
+        "both": beat("b", And(of=[Contact(a="a", b="b"), Speed(entity="a", min=0.1)]), frames=(1, 20)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["both"]),
+    }
+    row = only(simulate(tmp_path, pushed(beats=beats)))
+    assert row.status == "pass"
+    assert row.evidence["not_enough"] == ["b held from frame 3 on"]
+    assert "held" in row.evidence["intervention"]
+
+
+ROD = {"arm": box(0.4, 0.04, 0.04, motion="dynamic", at=(0.2, 0, 0.5))}
+HINGE = {"pin": HingeJoint(child="arm", anchor=(0, 0, 0.5), axis=(0, 1, 0))}
+DRIVERS: dict[str, tuple[dict[str, Any], dict[str, Any], Any, dict[str, Any]]] = {
+    "release": (
+        {"a": ball(0.05, motion="dynamic", at=(0, 0, 0.5))},
+        {},
+        ReleaseDriver(entity="a", time=0.2),
+        {"cause": Speed(entity="a", min=0.3), "effect": Contact(a="a", b="floor")},
+    ),
+    "force": (
+        {"a": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.051))},
+        {},
+        ForceDriver(entity="a", force=(6, 0, 0), start=0.1, end=0.4),
+        {"cause": Speed(entity="a", min=0.3), "effect": Displacement(entity="a", min=0.1)},
+    ),
+    "path": (
+        {
+            "a": box(0.1, 0.1, 0.1, motion="kinematic", at=(0, 0, 0.06)),
+            "b": box(0.1, 0.1, 0.1, motion="dynamic", at=(0.13, 0, 0.051)),
+        },
+        {},
+        PathDriver(
+            entity="a",
+            keys={
+                "k0": {"time": 0.2, "pose": {"position": (0, 0, 0.06)}},
+                "k1": {"time": 0.8, "pose": {"position": (0.2, 0, 0.06)}},
+            },  # type: ignore[arg-type]
+        ),
+        {"cause": Displacement(entity="a", min=0.01), "effect": Displacement(entity="b", min=0.1)},
+    ),
+    "motor": (
+        {"arm": box(0.4, 0.04, 0.04, motion="dynamic", at=(0.2, 0, 0.5))},
+        {"pin": HingeJoint(child="arm", anchor=(0.2, 0, 0.5), axis=(0, 1, 0))},
+        MotorDriver(joint="pin", velocity=2.0, max_effort=1.0, start=0.1, end=1.0),
+        {"cause": JointAngle(joint="pin", min=0.1), "effect": Tilts(entity="arm", min=0.5)},
+    ),
+    "detach": (
+        {"a": ball(0.05, motion="dynamic", at=(0, 0, 0.5))},
+        {"glue": WeldJoint(child="a", anchor=(0, 0, 0.5))},
+        DetachDriver(joint="glue", time=0.2),
+        {"cause": Speed(entity="a", min=0.3), "effect": Contact(a="a", b="floor")},
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(DRIVERS))
+def test_a_driver_is_taken_away(kind: str, tmp_path: Path) -> None:
+    entities, joints, driver, predicates = DRIVERS[kind]
+    subject = "arm" if "arm" in entities else "a"
+    beats = {
+        "cause": beat(subject, predicates["cause"], frames=(2, 22), owner="d"),
+        "effect": beat("b" if "b" in entities else subject, predicates["effect"], frames=(2, 24), causes=["cause"]),
+    }
+    spec = world({"floor": ground(), **entities}, joints=joints, drivers={"d": driver}, beats=beats, frames=N, materials=SLICK)
+    row = only(simulate(tmp_path, spec))
+    assert (row.status, row.evidence["intervention"]) == ("pass", "driver d is taken away"), row.evidence
+
+
+# ---------------------------------------------------------------- variants
+
+
+def test_a_variant_is_the_run_itself_up_to_its_start_and_differs_after(tmp_path: Path) -> None:
+    candidate = simulate(tmp_path, pushed())
+    done = Intervention(held=frozenset({"a"}), since=14 / 24)
+    variant = run_variant(candidate, done, start=14, end=20)
+    assert variant.last_frame == 20
+    own, other = (c.caches["rigid"].series("position") for c in (candidate, variant))
+    assert np.array_equal(own[:15], other[:15])
+    row = candidate.caches["rigid"].index.bodies.index("a/body")
+    assert np.abs(other[15:, row] - other[14, row]).max() < 1e-9
+    assert np.abs(own[20, row] - own[14, row]).max() > 0.01
+    events = variant.caches["rigid"].ragged("contact/pair", "contact/impulse")
+    assert len(events) == 21
+
+
+def test_no_intervention_gives_the_run_again(tmp_path: Path) -> None:
+    """The intervention acts on nothing that moves, so that the frames are those of the cache."""
+    spec = pushed(drivers={"none": ForceDriver(entity="a", force=(0, 0, 0), end=1.0)})
+    candidate = simulate(tmp_path, spec)
+    variant = run_variant(candidate, Intervention(without=frozenset({"none"})), start=13, end=24)
+    own, other = (c.caches["rigid"].series("position") for c in (candidate, variant))
+    assert np.array_equal(own, other)
+
+
+def test_pairs_apart_part_only_from_the_start_on(tmp_path: Path) -> None:
+    """A block that rests on the floor stays there until the frame at which the two pass through each other."""
+    candidate = simulate(tmp_path, pushed())
+    variant = run_variant(candidate, Intervention(apart=frozenset({("b", "floor")})), start=15, end=20)
+    row = candidate.caches["rigid"].index.bodies.index("b/body")
+    z = variant.caches["rigid"].series("position")[:, row, 2]
+    assert np.ptp(z[:16]) < 1e-3
+    assert z[20] < z[15] - 0.05
+
+
+def test_one_run_serves_all_effects_of_a_cause(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    beats = {
+        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 22), causes=["hit"]),
+        "fast": beat("b", Speed(entity="b", min=0.2), frames=(1, 24), causes=["hit"]),
+    }
+    candidate = simulate(tmp_path, pushed(beats=beats))
+    calls = []
+
+    def counted(*args: Any, **more: Any) -> Candidate:
+        calls.append(more)
+        return run_variant(*args, **more)
+
+    monkeypatch.setattr(counterfactual, "run_variant", counted)
+    assert [r.status for r in check(candidate)] == ["pass", "pass"]
+    assert [c["end"] for c in calls] == [24]
+
+
+def test_judging_writes_nothing(tmp_path: Path) -> None:
+    candidate = simulate(tmp_path, pushed())
+    before = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*")}
+    check(candidate)
+    assert {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*")} == before
+
+
+def test_equal_worlds_give_equal_rows(tmp_path: Path) -> None:
+    rows = [only(simulate(tmp_path / n, pushed())) for n in "ab"]
+    assert rows[0] == rows[1]
+
+
+# ---------------------------------------------------------------- missing evidence
+
+
+def test_caches_without_checkpoints_are_unverified(tmp_path: Path) -> None:
+    candidate = make_candidate(tmp_path, pushed(), tracks={})
+    assert only(candidate).status == "unverified"
+    simulated = simulate(tmp_path / "s", pushed())
+    for path in (tmp_path / "s").rglob("*.bin"):
+        path.unlink()
+    row = only(simulated)
+    assert row.status == "unverified"
+    assert "no checkpoint" in row.evidence["explanation"]
+
+
+def test_a_cache_that_its_checkpoint_does_not_lead_to_is_unverified(tmp_path: Path) -> None:
+    candidate = simulate(tmp_path, pushed())
+    cache = candidate.caches["rigid"]
+    for frame in range(N):
+        data = cache.read(frame)
+        data["position"] = data["position"] + 0.001
+        write_container(cache.path(frame), data)
+    with pytest.raises(EvidenceError, match="altered"):
+        run_variant(candidate, Intervention(held=frozenset({"a"}), since=3 / 24), start=3, end=5)
+
+
+def test_a_damaged_checkpoint_is_missing_evidence(tmp_path: Path) -> None:
+    candidate = simulate(tmp_path, pushed())
+    for path in tmp_path.rglob("*.bin"):
+        path.write_bytes(b"nothing")
+    assert only(candidate).status == "unverified"
+
+
+def test_an_effect_that_never_came_cannot_vanish(tmp_path: Path) -> None:
+    beats = {
+        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+        "fly": beat("b", Displacement(entity="b", min=5.0), frames=(1, 24), causes=["hit"]),
+    }
+    assert only(simulate(tmp_path, pushed(beats=beats))).status == "unverified"
+
+
+# ---------------------------------------------------------------- where it is judged
+
+
+def test_rows_are_judged_at_the_probe_and_kept_by_the_bake(tmp_path: Path) -> None:
+    candidate = simulate(tmp_path, pushed())
+    wanted = {"causal:hit:slide", "causal:without:hit:slide"}
+    assert {r.id for r in run_checks(candidate, only=["causal"])} == wanted
+    full = Candidate(tmp_path, candidate.spec, candidate.built, "full", candidate.caches, "run", candidate.digest)
+    assert {r.id for r in run_checks(full, only=["causal"])} == {"causal:hit:slide"}
+    assert {r.id for r in run_checks(full, only=["causal"], reruns=True)} == wanted
+    assert row_ids(candidate.spec) == rerun_ids(candidate.spec) == {"causal:without:hit:slide"}
+
+
+def test_a_tolerance_of_continuation_is_small_beside_the_skins() -> None:
+    skin = world({"floor": ground()}).simulation.solvers["rigid"].settings.skin
+    assert variants.CONTINUES / (2 * skin) <= 0.1

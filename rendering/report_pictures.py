@@ -42,13 +42,14 @@ def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]]) -> 
         ledger = None
     found: dict[str, tuple[str, bytes]] = {}
     for row in sorted(rows, key=lambda r: (r["status"] != "fail", not r["mandatory"], r["id"])):
-        names = [n for n in (row.get("first_failing_entity"), *(row.get("entities") or ())) if n in candidate.built]
+        concerned = dict.fromkeys((row.get("first_failing_entity"), *(row.get("entities") or ())))
+        names = [n for n in concerned if n in candidate.built][:2]
         if row["status"] not in ("fail", "unverified") or not names or len(found) >= MAX_ROW_PICTURES:
             continue
         frame = min(max(int(row.get("first_failing_frame") or 0), 0), candidate.last_frame)
-        image = highlight(candidate, frame, list(dict.fromkeys(names))[:2], renderer=renderer)
+        image = highlight(candidate, frame, names, renderer=renderer)
         found[row["id"]] = (
-            f"{', '.join(dict.fromkeys(names[:2]))} at frame {frame} ({frame / fps:.2f} s)",
+            f"{', '.join(names)} at frame {frame} ({frame / fps:.2f} s)",
             encode(image, ROW_BYTES).data,
         )
     return ReportPictures(sheet, ledger, found)

@@ -92,9 +92,12 @@ def compare_rows(bundled: Sequence[Any], own: Sequence[Mapping[str, Any]], *, ex
     theirs: dict[str, Any] = {}
     found: list[dict[str, Any]] = []
     for item in bundled:
-        name = str(item.get("id")) if isinstance(item, Mapping) else repr(item)[:80]
-        if name in theirs or not isinstance(item, Mapping):
-            found.append({"row": name, "differs": "stands twice in the bundle" if name in theirs else "is no row"})
+        if not isinstance(item, Mapping):
+            found.append({"row": repr(item)[:80], "differs": "is no row"})
+            continue
+        name = str(item.get("id"))
+        if name in theirs:
+            found.append({"row": name, "differs": "stands twice in the bundle"})
         theirs[name] = item
     ours = {str(r["id"]): r for r in own}
     for name in sorted({*theirs, *ours}):

@@ -20,7 +20,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from .errors import EvidenceError, InputError, LimitError
@@ -94,7 +94,7 @@ def write_bundle(path: Path, head: Mapping[str, Any], members: Mapping[str, byte
 
 def _allowed(name: str) -> bool:
     """Whether a name is one of the format's; no name of it can lead out of a folder."""
-    return name in RECORDS or (bool(_WORLD.fullmatch(name)) and not {".", ".."} & set(PurePosixPath(name).parts))
+    return name in RECORDS or (bool(_WORLD.fullmatch(name)) and not {".", ".."} & set(name.split("/")))
 
 
 def _listing(source: bytes | Path) -> dict[str, Any]:

@@ -35,6 +35,8 @@ class Soup(NamedTuple):
     """Index of the entity, shape (t,)."""
     closed: NDArray[np.bool_]
     """Whether the triangle belongs to a closed surface, shape (t,)."""
+    solid: NDArray[np.bool_]
+    """Whether it collides: what is only drawn carries nobody, shape (t,)."""
 
 
 @dataclass(frozen=True)
@@ -72,14 +74,14 @@ class Pieces(NamedTuple):
 
 
 class Hits(NamedTuple):
-    """Where the vertical lines through the cell centres meet triangles, sorted by cell and height."""
+    """Where the vertical lines through the cell centres meet solid triangles, sorted by cell and height."""
 
     cell: Ints
     z: F64
     up: NDArray[np.bool_]
     """Whether the surface faces upwards there."""
-    tangent: F64
-    """Tangent of its slope."""
+    gradient: F64
+    """Its slope dz/dx and dz/dy, shape (h, 2)."""
     triangle: Ints
 
 
@@ -109,8 +111,21 @@ class Columns:
         group, number = expand(self.piece_start[cells + 1] - first)
         return group, first[group] + number
 
+    def gentle(self, tangent: float) -> NDArray[np.bool_]:
+        """Triangles that can be floor: solid, facing up, no steeper than `tangent`, shape (t,)."""
+        if tangent not in self._gentle:
+            a, b, c = self.soup.triangles[:, 0], self.soup.triangles[:, 1], self.soup.triangles[:, 2]
+            normal = np.cross(b - a, c - a)
+            level = np.hypot(normal[:, 0], normal[:, 1]) <= tangent * (1 + 1e-9) * normal[:, 2]
+            self._gentle[tangent] = self.soup.solid & (normal[:, 2] > 0) & level
+        return self._gentle[tangent]
+
+    @cached_property
+    def _gentle(self) -> dict[float, NDArray[np.bool_]]:
+        return {}
+
     def surface_at(self, points: F64, z: F64, reach: float, tangent: float) -> NDArray[np.bool_]:
-        """Whether there is an upward surface no steeper than `tangent` within `reach` of height z at each point.
+        """Whether there is floor no steeper than `tangent` within `reach` of height z at each point.
 
         Args:
             points: [m], shape (n, 2).
@@ -118,19 +133,28 @@ class Columns:
             reach: [m]
             tangent: of the steepest slope.
         """
-        found = np.zeros(len(points), dtype=bool)
+        return np.isfinite(self.height_at(points, z, reach, tangent))
+
+    def height_at(self, points: F64, z: F64, reach: float, tangent: float) -> F64:
+        """Height of the floor nearest to z at each point, NaN where `surface_at` is False [m], shape (n,)."""
+        found = np.full(len(points), np.nan)
         cells = self.grid.cells_of(points)
         inside = np.flatnonzero(cells >= 0)
         group, piece = self.pieces_in(cells[inside])
         row, triangle = inside[group], self.pieces.triangle[piece]
-        height, covered, up, steep = _heights(self.soup.triangles[triangle], points[row])
-        ok = covered & up & (steep <= tangent) & (np.abs(height - z[row]) <= reach)
-        found[row[ok]] = True
+        solid = self.soup.solid[triangle]
+        row, triangle = row[solid], triangle[solid]
+        height, covered, up, slope = _heights(self.soup.triangles[triangle], points[row])
+        off = np.abs(height - z[row])
+        ok = np.flatnonzero(covered & up & (np.hypot(*slope.T) <= tangent) & (off <= reach))
+        order = ok[np.lexsort((off[ok], row[ok]))]
+        first = order[np.unique(row[order], return_index=True)[1]] if len(order) else order
+        found[row[first]] = height[first]
         return found
 
 
 def _heights(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_], F64]:
-    """Height of each triangle's plane at its point, whether the triangle covers it, faces up, and its slope's tangent."""
+    """Height of each triangle's plane at its point, whether the triangle covers it, faces up, and its gradient (n, 2)."""
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1)
@@ -144,8 +168,7 @@ def _heights(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArray[
     wa, wb, wc = side(b, c) / safe, side(c, a) / safe, side(a, b) / safe
     covered = flat & (np.minimum(np.minimum(wa, wb), wc) >= -SEAM)
     z = wa * a[:, 2] + wb * b[:, 2] + wc * c[:, 2]
-    tangent = np.hypot(normal[:, 0], normal[:, 1]) / np.abs(safe)
-    return z, covered, area > 0, tangent
+    return z, covered, area > 0, -normal[:, :2] / safe[:, None]
 
 
 def _clip(polygon: F64, axis: int, bound: F64, sign: float) -> tuple[F64, NDArray[np.bool_]]:
@@ -167,6 +190,35 @@ def _clip(polygon: F64, axis: int, bound: F64, sign: float) -> tuple[F64, NDArra
 
 
 def _clip_to_cells(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.bool_]]:
+    """Parts of triangles within cells, shape (n, 7, 3), and which are not empty.
+
+    Most cells of a floor lie wholly inside one triangle, or wholly outside: only the others are clipped.
+    """
+    slack = SEAM * cell
+    square = low[:, None] + np.array(
+        [[-slack, -slack], [cell + slack, -slack], [cell + slack, cell + slack], [-slack, cell + slack]]
+    )
+    a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    weight = np.empty((len(corner), 3, 4))
+    for k, (p, q) in enumerate(((b, c), (c, a), (a, b))):
+        along = (q - p)[:, None]
+        weight[:, k] = along[..., 0] * (square[..., 1] - p[:, None, 1]) - along[..., 1] * (square[..., 0] - p[:, None, 0])
+    weight *= np.sign(area)[:, None, None]
+    flat = np.abs(area) > SEAM * cell * cell
+    whole = flat & (weight >= 0).all(axis=(1, 2))
+    alive = ~(flat & (weight.max(axis=2) < 0).any(axis=1))
+    polygon = np.empty((len(corner), 7, 3))
+    share = weight[whole] / np.abs(area[whole])[:, None, None]
+    polygon[whole, :4, :2] = square[whole]
+    polygon[whole, :4, 2] = np.einsum("nkc,nk->nc", share, corner[whole, :, 2])
+    polygon[whole, 4:] = polygon[whole, :1]
+    rest = np.flatnonzero(alive & ~whole)
+    polygon[rest], alive[rest] = _clip_fully(corner[rest], low[rest], cell)
+    return polygon, alive
+
+
+def _clip_fully(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.bool_]]:
     slack = SEAM * cell
     polygon, alive = corner, np.ones(len(corner), dtype=bool)
     for axis in (0, 1):
@@ -198,8 +250,9 @@ def rasterise(soup: Soup, grid: Grid) -> Columns:
         polygon, alive = _clip_to_cells(corner, grid.origin + grid.cell * index, grid.cell)
         z = polygon[alive][:, :, 2]
         pieces.append(Pieces(cell[alive], triangle[alive], z.min(axis=1), z.max(axis=1), polygon[alive][:, :, :2]))
-        height, covered, up, tangent = _heights(corner, grid.centers(cell))
-        hits.append(Hits(cell[covered], height[covered], up[covered], tangent[covered], triangle[covered]))
+        height, covered, up, gradient = _heights(corner, grid.centers(cell))
+        covered &= soup.solid[triangle]
+        hits.append(Hits(cell[covered], height[covered], up[covered], gradient[covered], triangle[covered]))
     return Columns(grid, soup, _sorted_pieces(pieces), _sorted_hits(hits))
 
 
@@ -221,13 +274,13 @@ def _sorted_pieces(blocks: list[Pieces]) -> Pieces:
 def _sorted_hits(blocks: list[Hits]) -> Hits:
     if not blocks:
         none = np.zeros(0)
-        return Hits(none.astype(np.intp), none, none.astype(bool), none, none.astype(np.intp))
+        return Hits(none.astype(np.intp), none, none.astype(bool), np.zeros((0, 2)), none.astype(np.intp))
     cell, z = np.concatenate([b.cell for b in blocks]), np.concatenate([b.z for b in blocks])
     order = np.lexsort((z, cell))
     return Hits(
         cell[order],
         z[order],
         np.concatenate([b.up for b in blocks])[order],
-        np.concatenate([b.tangent for b in blocks])[order],
+        np.concatenate([b.gradient for b in blocks])[order],
         np.concatenate([b.triangle for b in blocks])[order],
     )

@@ -15,7 +15,7 @@ from .walkable import DIRECTIONS, Floor, Obstacles, clearance_at, unique_pairs
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Way", "passable", "reachable", "widest_way"]
+__all__ = ["Way", "passable", "pieces_of", "reachable", "widest_way"]
 
 LEVELS = 6
 """Halvings of the search for the best point within a cell: ends at a 250th of the cell."""
@@ -75,6 +75,16 @@ def reachable(floor: Floor, start: Ints) -> NDArray[np.bool_]:
     free = ~floor.nodes.blocked
     label = _components(floor, free)
     return np.asarray(free & np.isin(label, label[start[free[start]]]))
+
+
+def pieces_of(floor: Floor, inside: NDArray[np.bool_], share: float) -> Ints:
+    """Nodes of the connected pieces of a set that have at least `share` of the nodes of its largest piece."""
+    rows = np.flatnonzero(inside)
+    if len(rows) == 0:
+        return rows
+    _, piece = np.unique(_components(floor, inside)[rows], return_inverse=True)
+    count = np.bincount(piece)
+    return np.asarray(rows[count[piece] >= share * count.max()])
 
 
 def _highest(values: F64, holds: Callable[[float], bool]) -> float:

@@ -18,11 +18,29 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64
 from .columns import Columns, Ints, expand
 
-__all__ = ["DIRECTIONS", "Carrier", "Floor", "Obstacles", "clearance_at", "lay_floor", "measure_clearance", "unique_pairs"]
+__all__ = [
+    "DIRECTIONS",
+    "GAP",
+    "SAME",
+    "Carrier",
+    "Floor",
+    "Obstacles",
+    "clearance_at",
+    "lay_floor",
+    "measure_clearance",
+    "standing",
+    "unique_pairs",
+]
 
 DIRECTIONS: tuple[tuple[int, int], ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 SAME = 1e-4
 """[m] Surfaces closer than this in height are one."""
+GAP = 0.05
+"""[m] Own choice: cracks up to this are stepped or rolled over, or an eighth of narrower carriers. Wider than the 13 mm of
+ADA 302.3 for floor openings, narrower than the 75 mm between platform and train of 49 CFR 38.53."""
+GAPS_PER_WIDTH = 8.0
+PROFILE = 16
+"""Samples along a link whose step or crack must be measured: 3 mm apart at a cell of 5 cm."""
 EDGE_HALVINGS = 12
 PAIRS = 2_000_000
 """Point-obstacle pairs measured at once."""
@@ -41,6 +59,11 @@ class Carrier:
     step: float
     """[m]"""
 
+    @property
+    def gap(self) -> float:
+        """Widest crack in the floor that stops nobody [m]."""
+        return min(GAP, self.width / GAPS_PER_WIDTH)
+
 
 class Nodes(NamedTuple):
     """Floor heights, sorted by cell and height."""
@@ -48,8 +71,8 @@ class Nodes(NamedTuple):
     cell: Ints
     z: F64
     """[m]"""
-    tangent: F64
-    """Slope of the surface; 0 for the top of something that is stepped over."""
+    gradient: F64
+    """Slope dz/dx and dz/dy of the surface, shape (n, 2); 0 for the top of something that is stepped over."""
     owner: Ints
     """Entity of the surface; -1 for a bridged crack."""
     blocked: NDArray[np.bool_]
@@ -57,6 +80,11 @@ class Nodes(NamedTuple):
     """Clear height above [m]; infinite under the sky."""
     blocker: Ints
     """Entity that limits the clear height or blocks; -1 for none."""
+
+    @property
+    def tangent(self) -> F64:
+        """Of the slope, shape (n,)."""
+        return np.hypot(self.gradient[:, 0], self.gradient[:, 1])
 
 
 @dataclass(frozen=True)
@@ -115,7 +143,8 @@ def lay_floor(columns: Columns, carrier: Carrier, *, ignore: int = -1) -> Floor:
 def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
     hits, soup = columns.hits, columns.soup
     keep = soup.owner[hits.triangle] != ignore
-    cell, z, up, tangent, triangle = (x[keep] for x in hits)
+    cell, z, up, gradient, triangle = (x[keep] for x in hits)
+    tangent = np.hypot(gradient[:, 0], gradient[:, 1])
     closed, owner = soup.closed[triangle], soup.owner[triangle]
     count = len(cell)
     gentle = up & (tangent <= carrier.tangent * (1 + 1e-9))
@@ -137,25 +166,39 @@ def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
         duplicate = same & (rise <= SAME) & up[here] & up[here + k]
         covered[here] |= duplicate
     floor = up & ~covered & (gentle | stepped)
-    slope = np.where(gentle, tangent, 0.0)[floor]
+    slope = np.where(gentle[:, None], gradient, 0.0)[floor]
     cell, z, owner = cell[floor], z[floor], owner[floor]
-    blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, ignore)
+    blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, slope, ignore)
     blocked |= inside[floor] | low_thing[floor]
     return Nodes(cell, z, slope, owner, blocked, ceiling, blocker)
 
 
-def _band(columns: Columns, carrier: Carrier) -> float:
-    """Height above the floor below which things are stepped over; the floor's own slope within a cell is no obstacle."""
-    return max(carrier.step, 0.75 * columns.grid.cell * carrier.tangent) + SAME
+def _band(columns: Columns, carrier: Carrier, gradient: F64) -> F64:
+    """Height above floors below which things are stepped over; the floor's own slope within a cell is no obstacle."""
+    return np.asarray(np.maximum(carrier.step, 0.75 * columns.grid.cell * np.hypot(gradient[:, 0], gradient[:, 1])) + SAME)
 
 
-def _overhead(columns: Columns, carrier: Carrier, cell: Ints, z: F64, ignore: int) -> tuple[NDArray[np.bool_], F64, Ints]:
-    """Whether pieces of surfaces stand within the carrier's height over floors, the clear height, and whose they are."""
+def standing(columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F64, ignore: int) -> tuple[Ints, Ints, F64]:
+    """Pieces of surfaces that are no floor for a foot at each height: (index into `cell`, piece, height above it).
+
+    A gentle solid surface that begins within a step is floor, whatever it rises to within the cell.
+    """
     group, piece = columns.pieces_in(cell)
+    triangle = columns.pieces.triangle[piece]
+    above = columns.pieces.low[piece] - z[group]
+    over = (columns.pieces.high[piece] > (z + _band(columns, carrier, gradient))[group]) & (
+        columns.soup.owner[triangle] != ignore
+    )
+    over &= ~(columns.gentle(carrier.tangent)[triangle] & (above <= carrier.step + SAME))
+    return group[over], piece[over], np.maximum(above[over], 0.0)
+
+
+def _overhead(
+    columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F64, ignore: int
+) -> tuple[NDArray[np.bool_], F64, Ints]:
+    """Whether pieces of surfaces stand within the carrier's height over floors, the clear height, and whose they are."""
+    group, piece, height = standing(columns, carrier, cell, z, gradient, ignore)
     owner = columns.soup.owner[columns.pieces.triangle[piece]]
-    over = (columns.pieces.high[piece] > z[group] + _band(columns, carrier)) & (owner != ignore)
-    group, piece, owner = group[over], piece[over], owner[over]
-    height = np.maximum(columns.pieces.low[piece] - z[group], 0.0)
     order = np.lexsort((height, group))
     first = order[np.unique(group[order], return_index=True)[1]] if len(order) else order
     ceiling, blocker = np.full(len(cell), np.inf), np.full(len(cell), -1, dtype=np.intp)
@@ -178,12 +221,25 @@ def _link(columns: Columns, carrier: Carrier, nodes: Nodes, way: tuple[int, int]
     first, last = start[target[inside]], start[target[inside] + 1]
     group, number = expand(last - first)
     row, other = inside[group], first[group] + number
-    run = columns.grid.cell * float(np.hypot(*way))
-    rise = np.abs(nodes.z[other] - nodes.z[row])
-    # What two slopes explain over the distance of the centres is no step.
-    step = rise - 0.5 * run * (nodes.tangent[row] + nodes.tangent[other])
-    ok = step <= carrier.step + SAME
-    row, other, rise = row[ok], other[ok], rise[ok]
+    stride = columns.grid.cell * np.array(way, dtype=np.float64)
+    rise = nodes.z[other] - nodes.z[row]
+    # The step at the edge of two slopes lies between what either slope leaves over the whole way.
+    one, two = rise - nodes.gradient[row] @ stride, rise - nodes.gradient[other] @ stride
+    least = np.where(one * two <= 0.0, 0.0, np.minimum(np.abs(one), np.abs(two)))
+    ok = least <= carrier.step + SAME
+    row, other, rise, unsure = (
+        row[ok],
+        other[ok],
+        np.abs(rise[ok]),
+        np.maximum(np.abs(one), np.abs(two))[ok] > carrier.step + SAME,
+    )
+    if unsure.any():
+        sound = ~unsure
+        at = row[unsure]
+        sound[unsure] = _sound(
+            columns, carrier, columns.grid.centers(nodes.cell[at]), nodes.z[at], nodes.z[other[unsure]], stride
+        )
+        row, other, rise = row[sound], other[sound], rise[sound]
     # Free floor goes before blocked floor: a slab that runs on inside the next stair is no obstacle to the stair's tread.
     order = np.lexsort((rise, nodes.blocked[other], row))
     best = order[np.unique(row[order], return_index=True)[1]] if len(order) else order
@@ -192,41 +248,84 @@ def _link(columns: Columns, carrier: Carrier, nodes: Nodes, way: tuple[int, int]
     return linked
 
 
+def _sound(columns: Columns, carrier: Carrier, start: F64, z: F64, goal: F64, stride: F64) -> NDArray[np.bool_]:
+    """Whether the floor from points along a stride has no crack wider than allowed, no high step, and arrives at `goal`.
+
+    Args:
+        columns: the rasterised scene.
+        carrier: sizes and limits.
+        start: [m], shape (n, 2).
+        z: height there [m], shape (n,).
+        goal: height at the end [m], shape (n,).
+        stride: [m], shape (2,).
+    """
+    apart = float(np.linalg.norm(stride)) / PROFILE
+    slack = carrier.tangent * apart
+    sound, level, lost = np.ones(len(start), dtype=bool), z.copy(), np.zeros(len(start))
+    for k in range(1, PROFILE + 1):
+        here = columns.height_at(
+            start + stride * (k / PROFILE), level, carrier.step + slack * (1.0 + PROFILE) + SAME, carrier.tangent
+        )
+        there = np.isfinite(here)
+        rise = np.abs(here - level)
+        sound &= ~(there & (rise > carrier.step + SAME + slack * (1.0 + np.round(lost / apart))))
+        lost = np.where(there, 0.0, lost + apart)
+        sound &= lost <= carrier.gap + apart
+        level = np.where(there, here, level)
+    return np.asarray(sound & (np.abs(level - goal) <= carrier.step + SAME))
+
+
 def _links(columns: Columns, carrier: Carrier, nodes: Nodes) -> Ints:
-    return np.stack([_link(columns, carrier, nodes, way) for way in DIRECTIONS], axis=1)
+    links = np.stack([_link(columns, carrier, nodes, way) for way in DIRECTIONS], axis=1)
+    # A diagonal can jump a crack that both cells beside it lie in.
+    for k, (i, j) in enumerate(DIRECTIONS):
+        if i == 0 or j == 0:
+            continue
+        beside = [links[:, DIRECTIONS.index(way)] for way in ((i, 0), (0, j))]
+        rows = np.flatnonzero((links[:, k] >= 0) & (beside[0] < 0) & (beside[1] < 0))
+        if len(rows):
+            start = columns.grid.centers(nodes.cell[rows])
+            stride = columns.grid.cell * np.array([i, j], dtype=np.float64)
+            sound = _sound(columns, carrier, start, nodes.z[rows], nodes.z[links[rows, k]], stride)
+            links[rows[~sound], k] = -1
+    return links
 
 
 def _bridge_cracks(columns: Columns, carrier: Carrier, nodes: Nodes, ignore: int) -> Nodes:
-    """Add floor to single cells between two linked-height nodes: a crack narrower than a cell stops nobody."""
+    """Add floor to cells over cracks no wider than allowed, measured along the grid and its diagonals (up to 8 % too wide)."""
     found_cell, found_z = [], []
-    for way in ((1, 0), (0, 1)):
+    spans = range(2, int(np.ceil(carrier.gap / columns.grid.cell - 1e-9)) + 2)
+    for way in ((1, 0), (0, 1), (1, 1), (1, -1)):
         near = _link(columns, carrier, nodes, way)
-        far = _link(columns, carrier, nodes, (2 * way[0], 2 * way[1]))
-        gap = np.flatnonzero((near < 0) & (far >= 0))
-        flat = np.abs(nodes.z[far[gap]] - nodes.z[gap]) <= carrier.step
-        gap = gap[flat]
-        found_cell.append(_neighbour(columns, nodes.cell[gap], way))
-        found_z.append(0.5 * (nodes.z[gap] + nodes.z[far[gap]]))
-    cell, z = np.concatenate(found_cell), np.concatenate(found_z)
-    if len(cell) == 0:
+        open_rows = near < 0
+        for span in spans:
+            far = _link(columns, carrier, nodes, (span * way[0], span * way[1]))
+            gap = np.flatnonzero(open_rows & (far >= 0))
+            gap = gap[np.abs(nodes.z[far[gap]] - nodes.z[gap]) <= carrier.step + SAME]
+            if len(gap) == 0:
+                continue
+            stride = columns.grid.cell * np.array(way, dtype=np.float64)
+            one = _floor_end(columns, carrier, nodes, gap, np.broadcast_to(stride, (len(gap), 2)))
+            two = _floor_end(columns, carrier, nodes, far[gap], np.broadcast_to(-stride, (len(gap), 2)))
+            width = np.einsum("ni,i->n", two - one, stride) / float(np.linalg.norm(stride))
+            gap = gap[width <= carrier.gap]
+            open_rows[gap] = False
+            for k in range(1, span):
+                found_cell.append(_neighbour(columns, nodes.cell[gap], (k * way[0], k * way[1])))
+                found_z.append(nodes.z[gap] + (nodes.z[far[gap]] - nodes.z[gap]) * (k / span))
+    if not any(len(c) for c in found_cell):
         return nodes
-    keep = np.unique(np.stack([cell, np.round(z / max(carrier.step, SAME)).astype(np.intp)], axis=1), axis=0, return_index=True)[
-        1
-    ]
+    cell, z = np.concatenate(found_cell), np.concatenate(found_z)
+    order = np.lexsort((z, cell))
+    cell, z = cell[order], z[order]
+    # One of several that lie within a step of each other, and none where there is floor already.
+    keep = np.concatenate([[True], (np.diff(cell) > 0) | (np.diff(z) > max(carrier.step, SAME))])
     cell, z = cell[keep], z[keep]
-    blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, ignore)
-    none = np.full(len(cell), -1, dtype=np.intp)
-    more = Nodes(cell, z, np.zeros(len(cell)), none, blocked, ceiling, blocker)
+    gradient = np.zeros((len(cell), 2))
+    blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, gradient, ignore)
+    more = Nodes(cell, z, gradient, np.full(len(cell), -1, dtype=np.intp), blocked, ceiling, blocker)
     order = np.lexsort((np.concatenate([nodes.z, z]), np.concatenate([nodes.cell, cell])))
-    return Nodes(
-        np.concatenate([nodes.cell, more.cell])[order],
-        np.concatenate([nodes.z, more.z])[order],
-        np.concatenate([nodes.tangent, more.tangent])[order],
-        np.concatenate([nodes.owner, more.owner])[order],
-        np.concatenate([nodes.blocked, more.blocked])[order],
-        np.concatenate([nodes.ceiling, more.ceiling])[order],
-        np.concatenate([nodes.blocker, more.blocker])[order],
-    )
+    return Nodes(*(np.concatenate([a, b])[order] for a, b in zip(nodes, more, strict=True)))
 
 
 def measure_clearance(floor: Floor, cap: float, *, ignore: int = -1) -> Obstacles:
@@ -335,11 +434,10 @@ def _obstacles(floor: Floor, ignore: int) -> tuple[tuple[Ints, Ints], Obstacles]
 def _blocking_points(floor: Floor, blocked: Ints, ignore: int) -> tuple[F64, Ints]:
     """Corners of the pieces that block nodes; the corners of the cell where nothing stands in the band itself."""
     columns, nodes = floor.columns, floor.nodes
-    group, piece = columns.pieces_in(nodes.cell[blocked])
-    z = nodes.z[blocked][group]
-    low, high = columns.pieces.low[piece], columns.pieces.high[piece]
-    inside = (high > z + _band(columns, floor.carrier)) & (low < z + floor.carrier.headroom - SAME)
-    inside &= columns.soup.owner[columns.pieces.triangle[piece]] != ignore
+    group, piece, height = standing(
+        columns, floor.carrier, nodes.cell[blocked], nodes.z[blocked], nodes.gradient[blocked], ignore
+    )
+    inside = height < floor.carrier.headroom - SAME
     group, piece = group[inside], piece[inside]
     outline = columns.pieces.outline[piece]
     middle = 0.5 * (outline + np.roll(outline, -1, axis=1))
@@ -356,14 +454,18 @@ def _blocking_points(floor: Floor, blocked: Ints, ignore: int) -> tuple[F64, Int
 
 
 def _floor_ends(columns: Columns, floor: Floor, row: Ints, way: Ints) -> F64:
-    """Where the floor ends between each node and the neighbouring centre that has none, by bisection, shape (n, 2)."""
-    start = floor.points[row, :2]
+    """Where the floor ends between each node and the neighbouring centre that has none, shape (n, 2)."""
     stride = columns.grid.cell * np.array(DIRECTIONS, dtype=np.float64)[way]
-    z = floor.nodes.z[row]
-    reach = floor.carrier.step + 1.5 * columns.grid.cell * floor.carrier.tangent + SAME
+    return _floor_end(columns, floor.carrier, floor.nodes, row, stride)
+
+
+def _floor_end(columns: Columns, carrier: Carrier, nodes: Nodes, row: Ints, stride: F64) -> F64:
+    """Where the floor ends along strides from nodes, by bisection [m], shape (n, 2)."""
+    start = columns.grid.centers(nodes.cell[row])
+    reach = carrier.step + 1.5 * columns.grid.cell * carrier.tangent + SAME
     low, high = np.zeros(len(row)), np.ones(len(row))
     for _ in range(EDGE_HALVINGS):
         middle = 0.5 * (low + high)
-        there = columns.surface_at(start + middle[:, None] * stride, z, reach, floor.carrier.tangent)
+        there = columns.surface_at(start + middle[:, None] * stride, nodes.z[row], reach, carrier.tangent)
         low, high = np.where(there, middle, low), np.where(there, high, middle)
     return np.asarray(start + low[:, None] * stride)

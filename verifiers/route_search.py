@@ -1,0 +1,420 @@
+"""The route of one connection at one frame: the widest way, or the reason why there is none.
+
+The visible surfaces of all entities are rasterised into columns; the route is searched over layers of floor with the
+carrier's width, height, slope and step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64, RigidPose
+from ..worlds.errors import EvidenceError
+from .columns import Columns, Grid, Ints, Soup, rasterise
+from .predicates.kinematic import region_offset
+from .routes import Way, passable, pieces_of, reachable, widest_way
+from .rows import Comparison
+from .walkable import SAME, Carrier, Floor, Obstacles, lay_floor, measure_clearance, standing
+
+if TYPE_CHECKING:
+    from ..worlds.spec import Connects
+    from .surfaces import Surfaces
+
+__all__ = ["PITCH", "RASTER_NOISE", "Finding", "find_route", "region_box"]
+
+CELL = 0.05
+"""[m] Own choice: largest cell; an eighth of the width where that is finer."""
+CELLS_PER_WIDTH = 8.0
+CELLS_PER_REGION = 4.0
+MARGINS = (3.0, 20.0)
+"""[m] Own choice: the search first looks this far around the box of regions and waypoints, then farther (at least the
+box's diagonal)."""
+MOST_CELLS = 600_000
+"""Own choice: cells of one search, about 1 GB; larger areas get coarser cells down to a quarter of the width."""
+RASTER_NOISE = 0.002
+"""[m] How much narrower than real the search may measure a way: points move within cells to a 250th of 5 cm, and corners
+of obstacles are sampled."""
+PITCH = 1.2
+"""Own choice: steepest mean rise / run over a stretch (50 degrees); building codes end stairs at 42 degrees."""
+STRETCH = 0.6
+"""[m] Own choice: the stretch, one and a half paces; three quarters of the width for narrower carriers."""
+STEEPEST = 1.4
+"""[rad] Slopes up to this are tried when looking for the reason of a failure."""
+SEARCH = 8
+"""Halvings when the measured value of a failure is searched."""
+SUSPECTS = 8
+"""Entities that are tried as the one that blocks the way."""
+REST = 0.5
+"""Own choice: a piece of a region's floor below this share of the largest is a rest behind a wall, and no place to start."""
+THRESHOLD = 2.5
+"""Own choice: a step up to this many times the allowed one is an oversized step; a higher one is an obstacle."""
+
+
+class Finding(NamedTuple):
+    """What was found at one frame."""
+
+    ok: bool
+    text: str
+    measured: float
+    bound: float
+    comparison: Comparison
+    unit: str
+    reason: str
+    blame: tuple[str, ...]
+    evidence: dict[str, Any]
+
+    route: F64 | None = None
+    """Middle of the way that was found [m], shape (n, 3)."""
+    floors: tuple[str, ...] = ()
+    """Entities that the route leads over."""
+
+
+def find_route(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> Finding:
+    """Search nearby first; only what fails there is searched again in a wider area.
+
+    Args:
+        surfaces: the candidate's surfaces.
+        relation: the connection.
+        frame: at which frame.
+        absent: entities that are no part of the scene, because they are what travels.
+
+    Raises:
+        EvidenceError: the search area is too large, or nothing is there to walk on.
+    """
+    near = _Search(surfaces, relation, frame, MARGINS[0], absent, wide=False)
+    if near.clipped:
+        way = near.direct[0]
+        if way is None or 2.0 * way.clearance < relation.width - RASTER_NOISE:
+            return _Search(surfaces, relation, frame, MARGINS[1], absent, wide=True).finding()
+    return near.finding()
+
+
+def frame_of(surfaces: Surfaces, entity: str, frame: int) -> RigidPose:
+    """Pose of an entity's first body."""
+    surfaces.require(entity)
+    return surfaces.track(entity, surfaces.candidate.entity(entity).bodies[0].name).at(frame)
+
+
+def region_box(surfaces: Surfaces, name: str, frame: int) -> tuple[F64, F64]:
+    """Bounding box of a region in the world [m], shapes (3,)."""
+    region = surfaces.candidate.spec.graph.regions[name]
+    if region.kind == "box":
+        low, high = np.array(region.min), np.array(region.max)
+    elif region.kind == "sphere":
+        low, high = np.array(region.center) - region.radius, np.array(region.center) + region.radius
+    else:
+        half = np.array([region.radius, region.radius, region.height / 2])
+        low, high = np.array(region.center) - half, np.array(region.center) + half
+    if region.relative_to is not None:
+        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+        corners = frame_of(surfaces, region.relative_to, frame).apply(corners)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+    return low, high
+
+
+class _Search:
+    """Routes of one connection at one frame."""
+
+    def __init__(
+        self, surfaces: Surfaces, relation: Connects, frame: int, margin: float, absent: Collection[str], *, wide: bool
+    ) -> None:
+        self.surfaces, self.relation, self.frame = surfaces, relation, frame
+        self.carrier = Carrier(relation.width, relation.headroom, math.tan(relation.max_slope), relation.max_step)
+        self.names = [n for n in surfaces.entities if n not in absent]
+        self.soup = self._soup()
+        self.columns, self.clipped = self._rasterise(margin, wide=wide)
+
+    def _soup(self) -> Soup:
+        triangles, owner, closed, solid = [], [], [], []
+        candidate = self.surfaces.candidate
+        drawn = {(n, p.part) for n in self.names for p in candidate.entity(n).parts if not p.collision}
+        index = {n: k for k, n in enumerate(self.names)}
+        for part in (p for p in self.surfaces.parts if p.entity in index):
+            pose = self.surfaces.track(part.entity, part.body).at(self.frame)
+            corners = pose.apply(part.solid.vertices)[part.solid.faces]
+            triangles.append(corners)
+            owner.append(np.full(len(corners), index[part.entity]))
+            closed.append(np.full(len(corners), part.solid.closed))
+            solid.append(np.full(len(corners), (part.entity, part.part) not in drawn))
+        if not triangles:
+            raise EvidenceError("the scene has no visible surface; call build_terrain or place_object")
+        return Soup(np.concatenate(triangles), np.concatenate(owner), np.concatenate(closed), np.concatenate(solid))
+
+    def _rasterise(self, margin: float, *, wide: bool) -> tuple[Columns, bool]:
+        boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
+        flat = np.array([b[:2] for pair in boxes for b in pair] + [list(w) for w in self.relation.waypoints])
+        low, high = flat.min(axis=0), flat.max(axis=0)
+        margin = max(margin, float(np.linalg.norm(high - low))) if wide else margin
+        corners = self.soup.triangles[:, :, :2].reshape(-1, 2)
+        scene_low, scene_high = corners.min(axis=0), corners.max(axis=0)
+        low, high = np.maximum(low - margin, scene_low), np.minimum(high + margin, scene_high)
+        clipped = bool((low > scene_low).any() or (high < scene_high).any())
+        if (low >= high).any():
+            raise EvidenceError(f"regions {self.relation.a!r} and {self.relation.b!r} lie outside everything built")
+        extent = min(float((b[:2] - a[:2]).min()) for a, b in boxes)
+        cell = min(CELL, self.relation.width / CELLS_PER_WIDTH, extent / CELLS_PER_REGION)
+        size = high - low
+        coarse = math.sqrt(float(size[0] * size[1]) / MOST_CELLS)
+        if coarse > max(cell, self.relation.width / 4.0):
+            raise EvidenceError(
+                f"the search area of {size[0]:.4g} x {size[1]:.4g} m needs cells of {coarse:.3g} m, too coarse for a width of "
+                f"{self.relation.width:g} m; bring the regions closer together or split the connection with regions between"
+            )
+        cell = max(cell, coarse)
+        count = np.maximum(np.ceil(size / cell).astype(int), 1)
+        return rasterise(self.soup, Grid(low, cell, int(count[0]), int(count[1]))), clipped
+
+    def _in_region(self, floor: Floor, name: str) -> Ints:
+        """Free nodes whose foot stands in a region, or under it by at most a step; no small rests behind walls."""
+        region = self.surfaces.candidate.spec.graph.regions[name]
+        points = floor.points
+        if region.relative_to is not None:
+            points = frame_of(self.surfaces, region.relative_to, self.frame).inverse().apply(points)
+        _, offset = region_offset(region, points)
+        inside = (np.abs(offset[:, :2]).max(axis=1) <= 1e-9) & (np.abs(offset[:, 2]) <= self.carrier.step)
+        return pieces_of(floor, inside & ~floor.nodes.blocked, REST)
+
+    def _stops(self, floor: Floor) -> list[Ints]:
+        reach = max(1.5 * floor.columns.grid.cell, 0.5 * self.relation.width)
+        stops = [self._in_region(floor, self.relation.a)]
+        for waypoint in self.relation.waypoints:
+            near = np.linalg.norm(floor.points[:, :2] - np.array(waypoint), axis=1) <= reach
+            stops.append(np.asarray(np.flatnonzero(near & ~floor.nodes.blocked)))
+        return [*stops, self._in_region(floor, self.relation.b)]
+
+    def way(self, carrier: Carrier, ignore: int = -1) -> tuple[Way | None, Floor, Obstacles]:
+        """The widest way for a carrier, as if the entity number `ignore` were absent."""
+        floor = lay_floor(self.columns, carrier, ignore=ignore)
+        obstacles = measure_clearance(floor, carrier.width, ignore=ignore)
+        return widest_way(floor, obstacles, self._stops(floor), 0.5 * carrier.width, carrier.width), floor, obstacles
+
+    @cached_property
+    def direct(self) -> tuple[Way | None, Floor, Obstacles]:
+        """The widest way for the carrier as declared."""
+        return self.way(self.carrier)
+
+    def exists(self, carrier: Carrier, ignore: int = -1) -> bool:
+        """Whether the carrier has a way of half its width at least."""
+        floor = lay_floor(self.columns, carrier, ignore=ignore)
+        stops = self._stops(floor)
+        if not passable(floor, None, stops, 0.0):
+            return False
+        obstacles = measure_clearance(floor, 0.5 * carrier.width, ignore=ignore)
+        return passable(floor, obstacles, stops, 0.25 * carrier.width)
+
+    def finding(self) -> Finding:
+        """Verdict at this frame."""
+        way, floor, obstacles = self.direct
+        if way is None:
+            return self._why(floor)
+        clear, width = 2.0 * way.clearance, self.relation.width
+        evidence = {
+            "clear_width_m": clear,
+            "narrowest_place": way.place.tolist(),
+            "route": _decimate(way.route, self.columns.grid.cell).tolist(),
+            "route_length_m": float(np.linalg.norm(np.diff(way.route, axis=0), axis=1).sum()),
+            **self._profile(floor, way),
+            "cell_m": self.columns.grid.cell,
+            "search_clipped": self.clipped,
+        }
+        bound = width - RASTER_NOISE
+        capped = clear >= 2.0 * width * (1 - 1e-9)
+        if clear < bound:
+            blame = self._narrow(way, floor, obstacles)
+            place = ", ".join(f"{c:.2f}" for c in way.place)
+            between = " and ".join(repr(n) for n in blame) if blame else "the edges of the floor"
+            text = f"the way is {clear:.3f} m wide at ({place}), the carrier needs {width:g} m; narrowed by {between}"
+            return Finding(False, text, clear, bound, ">=", "m", "too narrow", blame, evidence)
+        pitch, where = _pitch(way.route, min(STRETCH, max(0.75 * width, 6 * self.columns.grid.cell)), self.carrier)
+        if pitch > max(PITCH, self.carrier.tangent):
+            owner = self._owners(floor.nodes.owner[way.nodes[where : where + 1]])
+            text = f"the stairs rise by {math.atan(pitch):.3f} rad on average, at most {math.atan(PITCH):.3f} rad can be walked"
+            return Finding(False, text, math.atan(pitch), math.atan(PITCH), "<=", "rad", "too steep", owner, evidence)
+        text = f"a route of {evidence['route_length_m']:.2f} m leads from {self.relation.a!r} to {self.relation.b!r}, "
+        text += f"{'at least ' if capped else ''}{clear:.3f} m wide at its narrowest"
+        floors = self._owners(np.unique(floor.nodes.owner[way.nodes]))
+        return Finding(True, text, clear, bound, ">=", "m", "", (), evidence, way.route, floors)
+
+    def _profile(self, floor: Floor, way: Way) -> dict[str, Any]:
+        """Least headroom, steepest slope and highest step along the middle of the way, and where."""
+        places = floor.points[way.nodes]
+        ceiling, slope = floor.nodes.ceiling[way.nodes], floor.nodes.tangent[way.nodes]
+        rise = np.abs(np.diff(floor.nodes.z[way.nodes])) if len(way.nodes) > 1 else np.zeros(1)
+        run = np.linalg.norm(np.diff(places[:, :2], axis=0), axis=1) if len(way.nodes) > 1 else np.ones(1)
+        step = np.maximum(rise - run * np.maximum(slope[:-1], slope[1:]) if len(way.nodes) > 1 else rise, 0.0)
+        low, steep, high = int(np.argmin(ceiling)), int(np.argmax(slope)), int(np.argmax(step))
+        return {
+            "headroom_m": float(ceiling[low]) if np.isfinite(ceiling[low]) else None,
+            "lowest_place": places[low].tolist() if np.isfinite(ceiling[low]) else None,
+            "steepest_rad": math.atan(float(slope[steep])),
+            "steepest_place": places[steep].tolist(),
+            "highest_step_m": float(step[high]),
+            "highest_step_place": places[high].tolist(),
+        }
+
+    def _owners(self, index: Ints) -> tuple[str, ...]:
+        return tuple(self.names[i] for i in dict.fromkeys(int(k) for k in index if k >= 0))
+
+    def _narrow(self, way: Way, floor: Floor, obstacles: Obstacles) -> tuple[str, ...]:
+        """Whose surfaces stand nearest to the narrowest place."""
+        near = np.linalg.norm(floor.points[:, :2] - way.place[:2], axis=1) <= 2.0 * floor.columns.grid.cell
+        near &= np.abs(floor.points[:, 2] - way.place[2]) <= self.carrier.step + floor.columns.grid.cell
+        labels = np.unique(obstacles.label[near & ~floor.nodes.blocked])
+        return self._owners(obstacles.owner[labels[labels >= 0]])
+
+    def _why(self, floor: Floor) -> Finding:
+        """There is no way at all: find out which limit, or which entity, is the reason."""
+        start, *_, goal = self._stops(floor)
+        for name, nodes in ((self.relation.a, start), (self.relation.b, goal)):
+            if len(nodes) == 0:
+                text = f"region {name!r} has no floor on which the carrier can stand"
+                return self._finding(text, 0.0, self.relation.width, ">=", "m", "no floor", ())
+        for search in (self._too_low, self._too_steep, self._step_too_high, self._blocked):
+            found = search(floor, start)
+            if found is not None:
+                return found
+        return self._gap(floor, start)
+
+    def _finding(
+        self, text: str, measured: float, bound: float, comparison: Comparison, unit: str, reason: str, blame: tuple[str, ...]
+    ) -> Finding:
+        evidence = {"cell_m": self.columns.grid.cell, "search_clipped": self.clipped}
+        return Finding(False, text, measured, bound, comparison, unit, reason, blame, evidence)
+
+    def _limit(self, good: float, bad: float, carrier_of: Any) -> tuple[float, Way, Floor]:
+        """Bisect between a value that lets the carrier through and one that does not."""
+        for _ in range(SEARCH):
+            middle = 0.5 * (good + bad)
+            good, bad = (middle, bad) if self.exists(carrier_of(middle)) else (good, middle)
+        way, floor, _ = self.way(carrier_of(good))
+        assert way is not None
+        return good, way, floor
+
+    def _too_low(self, _floor: Floor, _start: Ints) -> Finding | None:
+        def lower(height: float) -> Carrier:
+            return replace(self.carrier, headroom=height)
+
+        least = self.carrier.step + 0.2 * (self.relation.headroom - self.carrier.step)
+        if least <= 0.0 or not self.exists(lower(least)):
+            return None
+        _, way, floor = self._limit(least, self.relation.headroom, lower)
+        ceiling = floor.nodes.ceiling[way.nodes]
+        k = int(np.argmin(ceiling))
+        height = float(ceiling[k])
+        blame = self._owners(floor.nodes.blocker[way.nodes[k : k + 1]])
+        under = ", ".join(map(repr, blame))
+        text = f"the clear height is {height:.3f} m under {under}, the carrier needs {self.relation.headroom:g} m"
+        return self._finding(text, height, self.relation.headroom, ">=", "m", "too low", blame)
+
+    def _too_steep(self, _floor: Floor, _start: Ints) -> Finding | None:
+        def steeper(angle: float) -> Carrier:
+            return replace(self.carrier, tangent=math.tan(angle))
+
+        if self.relation.max_slope >= STEEPEST or not self.exists(steeper(STEEPEST)):
+            return None
+        _, way, floor = self._limit(STEEPEST, self.relation.max_slope, steeper)
+        slope = floor.nodes.tangent[way.nodes]
+        k = int(np.argmax(slope))
+        angle = math.atan(float(slope[k]))
+        blame = self._owners(floor.nodes.owner[way.nodes[k : k + 1]])
+        text = f"{', '.join(map(repr, blame))} slopes {angle:.3f} rad, the carrier takes {self.relation.max_slope:g} rad"
+        return self._finding(text, angle, self.relation.max_slope, "<=", "rad", "too steep", blame)
+
+    def _step_too_high(self, _floor: Floor, _start: Ints) -> Finding | None:
+        def higher(step: float) -> Carrier:
+            return replace(self.carrier, step=step)
+
+        most = THRESHOLD * self.relation.max_step
+        if most >= self.relation.headroom or not self.exists(higher(most)):
+            return None
+        _, way, floor = self._limit(most, self.relation.max_step, higher)
+        height, owner = self._highest_step(floor, way)
+        blame = self._owners(np.array([owner]))
+        text = (
+            f"a step of {height:.3f} m leads onto {', '.join(map(repr, blame))}, the carrier takes {self.relation.max_step:g} m"
+        )
+        return self._finding(text, height, self.relation.max_step, "<=", "m", "step too high", blame)
+
+    def _highest_step(self, floor: Floor, way: Way) -> tuple[float, int]:
+        """Highest rise between nodes of a way, or thing that is stepped over on it [m], and the entity stepped onto."""
+        z, owner = floor.nodes.z[way.nodes], floor.nodes.owner[way.nodes]
+        best, onto = 0.0, -1
+        if len(z) > 1:
+            rise = np.diff(z)
+            k = int(np.argmax(np.abs(rise)))
+            best, onto = float(abs(rise[k])), int(owner[k + 1] if rise[k] > 0 else owner[k])
+        group, piece, _ = standing(
+            self.columns, self.carrier, floor.nodes.cell[way.nodes], z, floor.nodes.gradient[way.nodes], ignore=-1
+        )
+        over = self.columns.pieces.high[piece] - z[group]
+        over = np.where(over <= floor.carrier.step + SAME, over, 0.0)
+        if len(over) and over.max() > best:
+            k = int(np.argmax(over))
+            best, onto = float(over[k]), int(self.columns.soup.owner[self.columns.pieces.triangle[piece[k]]])
+        return best, onto
+
+    def _blocked(self, floor: Floor, start: Ints) -> Finding | None:
+        """The entity without which there is a way; those that border on the reachable floor are tried."""
+        reached = reachable(floor, start)
+        beside = floor.links[reached]
+        beside = np.unique(beside[beside >= 0])
+        blockers = floor.nodes.blocker[beside[floor.nodes.blocked[beside]]]
+        blockers, count = np.unique(blockers[blockers >= 0], return_counts=True)
+        size = np.array([self.surfaces.size(self.names[k]) for k in blockers])
+        for k in blockers[np.lexsort((-count, size))][:SUSPECTS]:
+            if self.exists(self.carrier, int(k)):
+                text = f"{self.names[k]!r} blocks the way from {self.relation.a!r} to {self.relation.b!r}"
+                return self._finding(text, 0.0, self.relation.width - RASTER_NOISE, ">=", "m", "blocked", (self.names[k],))
+        return None
+
+    def _gap(self, floor: Floor, start: Ints) -> Finding:
+        from scipy.spatial import cKDTree
+
+        goal = self._stops(floor)[-1]
+        near, far = reachable(floor, start), reachable(floor, goal)
+        distance, index = cKDTree(floor.points[near]).query(floor.points[far])
+        k = int(np.argmin(distance))
+        one, two = floor.points[near][index[k]], floor.points[far][k]
+        width = float(distance[k])
+        places = " and ".join("(" + ", ".join(f"{c:.2f}" for c in p) + ")" for p in (one, two))
+        blame = self._owners(floor.nodes.owner[np.flatnonzero(far)[k : k + 1]])
+        text = f"the floor is interrupted by {width:.3f} m between {places}"
+        found = self._finding(text, width, self.columns.grid.cell, "<=", "m", "gap", blame)
+        return found._replace(evidence={**found.evidence, "from": one.tolist(), "to": two.tolist()})
+
+
+def _decimate(route: F64, tolerance: float) -> F64:
+    """Ramer-Douglas-Peucker: the fewest corners that stay within `tolerance` of the route."""
+    keep: NDArray[np.bool_] = np.zeros(len(route), dtype=bool)
+    keep[[0, -1]] = True
+    waiting = [(0, len(route) - 1)]
+    while waiting:
+        first, last = waiting.pop()
+        if last - first < 2:
+            continue
+        along = route[last] - route[first]
+        offset = route[first + 1 : last] - route[first]
+        t = np.clip(offset @ along / max(float(along @ along), 1e-12), 0.0, 1.0)
+        away = np.linalg.norm(offset - t[:, None] * along, axis=1)
+        k = int(np.argmax(away))
+        if away[k] > tolerance:
+            keep[first + 1 + k] = True
+            waiting += [(first, first + 1 + k), (first + 1 + k, last)]
+    return np.asarray(route[keep])
+
+
+def _pitch(route: F64, stretch: float, carrier: Carrier) -> tuple[float, int]:
+    """Steepest mean rise / run over a stretch [m] of the route that climbs more than two steps, and where it begins."""
+    run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route[:, :2], axis=0), axis=1))])
+    end = np.minimum(np.searchsorted(run, run + stretch), len(run) - 1)
+    rise = np.abs(route[end, 2] - route[:, 2])
+    rate = np.where((rise > 2.0 * carrier.step) & (run[end] - run > 0.5 * stretch), rise / np.maximum(run[end] - run, 1e-9), 0.0)
+    k = int(np.argmax(rate))
+    return float(rate[k]), k

@@ -29,6 +29,8 @@ CONE_EDGES = 8
 """Edges of a friction pyramid. One face looks downhill, where the pyramid is exact; in between it is up to 8 % too wide."""
 MOVES = 16
 """Directions in which a centre of mass may move; the measured way is at most 2 % too long."""
+ROUGH = 4.0
+"""Friction with which tipping is judged: the largest that a material may have."""
 LEVEL = 1e-6
 """Sine of the slope of a contact below which it has no downhill direction."""
 DEAR = 1e3
@@ -43,7 +45,7 @@ class Balance(NamedTuple):
     """What a body lacks to rest."""
 
     shift: float
-    """How far its centre of mass must move, seen along gravity, so that it does not tip with unlimited friction [m]."""
+    """How far its centre of mass must move, seen along gravity, so that it does not tip on the roughest contacts [m]."""
     way: F64
     """That move [m], shape (3,)."""
     missing: float
@@ -147,20 +149,18 @@ def _around(down: F64) -> F64:
     return np.asarray(np.cos(turns)[:, None] * first + np.sin(turns)[:, None] * np.cross(down, first))
 
 
-def _pushes(group: Group, *, unlimited: bool) -> tuple[Any, F64]:
-    """Wrench on every body per unit of each contact force, sparse (6 x members, n), and the forces' least values, shape (n,).
+def _pushes(group: Group, friction: float | None) -> Any:
+    """Wrench on every body per unit of each contact force >= 0, sparse (6 x members, n); `friction` replaces that of all contacts.
 
     Forces are in units of the group's weight, moments about each body's centre of mass in units of its size.
     """
     row = {m: 6 * i for i, m in enumerate(group.members)}
     entries: list[tuple[NDArray[np.intp], NDArray[np.intp], F64]] = []
-    least: list[F64] = []
     start = 0
     for pushed, pushing, contacts in group.contacts:
         count = len(contacts.points)
-        forces = _forces(group, contacts, unlimited=unlimited)
+        forces = _forces(group, contacts, contacts.friction if friction is None else np.full(count, friction))
         each = forces.shape[1]
-        least.append(np.tile([0.0, *[-np.inf] * (each - 1)] if unlimited else [0.0] * each, count))
         column = start + np.arange(count * each).reshape(count, each)
         for name, sign in ((pushed, 1.0), (pushing, -1.0)):
             if name in row:
@@ -171,7 +171,7 @@ def _pushes(group: Group, *, unlimited: bool) -> tuple[Any, F64]:
                 rows = np.broadcast_to(row[name] + np.arange(6), values.shape)
                 entries.append((rows.ravel(), np.broadcast_to(column[..., None], values.shape).ravel(), values.ravel()))
         start += count * each
-    return _sparse(entries, 6 * len(group.members), start), np.concatenate([np.zeros(0), *least])
+    return _sparse(entries, 6 * len(group.members), start)
 
 
 def _sparse(entries: list[tuple[NDArray[np.intp], NDArray[np.intp], F64]], rows: int, columns: int) -> Any:
@@ -183,8 +183,8 @@ def _sparse(entries: list[tuple[NDArray[np.intp], NDArray[np.intp], F64]], rows:
     return coo_matrix((values, (i, j)), shape=(rows, columns))
 
 
-def _forces(group: Group, contacts: Contacts, *, unlimited: bool) -> F64:
-    """Generators of the forces at each contact, shape (contacts, k, 3): normal and tangents, or the edges of its pyramid."""
+def _forces(group: Group, contacts: Contacts, friction: F64) -> F64:
+    """Edges of the friction pyramid of each contact, shape (contacts, CONE_EDGES, 3)."""
     normal = contacts.normals
     downhill = group.down - (normal @ group.down)[:, None] * normal
     level = np.linalg.norm(downhill, axis=1) < LEVEL
@@ -192,10 +192,8 @@ def _forces(group: Group, contacts: Contacts, *, unlimited: bool) -> F64:
     along = np.where(level[:, None], np.cross(normal, spare), downhill)
     along /= np.linalg.norm(along, axis=1)[:, None]
     across = np.cross(normal, along)
-    if unlimited:
-        return np.stack([normal, along, across], axis=1)
     turns = (np.arange(CONE_EDGES) + 0.5) * 2.0 * np.pi / CONE_EDGES
-    width = (contacts.friction / np.cos(np.pi / CONE_EDGES))[:, None, None]
+    width = (friction / np.cos(np.pi / CONE_EDGES))[:, None, None]
     tangent = np.cos(turns)[None, :, None] * along[:, None] + np.sin(turns)[None, :, None] * across[:, None]
     return np.asarray(normal[:, None] + width * tangent)
 
@@ -223,15 +221,14 @@ def _helpers(count: int, *, torque: bool) -> Any:
 
 
 def _tipping(group: Group, cost: F64, ways: F64) -> F64:
-    """Least moves of the centres of mass across gravity [m], shape (members, 3), that stop tipping with unlimited friction."""
+    """Least moves of the centres of mass across gravity [m], shape (members, 3), that stop tipping on the roughest contacts."""
     from scipy.sparse import hstack
 
-    push, least = _pushes(group, unlimited=True)
+    push = _pushes(group, ROUGH)
     moves, lift = _moves(group, ways), _helpers(len(group.members), torque=False)
     dear = np.full(lift.shape[1], DEAR * group.sizes.max())
     price = np.concatenate([np.zeros(push.shape[1]), np.repeat(cost * group.sizes, len(ways)), dear])
-    lower = np.concatenate([least, np.zeros(moves.shape[1] + lift.shape[1])])
-    found = _minimum(price, hstack([push, moves, lift]), _load(group), lower)
+    found = _minimum(price, hstack([push, moves, lift]), _load(group))
     each = found[push.shape[1] :][: moves.shape[1]].reshape(len(group.members), len(ways))
     return np.asarray(group.sizes[:, None] * (each @ ways))
 
@@ -241,15 +238,14 @@ def _gripping(group: Group, cost: F64, ways: F64, shifts: F64) -> F64:
     from scipy.sparse import coo_matrix, hstack, identity, kron
 
     count = len(group.members)
-    push, least = _pushes(group, unlimited=False)
+    push = _pushes(group, None)
     moves, lift = _moves(group, ways), _helpers(count, torque=True)
     share = group.weights / group.weights.sum()
     each = lift.shape[1] // count
     price = np.concatenate([np.zeros(push.shape[1] + moves.shape[1]), np.repeat(cost, each)])
-    lower = np.concatenate([least, np.zeros(moves.shape[1] + lift.shape[1])])
     spent = kron(identity(count), np.ones((1, len(ways))))
     total = hstack([coo_matrix((count, push.shape[1])), spent, coo_matrix((count, lift.shape[1]))]).tocsr()
-    found = _minimum(price, hstack([push, moves, lift]), _load(group), lower, (total, shifts / group.sizes))
+    found = _minimum(price, hstack([push, moves, lift]), _load(group), (total, shifts / group.sizes))
     return np.asarray(found[-count * each :].reshape(count, each).sum(axis=1) / share)
 
 
@@ -260,8 +256,8 @@ def _load(group: Group) -> F64:
     return load.reshape(-1)
 
 
-def _minimum(price: F64, matrix: Any, load: F64, lower: F64, limit: tuple[Any, F64] | None = None) -> F64:
-    """Cheapest solution; one exists always, because missing forces can be bought.
+def _minimum(price: F64, matrix: Any, load: F64, limit: tuple[Any, F64] | None = None) -> F64:
+    """Cheapest solution >= 0; one exists always, because missing forces can be bought.
 
     Raises:
         EvidenceError: the solver gives none.
@@ -269,8 +265,7 @@ def _minimum(price: F64, matrix: Any, load: F64, lower: F64, limit: tuple[Any, F
     from scipy.optimize import linprog
 
     less = {} if limit is None else {"A_ub": limit[0], "b_ub": limit[1]}
-    bounds = np.column_stack([lower, np.full(len(lower), np.inf)])
-    found = linprog(price, A_eq=matrix.tocsr(), b_eq=load, bounds=bounds, method="highs", **less)
+    found = linprog(price, A_eq=matrix.tocsr(), b_eq=load, bounds=(0.0, None), method="highs", **less)
     if found.x is None:
         raise EvidenceError(f"the balance of contact forces has no numeric solution: {found.message}")
     return np.asarray(found.x)

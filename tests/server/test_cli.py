@@ -62,7 +62,26 @@ def test_only_an_accepted_folder_exits_with_zero(
     monkeypatch.setattr("worldagent.tools.verify_folder.recompute_folder", judge)
     assert main([*command, str(tmp_path)]) == code
     assert json.loads(capsys.readouterr().out)["verdict"] == verdict
-    assert asked == [(tmp_path, {"replay": "--replay" in command} if command[0] == "verify" else {})]
+    options = {"replay": "--replay" in command, "seed": None, "intervals": None, "report": None}
+    assert asked == [(tmp_path, options if command[0] == "verify" else {})]
+
+
+@pytest.mark.parametrize(("verdict", "code"), [("accepted", 0), ("incomplete", 1)])
+def test_a_report_exits_by_its_verdict(
+    verdict: str, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("worldagent.tools.matrix_report.report_world", lambda root, out: {"verdict": verdict, "report": str(out)})
+    assert main(["report", str(tmp_path), "--out", str(tmp_path / "a.html")]) == code
+    assert json.loads(capsys.readouterr().out)["report"] == str(tmp_path / "a.html")
+
+
+def test_a_world_without_ledger_has_no_bundle_and_no_report(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "world.json").write_text("{}")
+    assert main(["bundle", str(tmp_path)]) == 2
+    assert "no ledger.sqlite" in capsys.readouterr().err
+    assert main(["report", str(tmp_path), "--out", str(tmp_path / "a.html")]) == 2
+    assert "verify FOLDER --report" in capsys.readouterr().err
+    assert [p.name for p in tmp_path.iterdir()] == ["world.json"]
 
 
 def test_an_error_of_the_package_is_told_without_a_trace(
@@ -76,7 +95,17 @@ def test_an_error_of_the_package_is_told_without_a_trace(
     assert capsys.readouterr().err == "worldagent: no complete bake\n"
 
 
-@pytest.mark.parametrize("arguments", [["bench", "nothing"], ["serve", "--port", "70000"], ["serve", "--transport", "smoke"], []])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["bench", "nothing"],
+        ["serve", "--port", "70000"],
+        ["serve", "--transport", "smoke"],
+        ["verify", ".", "--intervals", "0"],
+        ["verify"],
+        [],
+    ],
+)
 def test_misuse_exits_with_two(arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as caught:
         main(arguments)

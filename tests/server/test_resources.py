@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -28,6 +29,9 @@ def workspace(tmp_path: Path) -> Path:
         (root / world / "world.json").write_text(json.dumps(SPEC))
     (root / "tiny" / "pictures" / "sheet.jpg").write_bytes(b"\xff\xd8jpeg")
     (root / "tiny" / "pictures" / "plan.png").write_bytes(b"\x89PNG")
+    (root / "tiny" / "acceptance").mkdir()
+    (root / "tiny" / "acceptance" / "abc.html").write_text("<!DOCTYPE html>")
+    (root / "tiny" / "acceptance" / "abc.zip").write_bytes(b"PK")
     (tmp_path / "secret.txt").write_text("secret")
     (root / "tiny" / "pictures" / "link.png").symlink_to(tmp_path / "secret.txt")
     ledger = Ledger(root / "tiny" / "ledger.sqlite")
@@ -64,7 +68,8 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
     assert {"worldagent://schema/world", "worldagent://capabilities", "worldagent://worlds"} <= {str(r.uri) for r in resources}
     uris = [t.uri_template for t in templates]
     assert uris == [
-        f"worldagent://worlds/{{world}}/{part}" for part in ("spec", "matrix", "revisions", "report", "pictures/{name}", "film")
+        f"worldagent://worlds/{{world}}/{part}"
+        for part in ("spec", "matrix", "revisions", "report", "pictures/{name}", "acceptance/{name}", "film")
     ] + ["skill://{name}/{+path}"]
     for thing in (*resources, *templates):
         assert thing.description
@@ -131,9 +136,18 @@ async def test_pictures_are_binary_with_their_own_mime_type(workspace: Path, era
     assert jpeg.blob
 
 
+async def test_report_and_bundle_are_served_with_their_own_mime_type(workspace: Path, era: str) -> None:
+    async with Client(create_server(workspace, tools=[]), mode=era) as client:
+        page = await read(client, "worldagent://worlds/tiny/acceptance/abc.html")
+        bundle = await read(client, "worldagent://worlds/tiny/acceptance/abc.zip")
+    assert (page.mime_type, bundle.mime_type) == ("text/html", "application/zip")
+    assert base64.b64decode(bundle.blob) == b"PK"
+
+
 @pytest.mark.parametrize(
     ("uri", "told"),
     [
+        ("worldagent://worlds/tiny/acceptance/none.zip", "abc.zip"),
         ("worldagent://worlds/nowhere/spec", "tiny"),
         ("worldagent://worlds/tiny/pictures/absent.png", "sheet.jpg"),
         ("skill://absent/SKILL.md", "known skills"),
@@ -157,6 +171,7 @@ async def test_what_is_missing_names_what_is_known(workspace: Path, era: str, ur
         "worldagent://worlds/tiny/pictures/%2Fetc%2Fpasswd",
         "worldagent://worlds/tiny/pictures/link.png",
         "worldagent://worlds/tiny/pictures/%00",
+        "worldagent://worlds/tiny/acceptance/..%2Fledger.sqlite",
         "skill://../../pyproject.toml",
         "skill://..%2Fserver/app.py",
         "skill://world-building/../../pyproject.toml",

@@ -1,5 +1,6 @@
 """Meshes and queries: solids, exact signed clearance, containment, broad phase, the camera and an id ray-caster."""
 
+from .batch import BatchClearance, clearance_batch
 from .broadphase import aabb_of, candidate_pairs
 from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
@@ -13,6 +14,7 @@ from .triangles import Nearest
 from .walls import wall_thickness
 
 __all__ = [
+    "BatchClearance",
     "Camera",
     "Clearance",
     "Crossings",
@@ -27,6 +29,7 @@ __all__ = [
     "aabb_of",
     "camera_at",
     "candidate_pairs",
+    "clearance_batch",
     "clearance_series",
     "contains",
     "coverage",

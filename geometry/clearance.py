@@ -22,7 +22,7 @@ from .triangles import triangle_pair
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Clearance", "clearance_series", "query_noise", "signed_clearance"]
+__all__ = ["Clearance", "clearance_series", "measure", "query_noise", "relative_poses", "repeats", "signed_clearance"]
 
 NOISE = 1e-12
 """Rounding of one query relative to the size of the bodies (see `query_noise`)."""
@@ -63,7 +63,8 @@ def query_noise(size: float) -> float:
     return 1e-9 * size
 
 
-def _relative(pose_a: tuple[F64, F64], pose_b: tuple[F64, F64]) -> Relative:
+def relative_poses(pose_a: tuple[F64, F64], pose_b: tuple[F64, F64]) -> Relative:
+    """Poses of a in the frame of b from their positions (f, 3) and unit quaternions (f, 4) in the world."""
     rotation_a, rotation_b = rotation_matrix(pose_a[1]), rotation_matrix(pose_b[1])
     back = rotation_b.swapaxes(-1, -2)
     offset = np.einsum("fij,fj->fi", back, pose_a[0] - pose_b[0])
@@ -276,7 +277,7 @@ def signed_clearance(a: Solid, pose_a: RigidPose, b: Solid, pose_b: RigidPose) -
         b: the other surface.
         pose_b: its pose in the world.
     """
-    relative = _relative((pose_a[0][None], pose_a[1][None]), (pose_b[0][None], pose_b[1][None]))
+    relative = relative_poses((pose_a[0][None], pose_a[1][None]), (pose_b[0][None], pose_b[1][None]))
     found = _measure(a, b, relative, witness=True)
     points = pose_b.apply(np.stack([found.point_a[0], found.point_b[0]]))
     return Clearance(float(found.value[0]), points[0], points[1], str(found.method[0]))
@@ -295,20 +296,43 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
         poses_b: the same for b.
         skip_above: bounding-box gap [m] from which on a lower bound is enough.
     """
-    poses = _relative(poses_a, poses_b)
+    poses = relative_poses(poses_a, poses_b)
     result = _box_gap(a, b, poses)
     near = np.flatnonzero(result <= skip_above)
     if len(near) == 0:
         return result
-    flat = np.concatenate([poses.rotation[near].reshape(-1, 9), poses.translation[near]], axis=1)
-    changed = np.ones(len(near), dtype=bool)
-    changed[1:] = np.abs(np.diff(flat, axis=0)).max(axis=1) > SAME_POSE
-    anchor = np.maximum.accumulate(np.where(changed, np.arange(len(near)), 0))
-    # A slow drift of repeats leaves its anchor after a while: those frames are computed themselves.
-    changed |= np.abs(flat - flat[anchor]).max(axis=1) > SAME_POSE
-    compute = np.flatnonzero(changed)
+    anchor = repeats(poses.take(near))
+    compute = np.flatnonzero(anchor == np.arange(len(near)))
     values = np.empty(len(near))
     values[compute] = _measure(a, b, poses.take(near[compute]), witness=False).value
-    anchor[compute] = compute
     result[near] = values[anchor]
     return result
+
+
+def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float) -> F64:
+    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`."""
+    result = _box_gap(a, b, poses)
+    near = np.flatnonzero(result <= skip_above)
+    if len(near):
+        result[near] = _measure(a, b, poses.take(near), witness=False).value
+    return result
+
+
+def repeats(poses: Relative, pairs: I32 | None = None) -> NDArray[np.intp]:
+    """For each relative pose the earlier one that it repeats within `SAME_POSE`, or itself, shape (f,).
+
+    Args:
+        poses: relative poses in the order of frames.
+        pairs: which bodies each is of, shape (f, 2); a change of bodies is no repeat.
+    """
+    count = len(poses.translation)
+    flat = np.concatenate([poses.rotation.reshape(-1, 9), poses.translation], axis=1)
+    changed = np.ones(count, dtype=bool)
+    changed[1:] = np.abs(np.diff(flat, axis=0)).max(axis=1) > SAME_POSE
+    if pairs is not None:
+        changed[1:] |= (pairs[1:] != pairs[:-1]).any(axis=1)
+    anchor = np.maximum.accumulate(np.where(changed, np.arange(count), 0))
+    # A slow drift of repeats leaves its anchor after a while: those frames are computed themselves.
+    drifted = np.flatnonzero(np.abs(flat - flat[anchor]).max(axis=1) > SAME_POSE)
+    anchor[drifted] = drifted
+    return anchor

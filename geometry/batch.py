@@ -1,0 +1,219 @@
+"""Signed clearance of very many pairs and poses at once: a few kernels decide all that is apart, `clearance` the rest.
+
+A list that is worth less than `EFFORT` goes through `clearance` altogether, without importing Warp. Both routes give the
+same value within `query_noise`; which one is taken depends on the list alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64, I32
+from .clearance import NOISE, SMALL_WORK, measure, relative_poses, repeats
+from .forest import Forest, plant
+from .launch import chosen_device, launch, load, warp
+from .polytopes import Relative
+
+if TYPE_CHECKING:
+    from .solids import Solid
+
+__all__ = ["BatchClearance", "clearance_batch"]
+
+EFFORT = 6.0
+"""[s] Own choice: a list that one core would need longer for than this goes to the kernels. Importing Warp and loading
+compiled kernels costs about 1.5 s, compiling them at first use 15 s more."""
+COSTLY, CHEAP = 250e-6, 15e-6
+"""[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
+CHUNK = 65_536
+"""Queries held at once: about 30 MB of poses and results."""
+
+
+class _Queries(NamedTuple):
+    """Which solids, and where: positions [m], shape (n, 3), and unit quaternions, shape (n, 4)."""
+
+    pairs: I32
+    poses_a: tuple[F64, F64]
+    poses_b: tuple[F64, F64]
+
+    def take(self, rows: NDArray[np.intp] | slice) -> _Queries:
+        (pa, qa), (pb, qb) = self.poses_a, self.poses_b
+        return _Queries(self.pairs[rows], (pa[rows], qa[rows]), (pb[rows], qb[rows]))
+
+    def chunks(self) -> Iterator[tuple[slice, I32, Relative]]:
+        for start in range(0, len(self.pairs), CHUNK):
+            part = slice(start, min(start + CHUNK, len(self.pairs)))
+            some = self.take(part)
+            yield part, some.pairs, relative_poses(some.poses_a, some.poses_b)
+
+
+class BatchClearance(NamedTuple):
+    """Answers of a batch, in the order of its queries."""
+
+    distance: F64
+    """Signed clearance [m], shape (n,); above `skip_above` a lower bound that is above it too."""
+    computed: int
+    """Queries that were computed: those that do not repeat the relative pose before them."""
+    exact: int
+    """Of these, how many overlap or touch and were measured by `clearance`."""
+
+
+def clearance_batch(
+    solids: Sequence[Solid] | Forest,
+    pairs: NDArray[np.integer[Any]],
+    poses_a: tuple[F64, F64],
+    poses_b: tuple[F64, F64],
+    *,
+    skip_above: float,
+    device: str | None = None,
+    report: Callable[[str], None] | None = None,
+) -> BatchClearance:
+    """Signed clearance of many (solid, solid, poses) at once.
+
+    Every value up to `skip_above` is that of `signed_clearance` within `query_noise`. Queries that repeat the pair and
+    the relative pose of the one before are answered by it, so give those of one pair one after the other.
+
+    Args:
+        solids: the bodies, or what `plant` made of them.
+        pairs: indices of the first and the second solid of each query, shape (n, 2).
+        poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
+        poses_b: the same of the second.
+        skip_above: distance [m] beyond which a lower bound is enough.
+        device: `cpu`, `cuda`, ...; default as `launch.chosen_device` says. On a GPU every list goes to the kernels.
+        report: hears of a compilation before it begins.
+    """
+    own = solids.solids if isinstance(solids, Forest) else tuple(solids)
+    where = chosen_device(device)
+    asked = _Queries(np.asarray(pairs, dtype=np.int32).reshape(-1, 2), poses_a, poses_b)
+    count = len(asked.pairs)
+    anchor = np.empty(count, dtype=np.intp)
+    for part, named, poses in asked.chunks():
+        anchor[part] = part.start + repeats(poses, named)
+    compute = np.flatnonzero(anchor == np.arange(count))
+    chosen = asked.take(compute)
+    value = np.empty(count)
+    if where == "cpu" and _effort(own, chosen.pairs) < EFFORT:
+        value[compute] = _one_by_one(own, chosen, skip_above)
+        exact = len(compute)
+    else:
+        forest = solids if isinstance(solids, Forest) else plant(own)
+        value[compute], exact = _by_kernels(forest, chosen, skip_above, where, report)
+    return BatchClearance(value[anchor], len(compute), exact)
+
+
+def _effort(solids: Sequence[Solid], pairs: I32) -> float:
+    """Seconds that `clearance` would need on one core, roughly."""
+    few, count = np.unique(pairs, axis=0, return_counts=True)
+    if len(pairs) * COSTLY < EFFORT:
+        return 0.0
+    return float(sum(n * (CHEAP if _small(solids[i], solids[j]) else COSTLY) for (i, j), n in zip(few, count, strict=True)))
+
+
+def _small(a: Solid, b: Solid) -> bool:
+    return len(a.faces) * len(b.vertices) + len(b.faces) * len(a.vertices) <= 2 * SMALL_WORK and a.convex and b.convex
+
+
+def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], NDArray[np.intp]]]:
+    """The queries in `rows` of each pair."""
+    if len(rows) == 0:
+        return []
+    order = rows[np.lexsort((rows, pairs[rows, 1], pairs[rows, 0]))]
+    cut = np.flatnonzero((np.diff(pairs[order], axis=0) != 0).any(axis=1)) + 1
+    return [((int(pairs[g[0], 0]), int(pairs[g[0], 1])), g) for g in np.split(order, cut)]
+
+
+def _one_by_one(solids: Sequence[Solid], asked: _Queries, skip_above: float) -> F64:
+    value = np.empty(len(asked.pairs))
+    for (i, j), rows in _by_pair(asked.pairs, np.arange(len(asked.pairs))):
+        some = asked.take(rows)
+        value[rows] = measure(solids[i], solids[j], relative_poses(some.poses_a, some.poses_b), skip_above=skip_above)
+    return value
+
+
+def _by_kernels(
+    forest: Forest, asked: _Queries, skip_above: float, device: str, report: Callable[[str], None] | None
+) -> tuple[F64, int]:
+    from . import clearance_kernels as kernels
+
+    load(kernels.nearest, device, report=report)
+    wood = wood_on(forest, device)
+    solids = forest.solids
+    size = np.array([s.size for s in solids])
+    value, exact = np.empty(len(asked.pairs)), 0
+    beyond = np.nextafter(skip_above, np.inf)
+    for part, pairs, poses in asked.chunks():
+        touch = NOISE * (size[pairs[:, 0]] + size[pairs[:, 1]])
+        distance, found, held = descend(wood, pairs, poses, touch, skip_above, device)
+        rows = np.flatnonzero((found & (distance <= touch)) | held)
+        distance = np.where(found, distance, np.maximum(distance, beyond))
+        for (i, j), same in _by_pair(pairs, rows):
+            distance[same] = measure(solids[i], solids[j], poses.take(same), skip_above=np.inf)
+        value[part] = distance
+        exact += len(rows)
+    return value, exact
+
+
+def wood_on(forest: Forest, device: str) -> Any:
+    """The forest on a device, as the kernels take it."""
+    from . import clearance_kernels as kernels
+
+    wp = warp()
+    wood, trees = kernels.Wood(), forest.trees
+    for name, values, dtype in (
+        ("lower", trees.lower, wp.vec3d),
+        ("upper", trees.upper, wp.vec3d),
+        ("link", trees.link, wp.int32),
+        ("span", trees.span, wp.int32),
+        ("corners", forest.corners, wp.mat33d),
+        ("face", forest.face, wp.int32),
+        ("first_face", forest.first_face, wp.int32),
+        ("heads", forest.heads, wp.vec3d),
+        ("first_head", forest.first_head, wp.int32),
+        ("volume", forest.volume, wp.int32),
+    ):
+        setattr(wood, name, wp.array(np.ascontiguousarray(values), dtype=dtype, device=device))
+    return wood
+
+
+def descend(
+    wood: Any, pairs: I32, poses: Relative, touch: F64, skip_above: float, device: str, *, slice_size: int | None = None
+) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Run both kernels over one chunk.
+
+    Returns:
+        Distance [m] of the soups, shape (n,); whether it is exact (else a lower bound beyond `skip_above`); whether a
+        component of one that does not touch the other lies inside it.
+    """
+    from . import clearance_kernels as kernels
+
+    wp = warp()
+
+    def put(values: NDArray[Any], dtype: Any) -> Any:
+        return wp.array(np.ascontiguousarray(values), dtype=dtype, device=device, copy=device != "cpu")
+
+    count = len(pairs)
+    query = [
+        put(pairs[:, 0], wp.int32),
+        put(pairs[:, 1], wp.int32),
+        put(poses.rotation, wp.mat33d),
+        put(poses.translation, wp.vec3d),
+    ]
+    distance = wp.empty(count, dtype=wp.float64, device=device)
+    face_a, face_b = (wp.empty(count, dtype=wp.int32, device=device) for _ in range(2))
+    launch(
+        kernels.nearest,
+        count,
+        [wood, *query, put(touch, wp.float64), float(skip_above), distance, face_a, face_b],
+        device=device,
+        slice_size=slice_size,
+    )
+    gap, found = distance.numpy(), face_a.numpy() >= 0
+    free = np.flatnonzero(~(found & (gap <= touch))).astype(np.int32)
+    held = wp.zeros(len(free), dtype=wp.int32, device=device)
+    launch(kernels.contained, len(free), [wood, *query, put(free, wp.int32), held], device=device, slice_size=slice_size)
+    inside = np.zeros(count, dtype=bool)
+    inside[free] = held.numpy() != 0
+    return gap, found, inside

@@ -1,0 +1,221 @@
+"""Batched clearance: the kernels against brute force and against the route for small jobs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from worldagent.geometry import Solid, clearance_batch, query_noise, signed_clearance
+from worldagent.geometry import batch as module
+from worldagent.geometry.clearance import relative_poses
+from worldagent.geometry.forest import grow, plant
+from worldagent.worlds.arrays import RigidPose, compose
+
+from . import brute
+from .meshes import at, ball, box, random_pose, ring
+from .shapes import KINDS, random_pair, random_shape
+
+SEPARATED = 1e-6
+"""Of the size: what is promised for bodies apart."""
+DEPTH = 0.01
+"""Relative: what is promised for the depth."""
+
+
+def by_kernels(monkeypatch, *arguments, **options):
+    """`clearance_batch` with every list, however short, given to the kernels."""
+    monkeypatch.setattr(module, "EFFORT", 0.0)
+    return clearance_batch(*arguments, **options).distance
+
+
+def stacked(poses):
+    return np.stack([p.position for p in poses]), np.stack([p.quaternion for p in poses])
+
+
+def compare(monkeypatch, seed: int, count: int, skip_above: float = np.inf) -> dict[str, int]:
+    """Judge `count` random pairs by brute force; returns how many were apart and how many overlapped."""
+    rng = np.random.default_rng(seed)
+    drawn = [random_pair(rng) for _ in range(count)]
+    solids = [s for a, _, b, _, _ in drawn for s in (a, b)]
+    pairs = np.arange(2 * count).reshape(count, 2)
+    found = by_kernels(
+        monkeypatch, solids, pairs, stacked([d[1] for d in drawn]), stacked([d[3] for d in drawn]), skip_above=skip_above
+    )
+    seen = {"apart": 0, "overlapping": 0}
+    for k, (a, pose_a, b, pose_b, kinds) in enumerate(drawn):
+        expected = brute.signed(a, pose_a, b, pose_b)
+        size = a.size + b.size
+        if expected > skip_above:
+            assert skip_above < found[k] <= expected + SEPARATED * size, (seed, k, kinds)
+        elif expected > 0.0:
+            seen["apart"] += 1
+            assert abs(found[k] - expected) <= SEPARATED * size, (seed, k, kinds)
+        elif a.closed or b.closed:
+            seen["overlapping"] += 1
+            assert abs(found[k] - expected) <= DEPTH * -found[k] + 1e-9 * size, (seed, k, kinds)
+        else:
+            assert found[k] <= query_noise(size), (seed, k, kinds)
+    return seen
+
+
+def test_random_bodies_that_are_not_convex_agree_with_brute_force(monkeypatch):
+    """Law: 1e-6 of the size when apart, 1 % of the depth when overlapping, contained and nested ones included."""
+    seen = compare(monkeypatch, 1, 40)
+    assert seen["apart"] > 8
+    assert seen["overlapping"] > 15
+
+
+def test_a_bound_replaces_what_is_far(monkeypatch):
+    """Beyond `skip_above` the answer is above it and never above the truth."""
+    compare(monkeypatch, 2, 20, skip_above=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10, 30))
+def test_thousands_of_random_bodies_agree_with_brute_force(monkeypatch, seed):
+    compare(monkeypatch, seed, 150)
+
+
+def test_both_routes_agree_within_the_noise_of_a_query(monkeypatch):
+    """Choice: which route a list takes depends on its length; a verdict must not."""
+    rng = np.random.default_rng(5)
+    solids = [random_shape(rng, kind) for kind in KINDS]
+    pairs = rng.integers(0, len(solids), (120, 2))
+    poses = [stacked([random_pose(rng, 0.8) for _ in pairs]) for _ in range(2)]
+    fast = by_kernels(monkeypatch, solids, pairs, *poses, skip_above=np.inf)
+    monkeypatch.setattr(module, "EFFORT", 1e9)
+    slow = clearance_batch(solids, pairs, *poses, skip_above=np.inf).distance
+    sizes = np.array([solids[i].size + solids[j].size for i, j in pairs])
+    assert ((fast > 0) & (slow > 0)).sum() > 30
+    assert (np.abs(fast - slow) <= 1e-3 * query_noise(1.0) * sizes).all()
+
+
+def test_noise_of_flush_contacts_through_the_kernels(monkeypatch):
+    """Law of the construction, as in `test_query_noise`: boxes and rings set flush or a hair apart, carried about."""
+    rng = np.random.default_rng(7)
+    solids, pairs, first, second, gaps, sizes = [], [], [], [], [], []
+    for k in range(200):
+        size = rng.choice([0.01, 1.0, 30.0])
+        half = size * rng.uniform(0.05, 0.5, (2, 3))
+        axis, gap = rng.integers(3), rng.choice([0.0, 1e-9, 1e-6]) * size
+        shift = rng.uniform(-1, 1, 3) * (half[0] + half[1]) * rng.choice([0.0, 0.5, 1.0], 3)
+        shift[axis] = half[0, axis] + half[1, axis] + gap
+        world = random_pose(rng, 30.0 * size)
+        solids += [box(*(2 * half[0])), box(*(2 * half[1]))]
+        pairs.append((2 * k, 2 * k + 1))
+        first.append(compose(world, at(*shift)))
+        second.append(world)
+        gaps.append(gap)
+        sizes.append(size)
+    found = by_kernels(monkeypatch, solids, np.array(pairs), stacked(first), stacked(second), skip_above=np.inf)
+    assert (np.abs(found - gaps) < 1e-3 * query_noise(1.0) * np.array(sizes)).all()
+
+
+def test_slices_do_not_change_a_bit():
+    """Law: threads that only gather give equal bytes however the work is cut."""
+    rng = np.random.default_rng(9)
+    forest = plant([random_shape(rng, kind) for kind in KINDS])
+    pairs = rng.integers(0, len(KINDS), (400, 2)).astype(np.int32)
+    poses = relative_poses(*(stacked([random_pose(rng, 0.5) for _ in pairs]) for _ in range(2)))
+    wood = module.wood_on(forest, "cpu")
+    touch = np.full(len(pairs), 1e-12)
+    results = [module.descend(wood, pairs, poses, touch, 0.3, "cpu", slice_size=n) for n in (1, 7, 64, 400)]
+    for one in results[1:]:
+        for x, y in zip(results[0], one, strict=True):
+            assert x.tobytes() == y.tobytes()
+
+
+def test_containment_needs_a_closed_surface(monkeypatch):
+    """Analytic: a ball in a ball; in the cavity of a hollow one; in an open shell; in a shell closed but for a promise."""
+    core, shell = ball(0.2), ball(1.0)
+    cavity = Solid(np.concatenate([ball(2.0).vertices, shell.vertices]), _joined(ball(2.0), shell), closed=True)
+    leaky = Solid(shell.vertices, shell.faces[:-1], closed=True)
+    bare = Solid(shell.vertices, shell.faces[:-1], closed=False)
+    solids = [core, shell, cavity, leaky, bare]
+    pairs = np.array([(0, k) for k in range(1, 5)])
+    poses = stacked([at()] * 4)
+    found = by_kernels(monkeypatch, solids, pairs, poses, poses, skip_above=0.01)
+    assert found[0] == pytest.approx(-0.8, abs=0.05)
+    assert found[1] > 0.01
+    assert found[2] == pytest.approx(-0.8, abs=0.05)
+    assert found[3] > 0.01
+
+
+def _joined(outer: Solid, inner: Solid) -> np.ndarray:
+    return np.concatenate([outer.faces, inner.faces[:, ::-1] + len(outer.vertices)]).astype(np.int32)
+
+
+def test_a_ray_along_an_edge_is_settled_by_the_solid_angle(monkeypatch):
+    """Points under vertices and edges of a ring, straight against the ray, are inside all the same."""
+    from worldagent.geometry.clearance_kernels import RAY
+
+    ray = np.array([float(x) for x in RAY])
+    body = ring()
+    grain = Solid(ball(0.01, 0).vertices, ball(0.01, 0).faces, closed=True)
+    top = body.vertices[np.abs(body.vertices[:, 2] - 0.15) < 1e-9]
+    inner = top[np.linalg.norm(top[:, :2], axis=1) < 0.4]
+    middles = 0.5 * (inner + np.roll(inner, 1, axis=0)) * 1.3
+    points = middles - 0.1 * ray
+    # The first vertex of the grain, which the query tests, lies on the line.
+    poses = stacked([RigidPose(p - grain.component_heads[0], np.array([1.0, 0, 0, 0])) for p in points])
+    found = by_kernels(
+        monkeypatch, [grain, body], np.tile([[0, 1]], (len(points), 1)), poses, stacked([at()] * len(points)), skip_above=1.0
+    )
+    expected = [signed_clearance(grain, RigidPose(p, np.array([1.0, 0, 0, 0])), body, at()).distance for p in poses[0]]
+    assert found == pytest.approx(expected, abs=1e-12)
+    assert (found < -0.01).any()
+
+
+def test_repeats_are_answered_once(monkeypatch):
+    ride = np.linspace(0, 1, 50)[:, None] * [1.0, 2.0, 0.5]
+    turn = np.tile([1.0, 0, 0, 0], (50, 1))
+    monkeypatch.setattr(module, "EFFORT", 0.0)
+    pairs = np.repeat([[0, 1], [1, 0]], 50, axis=0)
+    one = np.concatenate([ride, ride]), np.concatenate([turn, turn])
+    two = np.concatenate([ride + np.array([0, 0, 1.25]), ride - np.array([0, 0, 1.5])]), one[1]
+    found = clearance_batch([box(1, 1, 1), box(1, 1, 1)], pairs, one, two, skip_above=1.0)
+    assert found.distance == pytest.approx(np.repeat([0.25, 0.5], 50), abs=1e-12)
+    assert found.computed == 2
+
+
+def test_trees_hold_every_box_once():
+    rng = np.random.default_rng(2)
+    groups = np.array([1, 2, 3, 100, 17])
+    lower = rng.normal(size=(groups.sum(), 3))
+    trees = grow(lower, lower + 0.1, groups, leaf=2)
+    owner = np.repeat(np.arange(len(groups)), groups)
+    for root in range(len(groups)):
+        seen, stack = [], [root]
+        while stack:
+            node = stack.pop()
+            if trees.span[node]:
+                mine = trees.order[-1 - trees.link[node] :][: trees.span[node]]
+                assert (lower[mine] >= trees.lower[node]).all()
+                assert (lower[mine] + 0.1 <= trees.upper[node]).all()
+                seen += mine.tolist()
+            else:
+                children = trees.link[node] + np.arange(2)
+                assert (trees.lower[children] >= trees.lower[node]).all()
+                assert (trees.upper[children] <= trees.upper[node]).all()
+                stack += children.tolist()
+        assert sorted(seen) == np.flatnonzero(owner == root).tolist()
+
+
+def test_a_short_list_does_not_import_warp():
+    code = (
+        "import sys, numpy as np, trimesh; from worldagent.geometry import Solid, clearance_batch;"
+        "from worldagent.worlds.built import TriangleMesh; m = trimesh.creation.box((1, 1, 1));"
+        "s = Solid.from_mesh(TriangleMesh(np.array(m.vertices), np.array(m.faces, dtype=np.int32)), closed=True);"
+        "p = np.array([[0.0, 0, 0], [0, 0, 1.5]]); q = np.tile([1.0, 0, 0, 0], (2, 1));"
+        "print(clearance_batch([s], np.zeros((2, 2), int), (p, q), (p[::-1], q), skip_above=2.0).distance, 'warp' in sys.modules)"
+    )
+    answer = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.split("]")[1].strip() == "False"
+
+
+def test_an_unknown_device_is_refused():
+    from worldagent.worlds.errors import InputError
+
+    with pytest.raises(InputError, match="WORLDAGENT_DEVICE"):
+        clearance_batch([box(1, 1, 1)], np.zeros((0, 2)), stacked([at()]), stacked([at()]), skip_above=1.0, device="cuda:99")

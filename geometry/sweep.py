@@ -77,7 +77,16 @@ class _Pair:
 
 
 def lowest_clearance(
-    a: Solid, motion_a: Motion, b: Solid, motion_b: Motion, *, below: float = np.inf, precision: float, skip_above: float = 0.0
+    a: Solid,
+    motion_a: Motion,
+    b: Solid,
+    motion_b: Motion,
+    *,
+    below: float = np.inf,
+    precision: float,
+    skip_above: float = 0.0,
+    first_found: bool = False,
+    ends_above: float = -np.inf,
 ) -> Lowest:
     """Lowest signed clearance of two surfaces over each of n motions.
 
@@ -89,6 +98,8 @@ def lowest_clearance(
         below: only lower values [m] are searched: where none exists the value returned is some value of the motion.
         precision: the value is at most this much [m] above the true one where that is lower than `below`.
         skip_above: bounding-box gap [m] from which on a lower bound of the clearance is enough.
+        first_found: whether any value lower than `below` ends the search of its motion.
+        ends_above: motions with a lower clearance [m] at one of their ends are not searched.
     """
     pair = _Pair(a, motion_a, b, motion_b, skip_above=skip_above)
     count = len(motion_a)
@@ -97,11 +108,14 @@ def lowest_clearance(
     c0, c1 = pair.clearance(rows, zero), pair.clearance(rows, one)
     ends = np.stack([c0, c1], axis=1)
     best, when = np.minimum(c0, c1), np.where(c1 < c0, 1.0, 0.0)
-    s, e = zero, one
+    keep = np.flatnonzero(best >= ends_above)
+    rows, s, e, c0, c1 = keep, zero[keep], one[keep], c0[keep], c1[keep]
     while len(rows):
         slack = DEPTH_ERROR * np.maximum(0.0, -np.minimum(c0, c1))
         bound = 0.5 * (c0 + c1 - pair.travel(rows, s, e)) - slack
         open_ = bound < np.minimum(best[rows] - precision - slack, below)
+        if first_found:
+            open_ &= best[rows] >= below
         rows, s, e, c0, c1 = rows[open_], s[open_], e[open_], c0[open_], c1[open_]
         if len(rows) == 0:
             break

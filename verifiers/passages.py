@@ -70,7 +70,7 @@ class Passage(NamedTuple):
     travel: float
     """Upper bound of the relative travel in that frame [m]."""
     depth: float
-    """Overlap on the way [m]."""
+    """Overlap found on the way [m]; the deepest may be more."""
     bound: float
     """Depth up to which it is no passage [m]."""
     parts: tuple[str, str]
@@ -221,15 +221,16 @@ def _pair(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> tuple[int,
     if len(meet) == 0:
         return 0, None
     case = _Case(a.solid, one, b.solid, two, bound, PRECISION * (bound - allowed))
-    low = case.lowest(one.motion.take(meet), two.motion.take(meet))
     # What overlaps at a written frame fails there.
-    deep = np.flatnonzero((low.value < -bound) & (low.ends.min(axis=1) >= -(allowed + noise)))
+    floor = -(allowed + noise)
+    low = case.lowest(one.motion.take(meet), two.motion.take(meet), ends_above=floor)
+    deep = np.flatnonzero((low.value < -bound) & (low.ends.min(axis=1) >= floor))
     for k in deep:
         interval = int(meet[k])
         felt = search.log.gap(a.entity, b.entity, interval + 1)
         if felt is not None and _felt_in_time(surfaces, a.entity, b.entity, felt, bound, float(travel[k])):
             continue
-        if case.bent_free(search, i, j, interval, float(low.value[k]), float(low.time[k])):
+        if case.bent_free(search, i, j, interval):
             continue
         point = case.witness(one.motion.take(meet[[k]]), two.motion.take(meet[[k]]), float(low.time[k]))[1]
         one_, two_ = _order(search, a, b, interval)
@@ -269,9 +270,17 @@ class _Case:
     bound: float
     precision: float
 
-    def lowest(self, motion_a: Motion, motion_b: Motion) -> Lowest:
+    def lowest(self, motion_a: Motion, motion_b: Motion, *, ends_above: float = -np.inf, deepest: bool = False) -> Lowest:
+        """Some clearance below minus the bound per motion where there is one; the lowest if asked."""
         return lowest_clearance(
-            self.solid_a, motion_a, self.solid_b, motion_b, below=-self.bound, precision=max(self.precision, 1e-9 * self.bound)
+            self.solid_a,
+            motion_a,
+            self.solid_b,
+            motion_b,
+            below=-self.bound,
+            precision=max(self.precision, 1e-9 * self.bound),
+            first_found=not deepest,
+            ends_above=ends_above,
         )
 
     def witness(self, motion_a: Motion, motion_b: Motion, time: float) -> tuple[F64, F64]:
@@ -283,7 +292,7 @@ class _Case:
         length = float(np.linalg.norm(way))
         return (way / length if length > 0.0 else np.zeros(3)), found.point_a
 
-    def bent_free(self, search: _Search, i: int, j: int, interval: int, value: float, time: float) -> bool:
+    def bent_free(self, search: _Search, i: int, j: int, interval: int) -> bool:
         """Whether forces other than gravity bent the paths enough for one of the other plausible paths to be free."""
         radius_a, radius_b = search.radius[i], search.radius[j]
         slack = float(self.flight_a.slack(radius_a)[interval] + self.flight_b.slack(radius_b)[interval])
@@ -299,20 +308,23 @@ class _Case:
             pieces = reconstructed(self.flight_a, times[0], self.flight_b, times[1], interval)
             if self._free(pieces):
                 return True
-        return self._displaced(motion_a, motion_b, slack, value, time)
+        return self._displaced(motion_a, motion_b, slack)
 
     def _free(self, pieces: list[tuple[Motion, Motion]]) -> bool:
         return all(float(self.lowest(one, two).value[0]) >= -self.bound for one, two in pieces)
 
-    def _displaced(self, motion_a: Motion, motion_b: Motion, slack: float, value: float, time: float) -> bool:
+    def _displaced(self, motion_a: Motion, motion_b: Motion, slack: float) -> bool:
+        """Whether the cubic of a, displaced in its middle by at most `slack` [m], is free."""
         total = np.zeros(3)
+        low = self.lowest(motion_a, motion_b, deepest=True)
+        value, time = float(low.value[0]), float(low.time[0])
         for _ in range(BENDS):
             away, _point = self.witness(motion_a.bent(total[None]), motion_b, time)
             height = max(4.0 * time * (1.0 - time), 1e-3)
             total = total + BEYOND * (-value) / height * away
             if float(np.linalg.norm(total)) > slack:
                 return False
-            low = self.lowest(motion_a.bent(total[None]), motion_b)
+            low = self.lowest(motion_a.bent(total[None]), motion_b, deepest=True)
             value, time = float(low.value[0]), float(low.time[0])
             if value >= -self.bound:
                 return True

@@ -254,6 +254,7 @@ def _bench(arguments: argparse.Namespace) -> int:
 
     options: dict[str, Any] = {"variants": arguments.variants, "seed": arguments.seed}
     options["checks"] = tuple(arguments.only) if arguments.only else None
+    options["accepted"] = False if arguments.only else None
     given = {k: v for k, v in options.items() if v is not None}
     if given and arguments.name != "defects":
         raise InputError(f"--only, --variants and --seed belong to the benchmark 'defects', not to {arguments.name!r}")

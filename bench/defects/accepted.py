@@ -1,0 +1,88 @@
+"""Accepted worlds as the clean set: every world that was accepted once must pass every check again.
+
+They are kept as specifications in `accepted/`; a run builds, probes and bakes them anew and counts each check that leaves a
+mandatory row open as a false alarm.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ...construction import build_world, built_paths
+from ...simulation.bake import run_bake
+from ...simulation.freeze import open_freeze
+from ...verifiers.acceptance import judge
+from ...worlds.errors import RefusedError
+from ...worlds.folder import WorldFolder, write_atomically
+from ...worlds.patch import parse_spec
+from ...worlds.requirements import Row
+from ...worlds.spec import WorldSpec
+
+__all__ = ["Rejudged", "adopt", "rejudge", "specifications"]
+
+FOLDER = "accepted"
+
+
+@dataclass(frozen=True)
+class Rejudged:
+    """One accepted world, built and judged anew."""
+
+    world: str
+    rows: tuple[Row, ...]
+    seconds: float
+
+    @property
+    def checks(self) -> frozenset[str]:
+        """Checks that judged it."""
+        return frozenset(r.check for r in self.rows)
+
+    @property
+    def alarms(self) -> tuple[Row, ...]:
+        """Mandatory rows that do not pass."""
+        return tuple(r for r in self.rows if r.mandatory and r.status in ("fail", "unverified"))
+
+
+def specifications() -> Iterator[tuple[str, WorldSpec]]:
+    """Name and specification of every accepted world that is kept."""
+    for item in sorted(files(__package__).joinpath(FOLDER).iterdir(), key=lambda i: i.name):
+        if item.name.endswith(".json"):
+            yield item.name.removesuffix(".json"), parse_spec(json.loads(item.read_text(encoding="utf-8")))
+
+
+def rejudge(world: str, spec: WorldSpec) -> Rejudged:
+    """Build, bake and judge a specification from nothing, as its acceptance did."""
+    with tempfile.TemporaryDirectory(prefix="worldagent-accepted-") as root:
+        folder = WorldFolder(Path(root) / world)
+        folder.root.mkdir()
+        write_atomically(folder.spec_path, spec.model_dump_json(exclude_none=True).encode())
+        built, _ = build_world(folder, spec)
+        run_bake(folder, open_freeze(folder, spec, built, built_paths(folder, spec), 1))
+        start = time.perf_counter()
+        record = judge(folder.root)
+        return Rejudged(world, tuple(Row.model_validate(r) for r in record["rows"]), time.perf_counter() - start)
+
+
+def adopt(folder: Path, into: Path) -> Path:
+    """Keep the specification of an accepted world for the clean set.
+
+    Args:
+        folder: the world's folder, with its bake.
+        into: where the specification goes, as `<folder's name>.json`; in the repository `bench/defects/accepted`.
+
+    Raises:
+        RefusedError: the world is not accepted by this program's own verifiers.
+    """
+    record: dict[str, Any] = judge(folder)
+    if record["verdict"] != "accepted":
+        raise RefusedError(f"{folder.name!r} is {record['verdict']}; only accepted worlds join the clean set")
+    spec = parse_spec(json.loads((folder / "world.json").read_text(encoding="utf-8")))
+    path = into / f"{folder.name}.json"
+    write_atomically(path, (spec.model_dump_json(indent=1, exclude_none=True) + "\n").encode())
+    return path

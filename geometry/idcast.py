@@ -71,42 +71,54 @@ class IdCaster:
         self._faces = np.concatenate([empty.astype(np.int64), *faces])
         self._owner = np.repeat(np.arange(self._count), [len(f) for f in faces])
 
-    def cast(self, camera: Camera, poses: Sequence[RigidPose], *, only: Sequence[int] | None = None) -> IdImage:
+    def cast(
+        self,
+        camera: Camera,
+        poses: Sequence[RigidPose],
+        *,
+        only: Sequence[int] | None = None,
+        window: tuple[int, int, int, int] | None = None,
+    ) -> IdImage:
         """Look at the instances at `poses`.
 
         Args:
             camera: the view.
             poses: pose of each instance.
             only: indices of the instances to look at, as if the others were not there; default all.
+            window: first and last (exclusive) column, first and last row of the part of the picture to cast; default all.
 
         Raises:
-            InputError: the number of poses differs from the number of instances.
+            InputError: the number of poses differs from the number of instances, or the window is empty or beyond the picture.
         """
         if len(poses) != self._count:
             raise InputError(f"{len(poses)} poses for {self._count} instances; give one pose per instance")
-        local = self._camera_vertices(camera, poses)
-        shown = np.ones(len(self._faces), dtype=bool)
+        x0, x1, y0, y1 = window or (0, camera.width, 0, camera.height)
+        if not (0 <= x0 < x1 <= camera.width and 0 <= y0 < y1 <= camera.height):
+            raise InputError(f"window {window} must lie in the picture of {camera.width} x {camera.height} pixels")
+        chosen = np.ones(self._count, dtype=bool)
         if only is not None:
-            chosen = np.zeros(self._count, dtype=bool)
+            chosen[:] = False
             chosen[list(only)] = True
-            shown = chosen[self._owner]
-        index, rectangle = _rectangles(camera, local, self._faces, np.flatnonzero(shown))
-        buffer = _Buffer(camera)
+        local = self._camera_vertices(camera, poses, chosen)
+        index, rectangle = _rectangles(camera, local, self._faces, np.flatnonzero(chosen[self._owner]), (x0, x1, y0, y1))
+        buffer = _Buffer(camera, (x0, x1, y0, y1))
         buffer.draw(local[self._faces[index]], index, rectangle)
         return self._image(camera, local, buffer)
 
-    def _camera_vertices(self, camera: Camera, poses: Sequence[RigidPose]) -> F64:
-        """All vertices in camera coordinates with the viewing axis as +z: (right, down, forward)."""
+    def _camera_vertices(self, camera: Camera, poses: Sequence[RigidPose], chosen: NDArray[np.bool_]) -> F64:
+        """Vertices of the chosen instances in camera coordinates with the viewing axis as +z: (right, down, forward)."""
         flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
-        local = np.empty_like(self._vertices)
+        local = np.zeros_like(self._vertices)
         for i, pose in enumerate(poses):
+            if not chosen[i]:
+                continue
             part = slice(self._vertex_start[i], self._vertex_start[i + 1])
             turn = flip @ rotation_matrix(pose.quaternion)
             local[part] = self._vertices[part] @ turn.T + flip @ (pose.position - camera.position)
         return local
 
     def _image(self, camera: Camera, local: F64, buffer: _Buffer) -> IdImage:
-        face = buffer.face.reshape(camera.height, camera.width)
+        face = buffer.face.reshape(buffer.height, buffer.width)
         hit = face >= 0
         ids = np.full(face.shape, -1, dtype=np.int32)
         ids[hit] = self._owner[face[hit]]
@@ -121,7 +133,9 @@ class IdCaster:
         return IdImage(ids, depth, normals)
 
 
-def _rectangles(camera: Camera, local: F64, faces: NDArray[np.int64], index: NDArray[np.intp]) -> tuple[NDArray[np.intp], I32]:
+def _rectangles(
+    camera: Camera, local: F64, faces: NDArray[np.int64], index: NDArray[np.intp], window: tuple[int, int, int, int]
+) -> tuple[NDArray[np.intp], I32]:
     """Triangles that can cover a pixel centre and the pixels they may cover: x0, x1, y0, y1 (exclusive ends)."""
     z = local[:, 2]
     front = z > NEAR
@@ -132,23 +146,25 @@ def _rectangles(camera: Camera, local: F64, faces: NDArray[np.int64], index: NDA
     index = index[in_front.any(axis=1)]
     whole = front[faces[index]].all(axis=1)
     bounds = np.empty((len(index), 4))
-    for k, (value, size) in enumerate(((x, camera.width), (y, camera.height))):
+    for k, (value, start, stop) in enumerate(((x, *window[:2]), (y, *window[2:]))):
         corner = value[faces[index]]
         # Triangles through the eye plane may cover anything.
-        bounds[:, 2 * k] = np.where(whole, np.ceil(corner.min(axis=1) - 0.5), 0)
-        bounds[:, 2 * k + 1] = np.where(whole, np.floor(corner.max(axis=1) - 0.5) + 1, size)
-        bounds[:, 2 * k : 2 * k + 2] = np.clip(bounds[:, 2 * k : 2 * k + 2], 0, size)
+        bounds[:, 2 * k] = np.where(whole, np.ceil(corner.min(axis=1) - 0.5), start)
+        bounds[:, 2 * k + 1] = np.where(whole, np.floor(corner.max(axis=1) - 0.5) + 1, stop)
+        bounds[:, 2 * k : 2 * k + 2] = np.clip(bounds[:, 2 * k : 2 * k + 2], start, stop)
     some = (bounds[:, 0] < bounds[:, 1]) & (bounds[:, 2] < bounds[:, 3])
     return index[some], bounds[some].astype(np.int32)
 
 
 class _Buffer:
-    """Depth buffer of triangles, flat over the pixels."""
+    """Depth buffer of triangles, flat over the pixels of a window."""
 
-    def __init__(self, camera: Camera) -> None:
+    def __init__(self, camera: Camera, window: tuple[int, int, int, int]) -> None:
         self.camera = camera
-        self.depth = np.full(camera.width * camera.height, np.inf)
-        self.face = np.full(camera.width * camera.height, -1, dtype=np.int64)
+        self.left, self.top = window[0], window[2]
+        self.width, self.height = window[1] - window[0], window[3] - window[2]
+        self.depth = np.full(self.width * self.height, np.inf)
+        self.face = np.full(self.width * self.height, -1, dtype=np.int64)
 
     def draw(self, corner: F64, index: NDArray[np.intp], rectangle: I32) -> None:
         """Draw triangles with camera-space corners, shape (n, 3, 3)."""
@@ -183,8 +199,8 @@ class _Buffer:
             value = (edge[k, 0] * column + edge[k, 2]) + edge[k, 1] * row
             np.minimum(least, value, out=least)
             inverse += value
-        shape = (self.camera.height, self.camera.width)
-        depth, face = self.depth.reshape(shape)[y0:y1, x0:x1], self.face.reshape(shape)[y0:y1, x0:x1]
+        part = (slice(y0 - self.top, y1 - self.top), slice(x0 - self.left, x1 - self.left))
+        depth, face = (values.reshape(self.height, self.width)[part] for values in (self.depth, self.face))
         inside = (least >= -SEAM * inverse) & (inverse > 0.0)
         hit = np.where(inside, 1.0 / np.where(inside, inverse, 1.0), np.inf)
         hit[hit < NEAR] = np.inf
@@ -206,7 +222,7 @@ class _Buffer:
             inverse += value
         hit = np.flatnonzero((least >= -SEAM * inverse) & (inverse > 0.0))
         depth = 1.0 / inverse[hit]
-        pixel = row[hit] * self.camera.width + column[hit]
+        pixel = (row[hit] - self.top) * self.width + column[hit] - self.left
         np.minimum.at(self.depth, pixel, np.where(depth >= NEAR, depth, np.inf))
         front = depth == self.depth[pixel]
         # The first triangle of equals wins, whatever the chunking.

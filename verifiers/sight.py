@@ -1,14 +1,20 @@
-"""What the shots of a candidate see: entity ids per pixel, cast once per shot and frame (R98, S9)."""
+"""What the shots of a candidate see: an entity's own pixels, and which of them nothing stands in front of (R98, S9).
+
+Only what can be in front of the entity is cast, and only where the entity is in the picture: about 2 ms per look in a
+world of 200 boxes (2 cores, 2026-11). Small entities are cast again with finer pixels. Glass hides nothing, and a surface
+that shares its plane with another shows no more than that other.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..geometry import Camera, IdCaster, IdImage, camera_at, contains
-from ..worlds.arrays import F64, RigidPose
+from ..geometry import Camera, IdCaster, camera_at, contains
+from ..worlds.arrays import F64, RigidPose, rotation_matrix
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import EvidenceError, InputError
 from .surfaces import surfaces_of
@@ -20,7 +26,16 @@ if TYPE_CHECKING:
 __all__ = ["PIXELS_HIGH", "Seen", "Sight"]
 
 PIXELS_HIGH = 108
-"""Own choice: a subject of the default 0.0004 of the picture has 8 pixels at 192 x 108, enough to be judged."""
+"""Own choice: pictures are cast at 192 x 108, where a subject of the default 0.0004 of the picture has 8 pixels."""
+FINE_BELOW = 600
+"""Own choice: an entity of fewer pixels is looked at again with finer ones, so that its share is known within 2 %."""
+FINE = 8
+"""How much finer, per side."""
+GLASS = 0.5
+"""Own choice: a part of a material with at least this transmission hides nothing."""
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=bool)
+COPLANAR = 2e-6
+"""Surfaces whose depths differ by less than this share of it are in one place: single precision of the renderer."""
 
 
 @dataclass(frozen=True)
@@ -48,16 +63,27 @@ class Sight:
         self.height = PIXELS_HIGH
         self.width = max(16, round(PIXELS_HIGH * look.width / look.height))
         self._instances: list[tuple[str, str]] = []
-        meshes = []
+        meshes, glass = [], []
         for name in candidate.spec.entities:
             built = candidate.entity(name)
             for body in built.bodies:
-                parts = built.parts_of(body.name)
-                if parts:
-                    self._instances.append((name, body.name))
-                    meshes.append(_joined([p.render for p in parts]))
+                for clear in (False, True):
+                    parts = [p for p in built.parts_of(body.name) if self._clear(p.material) == clear]
+                    if parts:
+                        self._instances.append((name, body.name))
+                        meshes.append(_joined([p.render for p in parts]))
+                        glass.append(clear)
         self._caster = IdCaster(meshes)
-        self._full: dict[tuple[str, int], IdImage] = {}
+        self._glass = np.array(glass, dtype=bool)
+        self._owner = np.array([name for name, _ in self._instances])
+        # The eight corners of every instance's box in its body's frame, shape (instances, 8, 3).
+        low, high = (np.array([f(m.vertices, axis=0) for m in meshes]).reshape(-1, 1, 3) for f in (np.min, np.max))
+        self._corners = np.where(CORNERS, high, low)
+        self._seen: dict[tuple[str, str, int], Seen] = {}
+
+    def _clear(self, material: str) -> bool:
+        found = self.candidate.spec.materials.get(material)
+        return found is not None and found.appearance.transmission >= GLASS
 
     def camera(self, shot_id: str, frame: int, *, shot: Shot | None = None) -> Camera:
         """Camera of a shot at a frame; the target moves with the followed entity's centre of mass.
@@ -101,31 +127,69 @@ class Sight:
 
     def seen(self, entity: str, shot_id: str, frame: int) -> Seen:
         """How `entity` appears in the shot at the frame."""
-        camera = self.camera(shot_id, frame)
-        key = (shot_id, frame)
-        if key not in self._full:
-            self._full[key] = self._caster.cast(camera, self.poses(frame))
-        return self._compare(entity, shot_id, frame, camera, self._full[key])
+        key = (entity, shot_id, frame)
+        if key not in self._seen:
+            self._seen[key] = self._look(entity, shot_id, frame, self.camera(shot_id, frame))
+        return self._seen[key]
 
     def try_camera(self, entity: str, key: CameraKey, frame: int) -> Seen:
         """How `entity` would appear at a frame from another camera."""
-        camera = Camera(np.array(key.position), np.array(key.target), key.fov_deg, self.width // 2, self.height // 2)
-        return self._compare(entity, "", frame, camera, self._caster.cast(camera, self.poses(frame)))
+        camera = Camera(np.array(key.position), np.array(key.target), key.fov_deg, self.width, self.height)
+        return self._look(entity, "", frame, camera)
 
-    def _compare(self, entity: str, shot_id: str, frame: int, camera: Camera, image: IdImage) -> Seen:
-        own = [i for i, (name, _) in enumerate(self._instances) if name == entity]
-        if not own:
+    def _look(self, entity: str, shot_id: str, frame: int, camera: Camera) -> Seen:
+        own = self._owner == entity
+        if not own.any():
             raise EvidenceError(f"entity {entity!r} has no visible geometry")
-        alone = np.isin(self._caster.cast(camera, self.poses(frame), only=own).ids, own)
-        visible = np.isin(image.ids, own)
-        expected, shown = int(alone.sum()), int((visible & alone).sum())
-        hidden = image.ids[alone & ~visible]
-        hider = None
-        if len(hidden):
-            counts = np.bincount(hidden[hidden >= 0], minlength=1)
-            hider = self._instances[int(np.argmax(counts))][0] if counts.sum() else None
-        unoccluded = shown / expected if expected else 0.0
-        return Seen(frame, shot_id, int(visible.sum()) / visible.size, unoccluded, hider, expected > 0)
+        poses = self.poses(frame)
+        rectangle, nearest = self._bounds(camera, poses)
+        found = self._compare(camera, poses, own, rectangle, nearest)
+        if 0 < found[0] < FINE_BELOW:
+            camera = replace(camera, width=FINE * camera.width, height=FINE * camera.height)
+            found = self._compare(camera, poses, own, FINE * rectangle, nearest)
+        expected, shown, hider = found
+        return Seen(
+            frame, shot_id, shown / (camera.width * camera.height), shown / expected if expected else 0.0, hider, expected > 0
+        )
+
+    def _compare(
+        self, camera: Camera, poses: list[RigidPose], own: NDArray[np.bool_], rectangle: F64, nearest: F64
+    ) -> tuple[int, int, str | None]:
+        """Pixels that the own instances would fill alone, those they do fill, and who hides most of the others."""
+        size = np.array([camera.width, camera.height, camera.width, camera.height])
+        limits = np.clip([*np.floor(rectangle[own, :2].min(axis=0)), *np.ceil(rectangle[own, 2:].max(axis=0))], 0, size)
+        left, top, right, bottom = (int(v) for v in limits)
+        if left >= right or top >= bottom:
+            return 0, 0, None
+        window = (left, right, top, bottom)
+        alone = self._caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window)
+        hit = alone.ids >= 0
+        if not hit.any():
+            return 0, 0, None
+        farthest = float(alone.depth[hit].max())
+        meets = (rectangle[:, 0] < right) & (rectangle[:, 2] > left) & (rectangle[:, 1] < bottom) & (rectangle[:, 3] > top)
+        before = meets & ~own & ~self._glass & (nearest <= farthest * (1.0 + COPLANAR))
+        front = self._caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
+        visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
+        hidden = front.ids[hit & ~visible]
+        hider = str(self._owner[int(np.bincount(hidden).argmax())]) if len(hidden) else None
+        return int(hit.sum()), int(visible.sum()), hider
+
+    def _bounds(self, camera: Camera, poses: list[RigidPose]) -> tuple[F64, F64]:
+        """Pixels around every instance (x0, y0, x1, y1), shape (instances, 4), and its least depth [m], shape (instances,)."""
+        turns = rotation_matrix(np.array([p.quaternion for p in poses]))
+        places = np.array([p.position for p in poses]) - camera.position
+        world = np.einsum("nij,nkj->nki", turns, self._corners) + places[:, None]
+        local = world @ camera.axes.T
+        depth = -local[..., 2]
+        ahead = depth > 0.0
+        scale = camera.focal / np.where(ahead, depth, np.nan)
+        pixels = np.stack([0.5 * camera.width + local[..., 0] * scale, 0.5 * camera.height - local[..., 1] * scale], axis=-1)
+        rectangle = np.concatenate([pixels.min(axis=1), pixels.max(axis=1)], axis=1)
+        # What reaches through the eye plane may be anywhere; what lies behind it is nowhere.
+        rectangle[~ahead.all(axis=1)] = (-np.inf, -np.inf, np.inf, np.inf)
+        rectangle[~ahead.any(axis=1)] = (np.inf, np.inf, -np.inf, -np.inf)
+        return rectangle, np.maximum(depth.min(axis=1), 0.0)
 
     def inside(self, point: F64, frame: int) -> str | None:
         """Entity inside whose solid a point lies at a frame; None in the open."""

@@ -23,6 +23,7 @@ Check = Literal[
     "category",
     "beat",
     "causal",
+    "robustness",
     "delivery",
 ]
 

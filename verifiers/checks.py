@@ -20,6 +20,7 @@ from . import (
     numerical,
     phases,
     relations,
+    robustness,
     scale,
     shots,
     support,
@@ -55,6 +56,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("causal", causal.check, ("probe", "full")),
     CheckBinding("delivery", delivery.check, ("full",)),
     CheckBinding("causal", counterfactual.check, ("probe", "full"), counterfactual.row_ids),
+    CheckBinding("robustness", robustness.check, ("probe", "full"), robustness.row_ids),
 )
 
 

@@ -36,7 +36,7 @@ from ..worlds.requirements import Correction, Row, Status
 from . import motion
 from .causal import driver_start, onset_of
 from .chains import Chains
-from .predicates import Outcome, beat_times, evaluate
+from .predicates import Outcome, beat_times, evaluate, last_needed
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "row_ids"]
 
+LEAST_CHANGE = 0.05
+"""Own choice: a value that changes by less than this share of what it was with the cause has not changed, whatever margin was
+declared: chaos alone moves numbers by a little."""
 FLIPPED: Mapping[str, str] = {">=": "<=", "<=": ">="}
 
 
@@ -100,14 +103,13 @@ class _Work:
         self._tries: dict[tuple[str, str], list[_Try] | EvidenceError] = {}
         self._ends: dict[_Try, int] = {}
         self._runs: dict[_Try, _Run | EvidenceError] = {}
-        beats = candidate.spec.story.beats
         for edge in edges:
             try:
                 tries = self._tries[edge] = self._interventions(*edge)
             except EvidenceError as error:
                 self._tries[edge] = error
                 continue
-            end = min(candidate.last_frame, max(beats[edge[0]].frames[1], beats[edge[1]].frames[1]))
+            end = min(candidate.last_frame, last_needed(candidate.spec, edge))
             for option in tries:
                 self._ends[option] = max(end, self._ends.get(option, 0))
 
@@ -306,9 +308,10 @@ def _changed(
             f"{values[0].unit or 'the predicate'} has no measured value at frame {first}; declare a margin in frames"
         )
     change = abs(values[0].value - values[1].value)
-    text = f"at frame {first} it measures {values[1].value:.4g} instead of {values[0].value:.4g} {values[0].unit}, {margin.value:g} is asked"
-    measured = {"measured": change, "bound": margin.value, "comparison": ">=", "unit": values[0].unit}
-    return ("pass" if change >= margin.value else "fail"), measured, text
+    asked = max(margin.value, LEAST_CHANGE * abs(values[0].value))
+    text = f"at frame {first} it measures {values[1].value:.4g} instead of {values[0].value:.4g} {values[0].unit}, {asked:g} is asked"
+    measured = {"measured": change, "bound": asked, "comparison": ">=", "unit": values[0].unit}
+    return ("pass" if change >= asked else "fail"), measured, text
 
 
 def _hints(cause_id: str, effect_id: str, effect: Beat, has_margin: bool) -> list[Correction]:

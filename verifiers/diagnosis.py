@@ -237,7 +237,7 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     thrown = [n for n, e in spec.entities.items() if any(getattr(e.physics, "linear_velocity", None) or ())]
     found["striker"] = thrown[0] if len(thrown) == 1 else None
     if row.check in ("beat", "causal"):
-        found["driver"] = _driver(spec, row.id.split(":")[1] if row.check == "causal" else found["beat"])
+        found["driver"] = _driver(spec, row.id.split(":")[-2] if row.check == "causal" else found["beat"])
     acting = [n for n, d in plan.drivers.items() if getattr(d, "entity", None) in row.entities]
     found["driver"] = found.get("driver") or (acting[0] if len(acting) == 1 else None)
     tip = row.evidence.get("tip")

@@ -39,6 +39,12 @@ CAPS: dict[str, Cap] = _caps(
     Cap("frames", 20_000, "frames", "/simulation/frames, /simulation/fps or /simulation/preroll"),
     Cap("steps", 50_000_000, "solver steps", "a larger /simulation/solvers/<id>/settings/step or fewer frames"),
     Cap("body_steps", 5_000_000_000, "body steps", "fewer bodies, fewer frames or a larger step"),
+    Cap(
+        "rerun_body_steps",
+        1_000_000_000,
+        "body steps",
+        "fewer samples or beats in /story/robustness, fewer causes of beats, or a larger step",
+    ),
     Cap("width", 1_920, "pixels", "/look/width"),
     Cap("height", 1_080, "pixels", "/look/height"),
     Cap("samples", 1_024, "samples per pixel", "/look/samples"),
@@ -77,15 +83,17 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     moving = {name: entity for name, entity in spec.entities.items() if entity.motion != "static"}
     bodies = sum(_bodies(entity) for entity in moving.values())
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    body_seconds = sum(
+        sum(_bodies(moving[name]) for name in solver.members if name in moving) / solver.settings.step
+        for solver in plan.solvers.values()
+    )
     counts: dict[str, float] = {
         "bodies": bodies,
         "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
         "frames": plan.frames + plan.preroll * plan.fps,
         "steps": sum(seconds / solver.settings.step for solver in plan.solvers.values()),
-        "body_steps": sum(
-            seconds / solver.settings.step * sum(_bodies(moving[name]) for name in solver.members if name in moving)
-            for solver in plan.solvers.values()
-        ),
+        "body_steps": seconds * body_seconds,
+        "rerun_body_steps": _rerun_seconds(spec) * body_seconds,
         "width": look.width,
         "height": look.height,
         "samples": look.samples,
@@ -134,6 +142,21 @@ def check_workspace(workspace: Path, more: float) -> None:
     free = shutil.disk_usage(workspace).free
     if more > 0.95 * free:
         raise LimitError(f"disk: estimated {more:,.0f} bytes, free {free:,}. Knob: free space, or fewer bodies or frames")
+
+
+def _rerun_seconds(spec: WorldSpec) -> float:
+    """Seconds of the world that counterfactual and robustness checks simulate again, at the production step."""
+    plan, beats = spec.simulation, spec.story.beats
+    frames = 0.0
+    for name, beat in beats.items():
+        effects = [e for e in beats.values() if name in e.causes]
+        if effects:  # once per cause, from a checkpoint before it to the last of its effects
+            frames += max(0, max(e.frames[1] for e in effects) - beat.frames[0]) + plan.fps
+    for item in spec.story.robustness.values():
+        last = max((beats[b].frames[1] for b in item.beats if b in beats), default=0)
+        runs = item.samples if item.kind == "perturbed" else item.factor
+        frames += runs * (last + plan.preroll * plan.fps)
+    return frames / plan.fps
 
 
 def _bodies(entity: Entity) -> int:

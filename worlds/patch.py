@@ -148,6 +148,27 @@ def _margin_weakenings(old: Mapping[str, Any], beat: Mapping[str, Any], place: s
             yield f"{place}/{cause} {before or 'must vanish'} -> {margin}"
 
 
+def _robustness_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    """Fewer or smaller trials, other draws, or a lower bound; `min_fraction` and `factor` are harder upwards, `frames` is not."""
+    for key, item in old.items():
+        place, now = f"/story/robustness/{key}", new.get(key)
+        if now is None or now["kind"] != item["kind"]:
+            yield f"{place} removed"
+            continue
+        for field in {**item, **now}:
+            before, after = item.get(field), now.get(field)
+            if before == after:
+                continue
+            if field == "beats":
+                weaker = not set(before) <= set(after)
+            elif field in ("seed", "entities"):
+                weaker = True
+            else:
+                weaker = after > before if field == "frames" else after < before
+            if weaker:
+                yield f"{place}/{field} {before} -> {after}"
+
+
 def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     now = new["relations"]
     for key, relation in old["relations"].items():
@@ -220,6 +241,7 @@ def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
     old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
     found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
     found += _beat_weakenings(old["story"]["requirements"], new["story"]["requirements"], "/story/requirements")
+    found += _robustness_weakenings(old["story"]["robustness"], new["story"]["robustness"])
     found += _graph_weakenings(old["graph"], new["graph"])
     found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
     found += _entity_weakenings(old["entities"], new["entities"])

@@ -119,6 +119,7 @@ _BY_ARTIFACT = {
     "numerical": ("category",),
     "beat": ("story",),
     "causal": ("story",),
+    "robustness": ("story",),
     "relations": ("story",),
     "support": ("story",),
     "navigability": ("story",),

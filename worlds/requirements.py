@@ -22,6 +22,7 @@ Check = Literal[
     "numerical",
     "contact",
     "beat",
+    "robustness",
     "shots",
     "delivery",
 ]

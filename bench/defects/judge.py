@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from ...verifiers.checks import run_checks
+from ...verifiers.robustness import clopper_pearson
 from ...worlds.requirements import Row
 from .cases import Mechanism, Suite, World, magnitudes
 
 __all__ = ["Judged", "Outcome", "interval", "judge", "judge_one", "smallest_detected", "survey"]
 
-CONFIDENCE = 0.95
 SEARCHES = 12
 """Bisections of the magnitude below `low`; leaves the smallest detected defect known within 1/4096 of the span."""
 
@@ -106,11 +106,4 @@ def smallest_detected(check: str, mechanism: Mechanism, seed: int) -> float | No
 
 def interval(hits: int, count: int) -> tuple[float, float]:
     """Two-sided 95 % interval of a proportion. Source: Clopper and Pearson (1934), doi:10.1093/biomet/26.4.404."""
-    from scipy.stats import beta
-
-    if count == 0:
-        return (0.0, 1.0)
-    tail = (1.0 - CONFIDENCE) / 2.0
-    low = 0.0 if hits == 0 else float(beta.ppf(tail, hits, count - hits + 1))
-    high = 1.0 if hits == count else float(beta.ppf(1.0 - tail, hits + 1, count - hits))
-    return (low, high)
+    return clopper_pearson(hits, count)

@@ -137,6 +137,7 @@ ROWS = {
     "navigability": ["navigability:way"],
     "relations": ["relations:holds"],
     "causal": ["causal:a:b", "causal:without:a:b"],
+    "robustness": ["robustness:r:b"],
     "category": [f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
     "beat": ["beat:b", "beat:vacuous:b", "beat:driven:b", "requirement:r", "probe:phases"],

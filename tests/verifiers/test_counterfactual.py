@@ -105,7 +105,7 @@ def test_a_margin_asks_for_a_later_effect(tmp_path: Path) -> None:
 
 def test_a_margin_asks_for_another_value_at_the_same_frame(tmp_path: Path) -> None:
     drivers = {"wind": ForceDriver(entity="b", force=(3, 0, 0), start=0.0, end=1.0)}
-    for asked, status in ((0.01, "pass"), (1.0, "fail")):
+    for asked, status in ((0.03, "pass"), (1.0, "fail")):
         beats = {
             "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
             "far": beat(
@@ -114,6 +114,27 @@ def test_a_margin_asks_for_another_value_at_the_same_frame(tmp_path: Path) -> No
         }
         row = only(simulate(tmp_path / str(asked), pushed(drivers=drivers, beats=beats)))
         assert (row.status, row.unit, row.bound) == (status, "m", asked)
+
+
+def test_a_tiny_margin_does_not_make_noise_a_change(tmp_path: Path) -> None:
+    """The wind alone moves the block; a hit that adds nothing is no cause, however small a change was asked."""
+    entities = {
+        "floor": ground(),
+        "a": ball(0.01, motion="dynamic", at=(0, 0, 0.011), velocity=(1.0, 0, 0)),
+        "b": box(0.1, 0.1, 0.1, motion="dynamic", at=(0.15, 0, 0.051)),
+    }
+    beats = {
+        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+        "far": beat(
+            "b", Displacement(entity="b", min=0.2), frames=(1, 24), causes=["hit"], margins={"hit": CausalMargin(value=1e-6)}
+        ),
+    }
+    drivers = {"wind": ForceDriver(entity="b", force=(3, 0, 0), start=0.0, end=1.0)}
+    row = only(simulate(tmp_path, world(entities, beats=beats, drivers=drivers, frames=N, materials=SLICK)))
+    assert row.measured is not None
+    assert row.bound is not None
+    assert (row.status, row.unit) == ("fail", "m")
+    assert 1e-6 < row.measured < row.bound
 
 
 @pytest.mark.parametrize(

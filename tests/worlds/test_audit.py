@@ -31,6 +31,12 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an unknown region end": ([("/graph/relations/way", {"kind": "connects", "a": "r1", "b": "r2"})], "references", "unknown region 'r1'"),
     "an unknown owner": ([("/story/beats/roll/owner", "fluid")], "references", "unknown owner 'fluid'"),
     "an unknown cause": ([("/story/beats/fall/causes", ["bang"])], "references", "unknown beat 'bang'"),
+    "a margin of no cause": ([("/story/beats/fall/margins", {"roll": {"frames": 2}})], "story", "the margin names 'roll'"),
+    "an unknown beat of a robustness item": (
+        [("/story/robustness", {"r": {"kind": "refined", "beats": ["bang"]}})], "references", "unknown beat 'bang'"),
+    "an unknown entity of a robustness item": (
+        [("/story/robustness", {"r": {"kind": "perturbed", "beats": ["fall"], "min_fraction": 1, "speed": 0.1, "entities": ["ghost"]}})],
+        "references", "ghost"),
     "an unknown entity in a nested predicate": (
         [("/story/beats/fall/predicate", {"kind": "and", "of": [{"kind": "speed", "entity": "b3", "min": 1}, {"kind": "speed", "entity": "b9", "min": 1}]})],
         "references", "/of/1/entity"),

@@ -59,6 +59,29 @@ def test_too_much_is_refused_with_cap_estimate_and_knob(entities: Any, simulatio
     assert knob in text
 
 
+def test_what_robustness_and_counterfactuals_repeat_is_estimated_before_it_runs() -> None:
+    beat = {"text": "t", "owner": "rigid", "subject": "a", "predicate": {"kind": "speed", "entity": "a", "min": 1.0}}
+    beats = {"one": {**beat, "frames": [0, 24]}, "two": {**beat, "frames": [24, 48], "causes": ["one"]}}
+    spec = world({"a": BOX}).model_dump(mode="json", exclude_none=True)
+    spec["story"] = {"beats": beats}
+    steps = 2000.0
+    causal = estimate_counts(WorldSpec.model_validate(spec))["rerun_body_steps"]
+    assert causal == pytest.approx((48 + 24) / 24 * steps)
+    spec["story"]["robustness"] = {
+        "r": {"kind": "perturbed", "beats": ["two"], "samples": 10, "min_fraction": 1, "speed": 0.1},
+        "f": {"kind": "refined", "beats": ["one"], "factor": 4},
+    }
+    assert estimate_counts(WorldSpec.model_validate(spec))["rerun_body_steps"] - causal == pytest.approx((10 * 2 + 4 * 1) * steps)
+    spec["simulation"] |= {
+        "frames": 20000,
+        "solvers": {"rigid": {"engine": "mujoco", "members": ["a"], "settings": {"step": 2e-5}}},
+    }
+    spec["story"]["beats"]["two"]["frames"] = [24, 19999]
+    spec["story"]["robustness"]["r"]["samples"] = 64
+    with pytest.raises(LimitError, match="rerun_body_steps"):
+        check_limits(WorldSpec.model_validate(spec))
+
+
 def test_the_cap_itself_is_allowed_and_no_number_is_not() -> None:
     check_cap("bodies", 2000)
     for bad in (2001, math.nan, math.inf):

@@ -13,6 +13,8 @@ from worldagent.worlds.spec import WorldSpec
 
 FALL = "/story/beats/fall"
 SPEED = {"kind": "speed", "entity": "b3", "min": 0.5}
+ROBUST = {"kind": "perturbed", "beats": ["fall"], "samples": 16, "min_fraction": 0.9, "speed": 0.1}
+FINER = {"kind": "refined", "beats": ["fall"], "factor": 2, "frames": 1}
 REGION = {"kind": "sphere", "center": [0, 0, 0], "radius": 0.1}
 
 
@@ -104,6 +106,16 @@ def test_every_limit_has_a_direction_that_weakens() -> None:
         (f"{FALL}/mandatory", True, False),
         (f"{FALL}/observe", True, False),
         (f"{FALL}/causes", ["strike", "roll"], ["strike"]),
+        (f"{FALL}/margins", {}, {"strike": {"frames": 3}}),
+        (f"{FALL}/margins", {"strike": {"frames": 3}}, {"strike": {"frames": 2}}),
+        (f"{FALL}/margins", {"strike": {"value": 0.3}}, {"strike": {"value": 0.2}}),
+        ("/story/robustness", {"r": ROBUST}, {}),
+        ("/story/robustness/r", ROBUST, {**ROBUST, "samples": 8}),
+        ("/story/robustness/r", ROBUST, {**ROBUST, "min_fraction": 0.8}),
+        ("/story/robustness/r", {**ROBUST, "position": 0.002}, {**ROBUST, "position": 0.001}),
+        ("/story/robustness/r", {**ROBUST, "beats": ["fall", "strike"]}, ROBUST),
+        ("/story/robustness/r", {**FINER, "factor": 4}, FINER),
+        ("/story/robustness/r", FINER, {**FINER, "frames": 2}),
         ("/entities/b1/dimensions/tolerance", 0.01, 0.05),
         ("/simulation/frames", 36, 30),
         ("/clauses/c1", {"met_by": ["/entities/ball"]}, {"unmet": "too hard"}),
@@ -125,6 +137,10 @@ def test_one_way_changes(pointer: str, hard: Any, easy: Any) -> None:
     ("pointer", "one", "other"),
     [
         (f"{FALL}/frames", [4, 24], [4, 30]),
+        (f"{FALL}/margins", {"strike": {"value": 0.3}}, {"strike": {"frames": 3}}),
+        ("/story/robustness/r", ROBUST, FINER),
+        ("/story/robustness/r", ROBUST, {**ROBUST, "seed": 1}),
+        ("/story/robustness/r", ROBUST, {**ROBUST, "entities": ["ball"]}),
         (f"{FALL}/subject", "b3", "b2"),
         ("/graph/relations/on_shelf_b1/frames", [0, 0], [0, 3]),
         ("/graph/relations/hits/ratio", [0.1, 10], [0.01, 100]),
@@ -150,6 +166,8 @@ def test_repairs_of_the_scene_or_the_solver_are_no_weakening() -> None:
         ("/look/samples", 4),
         ("/simulation/frames", 40),
         ("/story/beats/more", base().story.beats["fall"].model_dump(mode="json")),
+        ("/story/beats/more", {**base().story.beats["fall"].model_dump(mode="json"), "margins": {"strike": {"frames": 1}}}),
+        ("/story/robustness/r", ROBUST),
     ):
         assert weakenings(base(), changed(base(), pointer, value)) == [], pointer
 

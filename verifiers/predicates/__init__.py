@@ -11,12 +11,12 @@ from ...worlds.predicates import PREDICATES
 from . import combine, kinematic, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
-from .times import BeatTimes
+from .times import BeatTimes, last_needed
 
 if TYPE_CHECKING:
     from ...worlds.spec import SpecModel
 
-__all__ = ["EVALUATORS", "BeatTimes", "Outcome", "Truth", "beat_times", "evaluate"]
+__all__ = ["EVALUATORS", "BeatTimes", "Outcome", "Truth", "beat_times", "evaluate", "last_needed"]
 
 EVALUATORS: Mapping[str, Evaluator] = {
     "reaches": kinematic.reaches,

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...worlds.references import references
 from .outcome import Outcome, missing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from ...worlds.candidate import Candidate
-    from ...worlds.spec import SpecModel
+    from ...worlds.spec import SpecModel, WorldSpec
     from .scope import Beats
 
-__all__ = ["BeatTimes"]
+__all__ = ["BeatTimes", "last_needed"]
 
 
 class BeatTimes:
@@ -51,3 +52,14 @@ class BeatTimes:
     def first(self, beat: str) -> int | None:
         """First frame at which the beat is true; None when it never is or cannot be judged."""
         return self.outcome(beat).first_true_frame
+
+
+def last_needed(spec: WorldSpec, beats: Iterable[str]) -> int:
+    """Last frame that the beats, and those that their predicates refer to, are judged by."""
+    todo, known = [b for b in beats if b in spec.story.beats], set[str]()
+    while todo:
+        name = todo.pop()
+        known.add(name)
+        named = [v for _, target, v in references(spec.story.beats[name].predicate, "") if target == "beat"]
+        todo += [v for v in named if v in spec.story.beats and v not in known]
+    return min(spec.simulation.frames - 1, max((spec.story.beats[b].frames[1] for b in known), default=0))

@@ -34,9 +34,12 @@ __all__ = [
     "CylinderRegion",
     "Fastened",
     "Interacts",
+    "Perturbed",
+    "Refined",
     "Region",
     "Relation",
     "Requirement",
+    "Robustness",
     "SceneGraph",
     "Shot",
     "SphereRegion",
@@ -85,12 +88,50 @@ class Requirement(SpecModel):
     mandatory: bool = True
 
 
+class Perturbed(SpecModel):
+    """Beats must come true in most of some runs whose start differs a little, evenly within the amounts."""
+
+    kind: Literal["perturbed"] = "perturbed"
+    beats: Annotated[list[BeatRef], Field(min_length=1, max_length=50)]
+    samples: int = Field(default=16, ge=4, le=64)
+    min_fraction: float = Field(gt=0, le=1, description="least share of the runs in which each beat comes true")
+    seed: int = Field(default=0, ge=0, lt=2**31)
+    entities: list[EntityRef] = Field(default=[], description="which are varied; default every dynamic one")
+    position: float = Field(default=0.0, ge=0, le=0.1, description="farthest shift, level [m]; not of what joints or ropes hold")
+    angle: float = Field(default=0.0, ge=0, le=0.5, description="largest turn about the vertical [rad]; as for position")
+    speed: float = Field(default=0.0, ge=0, le=0.5, description="largest relative change of start velocities")
+    friction: float = Field(default=0.0, ge=0, le=0.9, description="largest relative change of each material and contact pair")
+    restitution: float = Field(default=0.0, ge=0, le=0.5, description="largest change of each material and contact pair")
+    density: float = Field(default=0.0, ge=0, le=0.9, description="largest relative change of an entity's mass")
+
+    @model_validator(mode="after")
+    def _varies(self) -> Perturbed:
+        if not any((self.position, self.angle, self.speed, self.friction, self.restitution, self.density)):
+            raise ValueError("give at least one amount > 0: position, angle, speed, friction, restitution or density")
+        return self
+
+
+class Refined(SpecModel):
+    """Beats must come true with a finer time step too, at nearly the same frame."""
+
+    kind: Literal["refined"] = "refined"
+    beats: Annotated[list[BeatRef], Field(min_length=1, max_length=50)]
+    factor: Literal[2, 4] = Field(default=2, description="by what the step of every solver is divided")
+    frames: int = Field(default=1, ge=0, le=1000, description="largest shift of the first true frame")
+
+
+Robustness = Annotated[Perturbed | Refined, Field(discriminator="kind")]
+
+
 class Story(SpecModel):
     """Global scene semantics and events."""
 
     semantics: Text = ""
     beats: Annotated[dict[Id, Beat], Field(max_length=200)] = {}
     requirements: Annotated[dict[Id, Requirement], Field(max_length=200)] = {}
+    robustness: Annotated[dict[Id, Robustness], Field(max_length=20)] = Field(
+        default={}, description="what must also hold when the start is a little different, or the step finer"
+    )
 
 
 class _Region(SpecModel):

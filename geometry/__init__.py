@@ -1,9 +1,10 @@
 """Meshes and queries: solids, exact signed clearance, containment, broad phase, the camera and an id ray-caster."""
 
 from .batch import BatchClearance, clearance_batch
-from .broadphase import aabb_of, candidate_pairs
+from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
+from .forest import Forest
 from .idcast import IdCaster, IdImage, coverage
 from .inside import contains, distance_to_surface, winding_number
 from .motions import Motion, State, relative_travel
@@ -18,9 +19,11 @@ __all__ = [
     "Camera",
     "Clearance",
     "Crossings",
+    "Forest",
     "IdCaster",
     "IdImage",
     "Lowest",
+    "Meetings",
     "Motion",
     "Nearest",
     "Solid",
@@ -36,11 +39,13 @@ __all__ = [
     "crossing_triangles",
     "distance_to_surface",
     "lowest_clearance",
+    "meetings",
     "query_noise",
     "relative_travel",
     "self_crossings",
     "signed_clearance",
     "swept_clearance",
+    "turned_boxes",
     "wall_thickness",
     "winding_number",
 ]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
 from .clearance import NOISE, SMALL_WORK, measure, relative_poses, repeats
-from .forest import Forest, plant
+from .forest import Forest
 from .launch import chosen_device, launch, load, warp
 from .polytopes import Relative
 
@@ -77,7 +77,7 @@ def clearance_batch(
     the relative pose of the one before are answered by it, so give those of one pair one after the other.
 
     Args:
-        solids: the bodies, or what `plant` made of them.
+        solids: the bodies, or a `Forest` of them.
         pairs: indices of the first and the second solid of each query, shape (n, 2).
         poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
         poses_b: the same of the second.
@@ -99,7 +99,7 @@ def clearance_batch(
         value[compute] = _one_by_one(own, chosen, skip_above)
         exact = len(compute)
     else:
-        forest = solids if isinstance(solids, Forest) else plant(own)
+        forest = solids if isinstance(solids, Forest) else Forest(own)
         value[compute], exact = _by_kernels(forest, chosen, skip_above, where, report)
     return BatchClearance(value[anchor], len(compute), exact)
 
@@ -160,6 +160,8 @@ def wood_on(forest: Forest, device: str) -> Any:
     """The forest on a device, as the kernels take it."""
     from . import clearance_kernels as kernels
 
+    if device in forest.on_device:
+        return forest.on_device[device]
     wp = warp()
     wood, trees = kernels.Wood(), forest.trees
     for name, values, dtype in (
@@ -175,6 +177,7 @@ def wood_on(forest: Forest, device: str) -> Any:
         ("volume", forest.volume, wp.int32),
     ):
         setattr(wood, name, wp.array(np.ascontiguousarray(values), dtype=dtype, device=device))
+    forest.on_device[device] = wood
     return wood
 
 

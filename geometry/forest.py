@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from ..worlds.arrays import F64, I32
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Forest", "Trees", "grow", "plant"]
+__all__ = ["Forest", "Trees", "grow"]
 
 LEAF = 2
 """Boxes per leaf. Measured for clearance: 1 and 2 are equally fast, 4 a third slower; 2 needs half the nodes of 1."""
@@ -92,41 +93,50 @@ def _by_node(center: F64, first: NDArray[np.intp], count: NDArray[np.intp]) -> N
     return np.argsort(node + 0.5 * share, kind="stable")
 
 
-@dataclass(frozen=True)
 class Forest:
-    """Solids prepared for batched queries: a tree over the triangles of each, and one vertex of each component."""
+    """Solids prepared for batched queries, on first use; worth keeping when the same solids are asked again."""
 
-    solids: tuple[Solid, ...]
-    trees: Trees
-    corners: F64
-    """Corners of the triangles of all solids [m], in the order of the leaves, shape (t, 3, 3)."""
-    face: I32
-    """Index of each of them in its own solid, shape (t,)."""
-    first_face: I32
-    """Where the triangles of each solid begin, shape (solids + 1,)."""
-    heads: F64
-    """One vertex of every connected component [m], shape (h, 3)."""
-    first_head: I32
-    """Where the heads of each solid begin, shape (solids + 1,)."""
-    volume: I32
-    """0 for an open solid, 1 for one that bounds a volume, 2 where its triangles close as well, shape (solids,)."""
+    def __init__(self, solids: Sequence[Solid]) -> None:
+        self.solids = tuple(solids)
+        self.on_device: dict[str, Any] = {}
+        """What kernels hold of it, per device."""
 
+    @cached_property
+    def _groups(self) -> NDArray[np.intp]:
+        return np.array([len(s.faces) for s in self.solids], dtype=np.intp)
 
-def plant(solids: Sequence[Solid], *, leaf: int = LEAF) -> Forest:
-    """Prepare solids for `clearance_batch`; worth keeping when the same solids are asked again."""
-    groups = np.array([len(s.faces) for s in solids], dtype=np.intp)
-    corners = np.concatenate([s.triangles for s in solids])
-    trees = grow(corners.min(axis=1), corners.max(axis=1), groups, leaf=leaf)
-    start = np.concatenate([[0], np.cumsum(groups)])
-    own = trees.order - np.repeat(start[:-1], groups)
-    heads = [s.component_heads for s in solids]
-    return Forest(
-        tuple(solids),
-        trees,
-        np.ascontiguousarray(corners[trees.order]),
-        own.astype(np.int32),
-        start.astype(np.int32),
-        np.concatenate(heads),
-        np.concatenate([[0], np.cumsum([len(h) for h in heads])]).astype(np.int32),
-        np.array([0 if not s.closed else 2 if s.is_watertight else 1 for s in solids], dtype=np.int32),
-    )
+    @cached_property
+    def trees(self) -> Trees:
+        """One tree over the triangles of each solid; node s is the root of solid s."""
+        bounds = [s.face_bounds for s in self.solids]
+        return grow(np.concatenate([b[0] for b in bounds]), np.concatenate([b[1] for b in bounds]), self._groups)
+
+    @cached_property
+    def corners(self) -> F64:
+        """Corners of the triangles of all solids [m], in the order of the leaves, shape (t, 3, 3)."""
+        return np.ascontiguousarray(np.concatenate([s.triangles for s in self.solids])[self.trees.order])
+
+    @cached_property
+    def first_face(self) -> I32:
+        """Where the triangles of each solid begin in `corners`, shape (solids + 1,)."""
+        return np.concatenate([[0], np.cumsum(self._groups)]).astype(np.int32)
+
+    @cached_property
+    def face(self) -> I32:
+        """Index of each of `corners` in its own solid, shape (t,)."""
+        return np.asarray(self.trees.order - np.repeat(self.first_face[:-1], self._groups), dtype=np.int32)
+
+    @cached_property
+    def heads(self) -> F64:
+        """One vertex of every connected component of every solid [m], shape (h, 3)."""
+        return np.concatenate([s.component_heads for s in self.solids])
+
+    @cached_property
+    def first_head(self) -> I32:
+        """Where the heads of each solid begin, shape (solids + 1,)."""
+        return np.concatenate([[0], np.cumsum([len(s.component_heads) for s in self.solids])]).astype(np.int32)
+
+    @cached_property
+    def volume(self) -> I32:
+        """0 for an open solid, 1 for one that bounds a volume, 2 where its triangles close as well, shape (solids,)."""
+        return np.array([0 if not s.closed else 2 if s.is_watertight else 1 for s in self.solids], dtype=np.int32)

@@ -10,7 +10,7 @@ import pytest
 from worldagent.geometry import Solid, clearance_batch, query_noise, signed_clearance
 from worldagent.geometry import batch as module
 from worldagent.geometry.clearance import relative_poses
-from worldagent.geometry.forest import grow, plant
+from worldagent.geometry.forest import Forest, grow
 from worldagent.worlds.arrays import RigidPose, compose
 
 from . import brute
@@ -53,6 +53,10 @@ def compare(monkeypatch, seed: int, count: int, skip_above: float = np.inf) -> d
             assert abs(found[k] - expected) <= SEPARATED * size, (seed, k, kinds)
         elif a.closed or b.closed:
             seen["overlapping"] += 1
+            # Sampling can only miss depth: where it finds less, it looks closer before it is believed.
+            for density in (16, 48):
+                if found[k] < (1.0 + DEPTH) * expected:
+                    expected = brute.signed(a, pose_a, b, pose_b, density=density)
             assert abs(found[k] - expected) <= DEPTH * -found[k] + 1e-9 * size, (seed, k, kinds)
         else:
             assert found[k] <= query_noise(size), (seed, k, kinds)
@@ -115,7 +119,7 @@ def test_noise_of_flush_contacts_through_the_kernels(monkeypatch):
 def test_slices_do_not_change_a_bit():
     """Law: threads that only gather give equal bytes however the work is cut."""
     rng = np.random.default_rng(9)
-    forest = plant([random_shape(rng, kind) for kind in KINDS])
+    forest = Forest([random_shape(rng, kind) for kind in KINDS])
     pairs = rng.integers(0, len(KINDS), (400, 2)).astype(np.int32)
     poses = relative_poses(*(stacked([random_pose(rng, 0.5) for _ in pairs]) for _ in range(2)))
     wood = module.wood_on(forest, "cpu")

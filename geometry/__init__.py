@@ -1,6 +1,7 @@
 """Meshes and queries: solids, exact signed clearance, containment, broad phase, the camera and an id ray-caster."""
 
 from .batch import BatchClearance, clearance_batch
+from .apart import apart
 from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
@@ -30,6 +31,7 @@ __all__ = [
     "State",
     "Swept",
     "aabb_of",
+    "apart",
     "camera_at",
     "candidate_pairs",
     "clearance_batch",

@@ -64,7 +64,7 @@ def check(candidate: Candidate) -> list[Row]:
             predicate=_predicate(surfaces, a, b),
             entities=(a, b),
         )
-    passages = find_passages(surfaces)
+    passages = find_passages(surfaces, known={(r.id.split(":")[1], r.id.split(":")[2]) for r in rows if r.status == "fail"})
     through = [_through(surfaces, passage) for passage in passages.found]
     return [_scene(surfaces, rows, through, passages.inspected), *rows, *through]
 

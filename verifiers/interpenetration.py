@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..worlds.arrays import F64
+from ..geometry import apart
+from ..worlds.arrays import F64, RigidPose
 from ..worlds.requirements import Correction
 from .own_bodies import own_gap, own_pairs
 from .rows import guarded, guarded_rows, pointer, row, translation_patch
@@ -187,7 +188,7 @@ def separating_move(surfaces: Surfaces, mover: str, other: str, frame: int, dire
     """
 
     def clear(distance: float) -> bool:
-        return surfaces.gap(mover, other, frame, offset=distance * direction).distance >= MARGIN
+        return _apart(surfaces, mover, other, frame, distance * direction)
 
     low, high = 0.0, depth + 2.0 * MARGIN
     while not clear(high):
@@ -198,6 +199,19 @@ def separating_move(surfaces: Surfaces, mover: str, other: str, frame: int, dire
         middle = 0.5 * (low + high)
         low, high = (low, middle) if clear(middle) else (middle, high)
     return high
+
+
+def _apart(surfaces: Surfaces, mover: str, other: str, frame: int, offset: F64) -> bool:
+    """Whether `mover`, displaced by `offset` [m], clears `other` by `MARGIN`."""
+    for i in surfaces.parts_of[mover]:
+        one = surfaces.parts[i]
+        pose = surfaces.track(mover, one.body).at(frame)
+        moved = RigidPose(pose.position + offset, pose.quaternion)
+        for j in surfaces.parts_of[other]:
+            two = surfaces.parts[j]
+            if not apart(one.solid, moved, two.solid, surfaces.track(other, two.body).at(frame), gap=MARGIN):
+                return False
+    return True
 
 
 def _middle(surfaces: Surfaces, entity: str) -> F64:

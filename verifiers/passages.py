@@ -17,6 +17,7 @@ that intervals with less relative travel than twice the wanted depth hide nothin
 from __future__ import annotations
 
 import itertools
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -49,13 +50,13 @@ __all__ = ["SHARE", "Passage", "Passages", "find_passages"]
 
 SHARE = 0.25
 """Own choice, the same as for written frames (`contact.TUNNEL_SHARE`): a body that goes through a wall reaches half of it."""
-PRECISION = 0.1
-"""Own choice: the deepest place of a path is found within this share of the wanted depth."""
+PRECISION = 0.5
+"""Own choice: the deepest place of a path that might be displaced is found within this share of the wanted depth."""
 BENT = 0.1
 """Own choice: a path counts as bent when it may leave the cubic by more than this share of the wanted depth."""
 BENDS = 6
 """Displacements tried, each away from the deepest place of the last."""
-BEYOND = 1.2
+BEYOND = 1.1
 """Own choice: a displacement goes this much farther than the depth it escapes."""
 
 
@@ -169,8 +170,13 @@ class _Search:
         return low, high
 
 
-def find_passages(surfaces: Surfaces) -> Passages:
-    """All pairs of which one moves, frame to frame; the first passage of each pair of entities."""
+def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()) -> Passages:
+    """All pairs of which one moves, frame to frame; the first passage of each pair of entities.
+
+    Args:
+        surfaces: what is inspected.
+        known: pairs that need no test, because they fail at a written frame.
+    """
     if surfaces.frames < 2 or not surfaces.parts:
         return Passages([], 0)
     search = _Search(surfaces)
@@ -179,7 +185,7 @@ def find_passages(surfaces: Surfaces) -> Passages:
     inspected = 0
     for i, j in candidate_pairs(low, high, 0.0):
         a, b = surfaces.parts[i], surfaces.parts[j]
-        if not _concerns(surfaces, a, b):
+        if (a.entity, b.entity) in known or (b.entity, a.entity) in known or not _concerns(surfaces, a, b):
             continue
         meet = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= 0.0).all(axis=1))
         tested, passage = _pair(search, i, j, meet)
@@ -220,7 +226,7 @@ def _pair(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> tuple[int,
     meet, travel = meet[fast], travel[fast]
     if len(meet) == 0:
         return 0, None
-    case = _Case(a.solid, one, b.solid, two, bound, PRECISION * (bound - allowed))
+    case = _Case(a.solid, one, b.solid, two, bound, PRECISION * bound)
     # What overlaps at a written frame fails there.
     floor = -(allowed + noise)
     low = case.lowest(one.motion.take(meet), two.motion.take(meet), ends_above=floor)
@@ -271,14 +277,14 @@ class _Case:
     precision: float
 
     def lowest(self, motion_a: Motion, motion_b: Motion, *, ends_above: float = -np.inf, deepest: bool = False) -> Lowest:
-        """Some clearance below minus the bound per motion where there is one; the lowest if asked."""
+        """Some clearance below minus the bound per motion where there is one; about the lowest if asked."""
         return lowest_clearance(
             self.solid_a,
             motion_a,
             self.solid_b,
             motion_b,
             below=-self.bound,
-            precision=max(self.precision, 1e-9 * self.bound),
+            precision=self.precision,
             first_found=not deepest,
             ends_above=ends_above,
         )
@@ -321,7 +327,7 @@ class _Case:
         for _ in range(BENDS):
             away, _point = self.witness(motion_a.bent(total[None]), motion_b, time)
             height = max(4.0 * time * (1.0 - time), 1e-3)
-            total = total + BEYOND * (-value) / height * away
+            total = total + BEYOND * (self.precision - value) / height * away
             if float(np.linalg.norm(total)) > slack:
                 return False
             low = self.lowest(motion_a.bent(total[None]), motion_b, deepest=True)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from ...worlds.arrays import F64, rotation_matrix
-from ...worlds.spec import Extrusion, Fastened, HingeJoint, Rope
+from ...worlds.spec import Box, Extrusion, Fastened, HingeJoint, Part, Pose, Rope
 from .. import small_worlds as sw
 from ._motion import (
     FPS,
     FRAMES,
-    Path_,
+    Track,
     about,
     candidate_of,
     crate,
@@ -58,10 +58,10 @@ def _size(rng: Rng) -> tuple[float, float, float]:
 def _dip(folder: Path, depth_eps: float, rng: Rng, *, frame: int, shift: float = 0.0) -> World:
     size = _size(rng)
     at = np.array([shift, -0.7 * shift, 0.0])
-    floor = sw.box(10, 10, 0.2, at=at - [0, 0, 0.1])
-    box = sw.box(*size, motion="dynamic", at=at + [0, 0, size[2] / 2])
+    floor = sw.box(10, 10, 0.2, at=at - np.array([0, 0, 0.1]))
+    box = sw.box(*size, motion="dynamic", at=at + np.array([0, 0, size[2] / 2]))
     depth = min(depth_eps * eps_of(floor, box, shift), 0.45 * min(size), 0.09)
-    path = still(at + [*rng.uniform(-3, 3, 2), size[2] / 2])
+    path = still(at + np.array([*rng.uniform(-3, 3, 2), size[2] / 2]))
     path.position[frame, 2] -= depth
     path.quaternion[:] = turn_of((0, 0, 1), rng.uniform(0, 6))
     spec = sw.world({"floor": floor, "body": box}, frames=FRAMES)
@@ -86,7 +86,7 @@ def far_dip(folder: Path, magnitude: float, rng: Rng) -> World:
 def hidden_dip(folder: Path, magnitude: float, rng: Rng) -> World:
     """Two blocks overlap inside a closed chest, one frame, among bodies that only touch."""
     chest = sw.entity(
-        *crate(np.array([1.0, 1.0, 0.5]), 0.05), sw.Part(shape=sw.Box(size=(1.1, 1.1, 0.05)), pose=sw.pose((0, 0, 0.525)))
+        *crate(np.array([1.0, 1.0, 0.5]), 0.05), Part(shape=Box(size=(1.1, 1.1, 0.05)), pose=sw.pose((0, 0, 0.525)))
     )
     things = {"chest": chest}
     for k in range(6):
@@ -160,7 +160,7 @@ def inside_out(folder: Path, magnitude: float, rng: Rng) -> World:
 def own_pieces(folder: Path, magnitude: float, rng: Rng) -> World:
     """Two bodies of one entity, which nothing joins, overlap at one frame."""
     sizes = [_size(rng) for _ in range(2)]
-    parts = [sw.Part(shape=sw.Box(size=s), pose=sw.pose((2.0 * k, 0, 0))) for k, s in enumerate(sizes)]
+    parts = [Part(shape=Box(size=s), pose=sw.pose((2.0 * k, 0, 0))) for k, s in enumerate(sizes)]
     whole = sw.entity(*parts, motion="dynamic", at=(0, 0, 2))
     spec = sw.world({"ground": sw.ground(), "body": whole}, frames=FRAMES)
     depth = min(magnitude * 2e-9 * max(math.dist(s, (0, 0, 0)) for s in sizes), 0.4 * min(*sizes[0], *sizes[1]))
@@ -174,7 +174,7 @@ def rope_through_itself(folder: Path, magnitude: float, rng: Rng) -> World:
     """The far end of a rope lies in its own middle at one frame; magnitude: overlap / radius."""
     radius = float(rng.uniform(0.005, 0.02))
     rope = sw.entity(rope=Rope(points=[(0, 0, 0), (1, 0, 0)], radius=radius, segments=8), motion="dynamic", at=(0, 0, 1))
-    path = Path_(np.tile([0.5 + 7 / 16, 0.0, 1.0], (FRAMES, 1)), turn_of((0, 1, 0), math.pi / 2))
+    path = Track(np.tile([0.5 + 7 / 16, 0.0, 1.0], (FRAMES, 1)), turn_of((0, 1, 0), math.pi / 2))
     segment = int(rng.integers(1, 4))
     frame = int(rng.integers(1, FRAMES))
     path.position[frame] = [(segment + 0.5) / 8, 0, 1.0 + radius * (2.0 - magnitude)]
@@ -218,10 +218,10 @@ def thin_wall(folder: Path, magnitude: float, rng: Rng) -> World:
     normal = rotation_matrix(quaternion)[:, 2]
     track, step = _crossing(rng, normal, magnitude * (2 * radius + wall), int(rng.integers(1, FRAMES)))
     plate = sw.box(3, 3, wall)
-    plate = plate.model_copy(update={"pose": sw.Pose(position=(0, 0, 0), quaternion=tuple(map(float, quaternion)))})
+    plate = plate.model_copy(update={"pose": Pose(position=(0, 0, 0), quaternion=tuple(map(float, quaternion)))})
     ball = sw.ball(radius, motion="dynamic")
     spec = sw.world({"plate": plate, "ball": ball}, frames=FRAMES, gravity=(0, 0, 0))
-    return World(candidate_of(folder, spec, {"ball": Path_(track, velocity=step * FPS)}), ("ball", "plate"))
+    return World(candidate_of(folder, spec, {"ball": Track(track, velocity=step * FPS)}), ("ball", "plate"))
 
 
 def slowed_through(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -239,7 +239,7 @@ def slowed_through(folder: Path, magnitude: float, rng: Rng) -> World:
     spec = sw.world({"plate": sw.box(1, 1, wall), "ball": sw.ball(radius, motion="dynamic")}, frames=FRAMES, gravity=(0, 0, 0))
     events = [sw.Event((frame - 0.5) / FPS, "plate", "ball", speed=speed)]
     touches = [sw.Touch(frame, "plate", "ball", min_gap=deep)]
-    return World(candidate_of(folder, spec, {"ball": Path_(track, velocity=vel)}, events=events, touches=touches), ("ball",))
+    return World(candidate_of(folder, spec, {"ball": Track(track, velocity=vel)}, events=events, touches=touches), ("ball",))
 
 
 def spinning_blade(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -257,7 +257,7 @@ def spinning_blade(folder: Path, magnitude: float, rng: Rng) -> World:
         angle = start + np.where(np.arange(FRAMES) < frame, -0.5, 0.5) * magnitude
     rate = magnitude * FPS
     spec = sw.world({"post": post, "blade": blade}, frames=FRAMES, gravity=(0, 0, 0))
-    path = about((0, 0, 1), angle, np.full(FRAMES, rate), (0, 0, 0), (0, 0, 0))
+    path = about((0, 0, 1), np.asarray(angle, dtype=np.float64), np.full(FRAMES, rate), (0, 0, 0), (0, 0, 0))
     return World(candidate_of(folder, spec, {"blade": path}), ("blade", "post"))
 
 
@@ -272,8 +272,8 @@ def head_on(folder: Path, magnitude: float, rng: Rng) -> World:
     step = magnitude * reach * direction
     share = float(rng.uniform(0.2, 0.8))
     paths = {
-        "a": Path_(k[:, None] * step * share, qa, velocity=step * share * FPS),
-        "b": Path_(-k[:, None] * step * (1 - share), qb, velocity=-step * (1 - share) * FPS),
+        "a": Track(k[:, None] * step * share, qa, velocity=step * share * FPS),
+        "b": Track(-k[:, None] * step * (1 - share), qb, velocity=-step * (1 - share) * FPS),
     }
     spec = sw.world({"ground": sw.box(1, 1, 1, at=(50, 50, 50)), "a": a, "b": b}, frames=FRAMES, gravity=(0, 0, 0))
     return World(candidate_of(folder, spec, paths), ("a", "b"))
@@ -292,7 +292,7 @@ def gate(folder: Path, magnitude: float, rng: Rng) -> World:
         frames=FRAMES,
         gravity=(0, 0, 0),
     )
-    paths = {"gate": Path_(lift, velocity=(0, 0, rise * FPS)), "ball": Path_(track, velocity=step * FPS)}
+    paths = {"gate": Track(lift, velocity=(0, 0, rise * FPS)), "ball": Track(track, velocity=step * FPS)}
     return World(candidate_of(folder, spec, paths), ("ball", "gate"))
 
 
@@ -311,4 +311,4 @@ def threaded_ring(folder: Path, magnitude: float, rng: Rng) -> World:
     velocity[np.abs(k[:, 0]) > 1] = 0.0
     turn = turn_of((1, 0, 0), math.pi / 2)
     spec = sw.world({"bar": bar, "ring": ring}, frames=FRAMES, gravity=(0, 0, 0))
-    return World(candidate_of(folder, spec, {"ring": Path_(track, np.tile(turn, (FRAMES, 1)), velocity)}), ("ring", "bar"))
+    return World(candidate_of(folder, spec, {"ring": Track(track, np.tile(turn, (FRAMES, 1)), velocity)}), ("ring", "bar"))

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from ...worlds.arrays import rotation_matrix
-from ...worlds.spec import Extrusion, Fastened, HingeJoint, Rope
+from ...worlds.spec import Box, Cylinder, Entity, Extrusion, Fastened, HingeJoint, Part, Pose, Rope
 from .. import small_worlds as sw
 from ._motion import (
     FPS,
     FRAMES,
-    Path_,
+    Track,
     about,
     bowl,
     candidate_of,
@@ -72,9 +72,9 @@ def far_rest(folder: Path, magnitude: float, rng: Rng) -> World:
     """The same kilometres away, where positions round. Magnitude: distance [m]."""
     at = np.array([magnitude, -0.7 * magnitude, 0.3 * magnitude])
     size = float(rng.uniform(0.1, 0.5))
-    floor = sw.box(10, 10, 0.25, at=at - [0, 0, 0.125])
-    body = sw.box(size, size, size, motion="dynamic", at=at + [0, 0, size / 2])
-    path = still(at + [0, 0, size / 2])
+    floor = sw.box(10, 10, 0.25, at=at - np.array([0, 0, 0.125]))
+    body = sw.box(size, size, size, motion="dynamic", at=at + np.array([0, 0, size / 2]))
+    path = still(at + np.array([0, 0, size / 2]))
     path.position[:, 0] += np.linspace(0, 1, FRAMES)
     return World(candidate_of(folder, sw.world({"floor": floor, "body": body}, frames=FRAMES), {"body": path}))
 
@@ -85,14 +85,14 @@ def slide(folder: Path, magnitude: float, rng: Rng) -> World:
     turn = rotation_matrix(q)
     pose = {"quaternion": tuple(map(float, q))}
 
-    def placed(entity: sw.Entity, at: tuple[float, float, float]) -> sw.Entity:
-        return entity.model_copy(update={"pose": sw.Pose(position=tuple(map(float, turn @ at)), **pose)})
+    def placed(entity: Entity, at: tuple[float, float, float]) -> Entity:
+        return entity.model_copy(update={"pose": Pose(position=tuple(map(float, turn @ at)), **pose)})
 
     side = float(rng.uniform(0.1, 0.4))
     floor, wall = placed(sw.box(60, 4, 0.2), (0, 0, -0.1)), placed(sw.box(60, 0.2, 1), (0, -0.1, 0.5))
     local = np.column_stack([magnitude * np.arange(FRAMES) / FPS, np.full(FRAMES, side / 2), np.full(FRAMES, side / 2)])
     local[:, 0] -= local[-1, 0] / 2
-    path = Path_(local @ turn.T, q, velocity=magnitude * turn[:, 0])
+    path = Track(local @ turn.T, q, velocity=magnitude * turn[:, 0])
     block = sw.box(side, side, side, motion="dynamic")
     return World(
         candidate_of(
@@ -131,7 +131,7 @@ def bounce(folder: Path, magnitude: float, rng: Rng) -> World:
     before = time < 0
     z = radius + wall / 2 + np.where(before, -magnitude * time, restitution * magnitude * time)
     velocity = np.column_stack([np.full(FRAMES, side), np.zeros(FRAMES), np.where(before, -magnitude, restitution * magnitude)])
-    path = Path_(np.column_stack([side * time, 0 * z, z]), sw.IDENTITY, velocity)
+    path = Track(np.column_stack([side * time, 0 * z, z]), sw.IDENTITY, velocity)
     path.spin[~before] = spin
     for k in np.flatnonzero(~before):
         path.quaternion[k] = turn_of(spin, np.linalg.norm(spin) * time[k])[0]
@@ -165,7 +165,7 @@ def corner_bounce(folder: Path, magnitude: float, rng: Rng) -> World:
     events = [sw.Event((frame - late[k]) / FPS, n, "ball") for k, n in enumerate(("wall", "floor"))]
     touches = [sw.Touch(frame, n, "ball") for n in ("wall", "floor")]
     spec = sw.world(things, frames=FRAMES, gravity=(0, 0, 0))
-    return World(candidate_of(folder, spec, {"ball": Path_(track, velocity=velocity)}, events=events, touches=touches))
+    return World(candidate_of(folder, spec, {"ball": Track(track, velocity=velocity)}, events=events, touches=touches))
 
 
 def recoil(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -181,7 +181,7 @@ def recoil(folder: Path, magnitude: float, rng: Rng) -> World:
     paths = {}
     for name, sign, reach, part in (("a", 1.0, ra, share), ("b", -1.0, rb, 1 - share)):
         speed = np.where(time < 0, -magnitude * part, 0.7 * magnitude * part)
-        paths[name] = Path_(drift * time + sign * direction * (reach + speed * time), velocity=drift + sign * direction * speed)
+        paths[name] = Track(drift * time + sign * direction * (reach + speed * time), velocity=drift + sign * direction * speed)
     spec = sw.world(
         {"a": sw.ball(float(ra), motion="dynamic"), "b": sw.ball(float(rb), motion="dynamic")}, frames=FRAMES, gravity=(0, 0, 0)
     )
@@ -211,7 +211,7 @@ def landing_stick(folder: Path, magnitude: float, rng: Rng) -> World:
     events = [sw.Event(when, "floor", "stick"), *([sw.Event(down + 1e-9, "floor", "stick")] if down < (FRAMES - 1) / FPS else [])]
     touches = [sw.Touch(k, "floor", "stick") for k in range(frame, FRAMES)]
     things = {"floor": sw.ground(), "stick": sw.box(length, thick, thick, motion="dynamic")}
-    path = Path_(track, quaternion, velocity, spin)
+    path = Track(track, quaternion, velocity, spin)
     return World(candidate_of(folder, sw.world(things, frames=FRAMES), {"stick": path}, events=events, touches=touches))
 
 
@@ -230,7 +230,7 @@ def near_miss(folder: Path, magnitude: float, rng: Rng) -> World:
     track[:, 2] = track[:, 2]
     keep = np.abs(time) < 0.3
     track[~keep], velocity[~keep] = track[keep][np.where(time[~keep] < 0, 0, -1)], 0.0
-    return World(candidate_of(folder, sw.world(things, frames=FRAMES), {"ball": Path_(track, velocity=velocity)}))
+    return World(candidate_of(folder, sw.world(things, frames=FRAMES), {"ball": Track(track, velocity=velocity)}))
 
 
 def thrown_over(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -250,7 +250,7 @@ def thrown_over(folder: Path, magnitude: float, rng: Rng) -> World:
     assert rise > radius
     things = {"wall": sw.box(0.02, 1, 0.3, at=(0, 0, 0.15)), "ball": sw.ball(radius, motion="dynamic")}
     spec = sw.world(things, frames=FRAMES, fps=fps)
-    return World(candidate_of(folder, spec, {"ball": Path_(track, velocity=velocity)}))
+    return World(candidate_of(folder, spec, {"ball": Track(track, velocity=velocity)}))
 
 
 def blade_beside_post(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -277,12 +277,12 @@ def open_gate(folder: Path, magnitude: float, rng: Rng) -> World:
     under = (radius + 0.02) / speed
     edge = radius + magnitude + rise * (time + under)
     lift = np.column_stack([0 * time, 0 * time, 0.5 + edge])
-    ball = Path_(np.outer(time, [speed, 0, 0]), velocity=(speed, 0, 0))
+    ball = Track(np.outer(time, [speed, 0, 0]), velocity=(speed, 0, 0))
     things = {"gate": sw.box(0.02, 1, 1, motion="kinematic"), "ball": sw.ball(radius, motion="dynamic")}
     early = time < -under
     lift[early, 2] = np.maximum(lift[early, 2], -10.0)
     spec = sw.world(things, frames=FRAMES, gravity=(0, 0, 0))
-    return World(candidate_of(folder, spec, {"gate": Path_(lift, velocity=(0, 0, rise)), "ball": ball}))
+    return World(candidate_of(folder, spec, {"gate": Track(lift, velocity=(0, 0, rise)), "ball": ball}))
 
 
 def linked_rings(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -293,18 +293,18 @@ def linked_rings(folder: Path, magnitude: float, rng: Rng) -> World:
     angle = magnitude * np.arange(FRAMES)
     flat = turn_of((0, 0, 1), angle)
     upright = turn_of((1, 0, 0), math.pi / 2)[0]
-    first = Path_(np.zeros((FRAMES, 3)), flat, spin=(0, 0, magnitude * FPS))
-    second = Path_(np.tile([major, 0, 0], (FRAMES, 1)), upright)
+    first = Track(np.zeros((FRAMES, 3)), flat, spin=(0, 0, magnitude * FPS))
+    second = Track(np.tile([major, 0, 0], (FRAMES, 1)), upright)
     spec = sw.world(things, frames=FRAMES, gravity=(0, 0, 0))
     return World(candidate_of(folder, spec, {"a": first, "b": second}))
 
 
 def bowl_and_ball(folder: Path, magnitude: float, rng: Rng) -> World:
     """A ball rolls in a thin bowl, inside its box and its hull. Magnitude: gap [m]."""
-    inner, wall, sections = 0.5, float(rng.uniform(0.01, 0.05)), 24
+    inner, wall, sections = 0.5, float(rng.uniform(0.01, 0.05)), 16
     radius = float(rng.uniform(0.03, 0.15))
     # Facets of the bowl stand inside its sphere: by the sagitta of both its divisions.
-    clear = inner * math.cos(math.pi / sections) * math.cos(math.pi / 36)
+    clear = inner * math.cos(math.pi / sections) * math.cos(math.pi / 24)
     angle = 1.1 * np.sin(np.arange(FRAMES) / 3.0 + rng.uniform(0, 6))
     rate = 1.1 * np.cos(np.arange(FRAMES) / 3.0 + 0.0) * FPS / 3.0
     reach = clear - radius - magnitude
@@ -315,14 +315,14 @@ def bowl_and_ball(folder: Path, magnitude: float, rng: Rng) -> World:
     axis = np.cross(way, [0, 0, 1.0])
     turn = turn_of(axis, -angle * reach / radius)
     things = {"bowl": mesh_entity(bowl(inner, wall, sections), keep_origin=True), "ball": sw.ball(radius, motion="dynamic")}
-    path = Path_(track, turn, velocity, -rate[:, None] * reach / radius * axis)
+    path = Track(track, turn, velocity, -rate[:, None] * reach / radius * axis)
     return World(candidate_of(folder, sw.world(things, frames=FRAMES), {"ball": path}))
 
 
 def crate_with_content(folder: Path, magnitude: float, rng: Rng) -> World:
     """A block lies in an open crate that fits it closely; the crate is carried along. Magnitude: play [m]."""
     size = rng.uniform(0.1, 0.4, 3)
-    box = sw.entity(*crate(size + [2 * magnitude, 2 * magnitude, 0], 0.02), motion="kinematic")
+    box = sw.entity(*crate(size + np.array([2 * magnitude, 2 * magnitude, 0]), 0.02), motion="kinematic")
     block = sw.box(*map(float, size), motion="dynamic")
     angle = np.linspace(0, float(rng.uniform(0.5, 6)), FRAMES)
     where = np.column_stack([2 * np.cos(angle), 2 * np.sin(angle), 0.1 * angle])
@@ -331,15 +331,15 @@ def crate_with_content(folder: Path, magnitude: float, rng: Rng) -> World:
     velocity = np.column_stack([-2 * np.sin(angle), 2 * np.cos(angle), np.full(FRAMES, 0.1)]) * rate
     spec = sw.world({"crate": box, "block": block}, frames=FRAMES)
     paths = {
-        "crate": Path_(where, turn, velocity, (0, 0, rate)),
-        "block": Path_(where + [0, 0, size[2] / 2], turn, velocity, (0, 0, rate)),
+        "crate": Track(where, turn, velocity, (0, 0, rate)),
+        "block": Track(where + np.array([0, 0, size[2] / 2]), turn, velocity, (0, 0, rate)),
     }
     return World(candidate_of(folder, spec, paths))
 
 
 def turntable(folder: Path, magnitude: float, rng: Rng) -> World:
     """Blocks ride on a fast turntable with no gap. Magnitude: rate [rad/s]."""
-    disc = sw.entity(sw.Cylinder(radius=1.0, height=0.1), motion="kinematic", at=(0, 0, -0.05))
+    disc = sw.entity(Cylinder(radius=1.0, height=0.1), motion="kinematic", at=(0, 0, -0.05))
     things, paths = {"disc": disc}, {}
     angle = magnitude * np.arange(FRAMES) / FPS
     rate = np.full(FRAMES, magnitude)
@@ -371,7 +371,7 @@ def fastened(folder: Path, magnitude: float, rng: Rng) -> World:
 def flush_pieces(folder: Path, magnitude: float, rng: Rng) -> World:
     """Bodies of one entity lie flush against each other and part. Magnitude: speed of parting [m/s]."""
     side = float(rng.uniform(0.1, 0.4))
-    parts = [sw.Part(shape=sw.Box(size=(side,) * 3), pose=sw.pose((side * k, 0, 0))) for k in range(3)]
+    parts = [Part(shape=Box(size=(side,) * 3), pose=sw.pose((side * k, 0, 0))) for k in range(3)]
     whole = sw.entity(*parts, motion="dynamic", at=(0, 0, 2))
     spec = sw.world({"ground": sw.ground(), "body": whole}, frames=FRAMES, gravity=(0, 0, 0))
     path = still((2 * side, 0, 2))
@@ -395,7 +395,7 @@ def rope_in_a_bight(folder: Path, magnitude: float, rng: Rng) -> World:
         (x0, y0), (x1, y1) = knots[k], knots[k + 1]
         along = np.array([x1 - x0, y1 - y0, 0.0])
         across = np.cross([0, 0, 1.0], along / np.linalg.norm(along))
-        paths[f"rope/s{k}"] = Path_(np.tile([(x0 + x1) / 2, (y0 + y1) / 2, 1.0], (FRAMES, 1)), turn_of(across, math.pi / 2))
+        paths[f"rope/s{k}"] = Track(np.tile([(x0 + x1) / 2, (y0 + y1) / 2, 1.0], (FRAMES, 1)), turn_of(across, math.pi / 2))
     spec = sw.world(
         {"ground": sw.ground(), "rope": rope},
         frames=FRAMES,

@@ -13,12 +13,12 @@ import trimesh
 from ...worlds.arrays import F64, RigidPose, pose_of, rotation_matrix
 from ...worlds.built import BuiltBody, BuiltEntity, BuiltPart
 from ...worlds.candidate import Candidate
-from ...worlds.spec import Entity, Mesh, WorldSpec
+from ...worlds.spec import Box, Entity, Mesh, Part, WorldSpec
 from .. import small_worlds as sw
 
 __all__ = [
     "FRAMES",
-    "Path_",
+    "Track",
     "about",
     "bowl",
     "candidate_of",
@@ -39,7 +39,7 @@ EPS = 1e-9
 """The documented bound: query noise relative to the summed sizes of a pair (S1)."""
 
 
-class Path_:
+class Track:
     """Motion of one body: position, quaternion, velocity and spin at every frame."""
 
     def __init__(self, position: Any, quaternion: Any = sw.IDENTITY, velocity: Any = 0.0, spin: Any = 0.0) -> None:
@@ -50,9 +50,9 @@ class Path_:
         self.spin = np.broadcast_to(np.asarray(spin, dtype=float), (count, 3)).copy()
 
 
-def still(position: Sequence[float] | F64, frames: int = FRAMES) -> Path_:
+def still(position: Sequence[float] | F64, frames: int = FRAMES) -> Track:
     """A body that rests."""
-    return Path_(np.tile(np.asarray(position, dtype=float), (frames, 1)))
+    return Track(np.tile(np.asarray(position, dtype=float), (frames, 1)))
 
 
 def turn_of(axis: Sequence[float] | F64, angle: Any) -> F64:
@@ -62,12 +62,12 @@ def turn_of(axis: Sequence[float] | F64, angle: Any) -> F64:
     return np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * axis], axis=1)
 
 
-def about(axis: Sequence[float], angle: F64, rate: Any, pivot: Sequence[float], arm: Sequence[float]) -> Path_:
+def about(axis: Sequence[float], angle: F64, rate: Any, pivot: Sequence[float], arm: Sequence[float]) -> Track:
     """A body that turns about an axis through `pivot`; its frame stands at pivot + turned arm."""
     quaternion = turn_of(axis, angle)
     reach = rotation_matrix(quaternion) @ np.asarray(arm, dtype=float)
     spin = np.broadcast_to(np.asarray(rate, dtype=float), angle.shape)[:, None] * np.asarray(axis, dtype=float)
-    return Path_(np.asarray(pivot) + reach, quaternion, np.cross(spin, reach), spin)
+    return Track(np.asarray(pivot) + reach, quaternion, np.cross(spin, reach), spin)
 
 
 def random_rotation(rng: np.random.Generator) -> F64:
@@ -76,7 +76,7 @@ def random_rotation(rng: np.random.Generator) -> F64:
     return np.asarray(q / np.linalg.norm(q))
 
 
-def candidate_of(folder: Path, spec: WorldSpec, paths: Mapping[str, Path_], **more: Any) -> Candidate:
+def candidate_of(folder: Path, spec: WorldSpec, paths: Mapping[str, Track], **more: Any) -> Candidate:
     """A candidate with these motions and their velocities; what has no path rests where it is specified.
 
     Paths start at the body frame; frames must have their origin at the centre of mass, which velocities belong to.
@@ -112,12 +112,12 @@ def mesh_entity(mesh: trimesh.Trimesh, **more: Any) -> Entity:
 
 def torus(major: float, minor: float) -> trimesh.Trimesh:
     """A ring about z."""
-    return trimesh.creation.torus(major, minor, major_sections=24, minor_sections=10)
+    return trimesh.creation.torus(major, minor, major_sections=16, minor_sections=6)
 
 
-def bowl(inner: float, wall: float, sections: int = 24) -> trimesh.Trimesh:
+def bowl(inner: float, wall: float, sections: int = 16) -> trimesh.Trimesh:
     """Half a hollow ball, open upwards, its middle at the origin."""
-    angles = np.linspace(0.0, math.pi / 2, 10)
+    angles = np.linspace(0.0, math.pi / 2, 7)
     outside = np.stack([(inner + wall) * np.sin(angles), -(inner + wall) * np.cos(angles)], axis=1)
     inside = np.stack([inner * np.sin(angles), -inner * np.cos(angles)], axis=1)[::-1]
     profile = np.concatenate([outside, inside])
@@ -138,7 +138,7 @@ def crate(size: F64, wall: float) -> list[Any]:
         ((x, wall, z), (0, (y + wall) / 2, z / 2)),
         ((x, wall, z), (0, -(y + wall) / 2, z / 2)),
     ]
-    return [sw.Part(shape=sw.Box(size=s), pose=sw.pose(p)) for s, p in places]
+    return [Part(shape=Box(size=s), pose=sw.pose(p)) for s, p in places]
 
 
 def pieces(name: str, entity: Entity, spec: WorldSpec) -> BuiltEntity:
@@ -146,7 +146,7 @@ def pieces(name: str, entity: Entity, spec: WorldSpec) -> BuiltEntity:
     bodies, parts = [], []
     for key, part in entity.parts.items():
         alone = sw.build(
-            spec.model_copy(update={"entities": {name: entity.model_copy(update={"parts": {key: sw.Part(shape=part.shape)}})}}),
+            spec.model_copy(update={"entities": {name: entity.model_copy(update={"parts": {key: Part(shape=part.shape)}})}}),
             name,
         )
         body, only = alone.bodies[0], alone.parts[0]

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from . import _contact_broken as broken
 from . import _contact_clean as clean
-from .cases import Mechanism, Suite
+from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
 
 JUST_OVER = 1.05
 """In units of the bound."""
+Build = Callable[..., World]
 
 
-def _overlap(name: str, text: str, build, high: float = 1e7) -> Mechanism:  # type: ignore[no-untyped-def]
+def _overlap(name: str, text: str, build: Build, high: float = 1e7) -> Mechanism:
     return Mechanism(name, text, True, build, JUST_OVER, high, "eps", bound=1.0)
 
 
-def _sound(name: str, text: str, build, low: float, high: float, unit: str) -> Mechanism:  # type: ignore[no-untyped-def]
+def _sound(name: str, text: str, build: Build, low: float, high: float, unit: str) -> Mechanism:
     return Mechanism(name, text, False, build, low, high, unit)
 
 

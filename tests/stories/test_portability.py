@@ -45,6 +45,18 @@ def test_a_copied_folder_is_verified_with_equal_digests_and_not_written_to(copy:
     assert verdict["cache_digest"].startswith(json.loads(loop.answers["bake"].content[0].text)["cache_digest"])
 
 
+def test_a_bundle_is_verified_by_the_command_alone(loop: Any, tmp_path: Path) -> None:
+    (bundle,) = (loop.workspace / "w" / "acceptance").glob("*.zip")
+    away = Path(shutil.copy(bundle, tmp_path / "proof.zip"))
+    code, verdict = _worldagent("verify", str(away), "--intervals", "all", "--report", str(tmp_path / "page.html"), where=tmp_path)
+    assert code == 0, verdict
+    assert verdict["verdict"] == "accepted"
+    assert verdict["differences"] == verdict["problems"] == []
+    assert [r["identical"] for r in verdict["replayed"]] == [True] * 4
+    assert (tmp_path / "page.html").read_text().startswith("<!DOCTYPE html>")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["page.html", "proof.zip"]
+
+
 def test_a_folder_without_caches_is_recomputed_to_the_same_verdicts(copy: Path, tmp_path: Path) -> None:
     from worldagent.worlds.ledger import Ledger
 

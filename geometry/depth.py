@@ -26,10 +26,9 @@ __all__ = ["Deep", "crossing_excursion", "surface_depth"]
 PRECISION = 0.004
 """Own choice: refinement ends when no piece can be deeper than the best by more than this fraction (1 % is promised)."""
 PIECES = 600
-"""Pieces kept per refinement level, largest bound first."""
-LEVELS = 14
-PATIENCE = 8
-"""Levels after which one without a gain ends the refinement: its pieces are 256 times smaller than the triangles."""
+"""Pieces split per round, largest bound first."""
+ROUNDS = 60
+"""Own choice: rounds after which refinement ends in any case; random overlaps need about ten."""
 CURVE_POINTS = 12
 """Intersection points per triangle whose midpoints are tried."""
 
@@ -151,30 +150,32 @@ def _sample(other: Solid, points: F64) -> _Samples:
 
 
 def _refine(pieces: F64, other: Solid, best: Deep, noise: float) -> Deep:
-    """Split triangles, shape (n, 3, 3), until none can hold a point deeper than the best found."""
-    corners = _sample(other, pieces)
-    for level in range(LEVELS):
-        before = best.depth
-        best = _deepest(corners, other, best)
-        if level >= PATIENCE and best.depth <= before * (1.0 + PRECISION / 4.0):
+    """Split triangles, shape (n, 3, 3), until none can hold a point deeper than the best found: largest bound first."""
+    pool = _sample(other, pieces)
+    best = _deepest(pool, other, best)
+    upper = _upper(pool, other)
+    for _ in range(ROUNDS):
+        open_ones = upper > best.depth * (1.0 + PRECISION) + noise
+        pool, upper = pool.take(open_ones), upper[open_ones]
+        if len(upper) == 0:
             break
-        goal = best.depth * (1.0 + PRECISION) + noise
-        sides = np.linalg.norm(corners.point - np.roll(corners.point, -1, axis=1), axis=2)
-        # Farthest that a point of the piece lies from each corner.
-        reach = np.maximum(sides, np.roll(sides, 1, axis=1))
-        upper = (corners.distance + reach).min(axis=1)
-        keep = (upper > goal) & ~(~corners.inside & (corners.distance > reach)).any(axis=1)
-        corners, upper = corners.take(keep), upper[keep]
-        if len(upper) == 0 or level == LEVELS - 1:
-            break
-        upper = np.minimum(upper, _corner_bound(corners, other))
-        order = np.argsort(-upper)[:PIECES]
-        corners = corners.take(order[upper[order] > goal])
-        if len(corners.face) == 0:
-            break
+        order = np.argsort(-upper, kind="stable")
+        corners, rest = pool.take(order[:PIECES]), order[PIECES:]
         middle = _sample(other, 0.5 * (corners.point + np.roll(corners.point, -1, axis=1)))
-        corners = _split(corners, middle)
+        best = _deepest(middle, other, best)
+        parts = _split(corners, middle)
+        pool = _Samples(*(np.concatenate(pair) for pair in zip(parts, pool.take(rest), strict=True)))
+        upper = np.concatenate([_upper(parts, other), upper[rest]])
     return best
+
+
+def _upper(corners: _Samples, other: Solid) -> F64:
+    """Upper bound of the depth over each piece: signed depth changes no faster than one moves, and `_corner_bound`."""
+    sides = np.linalg.norm(corners.point - np.roll(corners.point, -1, axis=1), axis=2)
+    # Farthest that a point of the piece lies from each corner.
+    reach = np.maximum(sides, np.roll(sides, 1, axis=1))
+    signed = np.where(corners.inside, corners.distance, -corners.distance)
+    return np.asarray(np.minimum((signed + reach).min(axis=1), _corner_bound(corners, other)))
 
 
 def _deepest(samples: _Samples, other: Solid, best: Deep) -> Deep:
@@ -189,7 +190,6 @@ def _deepest(samples: _Samples, other: Solid, best: Deep) -> Deep:
 def _corner_bound(corners: _Samples, other: Solid) -> F64:
     """Upper bound of the distance over each piece from what is nearest to its corners.
 
-    The distance to one convex triangle is convex, so that its largest corner value bounds the piece. Corners that are
     The distance to one convex triangle is convex, so that its largest corner value bounds the piece. Corners nearest to
     coplanar triangles bound it alike where those cover its shadow on their plane. A hole between them could hide a
     deeper point from this bound, not from the candidates of the intersection curve (own choice: without it, seams of

@@ -411,10 +411,11 @@ def make_candidate(
     cache = Cache(folder)
     index = CacheIndex("rigid", "mujoco", plan.fps, frames, tuple(bodies), colliders, hinges, tuple(plan.drivers), "test", {})
     cache.write_index(index)
-    left_out = set(without)
+    left_out, digests = set(without), []
     for k in range(frames):
         frame = {n: v[k] for n, v in per_frame.items()} | _contacts(k, plan.fps, colliders, events, touches)
-        write_container(cache.path(k), {n: v for n, v in frame.items() if n not in left_out})
+        digests.append(write_container(cache.path(k), {n: v for n, v in frame.items() if n not in left_out}))
+    (folder / "digests.txt").write_text("".join(f"{d}\n" for d in digests))
     return Candidate(tmp_path, spec, geometry, stage or "full", {"rigid": cache}, "cache/rigid", digest)
 
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +15,8 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
 from . import motion
-from .predicates.outcome import Comparison
+from .findings import Finding, again, halve, separate
+from .numerical_state import SPIKE, counters, events, frozen, resting, spike
 from .rigid import energy_scale
 from .verdicts import correction, make_row
 
@@ -52,24 +52,12 @@ CLAIMS = {
     "overflow": "the engine reports no full buffer and no bad state",
     "iterations": "at most 5 % of the steps end at the iteration cap",
     "step_travel": "travel per step <= half of the thinnest collider's thickness",
+    "counters": "steps of at most the planned length cover every frame, and every counter is possible",
+    "events": "logged contacts name colliders that are there, at times of their frame, with impulses >= 0",
+    "frozen": "no free body that moves repeats a pose to the last bit",
+    "resting": "sleeping bodies stay within 1e-6 m per frame, and something touches or holds them",
 }
 BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asleep")
-
-
-@dataclass(frozen=True)
-class _Finding:
-    """What one claim came to."""
-
-    status: Status
-    text: str
-    measured: float | None = None
-    bound: float | None = None
-    unit: str = ""
-    entity: str | None = None
-    frame: int | None = None
-    hints: tuple[Correction, ...] = ()
-    evidence: dict[str, Any] | None = None
-    comparison: Comparison = "<="
 
 
 def check(candidate: Candidate) -> list[Row]:
@@ -83,7 +71,7 @@ def check(candidate: Candidate) -> list[Row]:
                     raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
                 found = FUNCTIONS[name](candidate, solver, cache)
             except EvidenceError as error:
-                found = _Finding("unverified", str(error))
+                found = Finding("unverified", str(error))
             rows.append(
                 make_row(
                     candidate,
@@ -109,25 +97,6 @@ def check(candidate: Candidate) -> list[Row]:
     return rows
 
 
-# ---------------------------------------------------------------- hints
-
-
-def _halve(candidate: Candidate, solver: str, cause: str) -> Correction:
-    step = candidate.spec.simulation.solvers[solver].settings.step
-    pointer = f"/simulation/solvers/{solver}/settings/step"
-    patch = ({"op": "add", "path": pointer, "value": round(max(2e-5, step / 2), 9)},)
-    return correction(cause, "step", f"halve the step from {step:g} s", pointers=(pointer,), patch=patch)
-
-
-def _separate(entity: str | None) -> Correction:
-    return correction(
-        "colliders overlap at the start and push each other apart",
-        "placement",
-        f"separate {entity or 'the bodies'} from its neighbours at frame 0",
-        pointers=(f"/entities/{entity}/pose",) if entity else (),
-    )
-
-
 def _owner(cache: Cache, row: int) -> str:
     return cache.index.bodies[row].split("/", 1)[0]
 
@@ -135,7 +104,7 @@ def _owner(cache: Cache, row: int) -> str:
 # ---------------------------------------------------------------- the container
 
 
-def _frames(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     index, plan = cache.index, candidate.spec.simulation
     absent = [k for k in range(index.frames) if not cache.path(k).exists()]
     wrong = []
@@ -145,9 +114,16 @@ def _frames(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
         wrong.append(f"holds {index.frames} frames, planned {plan.frames}")
     if index.frames > plan.frames:
         wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
+    if index.solver != solver:
+        wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
+    if index.engine != plan.solvers[solver].engine:
+        wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
+    beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
+    if beyond:
+        wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")
     if absent:
         wrong.append(f"{len(absent)} of {index.frames} frames are missing, first frame {absent[0]}")
-    return _Finding(
+    return Finding(
         "fail" if wrong else "pass",
         "; ".join(dict.fromkeys(wrong)) or f"{index.frames} frames at {index.fps} fps",
         float(len(absent)),
@@ -161,30 +137,24 @@ def _frames(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
     )
 
 
-def _digest(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     state = hashlib.sha256()
-    record = cache.folder / "digests.txt"  # what the bake wrote down, frame by frame
-    recorded = record.read_text().split() if record.exists() else []
-    for k in range(cache.index.frames):
+    frames, recorded = cache.index.frames, cache.digests()  # what the bake wrote down, frame by frame
+    if len(recorded) < frames:
+        raise EvidenceError(f"digests of {len(recorded)} of {frames} frames are recorded; bake again")
+    for k in range(frames):
         try:
             digest = cache.frame_digest(k)
             state.update(digest.encode())
-            if k < len(recorded) and recorded[k] != digest:
+            if recorded[k] != digest:
                 raise EvidenceError(f"content does not match the digest recorded when it was written ({recorded[k][:12]})")
         except EvidenceError as error:
-            hint = correction("a cache file is damaged or gone", "interval", "bake again")
-            return _Finding("fail", f"frame {k}: {error}", frame=k, hints=(hint,))
-    return _Finding(
-        "pass",
-        f"{cache.index.frames} frames read",
-        0.0,
-        0.0,
-        "frames",
-        evidence={"sha256": state.hexdigest(), "compared": len(recorded)},
-    )
+            return Finding("fail", f"frame {k}: {error}", frame=k, hints=(again("a cache file is damaged or gone"),))
+    evidence = {"sha256": state.hexdigest(), "compared": frames}
+    return Finding("pass", f"{frames} frames read", 0.0, 0.0, "frames", evidence=evidence)
 
 
-def _finite(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _finite(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     total = 0
     for k in range(cache.index.frames):
         for name, array in sorted(cache.read(k).items()):
@@ -197,12 +167,12 @@ def _finite(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
             row = int(np.argwhere(bad)[0][0]) if array.ndim else 0
             entity = _owner(cache, row) if name in BODY_CHANNELS and row < len(cache.index.bodies) else None
             text = f"{name} of {entity or 'the instance'} is {array[bad].flat[0]} at frame {k} ({int(bad.sum())} numbers there)"
-            hints = (_halve(candidate, solver, "the solver diverged"), _separate(entity))
-            return _Finding("fail", text, float(bad.sum()), 0.0, "numbers", entity, k, hints, {"channel": name})
-    return _Finding("pass", f"{total} numbers are finite", 0.0, 0.0, "numbers")
+            hints = (halve(candidate, solver, "the solver diverged"), separate(entity))
+            return Finding("fail", text, float(bad.sum()), 0.0, "numbers", entity, k, hints, {"channel": name})
+    return Finding("pass", f"{total} numbers are finite", 0.0, 0.0, "numbers")
 
 
-def _counts(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _counts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     index = cache.index
     expected = dict.fromkeys(BODY_CHANNELS, len(index.bodies)) | {"joint": len(index.joints), "driver/active": len(index.drivers)}
     planned = {
@@ -215,27 +185,48 @@ def _counts(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
     if missing or alien or not index.bodies:
         name = next(iter(sorted(missing or alien)), "")
         text = f"{len(missing)} moving bodies are not in the cache and {len(alien)} in it are not planned, e.g. {name!r}"
-        return _Finding("fail", text, float(len(missing) + len(alien)), 0.0, "bodies", name.split("/")[0] or None, 0)
+        return Finding("fail", text, float(len(missing) + len(alien)), 0.0, "bodies", name.split("/")[0] or None, 0)
+    named = _misnamed(candidate, solver, cache)
+    if named:
+        return Finding("fail", named, 1.0, 0.0, "lists", None, 0, (again("the index does not fit the plan"),))
     for k in range(index.frames):
         frame = cache.read(k, expected)
         for channel, count in expected.items():
             if len(frame[channel]) != count:
                 text = f"{channel} has {len(frame[channel])} rows at frame {k}, the index names {count}"
                 hints = (correction("the cache does not fit its index", "interval", "bake again"),)
-                return _Finding("fail", text, float(len(frame[channel])), float(count), "rows", None, k, hints, comparison="==")
-    return _Finding("pass", f"{len(index.bodies)} bodies at every frame", float(len(index.bodies)), float(len(planned)), "bodies")
+                return Finding("fail", text, float(len(frame[channel])), float(count), "rows", None, k, hints, comparison="==")
+    return Finding("pass", f"{len(index.bodies)} bodies at every frame", float(len(index.bodies)), float(len(planned)), "bodies")
+
+
+def _misnamed(candidate: Candidate, solver: str, cache: Cache) -> str:
+    """What of the index's names is not as planned."""
+    plan, index = candidate.spec.simulation, cache.index
+    members = plan.solvers[solver].members
+    joints = {n for n, j in plan.joints.items() if j.kind in ("hinge", "slide") and j.child in members}
+    for what, held, wanted in (
+        ("bodies", index.bodies, set(index.bodies)),
+        ("colliders", index.colliders, set(members)),
+        ("joints", index.joints, joints),
+        ("drivers", index.drivers, set(index.drivers) & set(plan.drivers)),
+    ):
+        if len(set(held)) != len(held):
+            return f"the index names one of its {what} twice"
+        if set(held) != wanted:
+            return f"{what} of the index and of the plan differ by {sorted(set(held) ^ wanted)[:3]}"
+    return ""
 
 
 # ---------------------------------------------------------------- states
 
 
-def _quaternion(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _quaternion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", over="ignore"):
         off = np.abs(np.linalg.norm(cache.series("quaternion"), axis=2) - 1.0)
     return _largest(candidate, solver, cache, off, QUATERNION_NOISE, "1", "deviation of |q| from 1", ())
 
 
-def _speed(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _speed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", over="ignore"):
         speed = np.linalg.norm(cache.series("velocity"), axis=2)
     limit = candidate.spec.simulation.limits.max_speed
@@ -246,11 +237,11 @@ def _speed(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
     if found.status == "pass" and between.any():
         k = int(np.argmax(between))
         text = f"speed reaches {peak[k]:.3g} m/s between frames {k - 1} and {k} (limit {limit:g} m/s)"
-        return _Finding("fail", text, float(np.nanmax(peak)), limit, "m/s", None, k, hints)
+        return Finding("fail", text, float(np.nanmax(peak)), limit, "m/s", None, k, hints)
     return found
 
 
-def _travel(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     limits, fps = candidate.spec.simulation.limits, cache.index.fps
     owners = list(dict.fromkeys(_owner(cache, r) for r in range(len(cache.index.bodies))))
     with np.errstate(invalid="ignore", over="ignore"):
@@ -264,7 +255,7 @@ def _travel(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
 def _blown_up(candidate: Candidate, solver: str, cache: Cache, values: F64, bound: float) -> tuple[Correction, ...]:
     wrong = ~(values <= bound)
     entity = _owner(cache, int(np.argwhere(wrong)[0][1])) if wrong.any() and values.shape[1] == len(cache.index.bodies) else None
-    return _separate(entity), _halve(candidate, solver, "contacts or joints are too stiff for the step")
+    return separate(entity), halve(candidate, solver, "contacts or joints are too stiff for the step")
 
 
 def _largest(
@@ -278,7 +269,7 @@ def _largest(
     hints: tuple[Correction, ...],
     *,
     names: list[str] | None = None,
-) -> _Finding:
+) -> Finding:
     """Every entry of (frames, rows) must be <= bound; the first frame that is not, and its worst row."""
     owners = names or [_owner(cache, r) for r in range(values.shape[1])]
     wrong = ~(values <= bound)
@@ -289,14 +280,14 @@ def _largest(
     if not wrong.any():
         k, r = np.unravel_index(int(np.argmax(values)), values.shape)
         text = f"largest {what} is {peak:.4g}{named}, {owners[int(r)]} at frame {k}"
-        return _Finding("pass", text, peak, bound, unit, owners[int(r)])
+        return Finding("pass", text, peak, bound, unit, owners[int(r)])
     frame = int(np.argmax(wrong.any(axis=1)))
     row = int(np.argmax(np.where(np.isnan(values[frame]), np.inf, values[frame])))
     text = f"{what} of {owners[row]} is {values[frame, row]:.4g}{named} at frame {frame}, limit {bound:.4g}{named}"
-    return _Finding("fail", text, peak, bound, unit, owners[row], frame, hints)
+    return Finding("fail", text, peak, bound, unit, owners[row], frame, hints)
 
 
-def _growth(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     plan = candidate.spec.simulation
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies) * float(np.linalg.norm(plan.gravity))
@@ -306,23 +297,29 @@ def _growth(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
         ratio = np.ones_like(speed)
         ratio[1:] = speed[1:] / np.maximum(speed[:-1], SLOW)
     gains = ~(gain <= plan.limits.energy_growth * energy_scale(kinetic, potential, weight))
-    hints = (_separate(None), _halve(candidate, solver, "the step is too long for the contacts"))
+    hints = (separate(None), halve(candidate, solver, "the step is too long for the contacts"))
     if ratio.size == 0:
         raise EvidenceError(f"instance {solver!r} moves no body")
-    return _largest(candidate, solver, cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
+    found = _largest(candidate, solver, cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
+    between = spike(candidate, solver, cache) if found.status == "pass" else None
+    if between is not None:
+        k, peak, seen = between
+        text = f"something reaches {peak:.3g} m/s within frame {k}, whose ends and ways show at most {seen:.3g} m/s"
+        return Finding("fail", text, peak / seen, SPIKE, "1", None, k, hints)
+    return found
 
 
 # ---------------------------------------------------------------- the engine's own records
 
 
-def _overflow(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _overflow(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     series: F64 = cache.series("record/overflows")
     wrong = ~(series == 0)
     frame = int(np.argmax(wrong)) if wrong.any() else None
     total = float(series.sum()) if np.isfinite(series).all() else None
     text = "no engine warning" if frame is None else f"{total or 0:g} engine warnings, first at frame {frame}"
     hints = (
-        _separate(None),
+        separate(None),
         correction(
             "too many contacts for the engine's buffers",
             "shape",
@@ -330,14 +327,14 @@ def _overflow(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
             pointers=("/entities",),
         ),
     )
-    return _Finding("pass" if frame is None else "fail", text, total, 0.0, "warnings", None, frame, hints)
+    return Finding("pass" if frame is None else "fail", text, total, 0.0, "warnings", None, frame, hints)
 
 
-def _iterations(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     capped, steps = cache.series("record/iterations_capped"), cache.series("record/steps")
     total = float(steps.sum())
     if not np.isfinite(total) or not np.isfinite(capped).all():
-        return _Finding("fail", "step counts are not finite", frame=int(np.argmax(~np.isfinite(steps + capped))))
+        return Finding("fail", "step counts are not finite", frame=int(np.argmax(~np.isfinite(steps + capped))))
     if total <= 0:
         raise EvidenceError(f"instance {solver!r} records no solver steps")
     share = float(capped.sum()) / total
@@ -354,7 +351,7 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
         ),
         correction("very unequal masses in contact", "mass", "bring the masses of touching bodies closer together"),
     )
-    return _Finding(
+    return Finding(
         "pass" if share <= CAPPED_SHARE else "fail",
         f"{share:.2%} of {total:.0f} steps ended at the iteration cap",
         share,
@@ -389,7 +386,7 @@ def thickness(piece: Convex) -> float:
     return float(-heights.min(axis=0).max())
 
 
-def _step_travel(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
+def _step_travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     thin = {
         name: min(thickness(c) for part in candidate.entity(name).parts for c in part.collision)
         for name in cache.index.colliders
@@ -419,10 +416,10 @@ def _step_travel(candidate: Candidate, solver: str, cache: Cache) -> _Finding:
         correction("the collider is thin", "shape", f"thicken {thinnest}", pointers=(f"/entities/{thinnest}/parts",)),
     )
     status: Status = "pass" if frame is None else "fail"
-    return _Finding(status, text, worst, bound, "m", thinnest, frame, hints, {"thickness": thin[thinnest]})
+    return Finding(status, text, worst, bound, "m", thinnest, frame, hints, {"thickness": thin[thinnest]})
 
 
-FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], _Finding]] = {
+FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
     "frames": _frames,
     "digest": _digest,
     "finite": _finite,
@@ -434,4 +431,8 @@ FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], _Finding]] = {
     "overflow": _overflow,
     "iterations": _iterations,
     "step_travel": _step_travel,
+    "counters": counters,
+    "events": events,
+    "frozen": frozen,
+    "resting": resting,
 }

@@ -26,6 +26,9 @@ RECORDS = {
     "max_speed": 1.0,
     "max_travel_per_step": 5e-4,
     "steps": 84.0,
+    "step": 5e-4,
+    "contacts_max": 4.0,
+    "iterations_max": 3.0,
     "iterations_capped": 0.0,
     "overflows": 0.0,
 }
@@ -202,6 +205,7 @@ def test_missing_records_are_unverified(tmp_path: Path) -> None:
         "step_travel",
         "growth",
         "speed",
+        "counters",
     }
     static = make_candidate(tmp_path / "s", sliding(tmp_path / "x").spec)
     assert {r.status for r in check(static)} == {"unverified"}

@@ -1,0 +1,473 @@
+"""Ledgers of a rigid instance: momentum and energy per frame and entity, with their sources and sinks.
+
+Everything here is computed from poses, velocities and built mass properties; of the solver's own records only the
+contact impulses enter, as the most that contacts can have done (Coulomb: friction at most mu times the normal impulse).
+What is left of a change of momentum when gravity, drivers, drag, springs and that budget are taken off has no source.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.errors import EvidenceError
+from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver, RigidPhysics
+from .assemblies import assemblies_of, joined
+from .springs import Spring, springs_of
+
+if TYPE_CHECKING:
+    from ..worlds.cache import Cache
+    from ..worlds.candidate import Candidate
+
+__all__ = ["Books", "Contacts", "Flags", "books_of"]
+
+Flags = NDArray[np.bool_]
+_SLACK = 1e-9
+"""[s] Times this close are equal."""
+NAP_SPEED = 0.05
+"""[m/s] A body that is faster at both frames was not asleep between them: it would have had to stop and to start."""
+NAP_STEPS = 9
+"""Steps at rest that precede sleep, less one (MuJoCo's `mjMINAWAKE` is 10)."""
+CHANNELS = (
+    *("position", "quaternion", "velocity", "angular_velocity", "asleep", "contact/pair", "contact/impulse"),
+    *("event/time", "event/pair", "event/point", "event/speed"),
+    *(f"record/{n}" for n in ("kinetic_energy", "potential_energy", "momentum_x", "momentum_y", "momentum_z", "driver_work")),
+    *(f"record/{n}" for n in ("max_speed", "max_travel_per_step", "step", "joint_error")),
+)
+"""What the laws read; all of it is taken from a frame's container at once."""
+_BOOKS: weakref.WeakKeyDictionary[Cache, Books] = weakref.WeakKeyDictionary()
+
+
+def books_of(candidate: Candidate, cache: Cache) -> Books:
+    """The ledgers of one instance, computed once per cache.
+
+    Raises:
+        EvidenceError: a channel is missing, damaged or of another shape than the index says.
+    """
+    found = _BOOKS.get(cache)
+    if found is None or found.candidate is not candidate:
+        found = _BOOKS[cache] = Books(candidate, cache)
+    return found
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """All logged contacts, one row per pair and frame; row i is of the interval that ends at `frame[i]`."""
+
+    frame: NDArray[np.int64]
+    a: NDArray[np.int64]
+    """Index into `CacheIndex.colliders`."""
+    b: NDArray[np.int64]
+    impulse: F64
+    """Normal impulse [N s]."""
+
+
+class Books:
+    """Ledgers of one instance. Axes: frames F, intervals F - 1 (interval k leads from frame k to k + 1), moving entities E."""
+
+    def __init__(self, candidate: Candidate, cache: Cache) -> None:
+        self.candidate, self.cache = candidate, cache
+        spec, index = candidate.spec, cache.index
+        self.frames = index.frames
+        self.duration = 1.0 / spec.simulation.fps
+        self.step = spec.simulation.solvers[index.solver].settings.step
+        self.gravity: F64 = np.array(spec.simulation.gravity, dtype=np.float64)
+        self.entities = tuple(dict.fromkeys(b.split("/", 1)[0] for b in index.bodies))
+        """Moving entities in the order of the cache."""
+        self.row = {name: i for i, name in enumerate(self.entities)}
+        unknown = [n for n in self.entities if n not in spec.entities]
+        if unknown or not self.entities:
+            raise EvidenceError(
+                f"cache {index.solver!r} moves {unknown[0]!r}, which is not planned" if unknown else "no body moves"
+            )
+        self.owner = np.array([self.row[b.split("/", 1)[0]] for b in index.bodies], dtype=np.int64)
+        bodies = [candidate.body(*b.split("/", 1)) for b in index.bodies]
+        self.body_mass: F64 = np.array([b.mass for b in bodies])
+        self.inertia: F64 = np.array([b.inertia for b in bodies])
+        self.offset: F64 = np.array([b.center for b in bodies])
+        self.position, self.quaternion, self.velocity, self.spin = (
+            self._channel(n, w) for n, w in (("position", 3), ("quaternion", 4), ("velocity", 3), ("angular_velocity", 3))
+        )
+        self.asleep: Flags = np.asarray(self.series("asleep")).astype(bool)
+        if self.asleep.shape != (self.frames, len(self.owner)):
+            raise EvidenceError(f"channel 'asleep' has shape {self.asleep.shape}, not {(self.frames, len(self.owner))}")
+        self.kinematic: Flags = np.array([spec.entities[n].motion == "kinematic" for n in self.entities])
+        self.single: Flags = np.bincount(self.owner, minlength=len(self.entities)) == 1
+        """Entities of one body."""
+        self.first = np.array([int(np.argmax(self.owner == i)) for i in range(len(self.entities))])
+        """First body of each entity."""
+
+    def _channel(self, name: str, width: int) -> F64:
+        series: F64 = np.asarray(self.series(name), dtype=np.float64)
+        if series.shape != (self.frames, len(self.owner), width):
+            raise EvidenceError(f"channel {name!r} has shape {series.shape}, not {(self.frames, len(self.owner), width)}")
+        if not np.isfinite(series).all():
+            bad = int(np.argmin(np.isfinite(series).all(axis=(1, 2))))
+            raise EvidenceError(f"channel {name!r} is not finite at frame {bad}; see numerical:finite")
+        return series
+
+    @cached_property
+    def _read(self) -> list[dict[str, Any]] | None:
+        """All channels of every frame; None where one is missing, so that each asks for its own."""
+        try:
+            return self.cache.ragged(*CHANNELS)
+        except EvidenceError:
+            return None
+
+    def ragged(self, *names: str) -> list[dict[str, Any]]:
+        """Channels of varying length, one dict per frame."""
+        return self.cache.ragged(*names) if self._read is None else self._read
+
+    def series(self, name: str) -> Any:
+        """One channel over all frames, stacked: shape (F, ...).
+
+        Raises:
+            EvidenceError: it is missing, or its shape changes.
+        """
+        if self._read is None:
+            return self.cache.series(name)
+        try:
+            return np.stack([frame[name] for frame in self._read])
+        except ValueError as error:
+            raise EvidenceError(f"channel {name!r} changes its shape: {error}; see numerical:counts") from error
+
+    def record(self, name: str) -> F64:
+        """One record over all frames, shape (F,)."""
+        return np.asarray(self.series(f"record/{name}"), dtype=np.float64)
+
+    # ---------------------------------------------------------------- sums over bodies
+
+    def per_entity(self, values: F64) -> F64:
+        """Sum of a quantity over the bodies of each entity, shape (F, n, ...) -> (F, E, ...)."""
+        result = np.zeros((len(values), len(self.entities), *values.shape[2:]))
+        np.add.at(np.moveaxis(result, 1, 0), self.owner, np.moveaxis(values, 1, 0))
+        return result
+
+    @cached_property
+    def mass(self) -> F64:
+        """Mass of each entity [kg], shape (E,)."""
+        return np.bincount(self.owner, weights=self.body_mass, minlength=len(self.entities)).astype(np.float64)
+
+    @cached_property
+    def turns(self) -> F64:
+        """Orientation of every body, shape (F, n, 3, 3)."""
+        return rotation_matrix(self.quaternion)
+
+    @cached_property
+    def body_centers(self) -> F64:
+        """Centres of mass of the bodies [m], shape (F, n, 3)."""
+        result: F64 = self.position + np.einsum("fnij,nj->fni", self.turns, self.offset)
+        return result
+
+    @cached_property
+    def centers(self) -> F64:
+        """Centres of mass of the entities [m], shape (F, E, 3)."""
+        result: F64 = self.per_entity(self.body_centers * self.body_mass[:, None]) / self.mass[:, None]
+        return result
+
+    @cached_property
+    def velocities(self) -> F64:
+        """Velocities of the entities' centres of mass [m/s], shape (F, E, 3)."""
+        return self.momentum / self.mass[:, None]
+
+    @cached_property
+    def momentum(self) -> F64:
+        """Linear momentum [N s], shape (F, E, 3)."""
+        return self.per_entity(self.velocity * self.body_mass[:, None])
+
+    @cached_property
+    def body_spin(self) -> F64:
+        """Angular momentum of each body about its own centre [N m s], shape (F, n, 3)."""
+        local = np.einsum("fnji,fnj->fni", self.turns, self.spin)
+        result: F64 = np.einsum("fnij,njk,fnk->fni", self.turns, self.inertia, local, optimize=True)
+        return result
+
+    @cached_property
+    def angular_momentum(self) -> F64:
+        """Angular momentum of each entity about its own centre of mass [N m s], shape (F, E, 3)."""
+        arm = self.body_centers - self.centers[:, self.owner]
+        moving = self.velocity - self.velocities[:, self.owner]
+        return self.per_entity(self.body_spin + np.cross(arm, moving) * self.body_mass[:, None])
+
+    @cached_property
+    def kinetic(self) -> F64:
+        """Kinetic energy [J], shape (F, E)."""
+        energy = 0.5 * self.body_mass * np.sum(self.velocity**2, axis=2) + 0.5 * np.sum(self.spin * self.body_spin, axis=2)
+        return self.per_entity(energy)
+
+    @cached_property
+    def potential(self) -> F64:
+        """Potential energy of gravity [J], shape (F, E)."""
+        result: F64 = -self.mass * (self.centers @ self.gravity)
+        return result
+
+    @cached_property
+    def springs(self) -> tuple[Spring, ...]:
+        """Springs and ropes between points of this instance's entities, measured."""
+        return springs_of(self)
+
+    @cached_property
+    def elastic(self) -> F64:
+        """Energy stored in springs between two points [J], shape (F,)."""
+        result = np.zeros(self.frames)
+        for spring in self.springs:
+            result += spring.energy
+        return result
+
+    # ---------------------------------------------------------------- what acts when
+
+    @cached_property
+    def times(self) -> F64:
+        """[s], shape (F,)."""
+        return np.arange(self.frames, dtype=np.float64) * self.duration
+
+    @cached_property
+    def released(self) -> F64:
+        """Time from which each entity is free [s], shape (E,); infinite for kinematic ones."""
+        result = np.where(self.kinematic, np.inf, -np.inf)
+        for driver in self.candidate.spec.simulation.drivers.values():
+            if isinstance(driver, ReleaseDriver) and driver.entity in self.row:
+                row = self.row[driver.entity]
+                result[row] = max(result[row], driver.time)
+        return result
+
+    @cached_property
+    def free_time(self) -> F64:
+        """How long each entity is neither held nor on a path within each interval [s], shape (F - 1, E)."""
+        start = np.maximum(self.times[:-1, None], self.released)
+        free: F64 = np.clip(self.times[1:, None] - start, 0.0, self.duration)
+        return np.where(free < _SLACK, 0.0, free)
+
+    def overlap(self, start: float, end: float) -> F64:
+        """How much of each interval lies within [start, end) [s], shape (F - 1,)."""
+        inside: F64 = np.minimum(self.times[1:], end) - np.maximum(self.times[:-1], start)
+        return np.clip(inside, 0.0, None)
+
+    @cached_property
+    def detached(self) -> dict[str, float]:
+        """Time at which each joint that a driver opens is opened [s]."""
+        found: dict[str, float] = {}
+        for driver in self.candidate.spec.simulation.drivers.values():
+            if isinstance(driver, DetachDriver):
+                found[driver.joint] = min(driver.time, found.get(driver.joint, np.inf))
+        return found
+
+    # ---------------------------------------------------------------- impulses per interval
+
+    @cached_property
+    def gravity_impulse(self) -> F64:
+        """Impulse of gravity [N s], shape (F - 1, E, 3)."""
+        return (self.free_time * self.mass)[:, :, None] * self.gravity
+
+    @cached_property
+    def driver_wrench(self) -> tuple[F64, F64]:
+        """Impulse and angular impulse of force drivers [N s], [N m s], each shape (F - 1, E, 3)."""
+        linear, angular = np.zeros((2, self.frames - 1, len(self.entities), 3))
+        for driver in self.candidate.spec.simulation.drivers.values():
+            if isinstance(driver, ForceDriver) and driver.entity in self.row:
+                row = self.row[driver.entity]
+                acting = self.overlap(max(driver.start, self.released[row]), driver.end)[:, None]
+                linear[:, row] += acting * np.array(driver.force)
+                angular[:, row] += acting * np.array(driver.torque)
+        return linear, angular
+
+    @cached_property
+    def drag(self) -> F64:
+        """Drag coefficient of each entity [N s/m], shape (E,)."""
+        physics = [self.candidate.spec.entities[n].physics for n in self.entities]
+        return np.array([p.linear_damping if isinstance(p, RigidPhysics) else 0.0 for p in physics])
+
+    @cached_property
+    def drag_impulse(self) -> F64:
+        """Impulse of drag [N s], shape (F - 1, E, 3): exactly the coefficient times the way."""
+        acting = (self.free_time > 0)[:, :, None]
+        return np.where(acting, -self.drag[:, None] * np.diff(self.centers, axis=0), 0.0)
+
+    @cached_property
+    def spring_impulse(self) -> tuple[F64, F64]:
+        """Impulse of springs [N s], shape (F - 1, E, 3), and its uncertainty, shape (F - 1, E); infinite where not resolved."""
+        impulse, doubt = np.zeros((self.frames - 1, len(self.entities), 3)), np.zeros((self.frames - 1, len(self.entities)))
+        for spring in self.springs:
+            given, unsure = spring.impulse
+            for row, sign in ((spring.child, 1.0), (spring.parent, -1.0)):
+                if row is not None and not self.kinematic[row]:
+                    free = self.free_time[:, row] > 0
+                    impulse[:, row] += sign * np.where(free[:, None], given, 0.0)
+                    doubt[:, row] += np.where(free, unsure, 0.0)
+        return impulse, doubt
+
+    @cached_property
+    def known_impulse(self) -> F64:
+        """Gravity, drivers, drag and springs together [N s], shape (F - 1, E, 3)."""
+        return self.gravity_impulse + self.driver_wrench[0] + self.drag_impulse + self.spring_impulse[0]
+
+    @cached_property
+    def residual(self) -> F64:
+        """Change of momentum less what is known [N s], shape (F - 1, E, 3): what contacts, joints or nothing gave.
+
+        Zero for entities on paths and held ones, which nothing moves but their driver.
+        """
+        change = np.diff(self.momentum, axis=0) - self.known_impulse
+        return np.where((self.free_time > 0)[:, :, None], change, 0.0)
+
+    @cached_property
+    def switching(self) -> Flags:
+        """Whether a force driver acts on the entity for a part of the interval only, shape (F - 1, E)."""
+        result = np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
+        for driver in self.candidate.spec.simulation.drivers.values():
+            if isinstance(driver, ForceDriver) and driver.entity in self.row:
+                acting = self.overlap(driver.start, driver.end)
+                result[:, self.row[driver.entity]] |= (acting > _SLACK) & (acting < self.duration - _SLACK)
+        return result
+
+    @cached_property
+    def body_reach(self) -> F64:
+        """Farthest point of each body from its centre of mass [m], shape (n,)."""
+        found = []
+        for name in self.cache.index.bodies:
+            entity, body = name.split("/", 1)
+            center = self.candidate.body(entity, body).center
+            far = [np.linalg.norm(p.render.vertices - center, axis=1).max() for p in self.candidate.entity(entity).parts_of(body)]
+            found.append(max(far, default=0.0))
+        return np.maximum(np.array(found, dtype=np.float64), 1e-9)
+
+    @cached_property
+    def reach(self) -> F64:
+        """The same of each entity of one body, with its collision skins, shape (E,)."""
+        spec = self.candidate.spec
+        skin = 2.0 * spec.simulation.solvers[self.cache.index.solver].settings.skin
+        off = [max((max(p.deviation) for p in self.candidate.entity(n).parts), default=0.0) for n in self.entities]
+        result: F64 = self.body_reach[self.first] + skin + np.array(off)
+        return result
+
+    @cached_property
+    def rolling(self) -> F64:
+        """Greatest rolling resistance length among all that the instance's entities may touch [m]; as lever of pure torques."""
+        spec = self.candidate.spec
+        names = {p.material for n in self.cache.index.colliders for p in self.candidate.entity(n).parts}
+        length = max((spec.materials[m].rolling_friction for m in names), default=0.0)
+        return np.full(len(self.entities), max(length, 1e-6))
+
+    # ---------------------------------------------------------------- contacts
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """All logged contacts.
+
+        Raises:
+            EvidenceError: a channel is missing or its rows do not fit.
+        """
+        frames = self.ragged("contact/pair", "contact/impulse")
+        counts = [len(f["contact/impulse"]) for f in frames]
+        if any(f["contact/pair"].shape != (n, 2) for f, n in zip(frames, counts, strict=True)):
+            raise EvidenceError("contact/pair and contact/impulse have different lengths; bake again")
+        pairs = np.concatenate([f["contact/pair"] for f in frames]).astype(np.int64).reshape(-1, 2)
+        impulse = np.concatenate([f["contact/impulse"] for f in frames]).astype(np.float64)
+        if len(pairs) and not (pairs.min() >= 0 and pairs.max() < len(self.cache.index.colliders)):
+            raise EvidenceError("contact/pair names colliders that the index does not have; bake again")
+        frame = np.repeat(np.arange(len(frames)), counts)
+        later = frame > 0
+        return Contacts(frame[later], pairs[later, 0], pairs[later, 1], impulse[later])
+
+    @cached_property
+    def collider_row(self) -> NDArray[np.int64]:
+        """Entity row per collider; -1 for static ones."""
+        return np.array([self.row.get(n, -1) for n in self.cache.index.colliders], dtype=np.int64)
+
+    @cached_property
+    def friction(self) -> tuple[F64, F64]:
+        """Least and greatest friction coefficient of every contact, each shape (contacts,)."""
+        spec = self.candidate.spec
+        own = []
+        for name in self.cache.index.colliders:
+            parts = self.candidate.entity(name).parts
+            found = [spec.materials[p.material].friction for p in parts] or [0.0]
+            own.append((min(found), max(found)))
+        table = np.array(own).reshape(-1, 2)
+        a, b = self.contacts.a, self.contacts.b
+        # The larger of two materials' coefficients holds; a pair of its own overrides both.
+        low, high = np.maximum(table[a, 0], table[b, 0]), np.maximum(table[a, 1], table[b, 1])
+        rank = {n: i for i, n in enumerate(self.cache.index.colliders)}
+        for pair in spec.simulation.contacts.values():
+            if pair.friction is not None and pair.a in rank and pair.b in rank:
+                mine = (np.minimum(a, b) == min(rank[pair.a], rank[pair.b])) & (
+                    np.maximum(a, b) == max(rank[pair.a], rank[pair.b])
+                )
+                low[mine] = high[mine] = pair.friction
+        return low, high
+
+    @cached_property
+    def contact_budget(self) -> F64:
+        """Most that the logged contacts can have changed each entity's momentum [N s], shape (F - 1, E)."""
+        found = self.contacts
+        most = np.abs(found.impulse) * np.sqrt(1.0 + self.friction[1] ** 2)
+        result = np.zeros((self.frames - 1, len(self.entities)))
+        for side, other in ((found.a, found.b), (found.b, found.a)):
+            rows = self.collider_row[side]
+            good = (rows >= 0) & (side != other)
+            np.add.at(result, (found.frame[good] - 1, rows[good]), most[good])
+        return result
+
+    @cached_property
+    def touched(self) -> Flags:
+        """Whether a contact of the entity with another is logged in the interval, shape (F - 1, E)."""
+        result = np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
+        for side, other in ((self.contacts.a, self.contacts.b), (self.contacts.b, self.contacts.a)):
+            rows = self.collider_row[side]
+            good = (rows >= 0) & (side != other)
+            result[self.contacts.frame[good] - 1, rows[good]] = True
+        return result
+
+    @cached_property
+    def dozing(self) -> Flags:
+        """Whether a body of the entity sleeps at an end of the interval, shape (F - 1, E): its contacts are then not all logged."""
+        asleep = np.zeros((self.frames, len(self.entities)), dtype=bool)
+        for body, owner in enumerate(self.owner):
+            asleep[:, owner] |= self.asleep[:, body]
+        return asleep[:-1] | asleep[1:]
+
+    @cached_property
+    def napping(self) -> Flags:
+        """Whether the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and in contact
+        for at least the steps that the engine waits before it puts a body to sleep."""
+        if not self.candidate.spec.simulation.solvers[self.cache.index.solver].settings.sleep:
+            return np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
+        speed = np.linalg.norm(self.velocities, axis=2)
+        slow = np.minimum(speed[:-1], speed[1:]) < NAP_SPEED
+        known = np.linalg.norm(self.known_impulse, axis=2)
+        result: Flags = slow & (self.contact_budget >= NAP_STEPS * self.step / self.duration * known) & self.touched
+        return result
+
+    # ---------------------------------------------------------------- joints
+
+    @cached_property
+    def assemblies(self) -> tuple[NDArray[np.int64], Flags]:
+        """Entities joined by joints, per interval: label, shape (F - 1, E), and whether fixed to something that does not move freely."""
+        return assemblies_of(self)
+
+    @cached_property
+    def jointed(self) -> Flags:
+        """Entities that a joint or a rope's end touches, shape (E,)."""
+        result = np.zeros(len(self.entities), dtype=bool)
+        for _, parent, child in joined(self):
+            for side in (parent, child):
+                if side is not None:
+                    result[side] = True
+        return result
+
+    @cached_property
+    def lone(self) -> Flags:
+        """Free entities of one body that no joint and no spring touches, shape (E,)."""
+        sprung = np.zeros(len(self.entities), dtype=bool)
+        for spring in self.springs:
+            for row in (spring.child, spring.parent):
+                if row is not None:
+                    sprung[row] = True
+        result: Flags = self.single & ~self.jointed & ~sprung & ~self.kinematic
+        return result

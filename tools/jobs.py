@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..execution import JobContext
-from ..worlds.errors import EvidenceError, RefusedError
+from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
 from .session import Session, summary
@@ -211,12 +211,12 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31))
     rows = [Row.model_validate(r) for r in record["rows"]]
     record |= {"weakenings": session.ledger.weakenings(), "stage": "full"}
+    session.ledger.put_rows(rows, revision=session.revision, stage="full")
+    # The ledger keeps verdicts; contact events are in the caches.
+    kept = {k: v for k, v in record.items() if k != "events"}
+    session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)
     context.progress(0.6, 1, "writing the report")
     proof = _proof(session, record)
-    # The ledger keeps verdicts; contact events are in the caches.
-    record.pop("events", None)
-    session.ledger.put_rows(rows, revision=session.revision, stage="full")
-    session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], record)
     context.progress(1, 1, record["verdict"])
     return {
         "verdict": record["verdict"],
@@ -243,10 +243,13 @@ def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
     page = folder.acceptance / f"{record['freeze'][:16]}.html"
     write_report(page, folder, record)
     found = {"report": folder.relative(page)}
-    if record["verdict"] == "accepted":
+    if record["verdict"] != "accepted":
+        return found
+    try:
         written = make_bundle(folder, session.ledger, record)
-        found |= {"bundle": folder.relative(written.path), "bundle_digest": written.digest}
-    return found
+    except LimitError as error:  # the verdict stands without it
+        return {**found, "bundle_note": str(error)}
+    return {**found, "bundle": folder.relative(written.path), "bundle_digest": written.digest}
 
 
 def require_true_geometry(session: Session) -> None:

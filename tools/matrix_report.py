@@ -29,7 +29,10 @@ def write_report(out: Path, folder: WorldFolder, record: Mapping[str, Any], *, p
 
     spec = parse_spec(folder.read_json(folder.spec_path))
     candidate = _candidate(folder, str(record["freeze"]), str(record.get("stage", "full")))
-    pictures = ReportPictures() if candidate is None else report_pictures(candidate, record["rows"])
+    try:
+        pictures = ReportPictures() if candidate is None else report_pictures(candidate, record["rows"])
+    except EvidenceError:  # what is damaged cannot be drawn; its rows say so
+        pictures = ReportPictures()
     write_atomically(out, matrix_page(record, spec, pictures=pictures, problems=problems).encode())
 
 

@@ -63,7 +63,14 @@ def test_a_prompt_becomes_an_accepted_world_with_rows_links_and_job_ids(loop: An
     assert {r["group"] for r in rows} == GROUPS
     assert {r["check"] for r in rows} >= CHECKS
     assert all(r["artifact"] for r in rows)
-    kept = accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]
+    linked = {c.uri.rpartition(".")[2]: c.uri for c in loop.answers["accept"].content if c.type == "resource_link"}
+    assert linked == {
+        "html": f"worldagent://worlds/w/{verdict['report']}",
+        "zip": f"worldagent://worlds/w/{verdict['bundle']}",
+    }
+    told = accepted.call("inspect_world", world="w", part="acceptance")
+    assert (told["report"], told["bundle"]) == (verdict["report"], verdict["bundle"])
+    kept = told["acceptance"]
     assert kept["verdict"] == "accepted"
     assert kept["approximations"] == verdict["approximations"]
     assert {j["kind"]: j["state"] for j in data["jobs"]["jobs"]} == {"probe": "done", "bake": "done", "accept": "done"}

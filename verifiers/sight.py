@@ -7,6 +7,7 @@ that shares its plane with another shows no more than that other.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -29,8 +30,10 @@ PIXELS_HIGH = 108
 """Own choice: pictures are cast at 192 x 108, where a subject of the default 0.0004 of the picture has 8 pixels."""
 FINE_BELOW = 600
 """Own choice: an entity of fewer pixels is looked at again with finer ones, so that its share is known within 2 %."""
-FINE = 8
-"""How much finer, per side."""
+FINE_PIXELS = 5000
+"""Pixels that it then fills, about."""
+FINE, FINEST = 8, 32
+"""How much finer, per side, where no pixel centre hit it, and at most."""
 GLASS = 0.5
 """Own choice: a part of a material with at least this transmission hides nothing."""
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=bool)
@@ -144,9 +147,10 @@ class Sight:
         poses = self.poses(frame)
         rectangle, nearest = self._bounds(camera, poses)
         found = self._compare(camera, poses, own, rectangle, nearest)
-        if 0 < found[0] < FINE_BELOW:
-            camera = replace(camera, width=FINE * camera.width, height=FINE * camera.height)
-            found = self._compare(camera, poses, own, FINE * rectangle, nearest)
+        if found[0] < FINE_BELOW:
+            finer = FINE if found[0] == 0 else min(FINEST, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
+            camera = replace(camera, width=finer * camera.width, height=finer * camera.height)
+            found = self._compare(camera, poses, own, finer * rectangle, nearest)
         expected, shown, hider = found
         return Seen(
             frame, shot_id, shown / (camera.width * camera.height), shown / expected if expected else 0.0, hider, expected > 0

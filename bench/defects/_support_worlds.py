@@ -12,7 +12,7 @@ from ...worlds.spec import Box, Cylinder, Entity, Material, Mesh, Part, Pose, Sh
 from ..small_worlds import MATERIALS, entity, make_candidate, mesh_of, world
 from .cases import World
 
-__all__ = ["FRAMES", "RNG", "Scene", "block", "inside_out", "turn"]
+__all__ = ["FRAMES", "RNG", "Scene", "block", "inside_out", "quaternion_of", "turn"]
 
 RNG = np.random.Generator
 FRAMES = 16
@@ -30,7 +30,7 @@ def turn(axis: str, angle: float) -> F64:
     return made
 
 
-def _quaternion(matrix: F64) -> F64:
+def quaternion_of(matrix: F64) -> F64:
     """Unit quaternion (w, x, y, z) of rotation matrices, shape (..., 4)."""
     from scipy.spatial.transform import Rotation
 
@@ -106,7 +106,7 @@ class Scene:
         placed = {}
         for name in order:
             made, at, rotation = self.entities[name]
-            where = Pose(position=self.point(at), quaternion=tuple(_quaternion(self.turned @ rotation)))
+            where = Pose(position=self.point(at), quaternion=tuple(quaternion_of(self.turned @ rotation)))
             placed[name] = made.model_copy(update={"pose": where})
         gravity = self.way((0, 0, -G))
         return world(placed, relations=self.relations, gravity=gravity, frames=frames, **self.more)
@@ -117,7 +117,8 @@ class Scene:
         if still and not self.paths and self.rng.random() < 0.3:
             return World(make_candidate(folder, spec), culprits)
         tracks = {
-            n: (where @ self.turned.T + self.moved, _quaternion(self.turned @ turns)) for n, (where, turns) in self.paths.items()
+            n: (where @ self.turned.T + self.moved, quaternion_of(self.turned @ turns))
+            for n, (where, turns) in self.paths.items()
         }
         return World(make_candidate(folder, spec, tracks=tracks, **self.channels), culprits)
 

@@ -95,12 +95,9 @@ def inspect_world(
             else {k: latest["record"].get(k) for k in keys} | {"revision": latest["revision"]}
         }
         if latest is not None:
-            files = [session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for kind in ("html", "zip")]
-            data |= {
-                name: session.folder.relative(path)
-                for name, path in zip(("report", "bundle"), files, strict=True)
-                if path.is_file()
-            }
+            kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
+            files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}
+            data |= {name: session.folder.relative(path) for name, path in files.items() if path.is_file()}
     else:
         from .measurements import measured
 

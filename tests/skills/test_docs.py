@@ -52,7 +52,7 @@ def test_every_silent_point_has_a_choice() -> None:
     assert re.findall(r"^## (S\d+)", (DOCS / "choices.md").read_text(), re.MULTILINE) == NUMBERS[158:]
 
 
-@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/choices.md"])
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/choices.md", "docs/threat-model.md"])
 def test_paths_in_documents_exist(name: str) -> None:
     for path, _ in PATH.findall((ROOT / name).read_text()):
         assert (ROOT / path).exists() or path.startswith(("demo-out/", "dist/", "candidates/")), (name, path)

@@ -6,6 +6,7 @@ clearance of their visible surfaces decides. Pairs inside one entity are not ins
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,8 +16,20 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Solid, aabb_of, candidate_pairs, clearance_series, query_noise, signed_clearance
+from ..geometry import (
+    Forest,
+    Meetings,
+    Solid,
+    aabb_of,
+    clearance_batch,
+    clearance_series,
+    meetings,
+    query_noise,
+    signed_clearance,
+    turned_boxes,
+)
 from ..worlds.arrays import F64, RigidPose
+from ..worlds.built import TriangleMesh
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.spec import Fastened, Rope
 
@@ -33,6 +46,9 @@ SUPPORT_SLOPE = 0.1
 """Own choice: a contact carries when its normal rises at least this steeply (sine), about 6 degrees above level."""
 NOWHERE = 1e300
 """[m] Corner of the empty box that stands for a broken pose."""
+
+QUERIES = 500_000
+"""Clearances measured in one batch: about 150 MB."""
 
 Pair = tuple[str, str]
 
@@ -83,6 +99,7 @@ class Surfaces:
         self.candidate = candidate
         self.frames = candidate.frame_count
         self._tracks: dict[tuple[str, str], Track] = {}
+        self._solids: dict[bytes, Solid] = {}
         self._near: dict[Pair, set[tuple[int, int]]] = {}
         self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
 
@@ -116,11 +133,20 @@ class Surfaces:
         found = []
         for part in built.parts:
             try:
-                solid = Solid.from_mesh(part.render, closed=part.closed)
+                solid = self._solid(part.render, closed=part.closed)
             except InputError as error:
                 raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
             found.append(PartSurface(entity, part.part, part.body, solid, float(part.deviation[0])))
         return found
+
+    def _solid(self, mesh: TriangleMesh, *, closed: bool) -> Solid:
+        """The mesh ready for queries; equal meshes share one, with all that is derived from it."""
+        key = hashlib.sha256(repr((mesh.vertices.shape, mesh.vertices.dtype, mesh.faces.dtype, closed)).encode())
+        key.update(mesh.vertices.tobytes())
+        key.update(mesh.faces.tobytes())
+        if key.digest() not in self._solids:
+            self._solids[key.digest()] = Solid.from_mesh(mesh, closed=closed)
+        return self._solids[key.digest()]
 
     @cached_property
     def entities(self) -> tuple[str, ...]:
@@ -239,19 +265,6 @@ class Surfaces:
                         found[name, end] = max(entity.generator.radius, found.get((name, end), 0.0))
         return found
 
-    def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
-        """World boxes of all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
-        low, high = np.empty((2, len(self.parts), len(frames), 3))
-        for i, part in enumerate(self.parts):
-            track = self.track(part.entity, part.body).take(frames)
-            good = np.flatnonzero(frames < self.broken.get(part.entity, self.frames))
-            low[i], high[i] = NOWHERE, -NOWHERE
-            if self.is_static(part.entity):
-                low[i, good], high[i, good] = aabb_of(part.solid.vertices, track.position[:1], track.quaternion[:1])
-            else:
-                low[i, good], high[i, good] = aabb_of(part.solid.vertices, track.position[good], track.quaternion[good])
-        return low, high
-
     def scan(self, frames: NDArray[np.intp], *, static: bool) -> dict[Pair, F64]:
         """Signed clearance of every pair of entities that comes within `reach`, per frame [m], shape (frames,).
 
@@ -261,25 +274,78 @@ class Surfaces:
             frames: frames to inspect.
             static: whether to inspect pairs of static entities too.
         """
-        low, high = self.boxes(frames)
+        met = self._meetings(frames, static=static)
+        cut = np.flatnonzero(np.diff(met.first) | np.diff(met.second)) + 1
+        starts = np.concatenate([[0], cut])[: len(met.first)]
+        stops = np.concatenate([cut, [len(met.first)]])
+        used = np.unique(np.concatenate([met.first, met.second]))
+        # Parts that share their mesh share its tree.
+        solids = {id(self.parts[i].solid): self.parts[i].solid for i in used}
+        place = {key: k for k, key in enumerate(solids)}
+        forest = Forest(list(solids.values()))
         found: dict[Pair, F64] = {}
-        for i, j in candidate_pairs(low, high, self.reach):
-            a, b = self.parts[i].entity, self.parts[j].entity
-            if a == b or not (static or not (self.is_static(a) and self.is_static(b))):
-                continue
-            near = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= self.reach).all(axis=1))
-            self._near.setdefault((a, b), set()).add((i, j))
-            self._measure(i, j, frames, near, found)
+        group: list[tuple[int, int, NDArray[np.int32]]] = []
+        held = 0
+        for start, stop in zip(starts, stops, strict=False):
+            group.append((int(met.first[start]), int(met.second[start]), met.frame[start:stop]))
+            held += stop - start
+            if held >= QUERIES or stop == len(met.first):
+                self._measure(group, frames, forest, place, found)
+                group, held = [], 0
         return {pair: series for pair, series in found.items() if series.min() <= self.reach}
 
-    def _measure(self, i: int, j: int, frames: NDArray[np.intp], near: NDArray[np.intp], found: dict[Pair, F64]) -> None:
-        a, b = self.parts[i], self.parts[j]
-        at = frames[near]
-        track_a, track_b = self.track(a.entity, a.body).take(at), self.track(b.entity, b.body).take(at)
-        values = clearance_series(a.solid, track_a, b.solid, track_b, skip_above=self.reach)
-        pair = (a.entity, b.entity)
-        series = found.setdefault(pair, np.full(len(frames), np.inf))
-        series[near] = np.minimum(series[near], values)
+    def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
+        """World boxes that hold all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
+        parts = self.parts
+        center, half = (np.stack([0.5 * (p.solid.upper + g * p.solid.lower) for p in parts]) for g in (1.0, -1.0))
+        radius = np.array([p.solid.sphere_radius for p in parts])
+        tracks = [self._track_of(i) for i in range(len(parts))]
+        positions, quaternions = (np.stack([t[k][frames] for t in tracks]) for k in (0, 1))
+        lost = frames[None] >= np.array([self.broken.get(p.entity, self.frames) for p in parts])[:, None]
+        positions[lost], quaternions[lost] = 0.0, (1.0, 0.0, 0.0, 0.0)
+        low, high = turned_boxes(center, half, radius, positions, quaternions)
+        low[lost], high[lost] = NOWHERE, -NOWHERE
+        return low, high
+
+    def _meetings(self, frames: NDArray[np.intp], *, static: bool) -> Meetings:
+        """Parts of different entities whose boxes come within `reach`, and at which places in `frames`."""
+        if len(self.parts) < 2:
+            return Meetings(*np.empty((3, 0), dtype=np.int32))
+        still = None if static else np.array([self.is_static(p.entity) for p in self.parts])
+        met = meetings(lambda part: self.boxes(frames[part]), len(frames), self.reach, still=still)
+        owner = np.unique([p.entity for p in self.parts], return_inverse=True)[1]
+        keep = owner[met.first] != owner[met.second]
+        return Meetings(met.first[keep], met.second[keep], met.frame[keep])
+
+    def _measure(
+        self,
+        group: list[tuple[int, int, NDArray[np.int32]]],
+        frames: NDArray[np.intp],
+        forest: Forest,
+        place: Mapping[int, int],
+        found: dict[Pair, F64],
+    ) -> None:
+        """Measure pairs of parts (i, j, places in `frames`) and enter the least of each pair of entities into `found`."""
+        pairs = np.repeat(
+            [(place[id(self.parts[i].solid)], place[id(self.parts[j].solid)]) for i, j, _ in group],
+            [len(near) for *_, near in group],
+            axis=0,
+        )
+        poses = []
+        for side in ([i for i, _, _ in group], [j for _, j, _ in group]):
+            tracks = [self._track_of(part).take(frames[near]) for part, (_, _, near) in zip(side, group, strict=True)]
+            poses.append((np.concatenate([t.position for t in tracks]), np.concatenate([t.quaternion for t in tracks])))
+        values = clearance_batch(forest, pairs, *poses, skip_above=self.reach).distance
+        start = 0
+        for i, j, near in group:
+            pair = (self.parts[i].entity, self.parts[j].entity)
+            self._near.setdefault(pair, set()).add((i, j))
+            series = found.setdefault(pair, np.full(len(frames), np.inf))
+            series[near] = np.minimum(series[near], values[start : start + len(near)])
+            start += len(near)
+
+    def _track_of(self, part: int) -> Track:
+        return self.track(self.parts[part].entity, self.parts[part].body)
 
     @cached_property
     def first(self) -> dict[Pair, float]:

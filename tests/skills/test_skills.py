@@ -53,7 +53,7 @@ def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) 
     assert _named((BUILDING / "SKILL.md").read_text(), heading) == kinds
 
 
-@pytest.mark.parametrize("name", ["rigid-bodies", "world-building"])
+@pytest.mark.parametrize("name", ["rigid-bodies", "repair", "world-building"])
 def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
     lines = (SKILLS / name / "SKILL.md").read_text().splitlines()
     assert lines[:2] == ["---", f"name: {name}"]

@@ -143,3 +143,24 @@ def test_a_failed_write_leaves_nothing(ledger: Ledger) -> None:
         ledger.put_freeze("f", 1, passed=True, detail={"x": object()})
     assert ledger.revision() == 1
     assert not list(ledger.path.parent.glob("*-wal"))
+
+
+def test_a_ledger_of_an_older_world_opens_and_goes_on(tmp_path: Path) -> None:
+    """Iterations had no changes and no measurements before."""
+    import sqlite3
+
+    path = tmp_path / "old.sqlite"
+    with sqlite3.connect(path) as db:
+        db.execute(
+            "CREATE TABLE iterations (n INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, hypothesis TEXT NOT NULL, "
+            "grp TEXT NOT NULL, failing_before TEXT NOT NULL, probe TEXT, failing_after TEXT, at REAL NOT NULL)"
+        )
+        db.execute("INSERT INTO iterations VALUES (1, 2, 'because', 'step', '[\"a\"]', 'f1', '[\"a\"]', 0.0)")
+    ledger = Ledger(path)
+    (old,) = ledger.attempts()["a"]
+    assert (old.revision, old.group, old.before, old.after, old.changes) == (2, "step", None, None, ())
+    ledger.add_iteration(3, "because", "contact", [row("a", "fail", measured=2.0)], [("/x", 1, 2)])
+    ledger.close_iterations("f2", ["a"], [row("a", "fail", measured=1.0)])
+    new, kept = ledger.attempts()["a"]
+    assert (new.before and new.before.measured, new.after and new.after.measured) == (2.0, 1.0)
+    assert kept == old

@@ -1,0 +1,231 @@
+"""The diagnosis tables: their form, the tools they name, and that every number they look at really is in such rows."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from worldagent.bench.defects.suites import CHECKS, suite_of
+from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
+from worldagent.server.resources import SKILLS
+from worldagent.tools import TOOLS
+from worldagent.verifiers import beats, causal, contact, phases
+from worldagent.verifiers.checks import run_checks
+from worldagent.verifiers.diagnosis_table import Condition, Entry, entries, table_schema
+from worldagent.worlds.groups import GROUPS
+from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples
+from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import Beat, BoxRegion, Story
+
+TABLE: list[Entry] = [entry for _, _, entry in entries()]
+EASIER = {"story", "limits"}
+PLACEHOLDERS = {
+    "row", "entity", "other", "frame", "first", "last", "solver", "beat", "shot", "material", "striker", "driver", "tip", "support", "part",
+    "relation",
+}  # fmt: skip
+"""Those that are filled from a row, and those that stay for the reader to fill."""
+
+
+def test_ids_are_unique() -> None:
+    assert len({e.id for e in TABLE}) == len(TABLE)
+
+
+def test_the_schema_in_the_skill_is_that_of_the_model() -> None:
+    assert json.loads((SKILLS / "repair" / "diagnosis.schema.json").read_text()) == table_schema()
+
+
+@pytest.mark.parametrize("entry", TABLE, ids=lambda e: str(e.id))
+def test_an_entry_has_evidence_a_probe_and_causes_of_existing_groups(entry: Entry) -> None:
+    assert entry.evidence
+    assert entry.cheapest_probe
+    assert entry.causes or entry.id == "summary"
+    for cause in entry.causes:
+        assert cause.edit_class == GROUPS[cause.group].edit_class
+        assert all(p.startswith("/") for p in cause.pointers)
+        assert set(cause.needs) <= PLACEHOLDERS
+        assert cause.weakens or cause.group not in {"limits"}
+        for rule in cause.patch:
+            given = [rule.value, rule.scale, rule.ratio, rule.plus, rule.toward]
+            assert sum(g is not None for g in given) == 1, rule
+            assert GROUPS[cause.group].edit_class != "story", "a table never suggests an easier story by itself"
+    text = entry.model_dump_json()
+    assert set(re.findall(r"<(\w+)>", text)) <= PLACEHOLDERS
+
+
+@pytest.mark.parametrize("entry", TABLE, ids=lambda e: str(e.id))
+def test_the_cheapest_probe_calls_a_tool_as_it_is(entry: Entry) -> None:
+    known = {t.name: inspect.signature(t.function).parameters for t in TOOLS}
+    for probe in entry.cheapest_probe:
+        assert probe.tool in known
+        assert probe.look_at
+        for name, value in probe.arguments.items():
+            assert name in known[probe.tool], (entry.id, probe)
+            words = re.findall(r"'(\w+)'", str(known[probe.tool][name].annotation))
+            if isinstance(value, str) and words and name in ("scope", "part", "kind", "stage"):
+                assert value in words, (entry.id, probe)
+
+
+def test_causes_that_ease_the_specification_say_so() -> None:
+    for entry in TABLE:
+        for cause in entry.causes:
+            if cause.group in EASIER and "audit" not in entry.checks and cause.patch:
+                pytest.fail(f"{entry.id}: {cause.cause}")
+
+
+# ---------------------------------------------------------------- keys that really occur
+
+
+def _beat(predicate: Any, subject: str, frames: tuple[int, int], causes: tuple[str, ...] = ()) -> Beat:
+    return Beat(text="it happens", owner="rigid", subject=subject, frames=frames, predicate=predicate, causes=causes)
+
+
+def _motion(folder: Path) -> Any:
+    """A cube slides, a block stands, a ball comes late: beats of every kind that fail."""
+    n = 25
+    time = np.arange(n) / 24
+    slide = np.stack([time, 0 * time, 0 * time + 0.1], axis=1)
+    entities = {
+        "floor": ground(),
+        "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1), velocity=(1, 0, 0)),
+        "block": box(0.1, 0.1, 0.3, motion="dynamic", at=(3, 0, 0.15)),
+        "ball": ball(0.1, motion="dynamic", at=(-3, 0, 0.1)),
+    }
+    aside = BoxRegion(min=(0.9, 0.3, 0), max=(1.5, 0.5, 0.5))
+    story = {
+        "aside": _beat(Reaches(entity="cube", region="aside"), "cube", (5, 24)),
+        "late": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=0.6), "cube", (2, 8)),
+        "early": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=0.2), "cube", (10, 10)),
+        "short": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=5.0), "cube", (2, 24)),
+        "falls": _beat(Topples(entity="block", min_angle=1.0), "block", (2, 24), ("aside",)),
+        "leans": _beat(Tilts(entity="block", min=0.5), "block", (2, 24)),
+        "touch": _beat(Contact(a="cube", b="ball", min_impulse=1.0), "ball", (2, 20), ("slides",)),
+        "bump": _beat(Contact(a="cube", b="floor", min_impulse=99.0), "cube", (2, 20)),
+        "slides": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=0.3), "cube", (2, 24)),
+        "before": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=0.1), "cube", (2, 24), ("slides",)),
+        "apart": _beat(Displacement(entity="block", axis=(1, 0, 0), min=0.01), "block", (1, 24), ("slides",)),
+    }
+    moved = np.stack([3 + 0.02 * (time > 0.6), 0 * time, 0 * time + 0.15], axis=1)
+    spec = world(entities, regions={"aside": aside}, frames=n, story=Story(beats=story))
+    touches = [Touch(k, "cube", "floor", impulse=0.01) for k in range(3, 9)]
+    return make_candidate(
+        folder,
+        spec,
+        tracks={"cube": (slide, IDENTITY), "block": (moved, IDENTITY)},
+        events=[Event(0.1, "cube", "floor")],
+        touches=touches,
+    )
+
+
+def _pauses(folder: Path) -> Any:
+    """A cube slides, rests and slides on; nothing else moves, so phases are missing."""
+    n = 25
+    x = np.concatenate([np.linspace(0, 0.3, 6), np.full(12, 0.3), np.linspace(0.3, 0.8, 7)])
+    entities = {"floor": ground(), "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1))}
+    story = {
+        "starts": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=0.2), "cube", (1, 24)),
+        "goes_on": _beat(Displacement(entity="cube", axis=(1, 0, 0), min=0.6), "cube", (1, 24), ("starts",)),
+    }
+    spec = world(entities, frames=n, story=Story(beats=story))
+    return make_candidate(folder, spec, tracks={"cube": (np.stack([x, 0 * x, 0 * x + 0.1], axis=1), IDENTITY)})
+
+
+def _pressed(folder: Path) -> Any:
+    """A ball presses into the floor that it touches."""
+    z = np.concatenate([np.linspace(0.3, 0.098, 5), np.full(4, 0.098)])
+    entities = {"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(0, 0, 0.3))}
+    spec = world(entities, frames=len(z))
+    touches = [Touch(k, "ball", "floor", min_gap=-0.002) for k in range(4, 9)]
+    return make_candidate(folder, spec, tracks={"ball": (np.stack([0 * z, 0 * z, z], axis=1), IDENTITY)}, touches=touches)
+
+
+OWN = {
+    "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
+    "causal": [(_motion, causal.check), (_pauses, causal.check)],
+    "contact": [(_pressed, contact.check)],
+}
+"""Worlds of this file, before those of the check's suite of defects."""
+
+
+class _Rows:
+    """Failing rows of a check, from worlds that are broken on purpose; worlds are made as they are asked for."""
+
+    def __init__(self, check: str) -> None:
+        self.seen: list[Row] = []
+        self.more = self._make(check)
+
+    def __iter__(self) -> Iterator[Row]:
+        yield from list(self.seen)
+        for row in self.more:
+            self.seen.append(row)
+            yield row
+
+    @staticmethod
+    def _make(check: str) -> Iterator[Row]:
+        for build, judge in OWN.get(check, ()):
+            with TemporaryDirectory() as folder:
+                yield from [r for r in judge(build(Path(folder))) if r.status == "fail"]
+        if check not in CHECKS:
+            return
+        for mechanism in suite_of(check).of(broken=True):
+            with TemporaryDirectory() as folder:
+                built = mechanism.build(Path(folder), mechanism.high, np.random.default_rng(1))
+                yield from [r for r in run_checks(built.candidate, only=[check]) if r.status == "fail"]
+
+
+_rows = cache(_Rows)
+
+
+def _keys(entry: Entry) -> set[str]:
+    conditions: list[Condition] = [*entry.when, *(c for cause in entry.causes for c in (*cause.when, *cause.unless))]
+    rules = [r for cause in entry.causes for r in cause.patch]
+    named = (
+        [c.key for c in conditions]
+        + [c.than for c in conditions]
+        + [k for r in rules for k in (r.ratio or ())]
+        + [r.plus for r in rules]
+    )
+    return {k for k in named if k is not None}
+
+
+LOOKED_AT = [(check, entry.id, key) for entry in TABLE for check in entry.checks for key in sorted(_keys(entry))]
+SIMULATED = {"robustness"}
+"""Its rows come from further simulations: tests/verifiers/test_robustness.py looks at them."""
+
+
+@pytest.mark.parametrize(
+    ("check", "entry", "key"), [i for i in LOOKED_AT if i[2].startswith("evidence.") and i[0] not in SIMULATED]
+)
+def test_evidence_that_ranks_causes_occurs_in_rows_of_that_check(check: str, entry: str, key: str) -> None:
+    pattern = next(re.compile(e.row_pattern) for e in TABLE if e.id == entry)
+    first, *rest = key.removeprefix("evidence.").split(".")
+    values = (r.evidence.get(first) for r in _rows(check) if pattern.match(r.id))
+    found = next((v for v in values if v is not None), None)
+    assert found is not None, f"no failing row of {check} that {entry} speaks of has {key}"
+    assert isinstance(found, list) or not rest
+
+
+@pytest.mark.parametrize(("entry", "key"), sorted({(e, k) for _, e, k in LOOKED_AT if not k.startswith("evidence.")}))
+def test_other_keys_are_fields_of_a_row(entry: str, key: str) -> None:
+    first, *rest = key.split(".")
+    assert first in Row.model_fields
+    assert not rest or (first == "frames" and rest[0] in "01")
+
+
+@pytest.mark.parametrize("entry", TABLE, ids=lambda e: str(e.id))
+def test_comparisons_fit_their_values(entry: Entry) -> None:
+    for condition in [*entry.when, *(c for cause in entry.causes for c in (*cause.when, *cause.unless))]:
+        if condition.compare in ("present", "absent"):
+            assert condition.value is None
+            assert condition.than is None
+        else:
+            assert (condition.value is None) != (condition.than is None)
+            if condition.compare in get_args(Condition.model_fields["compare"].annotation)[2:6]:
+                assert not isinstance(condition.value, str)

@@ -40,6 +40,8 @@ class Camera:
     """Pixels."""
     height: int
     """Pixels."""
+    roll: float = 0.0
+    """Turn of the picture about the viewing axis [rad], from right to up; shot plans have none."""
 
     def __post_init__(self) -> None:
         distance = float(np.linalg.norm(np.asarray(self.target) - np.asarray(self.position)))
@@ -60,7 +62,11 @@ class Camera:
             up = np.array([0.0, 1.0, 0.0])
         right = np.cross(up, back)
         right /= np.linalg.norm(right)
-        return np.stack([right, np.cross(back, right), back])
+        above = np.cross(back, right)
+        if self.roll != 0.0:
+            c, s = math.cos(self.roll), math.sin(self.roll)
+            right, above = c * right + s * above, c * above - s * right
+        return np.stack([right, above, back])
 
     @property
     def focal(self) -> float:

@@ -34,6 +34,10 @@ FINE_PIXELS = 5000
 """Pixels that it then fills, about."""
 FINE, FINEST = 8, 32
 """How much finer, per side, where no pixel centre hit it, and at most."""
+DOUBT = 0.15
+"""The same for one whose unoccluded share is within this of the bound."""
+TURN = math.atan(2.0 / (1.0 + math.sqrt(5.0)))
+"""[rad] The finer pixels are turned by this, whose tangent is the golden ratio's: farthest from every simple slope."""
 GLASS = 0.5
 """Own choice: a part of a material with at least this transmission hides nothing."""
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=bool)
@@ -145,29 +149,41 @@ class Sight:
         if not own.any():
             raise EvidenceError(f"entity {entity!r} has no visible geometry")
         poses = self.poses(frame)
-        rectangle, nearest = self._bounds(camera, poses)
-        found = self._compare(camera, poses, own, rectangle, nearest)
-        if found[0] < FINE_BELOW:
+        found = self._compare(camera, poses, own)
+        share = 0.0 if found[0] == 0 else found[1] / found[0]
+        bound = self.candidate.spec.simulation.limits.visible_share
+        if found[0] < FINE_BELOW or abs(share - bound) <= DOUBT * bound:
             finer = FINE if found[0] == 0 else min(FINEST, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
-            camera = replace(camera, width=finer * camera.width, height=finer * camera.height)
-            found = self._compare(camera, poses, own, finer * rectangle, nearest)
+            size = (finer * camera.width, finer * camera.height)
+            found = self._compare(_lattice(camera, size), poses, own, size)
+            camera = replace(camera, width=size[0], height=size[1])
         expected, shown, hider = found
         return Seen(
             frame, shot_id, shown / (camera.width * camera.height), shown / expected if expected else 0.0, hider, expected > 0
         )
 
     def _compare(
-        self, camera: Camera, poses: list[RigidPose], own: NDArray[np.bool_], rectangle: F64, nearest: F64
+        self, camera: Camera, poses: list[RigidPose], own: NDArray[np.bool_], size: tuple[int, int] | None = None
     ) -> tuple[int, int, str | None]:
-        """Pixels that the own instances would fill alone, those they do fill, and who hides most of the others."""
-        size = np.array([camera.width, camera.height, camera.width, camera.height])
-        limits = np.clip([*np.floor(rectangle[own, :2].min(axis=0)), *np.ceil(rectangle[own, 2:].max(axis=0))], 0, size)
+        """Pixels that the own instances would fill alone, those they do fill, and who hides most of the others.
+
+        Args:
+            camera: a view.
+            poses: of every instance.
+            own: which instances are looked for.
+            size: what of a turned view counts: width and height of the upright picture in its middle [pixels].
+        """
+        rectangle, nearest = self._bounds(camera, poses)
+        ends = np.array([camera.width, camera.height, camera.width, camera.height])
+        limits = np.clip([*np.floor(rectangle[own, :2].min(axis=0)), *np.ceil(rectangle[own, 2:].max(axis=0))], 0, ends)
         left, top, right, bottom = (int(v) for v in limits)
         if left >= right or top >= bottom:
             return 0, 0, None
         window = (left, right, top, bottom)
         alone = self._caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window)
         hit = alone.ids >= 0
+        if size is not None:
+            hit &= _upright(camera, size, window)
         if not hit.any():
             return 0, 0, None
         farthest = float(alone.depth[hit].max())
@@ -206,6 +222,21 @@ class Sight:
             if ((local > part.solid.lower) & (local < part.solid.upper)).all() and contains(part.solid, local)[0]:
                 return part.entity
         return None
+
+
+def _lattice(camera: Camera, size: tuple[int, int]) -> Camera:
+    """The same view with its pixels turned, which no row of bars can line up with; it encloses an upright picture of `size`."""
+    side = math.ceil(math.hypot(*size))
+    tall = side / size[1] * math.tan(math.radians(camera.fov_deg) / 2.0)
+    return Camera(camera.position, camera.target, 2.0 * math.degrees(math.atan(tall)), side, side, TURN)
+
+
+def _upright(camera: Camera, size: tuple[int, int], window: tuple[int, int, int, int]) -> NDArray[np.bool_]:
+    """Which pixels of a window of a turned view lie in the upright picture in its middle, shape (rows, columns)."""
+    x = np.arange(window[0], window[1]) + 0.5 - camera.width / 2
+    y = (camera.height / 2 - 0.5 - np.arange(window[2], window[3]))[:, None]
+    c, s = math.cos(camera.roll), math.sin(camera.roll)
+    return np.asarray((np.abs(c * x - s * y) <= size[0] / 2) & (np.abs(s * x + c * y) <= size[1] / 2))
 
 
 def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:

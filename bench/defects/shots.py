@@ -172,7 +172,7 @@ def _hidden_for(folder: Path, rng: RNG, before: int, after: int, *culprits: str)
     path[moment:] += 0.01 * rig.axes[1]
     side = 0.05 * rig.distance
     rig.add("subject", Box(size=(side,) * 3), place, path=path)
-    cover, gone = 0.5 * (place + rig.eye), rig.at(0, 0, -30.0)
+    cover, gone = 0.5 * (place + rig.eye), rig.at(30.0, 0, -30.0)
     hides = np.tile(gone, (frames, 1))
     hides[moment - before : moment + after + 1] = cover
     rig.add("screen", Box(size=(2 * side, 2 * side, 0.01)), gone, path=hides)

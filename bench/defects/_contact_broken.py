@@ -15,6 +15,7 @@ from ._motion import (
     FRAMES,
     Track,
     about,
+    ball,
     candidate_of,
     crate,
     eps_of,
@@ -126,11 +127,11 @@ def nested(folder: Path, magnitude: float, rng: Rng) -> World:
     """A ball lies whole inside a block, for some frames, without touching its surface."""
     size = float(rng.uniform(0.5, 2.0))
     block = sw.box(size, size, size, motion="dynamic", at=(0, 0, 3))
-    ball = sw.ball(magnitude * size, motion="dynamic")
+    sphere = ball(magnitude * size, motion="dynamic")
     path = still((3, 0, 3))
     frame = int(rng.integers(1, FRAMES))
     path.position[frame:] = np.array([0, 0, 3]) + rng.uniform(-1, 1, 3) * (0.45 - magnitude) * size
-    spec = sw.world({"ground": sw.ground(), "block": block, "ball": ball}, frames=FRAMES)
+    spec = sw.world({"ground": sw.ground(), "block": block, "ball": sphere}, frames=FRAMES)
     return World(candidate_of(folder, spec, {"ball": path}), ("ball",))
 
 
@@ -219,8 +220,8 @@ def thin_wall(folder: Path, magnitude: float, rng: Rng) -> World:
     track, step = _crossing(rng, normal, magnitude * (2 * radius + wall), int(rng.integers(1, FRAMES)))
     plate = sw.box(3, 3, wall)
     plate = plate.model_copy(update={"pose": Pose(position=(0, 0, 0), quaternion=tuple(map(float, quaternion)))})
-    ball = sw.ball(radius, motion="dynamic")
-    spec = sw.world({"plate": plate, "ball": ball}, frames=FRAMES, gravity=(0, 0, 0))
+    sphere = ball(radius, motion="dynamic")
+    spec = sw.world({"plate": plate, "ball": sphere}, frames=FRAMES, gravity=(0, 0, 0))
     return World(candidate_of(folder, spec, {"ball": Track(track, velocity=step * FPS)}), ("ball", "plate"))
 
 
@@ -236,7 +237,7 @@ def slowed_through(folder: Path, magnitude: float, rng: Rng) -> World:
     track, vel = np.zeros((FRAMES, 3)), np.zeros((FRAMES, 3))
     track[:, 2], vel[:, 2] = z, velocity
     deep = -(radius + wall / 2) * float(rng.uniform(0.7, 1.0))
-    spec = sw.world({"plate": sw.box(1, 1, wall), "ball": sw.ball(radius, motion="dynamic")}, frames=FRAMES, gravity=(0, 0, 0))
+    spec = sw.world({"plate": sw.box(1, 1, wall), "ball": ball(radius, motion="dynamic")}, frames=FRAMES, gravity=(0, 0, 0))
     events = [sw.Event((frame - 0.5) / FPS, "plate", "ball", speed=speed)]
     touches = [sw.Touch(frame, "plate", "ball", min_gap=deep)]
     return World(candidate_of(folder, spec, {"ball": Track(track, velocity=vel)}, events=events, touches=touches), ("ball",))
@@ -263,7 +264,7 @@ def spinning_blade(folder: Path, magnitude: float, rng: Rng) -> World:
 
 def head_on(folder: Path, magnitude: float, rng: Rng) -> World:
     """Two dynamic bodies go through each other between two frames. Magnitude: relative travel / summed sizes along it."""
-    a, b = sw.ball(float(rng.uniform(0.02, 0.1)), motion="dynamic"), sw.box(*_size(rng), motion="dynamic")
+    a, b = ball(float(rng.uniform(0.02, 0.1)), motion="dynamic"), sw.box(*_size(rng), motion="dynamic")
     qa, qb = random_rotation(rng), random_rotation(rng)
     direction = random_rotation(rng)[:3]
     direction /= np.linalg.norm(direction)
@@ -288,7 +289,7 @@ def gate(folder: Path, magnitude: float, rng: Rng) -> World:
     rise = float(rng.uniform(-0.05, 0.05))
     lift[:, 2] = (np.arange(FRAMES) - frame + 0.5) * rise
     spec = sw.world(
-        {"gate": sw.box(wall, 1, 2, motion="kinematic"), "ball": sw.ball(radius, motion="dynamic")},
+        {"gate": sw.box(wall, 1, 2, motion="kinematic"), "ball": ball(radius, motion="dynamic")},
         frames=FRAMES,
         gravity=(0, 0, 0),
     )

@@ -15,6 +15,7 @@ from ._motion import (
     FRAMES,
     Track,
     about,
+    ball,
     bowl,
     candidate_of,
     crate,
@@ -135,7 +136,7 @@ def bounce(folder: Path, magnitude: float, rng: Rng) -> World:
     path.spin[~before] = spin
     for k in np.flatnonzero(~before):
         path.quaternion[k] = turn_of(spin, np.linalg.norm(spin) * time[k])[0]
-    things = {"plate": sw.box(8, 8, wall), "ball": sw.ball(radius, motion="dynamic")}
+    things = {"plate": sw.box(8, 8, wall), "ball": ball(radius, motion="dynamic")}
     events = [sw.Event(when, "plate", "ball", speed=magnitude)]
     touches = [sw.Touch(frame, "plate", "ball")]
     return World(
@@ -160,7 +161,7 @@ def corner_bounce(folder: Path, magnitude: float, rng: Rng) -> World:
     things = {
         "floor": sw.box(10, 10, sheet, at=(5 + sheet / 2 + 1e-3, 0, 0)),
         "wall": sw.box(sheet, 10, 10, at=(0, 0, 5 - sheet / 2)),
-        "ball": sw.ball(radius, motion="dynamic"),
+        "ball": ball(radius, motion="dynamic"),
     }
     events = [sw.Event((frame - late[k]) / FPS, n, "ball") for k, n in enumerate(("wall", "floor"))]
     touches = [sw.Touch(frame, n, "ball") for n in ("wall", "floor")]
@@ -183,7 +184,7 @@ def recoil(folder: Path, magnitude: float, rng: Rng) -> World:
         speed = np.where(time < 0, -magnitude * part, 0.7 * magnitude * part)
         paths[name] = Track(drift * time + sign * direction * (reach + speed * time), velocity=drift + sign * direction * speed)
     spec = sw.world(
-        {"a": sw.ball(float(ra), motion="dynamic"), "b": sw.ball(float(rb), motion="dynamic")}, frames=FRAMES, gravity=(0, 0, 0)
+        {"a": ball(float(ra), motion="dynamic"), "b": ball(float(rb), motion="dynamic")}, frames=FRAMES, gravity=(0, 0, 0)
     )
     events, touches = [sw.Event(when, "a", "b")], [sw.Touch(frame, "a", "b")]
     return World(candidate_of(folder, spec, paths, events=events, touches=touches))
@@ -226,7 +227,7 @@ def near_miss(folder: Path, magnitude: float, rng: Rng) -> World:
     sag = 0.5 * 9.81 * ((radius + wall) / speed) ** 2
     track = np.column_stack([speed * time, 0 * time, z + sag]) + top
     velocity = np.column_stack([np.full(FRAMES, speed), 0 * time, -9.81 * time])
-    things = {"wall": sw.box(wall, 2, 1, at=(0, 0, -0.5)), "ball": sw.ball(radius, motion="dynamic")}
+    things = {"wall": sw.box(wall, 2, 1, at=(0, 0, -0.5)), "ball": ball(radius, motion="dynamic")}
     track[:, 2] = track[:, 2]
     keep = np.abs(time) < 0.3
     track[~keep], velocity[~keep] = track[keep][np.where(time[~keep] < 0, 0, -1)], 0.0
@@ -248,7 +249,7 @@ def thrown_over(folder: Path, magnitude: float, rng: Rng) -> World:
     track[~ok] = np.where(time[~ok, None] < 0, track[ok][0], track[ok][-1])
     velocity[~ok] = 0.0
     assert rise > radius
-    things = {"wall": sw.box(0.02, 1, 0.3, at=(0, 0, 0.15)), "ball": sw.ball(radius, motion="dynamic")}
+    things = {"wall": sw.box(0.02, 1, 0.3, at=(0, 0, 0.15)), "ball": ball(radius, motion="dynamic")}
     spec = sw.world(things, frames=FRAMES, fps=fps)
     return World(candidate_of(folder, spec, {"ball": Track(track, velocity=velocity)}))
 
@@ -277,12 +278,12 @@ def open_gate(folder: Path, magnitude: float, rng: Rng) -> World:
     under = (radius + 0.02) / speed
     edge = radius + magnitude + rise * (time + under)
     lift = np.column_stack([0 * time, 0 * time, 0.5 + edge])
-    ball = Track(np.outer(time, [speed, 0, 0]), velocity=(speed, 0, 0))
-    things = {"gate": sw.box(0.02, 1, 1, motion="kinematic"), "ball": sw.ball(radius, motion="dynamic")}
+    flight = Track(np.outer(time, [speed, 0, 0]), velocity=(speed, 0, 0))
+    things = {"gate": sw.box(0.02, 1, 1, motion="kinematic"), "ball": ball(radius, motion="dynamic")}
     early = time < -under
     lift[early, 2] = np.maximum(lift[early, 2], -10.0)
     spec = sw.world(things, frames=FRAMES, gravity=(0, 0, 0))
-    return World(candidate_of(folder, spec, {"gate": Track(lift, velocity=(0, 0, rise)), "ball": ball}))
+    return World(candidate_of(folder, spec, {"gate": Track(lift, velocity=(0, 0, rise)), "ball": flight}))
 
 
 def linked_rings(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -314,7 +315,7 @@ def bowl_and_ball(folder: Path, magnitude: float, rng: Rng) -> World:
     velocity = np.gradient(track, 1 / FPS, axis=0)
     axis = np.cross(way, [0, 0, 1.0])
     turn = turn_of(axis, -angle * reach / radius)
-    things = {"bowl": mesh_entity(bowl(inner, wall, sections), keep_origin=True), "ball": sw.ball(radius, motion="dynamic")}
+    things = {"bowl": mesh_entity(bowl(inner, wall, sections), keep_origin=True), "ball": ball(radius, motion="dynamic")}
     path = Track(track, turn, velocity, -rate[:, None] * reach / radius * axis)
     return World(candidate_of(folder, sw.world(things, frames=FRAMES), {"ball": path}))
 

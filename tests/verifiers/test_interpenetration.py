@@ -7,10 +7,11 @@ import math
 import jsonpatch
 import numpy as np
 import pytest
+import trimesh
 from worldagent.bench.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers import interpenetration
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Box, Extrusion, Fastened, Part, Rope, Wedge, WorldSpec
+from worldagent.worlds.spec import Box, Extrusion, Fastened, Mesh, Part, Rope, Wedge, WorldSpec
 
 
 def rows_of(tmp_path, entities, **more) -> dict[str, Row]:
@@ -164,3 +165,21 @@ def test_large_scenes_stay_fast_and_find_the_one_overlap(tmp_path):
     things["c7"] = things["c7"].model_copy(update={"pose": pose((-8.0, -3.0, 0.2499))})
     rows = rows_of(tmp_path, things)
     assert failing(rows) == {"interpenetration:scene", "interpenetration:floor:c7"}
+
+
+def crossing_boxes(*, inverted: bool):
+    one, two = trimesh.creation.box((1, 1, 1)), trimesh.creation.box((0.5, 0.6, 0.7))
+    if inverted:
+        two.invert()
+    two.apply_translation([0.6, 0.01, 0.02])
+    mesh = trimesh.util.concatenate([one, two])
+    return entity(Mesh(vertices=[tuple(v) for v in mesh.vertices], faces=[tuple(f) for f in mesh.faces]))
+
+
+def test_a_surface_that_crosses_itself_passes_as_a_union_and_fails_with_a_lobe_inside_out(tmp_path):
+    row = rows_of(tmp_path, {"a": crossing_boxes(inverted=False)})["interpenetration:self:a"]
+    assert row.status == "pass"
+    assert row.evidence["crossing_pairs"] > 0
+    rows = rows_of(tmp_path, {"a": crossing_boxes(inverted=True)})
+    assert failing(rows) == {"interpenetration:self:a", "interpenetration:scene"}
+    assert rows["interpenetration:self:a"].measured == pytest.approx(-1.0, abs=1e-6)

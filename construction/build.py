@@ -160,7 +160,8 @@ def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
     if entity.generator is not None:
         bodies, parts = _build_rope(spec, name, entity, entity.generator, assets)
         return BuiltEntity(name, tuple(bodies), tuple(parts), recipe)
-    made = [_build_part(spec, entity, k, p, assets, "body", f"/entities/{name}") for k, p in entity.parts.items()]
+    # JSON objects have no order, and equal specifications must give equal geometry: sums depend on it.
+    made = [_build_part(spec, entity, k, p, assets, "body", f"/entities/{name}") for k, p in sorted(entity.parts.items())]
     masses = [m for _, m in made]
     declared = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
     scale = 1.0 if declared is None else declared / sum(m[0] for m in masses)

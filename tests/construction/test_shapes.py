@@ -295,3 +295,16 @@ def test_the_digest_of_a_built_entity_depends_on_its_content_only():
     once, again = build_entity(spec, "a", NO_ASSETS), build_entity(spec, "a", NO_ASSETS)
     assert once.digest() == again.digest()
     assert once.recipe == build_entity(spec, "b", NO_ASSETS).recipe
+
+
+def test_the_order_in_which_parts_are_written_does_not_count():
+    """JSON objects have no order: a specification read back from a bundle, with sorted keys, gives the same bytes."""
+    parts = {
+        name: {"shape": {"kind": "box", "size": size}, "pose": {"position": at}}
+        for name, size, at in (("top", (0.37, 0.11, 0.013), (0.1, 0.2, 0.3)), ("leg", (0.01, 0.017, 0.3), (-0.1, 0.07, 0.1)), ("arm", (0.2, 0.031, 0.05), (0.3, 0.1, -0.1)))
+    }  # fmt: skip
+    built = [
+        build_entity(world({"a": entity(parts=dict(order))}), "a", NO_ASSETS) for order in (parts.items(), sorted(parts.items()))
+    ]
+    assert built[0].digest() == built[1].digest()
+    assert built[0].recipe == built[1].recipe

@@ -21,22 +21,15 @@ from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact
 from ..worlds.requirements import Correction, Row, Status
 from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver
-from . import motion
-from .chains import Chains, Hop, Reach, begins
+from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
 from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
     from ..worlds.spec import Beat
 
-__all__ = ["REST_SPEED", "REST_SPIN", "Onset", "check", "driver_start", "moving", "onset_of"]
+__all__ = ["Onset", "check", "driver_start", "onset_of"]
 
-REST_SPEED = 0.01
-"""[m/s] A body slower than this (and `REST_SPIN`) is at rest. Own choice: 0.4 mm per frame at 24 fps."""
-REST_SPIN = 0.05
-"""[rad/s]"""
-PAUSE = 0.125
-"""[s] A rest shorter than this (an apex, a reversal) does not interrupt a motion. Own choice."""
 INSTANTS = frozenset({"contact", "reaches", "crosses"})
 
 
@@ -49,6 +42,8 @@ class Onset:
     """[s] from which on contacts may carry its chain."""
     frame: float
     """At which it counts as having happened."""
+    acting_until: int
+    """Frame up to which its sources count as moving: its first true one."""
     text: str
 
 
@@ -74,15 +69,6 @@ def check(candidate: Candidate) -> list[Row]:
             except EvidenceError as error:
                 rows.append(_row(candidate, cause_id, effect_id, "unverified", str(error)))
     return rows
-
-
-def moving(candidate: Candidate, entity: str) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether the entity is not at rest, shape (frames,)."""
-    speed = np.linalg.norm(motion.velocities(candidate, entity), axis=1)
-    fast: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] = ~(
-        (speed <= REST_SPEED) & (motion.spins(candidate, entity) <= REST_SPIN)
-    )
-    return fast
 
 
 def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str, ...]]:
@@ -119,24 +105,30 @@ def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onse
         time, entities = driver_start(candidate, beat.owner)
         return Onset(
             tuple(dict.fromkeys((*entities, beat.subject))),
-            time - 1 / plan.fps,
+            time,
             time * plan.fps,
+            first,
             f"driver {beat.owner} acts at {time:.3f} s",
         )
     onset = first - 1
     if beat.predicate.kind not in INSTANTS:
-        active = moving(candidate, beat.subject)
+        active = not_still(candidate, beat.subject)
         while onset > max(0, beat.frames[0] - 1) and active[onset]:
             onset -= 1
     # Interval frame k covers ((k-1)/fps, k/fps]: its contacts may have begun a frame earlier than k.
-    return Onset((beat.subject,), onset / plan.fps, first, f"{beat_id} was first true at frame {first}")
+    start = onset / plan.fps
+    if isinstance(beat.predicate, Contact):
+        touched = begins(candidate, beat.predicate.a, beat.predicate.b, (beat.frames[0], first))
+        start = start if touched is None else touched
+    return Onset((beat.subject,), start, first, first, f"{beat_id} was first true at frame {first}")
 
 
 def _instant(candidate: Candidate, beat: Beat, first: int) -> float | None:
-    """Event time of a beat that is a contact [s]; None of any other."""
+    """Event time of a beat that is a contact and came true with its first touch [s]; None of any other."""
     if not isinstance(beat.predicate, Contact):
         return None
-    return begins(candidate, beat.predicate.a, beat.predicate.b, (beat.frames[0], first))
+    time = begins(candidate, beat.predicate.a, beat.predicate.b, (beat.frames[0], first))
+    return time if time is not None and time >= (first - 1) / candidate.spec.simulation.fps else None
 
 
 def _edge(candidate: Candidate, chains: Chains, cause_id: str, effect_id: str) -> Row:
@@ -151,11 +143,18 @@ def _edge(candidate: Candidate, chains: Chains, cause_id: str, effect_id: str) -
         return _absent(candidate, cause_id, effect_id, cause_id, outcomes[cause_id])
     start = onset_of(candidate, cause_id, cause, first)
     until = last if last is not None else min(effect.frames[1], candidate.last_frame)
-    reach = chains.spread(start.sources, start.start, until)
+    moments = _instant(candidate, cause, first), None if last is None else _instant(candidate, effect, last)
+    reach = chains.spread(
+        _sources(cause, effect, start),
+        start.start,
+        until,
+        subject=effect.subject,
+        acting_until=start.acting_until,
+        limit=np.inf if moments[1] is None else moments[1],
+    )
     if last is None:
         return _absent(candidate, cause_id, effect_id, effect_id, outcomes[effect_id], reach=reach, start=start)
     gap = last - start.frame
-    moments = _instant(candidate, cause, first), _instant(candidate, effect, last)
     evidence = {"order_frames": gap, "cause_frame": start.frame, "effect_frame": last, "event_times": list(moments)}
     late = gap < 0
     if moments[0] is not None and moments[1] is not None and cause.predicate != effect.predicate:
@@ -181,6 +180,13 @@ def _edge(candidate: Candidate, chains: Chains, cause_id: str, effect_id: str) -
     return _linked(candidate, cause_id, effect_id, start, last, reach, evidence)
 
 
+def _sources(cause: Beat, effect: Beat, start: Onset) -> tuple[str, ...]:
+    """Where the cause's chain starts. A contact happens to both; it links the other one with itself as well."""
+    if isinstance(cause.predicate, Contact) and effect.subject in (cause.predicate.a, cause.predicate.b):
+        return tuple(dict.fromkeys((*start.sources, effect.subject)))
+    return start.sources
+
+
 def _linked(
     candidate: Candidate,
     cause_id: str,
@@ -193,27 +199,12 @@ def _linked(
     effect = candidate.spec.story.beats[effect_id]
     subject = effect.subject
     frames = (min(int(np.floor(start.frame)), last), last)
-    if subject in start.sources:
-        rest = _interrupted(candidate, subject, frames)
-        text = f"{subject} moves on from {cause_id} (frame {start.frame:g}) to {effect_id} (frame {last})"
-        if rest is not None:
-            text = f"{subject} came to rest at frame {rest}, between {cause_id} and {effect_id}, so nothing links them"
-        return _row(
-            candidate,
-            cause_id,
-            effect_id,
-            "pass" if rest is None else "fail",
-            text,
-            measured=float(evidence["order_frames"]),  # type: ignore[arg-type]
-            bound=0.0,
-            unit="frame",
-            frames=frames,
-            first=None if rest is None else (subject, rest),
-            evidence={**evidence, "hops": 0, "chain": [], "same_subject": True},
-            corrections=_link_hints(cause_id, effect_id, subject, None, None),
-        )
-    chain = reach.chain(subject) if reach.time(subject) is not None else []
+    if subject in _sources(candidate.spec.story.beats[cause_id], effect, start):
+        return _same_subject(candidate, cause_id, effect_id, start, (frames[0], last), reach, evidence)
+    chain = reach.chain(subject) if reach.ever(subject) else []
     evidence = {**evidence, "hops": len(chain), "chain": [h._asdict() for h in chain]}
+    if chain and (reach.time(subject) is None or reach.negligible):
+        return _not_its_doing(candidate, cause_id, effect_id, frames, reach, evidence)
     if chain:
         steps = ", ".join(_hop_text(h) for h in chain[:8]) + (f", ... {len(chain) - 8} more" if len(chain) > 8 else "")
         return _row(
@@ -249,21 +240,79 @@ def _linked(
     )
 
 
+def _same_subject(
+    candidate: Candidate,
+    cause_id: str,
+    effect_id: str,
+    start: Onset,
+    frames: tuple[int, int],
+    reach: Reach,
+    evidence: dict[str, object],
+) -> Row:
+    """The link of a body with itself: what it does later follows from its motion, unless that ended in between."""
+    subject = candidate.spec.story.beats[effect_id].subject
+    rest = reach.stopped.get(subject) if reach.time(subject) is None else None
+    failed = reach.time(subject) is None
+    text = f"{subject} moves on from {cause_id} (frame {start.frame:g}) to {effect_id} (frame {frames[1]})"
+    if failed:
+        text = f"{subject} came to rest at frame {rest}, between {cause_id} and {effect_id}, so nothing links them"
+    owner = candidate.spec.story.beats[cause_id].owner
+    if candidate.spec.entities[subject].motion == "kinematic" and owner not in candidate.spec.simulation.drivers:
+        failed, text = True, f"{subject} follows an authored path, so {cause_id} does not bring {effect_id} about"
+    return _row(
+        candidate,
+        cause_id,
+        effect_id,
+        "fail" if failed else "pass",
+        text,
+        measured=float(evidence["order_frames"]),  # type: ignore[arg-type]
+        bound=0.0,
+        unit="frame",
+        frames=frames,
+        first=(subject, rest if rest is not None else frames[1]) if failed else None,
+        evidence={**evidence, "hops": 0, "chain": [], "same_subject": True},
+        corrections=_link_hints(cause_id, effect_id, subject, None, None),
+    )
+
+
+def _not_its_doing(
+    candidate: Candidate, cause_id: str, effect_id: str, frames: tuple[int, int], reach: Reach, evidence: dict[str, object]
+) -> Row:
+    """A chain arrived, but the effect is not of it: it ended before, or others pushed far harder."""
+    subject = candidate.spec.story.beats[effect_id].subject
+    arrived = float(reach.arrival[reach.names.index(subject)])
+    if reach.time(subject) is None:
+        rest = reach.stopped.get(subject, frames[1])
+        text = f"{subject} was reached at {arrived:.3f} s, came to rest at frame {rest}, and then moved by something else"
+        measured, bound, unit, first = 0.0, 1.0, "hops", (subject, rest)
+    else:
+        pushed = sum(reach.others.values())
+        names = ", ".join(sorted(reach.others, key=lambda n: -reach.others[n])[:4])
+        text = (
+            f"the chain gave {subject} {reach.given:.3g} N s from {arrived:.3f} s on, others that were moving already gave it "
+            f"{pushed:.3g} N s ({names}): at least {MOMENTUM_SHARE:.0%} of that is asked"
+        )
+        measured, bound, unit, first = reach.given, MOMENTUM_SHARE * pushed, "N s", (subject, frames[1])
+        evidence = {**evidence, "others": reach.others}
+    return _row(
+        candidate,
+        cause_id,
+        effect_id,
+        "fail",
+        text,
+        measured=measured,
+        bound=bound,
+        unit=unit,
+        frames=frames,
+        first=first,
+        evidence=evidence,
+        corrections=_link_hints(cause_id, effect_id, subject, None, None),
+    )
+
+
 def _hop_text(hop: Hop) -> str:
     through = "joint" if hop.impulse is None else f"{hop.impulse:.3g} N s"
     return f"{hop.source} -> {hop.target} at {hop.time:.3f} s ({through})"
-
-
-def _interrupted(candidate: Candidate, entity: str, frames: tuple[int, int]) -> int | None:
-    """First frame of a rest longer than `PAUSE` strictly between the frames; None when it kept moving."""
-    span = moving(candidate, entity)[frames[0] : frames[1] + 1]
-    longest = max(2, round(PAUSE * candidate.spec.simulation.fps))
-    run = 0
-    for i, active in enumerate(span):
-        run = 0 if active else run + 1
-        if run > longest:
-            return frames[0] + i - run + 1
-    return None
 
 
 def _frontier(candidate: Candidate, reach: Reach, subject: str, frame: int) -> tuple[str, str, float]:

@@ -9,7 +9,7 @@ How a cause is prevented, in this order; an intervention counts only if the caus
 
 1. The cause is owned by a driver: the driver is taken away (a hold never lets go, a path stays at its first key, forces
    and motors do nothing, a joint is not opened).
-2. The cause is a contact that acts on through what was struck: what moves in is held where it is one frame before.
+2. The cause is a contact that acts on through what was struck: what moves in is held just before, out of touch.
    Letting it pass instead would have a ball strike the second domino in place of the first.
 3. The cause is a contact that acts on through what moves in (a rebound, a landing): the two pass through each other.
 4. Anything else: its subject is held at its pose and at rest from the onset on; where that is not enough, all moving
@@ -192,10 +192,22 @@ class _Work:
         speed = {n: float(motion.fastest_points(candidate, n)[frame]) for n in moving}
         mover = max(moving, key=lambda n: speed[n])
         struck = contact.b if mover == contact.a else contact.a
-        if self._acts_through(struck, mover, effect_id, frame):
-            return [self._hold((mover,), frame)]
         apart = Intervention(apart=frozenset({(contact.a, contact.b)}))
-        return [_Try(apart, frame, f"{contact.a} and {contact.b} pass through each other from frame {frame} on")]
+        passing = _Try(apart, frame, f"{contact.a} and {contact.b} pass through each other from frame {frame} on")
+        if not self._acts_through(struck, mover, effect_id, frame):
+            return [passing]
+        return [self._hold((mover,), self._away(mover, struck, frame))]
+
+    def _away(self, mover: str, struck: str, frame: int) -> int:
+        """Last frame at which the mover is far enough from where it will touch: held nearer, its skin would touch already."""
+        path = motion.centers(self.candidate, mover)
+        if self._moves(struck):
+            path = path - motion.centers(self.candidate, struck)
+        meeting = path[min(frame + 1, len(path) - 1)]
+        far = np.flatnonzero(
+            np.linalg.norm(path[: frame + 1] - meeting, axis=1) >= self.candidate.spec.simulation.limits.contact_gap
+        )
+        return int(far[-1]) if len(far) else 0
 
     def _acts_through(self, struck: str, mover: str, effect_id: str, frame: int) -> bool:
         """Whether the contact acts on through what was struck, not only through what struck it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -142,3 +143,23 @@ def test_no_ray_slips_through_a_seam():
     wall = trimesh.creation.box((2, 2, 2)).subdivide().subdivide()
     image = IdCaster([mesh_of(wall)]).cast(camera((0, -2.0, 0), size=(65, 65), fov=60.0), [at()])
     assert (image.ids == 0).all()
+
+
+def test_a_window_shows_what_the_whole_picture_shows_there() -> None:
+    caster = IdCaster([mesh_of(trimesh.creation.box((1, 1, 1))), mesh_of(trimesh.creation.icosphere(4, 0.3))])
+    view, poses = camera((2.0, -3.0, 1.0)), [at(), at(0.2, -1, 0.1)]
+    whole = caster.cast(view, poses)
+    part = caster.cast(view, poses, window=(10, view.width - 7, 5, view.height - 3))
+    for a, b in zip(whole, part, strict=True):
+        np.testing.assert_array_equal(a[5:-3, 10:-7], b)
+    with pytest.raises(InputError, match="window"):
+        caster.cast(view, poses, window=(5, 5, 0, 1))
+
+
+def test_a_turned_camera_shows_the_same_turned() -> None:
+    """A quarter turn: right becomes up."""
+    view = camera((0, -4.0, 0), size=(64, 64))
+    turned = replace(view, roll=math.pi / 2)
+    points = np.array([[0.3, 0, 0.1], [0, 0, 0.5]])
+    one, two = view.project(points)[0] - 32, turned.project(points)[0] - 32
+    np.testing.assert_allclose(two, np.column_stack([-one[:, 1], one[:, 0]]), atol=1e-9)

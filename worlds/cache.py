@@ -35,7 +35,7 @@ import math
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,10 @@ from .arrays import F64, RigidPose
 from .errors import EvidenceError
 
 __all__ = ["Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
+
+
+KEPT_BYTES = 256_000_000
+"""Caches up to this size are kept in memory while a verification reads them."""
 
 
 @dataclass(frozen=True)
@@ -173,17 +177,43 @@ class Cache:
         return read_container(self.path(frame), names)
 
     def series(self, name: str) -> Any:
-        """One channel over all frames, stacked: shape (frames, ...). Only for channels of constant shape."""
+        """One channel over all frames, stacked: shape (frames, ...). Only for channels of constant shape.
+
+        Raises:
+            EvidenceError: a frame is missing or damaged, or its channel has another shape.
+        """
         return self._series(name)
 
     @lru_cache(maxsize=64)  # noqa: B019 - a reader lives as long as one verification
     def _series(self, name: str) -> Any:
-        return np.stack([self.read(k, (name,))[name] for k in range(self.index.frames)])
+        frames = [self._channel(k, name) for k in range(self.index.frames)]
+        shapes = {f.shape for f in frames}
+        if len(shapes) != 1:
+            raise EvidenceError(f"channel {name!r} has other shapes at other frames: {sorted(shapes)[:3]}; bake again")
+        return np.stack(frames)
+
+    def _channel(self, frame: int, name: str) -> Any:
+        """One channel of one frame; small caches are opened once and kept, for opening costs more than reading."""
+        if self._small:
+            try:
+                return self._whole(frame)[name]
+            except (EvidenceError, KeyError):
+                pass  # this channel may still be readable, and else says what is wrong with it
+        return self.read(frame, (name,))[name]
+
+    @cached_property
+    def _small(self) -> bool:
+        paths = (self.path(k) for k in range(self.index.frames))
+        return sum(p.stat().st_size for p in paths if p.exists()) <= KEPT_BYTES
+
+    @cache  # noqa: B019
+    def _whole(self, frame: int) -> dict[str, Any]:
+        return self.read(frame)
 
     @lru_cache(maxsize=8)  # noqa: B019
     def ragged(self, *names: str) -> list[dict[str, Any]]:
         """Channels of varying length, one dict per frame."""
-        return [self.read(k, names) for k in range(self.index.frames)]
+        return [{n: self._channel(k, n) for n in names} for k in range(self.index.frames)]
 
     def body_row(self, entity: str, body: str = "body") -> int | None:
         """Row of a body in the pose channels; None when the instance does not move it."""

@@ -10,13 +10,14 @@ times to find their reason.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction
 from ..worlds.spec import Connects
+from .conduits import find_conduit
 from .route_motion import disturbances, travellers
 from .route_search import PITCH, RASTER_NOISE, Finding, find_route
 from .rows import guarded, guarded_rows, pointer, row
@@ -60,6 +61,8 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def _predicate(relation: Connects) -> str:
+    if relation.carrier == "fluid":
+        return f"an opening {relation.width:g} m wide leads from {relation.a} to {relation.b}, resolved by the fluid's solver"
     return (
         f"a {relation.carrier} {relation.width:g} m wide and {relation.headroom:g} m high gets from {relation.a} to {relation.b} "
         f"with slopes <= {relation.max_slope:g} rad and steps <= {relation.max_step:g} m"
@@ -68,8 +71,6 @@ def _predicate(relation: Connects) -> str:
 
 def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
     candidate = surfaces.candidate
-    if relation.carrier == "fluid":
-        raise EvidenceError("this build has no evaluator for the routes of fluids; declare a walker or an object")
     if surfaces.missing:
         raise EvidenceError(f"the scene is incomplete: {next(iter(surfaces.missing.values()))}")
     first, last = relation.frames or (0, 0)
@@ -108,7 +109,7 @@ def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
 
 def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict[int, Finding]:
     """What was found at the first frame and wherever the known route is disturbed, up to the first failure."""
-    found = {first: find_route(surfaces, relation, first)}
+    found = {first: _find(surfaces, relation, first)}
     known = first
     while found[known].ok:
         later = disturbances(surfaces, relation, found[known], known, last)
@@ -116,8 +117,14 @@ def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict
             break
         absent = travellers(surfaces, relation) if later < last else ()
         known = later
-        found[known] = find_route(surfaces, relation, known, absent=absent)
+        found[known] = _find(surfaces, relation, known, absent=absent)
     return found
+
+
+def _find(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> Finding:
+    if relation.carrier == "fluid":
+        return find_conduit(surfaces, relation, frame)
+    return find_route(surfaces, relation, frame, absent=absent)
 
 
 def _layout(surfaces: Surfaces) -> Any:
@@ -147,6 +154,12 @@ def _corrections(name: str, relation: Connects, one: Finding) -> Iterator[Correc
             f"Move {blame!r} out of the way, or make an opening of {relation.width:g} x {relation.headroom:g} m.",
             "placement",
             pose,
+        ),
+        "no space": ("Place the region in open space.", "placement", "/graph/regions"),
+        "unresolved": (
+            f"Widen the opening to {one.bound:g} cells of {blame!r}, or give {blame!r} finer cells.",
+            "shape",
+            "/entities",
         ),
         "gap": (f"Bridge the gap of {one.measured:.3g} m in the floor.", "shape", "/entities"),
     }.get(one.reason, ("Place the region over a floor, or build one under it.", "placement", "/graph/regions"))

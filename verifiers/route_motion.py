@@ -55,6 +55,8 @@ def disturbances(surfaces: Surfaces, relation: Connects, known: Finding, since: 
     low, high = known.route.min(axis=0), known.route.max(axis=0)
     reach = np.array([0.5 * relation.width, 0.5 * relation.width, 0.0])
     low, high = low - reach, high + reach + np.array([0.0, 0.0, relation.headroom])
+    if relation.carrier == "fluid":  # the route is the middle of the opening, not the foot of what travels
+        low[2] -= 0.5 * relation.width
     for part in surfaces.parts:
         if surfaces.is_static(part.entity):
             continue
@@ -83,5 +85,6 @@ def _meets(route: F64, relation: Connects, low: F64, high: F64) -> NDArray[np.bo
     reach = 0.5 * relation.width
     apart = np.maximum(np.maximum(low[:, None, :2] - route[:, :2], route[:, :2] - high[:, None, :2]), 0.0)
     beside = np.linalg.norm(apart, axis=2) < reach
-    level = (high[:, None, 2] > route[:, 2]) & (low[:, None, 2] < route[:, 2] + relation.headroom)
+    below = reach if relation.carrier == "fluid" else 0.0
+    level = (high[:, None, 2] > route[:, 2] - below) & (low[:, None, 2] < route[:, 2] + relation.headroom)
     return np.asarray((beside & level).any(axis=1))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import Connects
     from .surfaces import Surfaces
 
-__all__ = ["PITCH", "RASTER_NOISE", "Finding", "find_route", "region_box"]
+__all__ = ["PITCH", "RASTER_NOISE", "Finding", "find_route", "frame_of", "region_box"]
 
 CELL = 0.05
 """[m] Own choice: largest cell; an eighth of the width where that is finer."""
@@ -264,10 +264,17 @@ class _Search:
 
     def _narrow(self, way: Way, floor: Floor, obstacles: Obstacles) -> tuple[str, ...]:
         """Whose surfaces stand nearest to the narrowest place."""
-        near = np.linalg.norm(floor.points[:, :2] - way.place[:2], axis=1) <= 2.0 * floor.columns.grid.cell
-        near &= np.abs(floor.points[:, 2] - way.place[2]) <= self.carrier.step + floor.columns.grid.cell
+        cell = floor.columns.grid.cell
+        near = np.linalg.norm(floor.points[:, :2] - way.place[:2], axis=1) <= way.clearance + 2.0 * cell
+        near &= np.abs(floor.points[:, 2] - way.place[2]) <= self.carrier.step + way.clearance + cell
         labels = np.unique(obstacles.label[near & ~floor.nodes.blocked])
-        return self._owners(obstacles.owner[labels[labels >= 0]])
+        labels = labels[labels >= 0]
+        if len(labels) == 0:
+            return ()
+        apart = np.linalg.norm(obstacles.point - way.place[:2], axis=1)
+        least = np.array([apart[obstacles.start[k] : obstacles.start[k + 1]].min() for k in labels])
+        order = np.argsort(least, kind="stable")
+        return self._owners(obstacles.owner[labels[order[least[order] <= way.clearance + cell]]])
 
     def _why(self, floor: Floor) -> Finding:
         """There is no way at all: find out which limit, or which entity, is the reason."""
@@ -411,10 +418,14 @@ def _decimate(route: F64, tolerance: float) -> F64:
 
 
 def _pitch(route: F64, stretch: float, carrier: Carrier) -> tuple[float, int]:
-    """Steepest mean rise / run over a stretch [m] of the route that climbs more than two steps, and where it begins."""
+    """Steepest mean rise / run from step to step over a stretch [m] that climbs more than two steps, and where it begins."""
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route[:, :2], axis=0), axis=1))])
+    steps = 1 + np.flatnonzero(np.abs(np.diff(route[:, 2])) > carrier.tangent * np.diff(run) + SAME)
+    if len(steps) < 2:
+        return 0.0, 0
+    run, height = run[steps], route[steps, 2]
     end = np.minimum(np.searchsorted(run, run + stretch), len(run) - 1)
-    rise = np.abs(route[end, 2] - route[:, 2])
+    rise = np.abs(height[end] - height)
     rate = np.where((rise > 2.0 * carrier.step) & (run[end] - run > 0.5 * stretch), rise / np.maximum(run[end] - run, 1e-9), 0.0)
     k = int(np.argmax(rate))
-    return float(rate[k]), k
+    return float(rate[k]), int(steps[k])

@@ -19,6 +19,9 @@ __all__ = ["Way", "passable", "pieces_of", "reachable", "widest_way"]
 
 LEVELS = 6
 """Halvings of the search for the best point within a cell: ends at a 250th of the cell."""
+SAGITTA = 0.1
+"""[cells] How far an arc rises above the chord of two neighbouring points: c^2 / 8r for c = 2 cells, r = 4 cells, with room."""
+SHIFTS = 9
 LOST = 2
 """Rings of linked nodes whose obstacles are measured when a point moves within its cell."""
 
@@ -138,11 +141,24 @@ def widest_way(floor: Floor, obstacles: Obstacles, stops: Sequence[Ints], wanted
 
 
 def _between(floor: Floor, obstacles: Obstacles, points: F64, nodes: Ints, cap: float) -> tuple[F64, F64]:
-    """Clearance halfway between successive points of a route, and these places."""
-    middle = 0.5 * (points[nodes[:-1]] + points[nodes[1:]])
-    if len(middle) == 0:
+    """Clearance halfway between successive points of a route, and these places.
+
+    A way around a corner is an arc, its chord cuts the corner: each point may move across the way by `SAGITTA`.
+    """
+    here, there = points[nodes[:-1]], points[nodes[1:]]
+    if len(here) == 0:
         return np.zeros(0), np.zeros((0, 3))
-    return np.minimum(clearance_at(floor, obstacles, nodes[:-1], middle[:, :2], rings=LOST), cap), middle
+    along = (there - here)[:, :2]
+    across = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-12)[:, None]
+    reach = SAGITTA * floor.columns.grid.cell
+    best, place = np.full(len(here), -1.0), 0.5 * (here + there)
+    for shift in np.linspace(-reach, reach, SHIFTS):
+        trial = 0.5 * (here + there)
+        trial[:, :2] += shift * across
+        found = np.minimum(clearance_at(floor, obstacles, nodes[:-1], trial[:, :2], rings=LOST), cap)
+        better = found > best
+        best[better], place[better] = found[better], trial[better]
+    return best, place
 
 
 def _shortest(floor: Floor, points: F64, keep: NDArray[np.bool_], stops: Sequence[Ints]) -> Ints | None:

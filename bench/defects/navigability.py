@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from ...verifiers.conduits import CELLS_ACROSS
+from ...verifiers.conduits import NOISE as FLOW_NOISE
 from ...verifiers.navigability import PITCH, RASTER_NOISE
 from ...verifiers.walkable import GAP
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, Part, Sphere
-from ..small_worlds import pose
+from ...worlds.spec.entities import LiquidPhysics
+from ..small_worlds import entity, pose
 from ._routes import EAST, WEST, Site, block, carrier, flight, furniture, prism, site
 from .cases import Mechanism, Suite, World
 
@@ -183,13 +186,7 @@ def _leaf(hall: Site, door: float) -> None:
     """A door leaf hung at the jamb y = -door / 2 of the wall x = 0, in a frame at its hinge, closed along +y."""
     thick = 0.04
     leaf = Part(shape=Box(size=(thick, door, 1.95)), pose=pose((thick / 2, door / 2, 0.98)))
-    hall.things["door"] = _hung(hall, leaf, door)
-
-
-def _hung(hall: Site, leaf: Part, door: float) -> Any:
-    from ..small_worlds import entity
-
-    return entity(leaf, motion="dynamic", at=hall.out((0, -door / 2, 0)).tolist(), euler=(0, 0, hall.yaw))
+    hall.things["door"] = entity(leaf, motion="dynamic", at=hall.out((0, -door / 2, 0)).tolist(), euler=(0, 0, hall.yaw))
 
 
 def _swing(hall: Site, door: float, turns: list[float]) -> Any:
@@ -308,7 +305,61 @@ def _through_the_wall(folder: Path, m: float, rng: RNG) -> World:
     return hall.world(folder, way, "wall")
 
 
+def _tanks(rng: RNG, width: float, hole: float, cell: float, *, gate: float | None = None) -> tuple[Site, Connects]:
+    """Two closed basins with an opening between them; a gate stands `gate` high in the opening."""
+    hall = site(rng, half=0.4, floor=False)
+    x, y, z, level = 0.6, 0.4, 0.8, float(rng.uniform(0.05, 0.3))
+    walls = [
+        block(-x, x, -y, y, -0.05, 0),
+        block(-x, x, -y, y, z, z + 0.05),
+        block(-x - 0.05, -x, -y, y, 0, z),
+        block(x, x + 0.05, -y, y, 0, z),
+        block(-x, x, -y - 0.05, -y, 0, z),
+        block(-x, x, y, y + 0.05, 0, z),
+    ]
+    hall.add("floor", *walls)
+    thick, side = float(rng.choice([0.01, 0.1, 0.3])), float(rng.uniform(-0.1, 0.1))
+    left, right, top = side - hole / 2, side + hole / 2, level + hole
+    hall.add(
+        "wall",
+        block(0, thick, -y, left, 0, z),
+        block(0, thick, right, y, 0, z),
+        block(0, thick, left, right, 0, level),
+        block(0, thick, left, right, top, z),
+    )
+    if gate is not None:
+        hall.add("gate", block(0.4 * thick, 0.6 * thick, left, right, level, level + gate))
+    hall.add("water", block(-0.55, -0.1, -0.35, 0.35, 0.01, 0.6))
+    hall.things["water"] = hall.things["water"].model_copy(update={"physics": LiquidPhysics(resolution=cell)})
+    hall.regions["a"] = BoxRegion(min=(-0.5, -0.25, 0.2), max=(-0.15, 0.25, 0.75), relative_to="floor")
+    hall.regions["b"] = BoxRegion(min=(0.4, -0.25, 0.05), max=(0.55, 0.25, 0.7), relative_to="floor")
+    return hall, Connects(a="a", b="b", carrier="fluid", width=width)
+
+
+def _narrow_opening(folder: Path, m: float, rng: RNG) -> World:
+    """The opening between two basins is too small for the fluid, or a gate closes a part of it."""
+    width = float(rng.uniform(0.2, 0.3))
+    if rng.random() < 0.5:
+        hall, way = _tanks(rng, width, width * (1.0 - m), width / 10)
+    else:
+        hall, way = _tanks(rng, width, width * 1.2, width / 10, gate=width * (0.2 + m))
+    return hall.world(folder, way, "wall", "gate")
+
+
+def _unresolved_opening(folder: Path, m: float, rng: RNG) -> World:
+    """The opening is wide enough, but the fluid's cells are too coarse for it."""
+    width = float(rng.uniform(0.2, 0.3))
+    hall, way = _tanks(rng, width, 1.01 * width, 1.01 * width / CELLS_ACROSS * m)
+    return hall.world(folder, way, "water")
+
+
 # ---------------------------------------------------------------- clean
+
+
+def _opening(folder: Path, m: float, rng: RNG) -> World:
+    width = float(rng.uniform(0.2, 0.3))
+    hall, way = _tanks(rng, width, width * (1.0 + m), width / (1.1 * CELLS_ACROSS), gate=None if m < 0.05 else 0.8 * m * width)
+    return hall.world(folder, way)
 
 
 def _wide_enough(folder: Path, m: float, rng: RNG) -> World:
@@ -461,6 +512,9 @@ SUITE = Suite(
         Mechanism("ghost bridge", "only drawn", True, _ghost_bridge, 0.1, 2.0, "m"),
         Mechanism("floating region", "no floor under it", True, _floating_region, 0.001, 1.0, "m", bound=0.0),
         Mechanism("through the wall", "a region on both sides", True, _through_the_wall, 0.05, 1.1, "m"),
+        Mechanism("narrow opening", "for a fluid", True, _narrow_opening, 1.1 * FLOW_NOISE, 0.97, "1", bound=FLOW_NOISE),
+        Mechanism("unresolved opening", "cells as coarse as it", True, _unresolved_opening, 1.02, 4.0, "1", bound=1.0),
+        Mechanism("opening", "just wide enough for a fluid", False, _opening, 0.0001, 0.3, "1"),
         Mechanism("wide enough", "just as wide as needed, turned", False, _wide_enough, 0.0001, 0.1, "m"),
         Mechanism("high enough", "just clears the head", False, _high_enough, 0.0001, 0.1, "m"),
         Mechanism("legal stairs", "risers at the limit", False, _legal_stairs, 0.0001, 0.05, "m"),

@@ -9,7 +9,8 @@ import pytest
 from worldagent.bench.small_worlds import ball, box, entity, make_candidate, pose, world
 from worldagent.verifiers import navigability
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Box, BoxRegion, Connects, CylinderRegion, Part, Wedge
+from worldagent.worlds.spec import Box, BoxRegion, Connects, CylinderRegion, Extrusion, Part, Wedge
+from worldagent.worlds.spec.entities import LiquidPhysics
 
 NOISE = navigability.RASTER_NOISE
 
@@ -18,8 +19,9 @@ def slab(x0, x1, y0, y1, top=0.0, thick=0.2, **more):
     return box(x1 - x0, y1 - y0, thick, at=((x0 + x1) / 2, (y0 + y1) / 2, top - thick / 2), **more)
 
 
-def block(x0, x1, y0, y1, z0, z1):
-    return Part(shape=Box(size=(x1 - x0, y1 - y0, z1 - z0)), pose=pose(((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)))
+def block(x0, x1, y0, y1, z0, z1, **more):
+    middle = ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
+    return Part(shape=Box(size=(x1 - x0, y1 - y0, z1 - z0)), pose=pose(middle), **more)
 
 
 def wall_with_door(width=1.0, height=2.1, *, at=0.0, thick=0.1, middle=0.0, tall=2.6):
@@ -123,7 +125,11 @@ def test_a_dynamic_body_in_the_way_counts_at_the_checked_frames(tmp_path):
     assert row_of(tmp_path, things, tracks=tracks, regions=regions).status == "pass"
     later = Connects(a="a", b="b", frames=(0, 3))
     row = row_of(tmp_path, things, tracks=tracks, regions=regions, relation=later)
-    assert (row.status, row.first_failing_frame, row.first_failing_entity) == ("fail", 2, "crate")  # already then the crate leaves 0.55 m before the wall
+    assert (row.status, row.first_failing_frame, row.first_failing_entity) == (
+        "fail",
+        2,
+        "crate",
+    )  # already then the crate leaves 0.55 m before the wall
     early = row_of(tmp_path, things, regions=regions, relation=later)
     assert early.status == "pass"
 
@@ -310,10 +316,171 @@ def test_regions_without_floor_fail_and_regions_can_ride_on_entities(tmp_path):
     assert row.evidence["route"][-1][0] == pytest.approx(1.72, abs=0.05)
 
 
-def test_fluids_are_unverified_and_no_connection_is_not_applicable(tmp_path):
-    assert row_of(tmp_path, ROOM, carrier="fluid").status == "unverified"
+def test_no_connection_is_not_applicable(tmp_path):
     rows = navigability.check(make_candidate(tmp_path, world(ROOM)))
     assert [(r.id, r.status) for r in rows] == [("navigability:scene", "not_applicable")]
+
+
+def basins(hole, resolution=None):
+    """Two closed basins, joined by a square hole in a wall of 10 cm."""
+    walls = [
+        block(-0.6, 0.6, -0.4, 0.4, -0.05, 0),
+        block(-0.6, 0.6, -0.4, 0.4, 0.6, 0.65),
+        block(-0.65, -0.6, -0.4, 0.4, 0, 0.6),
+        block(0.6, 0.65, -0.4, 0.4, 0, 0.6),
+        block(-0.6, 0.6, -0.45, -0.4, 0, 0.6),
+        block(-0.6, 0.6, 0.4, 0.45, 0, 0.6),
+    ]
+    low, high = 0.2, 0.2 + hole
+    wall = [
+        block(0, 0.1, -0.4, -hole / 2, 0, 0.6),
+        block(0, 0.1, hole / 2, 0.4, 0, 0.6),
+        block(0, 0.1, -hole / 2, hole / 2, 0, low),
+        block(0, 0.1, -hole / 2, hole / 2, high, 0.6),
+    ]
+    things = {"tank": entity(*walls), "wall": entity(*wall)}
+    if resolution is not None:
+        water = entity(block(-0.5, -0.1, -0.3, 0.3, 0.01, 0.3))
+        things["water"] = water.model_copy(update={"physics": LiquidPhysics(resolution=resolution)})
+    return things, {
+        "a": BoxRegion(min=(-0.5, -0.3, 0.1), max=(-0.1, 0.3, 0.5)),
+        "b": BoxRegion(min=(0.3, -0.3, 0.1), max=(0.5, 0.3, 0.5)),
+    }
+
+
+def test_an_opening_for_a_fluid_is_measured_and_must_be_resolved(tmp_path):
+    asked = {"carrier": "fluid", "width": 0.25}
+    things, regions = basins(0.26, resolution=0.05)
+    row = row_of(tmp_path, things, regions=regions, **asked)
+    assert row.status == "pass"
+    assert row.measured == pytest.approx(0.26, rel=0.02)
+    assert row.evidence["solver_cells_across"] == pytest.approx(5.2, rel=0.02)
+    things, regions = basins(0.26, resolution=0.1)
+    row = row_of(tmp_path, things, regions=regions, **asked)
+    assert (row.status, row.evidence["reason"], row.first_failing_entity) == ("fail", "unresolved", "water")
+    things, regions = basins(0.2, resolution=0.05)
+    row = row_of(tmp_path, things, regions=regions, **asked)
+    assert (row.status, row.evidence["reason"], row.first_failing_entity) == ("fail", "too narrow", "wall")
+    assert row.measured == pytest.approx(0.2, rel=0.02)
+
+
+def test_an_opening_without_a_fluid_that_states_its_resolution_is_unverified(tmp_path):
+    things, regions = basins(0.26)
+    row = row_of(tmp_path, things, regions=regions, carrier="fluid", width=0.25)
+    assert row.status == "unverified"
+    assert "no liquid or gas states the resolution" in row.evidence["explanation"]
+
+
+def test_a_liquid_does_not_rise_above_where_it_comes_from(tmp_path):
+    weir = {"bed": slab(-1, 1, -0.3, 0.3), "weir": box(0.1, 0.6, 0.5, at=(0, 0, 0.25))}
+    weir |= {"near": box(2, 0.05, 1.0, at=(0, -0.325, 0.5)), "far": box(2, 0.05, 1.0, at=(0, 0.325, 0.5))}
+    weir |= {"west": box(0.05, 0.7, 1.0, at=(-1.025, 0, 0.5)), "east": box(0.05, 0.7, 1.0, at=(1.025, 0, 0.5))}
+    water = box(0.5, 0.5, 0.3, at=(-0.5, 0, 0.16))
+    weir["water"] = water.model_copy(update={"physics": LiquidPhysics(resolution=0.05)})
+    goal = BoxRegion(min=(0.3, -0.2, 0.05), max=(0.8, 0.2, 0.4))
+    for top, status in ((0.4, "fail"), (0.9, "pass")):
+        source = BoxRegion(min=(-0.8, -0.2, 0.05), max=(-0.2, 0.2, top))
+        row = row_of(tmp_path, weir, regions={"a": source, "b": goal}, carrier="fluid", width=0.2)
+        assert row.status == status, row.evidence
+
+
+def leaf_at(turns):
+    """Motion of a leaf hung at (0, -0.5, 0), turned about z."""
+    half = 0.5 * np.asarray(turns, dtype=float)
+    zero = np.zeros(len(half))
+    return np.tile([0.0, -0.5, 0.0], (len(half), 1)), np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+
+
+@pytest.mark.parametrize(("angle", "clear"), [(0.0, 0.0), (0.6, math.sin(0.6)), (1.2, math.sin(1.2)), (1.6, 1.0)])
+def test_a_door_is_judged_as_far_as_it_is_open_at_the_demanded_frames(tmp_path, angle, clear):
+    leaf = entity(block(0, 0.04, 0, 1.0, 0.005, 2.0), motion="dynamic", at=(0, -0.5, 0))
+    things = {**ROOM, "wall": wall_with_door(1.0, at=-0.05, thick=0.05), "door": leaf}
+    tracks = {"door": leaf_at([0.0, -angle / 2, -angle, -angle])}
+    asked = Connects(a="a", b="b", frames=(2, 3))
+    row = row_of(tmp_path, things, tracks=tracks, relation=asked)
+    assert row.status == ("pass" if clear >= 0.8 else "fail")
+    assert row.measured == pytest.approx(clear, abs=0.003)
+    if clear < 0.8:
+        assert "door" in row.entities
+    assert navigability.check(make_candidate(tmp_path, world(things, regions=REGIONS, relations={"way": asked}))) == []
+
+
+def test_a_door_that_is_shut_for_one_frame_between_fails_there(tmp_path):
+    leaf = entity(block(0, 0.04, 0, 1.0, 0.005, 2.0), motion="dynamic", at=(0, -0.5, 0))
+    things = {**ROOM, "wall": wall_with_door(1.0, at=-0.05, thick=0.05), "door": leaf}
+    tracks = {"door": leaf_at([-1.6] * 5 + [-0.2] + [-1.6] * 4)}
+    row = row_of(tmp_path, things, tracks=tracks, frames=10, relation=Connects(a="a", b="b", frames=(0, 9)))
+    assert (row.status, row.first_failing_frame) == ("fail", 5)
+
+
+def test_what_travels_is_not_in_its_own_way(tmp_path):
+    chute = {
+        "bed": slab(-1, 1, -0.15, 0.15),
+        "left": box(2, 0.01, 0.1, at=(0, 0.145, 0.05)),
+        "right": box(2, 0.01, 0.1, at=(0, -0.145, 0.05)),
+        "ball": ball(0.05, motion="dynamic", at=(-0.95, 0, 0.05)),
+    }
+    ends = {n: CylinderRegion(center=(x, 0, 0.1), radius=0.08, height=0.2) for n, x in (("a", -0.75), ("b", 0.75))}
+    tracks = {"ball": (np.column_stack([np.linspace(-0.95, 0.95, 8), np.zeros(8), np.full(8, 0.05)]), (1, 0, 0, 0))}
+    asked = Connects(a="a", b="b", carrier="object", width=0.14, headroom=0.14, max_step=0.01, frames=(0, 7))
+    assert row_of(tmp_path, chute, regions=ends, tracks=tracks, frames=8, relation=asked).status == "pass"
+    stuck = {"ball": (np.tile([0.0, 0.0, 0.05], (8, 1)), (1, 0, 0, 0))}
+    row = row_of(tmp_path, chute, regions=ends, tracks=stuck, frames=8, relation=asked)
+    assert row.status == "fail"
+    assert "ball" in row.entities
+
+
+def test_floor_that_is_only_drawn_carries_nobody(tmp_path):
+    pit = {"west": slab(-3, -0.5, -2, 2), "east": slab(0.5, 3, -2, 2)}
+    drawn = entity(block(-0.6, 0.6, -2, 2, -0.05, 0.001, collides=False))
+    row = row_of(tmp_path, {**pit, "bridge": drawn})
+    assert (row.status, row.evidence["reason"]) == ("fail", "gap")
+    rug = entity(block(-0.6, 0.6, -1, 1, 0.0001, 0.01, collides=False))
+    assert row_of(tmp_path, {**ROOM, "rug": rug}).status == "pass"
+
+
+@pytest.mark.parametrize(("gap", "status"), [(0.046, "pass"), (0.051, "fail"), (0.068, "fail")])
+@pytest.mark.parametrize("angle", [0.0, math.pi / 4, 0.4])
+def test_cracks_have_one_bound_at_every_angle_to_the_grid(tmp_path, gap, status, angle):
+    turned = {"euler": (0, 0, angle)}
+    things = {
+        "west": entity(block(-3, 0, -1.2, 1.2, -0.2, 0), **turned),
+        "east": entity(block(gap, 3, -1.2, 1.2, -0.2, 0), **turned),
+    }
+    regions = {n: BoxRegion(min=(x, -0.8, 0), max=(x + 1, 0.8, 1), relative_to="west") for n, x in (("a", -2.6), ("b", 1.6))}
+    assert row_of(tmp_path, things, regions=regions).status == status
+
+
+def test_a_step_in_the_bend_of_two_slopes_is_measured(tmp_path):
+    for kerb, status in ((0.0, "pass"), (0.015, "pass"), (0.03, "fail")):
+        profile = [(0.0, -0.1), (1.0, -0.1), (1.0, 0.5 + kerb), (0.0, kerb)]
+        ramp = Part(shape=Extrusion(polygon=profile, height=2.4), pose=pose((0, 0, 0), euler=(math.pi / 2, 0, 0)))
+        things = {"floor": slab(-3, 0, -1.2, 1.2), "ramp": entity(ramp), "deck": slab(1, 4, -1.2, 1.2, top=0.5 + kerb)}
+        regions = {"a": REGIONS["a"], "b": BoxRegion(min=(2, -1, 0.5), max=(3, 1, 1))}
+        asked = {"carrier": "object", "width": 0.8, "headroom": 1.0, "max_slope": 0.5, "max_step": 0.02}
+        assert row_of(tmp_path, things, regions=regions, **asked).status == status
+
+
+def test_a_thin_sill_is_measured_and_named(tmp_path):
+    row = row_of(tmp_path, {**ROOM, "blade": box(0.002, 4, 0.21, at=(0.013, 0, 0.105))})
+    assert (row.status, row.evidence["reason"], row.entities) == ("fail", "step too high", ("blade",))
+    assert row.measured == pytest.approx(0.21)
+
+
+def test_a_region_that_reaches_through_a_wall_starts_on_its_own_side(tmp_path):
+    through = {"a": BoxRegion(min=(-2.8, -1, 0), max=(0.9, 1, 1)), "b": REGIONS["b"]}
+    row = row_of(tmp_path, {**ROOM, "wall": box(0.1, 4, 2.6, at=(0, 0, 1.3))}, regions=through)
+    assert (row.status, row.first_failing_entity) == ("fail", "wall")
+
+
+def test_the_profile_of_the_route_is_reported(tmp_path):
+    things, regions = stairs(0.17)
+    row = row_of(tmp_path, {**things, "beam": box(0.1, 4, 0.1, at=(-0.6, 0, 2.3))}, regions=regions)
+    assert row.status == "pass"
+    assert row.evidence["headroom_m"] == pytest.approx(2.25)
+    assert row.evidence["lowest_place"][0] == pytest.approx(-0.6, abs=0.1)
+    assert row.evidence["highest_step_m"] == pytest.approx(0.17)
+    assert row.evidence["steepest_rad"] == 0.0
 
 
 def test_too_large_an_area_is_unverified_with_the_reason(tmp_path):

@@ -207,7 +207,7 @@ class Adjacent(_Edge):
 
 
 class Connects(_Edge):
-    """A route leads from region `a` to region `b` for `carrier` (R21, R94)."""
+    """A route leads from region `a` to region `b` for `carrier` (R21, R94); for a fluid an opening of diameter `width`."""
 
     kind: Literal["connects"] = "connects"
     a: RegionRef
@@ -218,7 +218,7 @@ class Connects(_Edge):
     max_slope: Positive = Field(default=0.6, lt=1.57, description="[rad]")
     max_step: Positive = Field(default=0.2, description="[m]")
     waypoints: list[Vec2] = Field(default=[], description="points the route passes, in order")
-    frames: FrameInterval | None = Field(default=None, description="checked at the first and last of these; default frame 0")
+    frames: FrameInterval | None = Field(default=None, description="the way is there at every one of these; default frame 0")
 
 
 class Interacts(_Edge):

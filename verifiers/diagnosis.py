@@ -27,6 +27,8 @@ AROUND = 3
 """Frames before and after a failure that the suggested probes look at."""
 NEAREST = 2.5e-3
 """Least gap [m] that a suggested move leaves: two skins of 1.2 mm, the largest that the audit lets pass by default."""
+CHAINED = ("beat", "causal", "robustness")
+"""Checks whose rows hang on a chain of bodies: an edit of any of them is about the row."""
 CITED = 3
 """Most past edits told per cause."""
 EASIER_GROUPS = ("story", "limits")
@@ -190,9 +192,11 @@ def _joined(
     """A correction from what the check measured, filled up by the table; or from the table alone."""
     patch = () if cause is None or document is None else tuple(_operations(row, cause.patch, names, document))
     if measured is not None:
-        return measured.model_copy(
-            update={"skill": measured.skill or cited, "because": because, "patch": measured.patch or patch}
-        )
+        update: dict[str, Any] = {"skill": measured.skill or cited, "because": because}
+        if patch and not measured.patch:
+            places = tuple(str(o["path"]) for o in patch)
+            update |= {"patch": patch, "pointers": tuple(dict.fromkeys((*measured.pointers, *places)))}
+        return measured.model_copy(update=update)
     assert cause is not None
     return Correction(
         cause=cause.cause,
@@ -398,6 +402,8 @@ def _concerns(row: Row, attempt: Attempt) -> bool:
     """Whether an edit was about this row: it changed something of its entities, something of all, or what it measures."""
     before, after = attempt.before, attempt.after
     if before is not None and after is not None and before != after:
+        return True
+    if row.check in CHAINED:
         return True
     named = {*row.entities, *(p.split("/")[2] for c in row.corrections for p in c.pointers if p.startswith("/entities/"))}
     places = [p.split("/") for p, _, _ in attempt.changes]

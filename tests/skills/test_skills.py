@@ -132,7 +132,7 @@ def test_every_check_has_a_diagnosis(check: str) -> None:
 ROWS = {
     "audit": ["audit:ownership", "audit:clauses", "audit:bounds", "audit:density:wood", "audit:engine:cloud"],
     "scale": ["scale:scene", "scale:ball", "scale:nominal:ball", "scale:relation:on"],
-    "interpenetration": ["interpenetration:a:b", "interpenetration:scene"],
+    "interpenetration": ["interpenetration:a:b", "interpenetration:self:a", "interpenetration:scene"],
     "support": ["support:scene", "support:on:cup", "support:balance:cup", "support:derived:cup"],
     "navigability": ["navigability:way"],
     "relations": ["relations:holds"],

@@ -1,5 +1,6 @@
 """Floor 5: pictures of a candidate. Importing this loads no renderer, no OpenCV and no engine."""
 
+from .account_plot import plot_account
 from .denoise import denoise, meter, tonemap
 from .frames import FrameRenderer, frame_path, frame_recipe, render_frame, render_sequence
 from .highlight import highlight
@@ -35,6 +36,7 @@ __all__ = [
     "matrix_page",
     "meter",
     "plan_view",
+    "plot_account",
     "plot_ledger",
     "preview",
     "render_frame",

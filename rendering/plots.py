@@ -16,7 +16,7 @@ from ..worlds.records import QUANTITIES
 from .denoise import U8
 from .drawing import Color, distinct_color, line, text, text_size
 
-__all__ = ["DEFAULT_QUANTITIES", "DERIVED", "Series", "ledger_series", "plot_ledger"]
+__all__ = ["DEFAULT_QUANTITIES", "DERIVED", "GRID", "INK", "Series", "ledger_series", "plot_ledger", "ticks"]
 
 DERIVED = {"total_energy": "J", "min_gap": "m", "contacts": "1"}
 """Quantities computed here, with units: kinetic + potential energy, least gap of touching pairs, touching pairs."""
@@ -78,7 +78,7 @@ def ledger_series(candidate: Candidate, quantity: str) -> Series:
     return Series(quantity, unit, values)
 
 
-def _ticks(low: float, high: float, most: int) -> list[float]:
+def ticks(low: float, high: float, most: int) -> list[float]:
     """Round numbers (1, 2, 5 times a power of ten) within [low, high]."""
     raw = max(high - low, 1e-300) / max(most, 1)
     power = 10.0 ** math.floor(math.log10(raw))
@@ -115,12 +115,12 @@ def _panel(members: Sequence[Series], box: tuple[int, int, int, int], seconds: f
 
 
 def _axes(image: U8, panel: _Panel, unit: str, *, last: bool) -> None:
-    for value in _ticks(panel.low, panel.high, max(2, (panel.bottom - panel.top) // 34)):
+    for value in ticks(panel.low, panel.high, max(2, (panel.bottom - panel.top) // 34)):
         y = panel.y(value)
         line(image, [(panel.left, y), (panel.right, y)], GRID)
         words = f"{value:.4g}" if abs(value) > 1e-12 else "0"
         text(image, words, (panel.left - 6 - text_size(words, 9)[0], y + 4), height=9, color=INK)
-    for time in _ticks(0.0, panel.seconds, 10):
+    for time in ticks(0.0, panel.seconds, 10):
         x = panel.x(time)
         line(image, [(x, panel.top), (x, panel.bottom)], GRID)
         if last:

@@ -6,14 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
-from ..worlds.errors import InputError
+from ..worlds.errors import EvidenceError, InputError
 from .context import Picture, ToolContext, ToolReply
 
 if TYPE_CHECKING:
+    from ..rendering.denoise import U8
     from ..worlds.candidate import Candidate
     from .session import Session
 
 __all__ = ["render_shot"]
+
+LEDGER_SIZE = (1200, 1000)
+"""Pixels of a ledger plot: six panels with legends."""
 
 Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "final"]
 
@@ -74,7 +78,8 @@ def render_shot(
     from ..worlds.canonical import digest_of
 
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
-    image = _picture(candidate, kind, state, shot, camera, frames, width or 640, height or 360, samples, seen_from=frame)
+    wide, tall = LEDGER_SIZE if kind == "ledger" else (640, 360)
+    image = _picture(candidate, kind, state, shot, camera, frames, width or wide, height or tall, samples, seen_from=frame)
     if state != frame:
         data["note"] = "nothing is simulated yet: the state of frame 0, seen from this frame's camera"
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
@@ -132,7 +137,7 @@ def _picture(
         ]
         return Picture(rendering.contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen]), "jpeg")
     if kind == "ledger":
-        image = rendering.plot_ledger(candidate)
+        image = _ledger(candidate, width, height)
     elif kind == "plan":
         image = rendering.plan_view(candidate, frame)
     elif kind == "section":
@@ -145,6 +150,18 @@ def _picture(
         image = rendering.preview(candidate, frame, shot=shot, camera=view, width=width, height=height)
     encoded = rendering.encode(image)
     return Picture(encoded.data, encoded.format)
+
+
+def _ledger(candidate: Candidate, width: int, height: int) -> U8:
+    """The account of the verifiers; the solver's bare records where a channel for it is missing."""
+    from .. import rendering
+    from ..verifiers.accounts import account_of
+
+    try:
+        account = account_of(candidate)
+    except EvidenceError:
+        return rendering.plot_ledger(candidate, width=max(width, 640), height=max(height, 480))
+    return rendering.plot_account(candidate, account, width=width, height=height)
 
 
 def _final(

@@ -74,6 +74,8 @@ class Books:
     def __init__(self, candidate: Candidate, cache: Cache) -> None:
         self.candidate, self.cache = candidate, cache
         spec, index = candidate.spec, cache.index
+        if index.solver not in spec.simulation.solvers:
+            raise EvidenceError(f"the cache is of instance {index.solver!r}, which is not planned; bake again")
         self.frames = index.frames
         self.duration = 1.0 / spec.simulation.fps
         self.step = spec.simulation.solvers[index.solver].settings.step
@@ -354,6 +356,17 @@ class Books:
         length = max((spec.materials[m].rolling_friction for m in names), default=0.0)
         return np.full(len(self.entities), max(length, 1e-6))
 
+    @cached_property
+    def sources(self) -> dict[str, F64]:
+        """Impulses by cause [N s], each shape (F - 1, E, 3); the residual is what contacts and joints gave."""
+        return {
+            "gravity": self.gravity_impulse,
+            "drivers": self.driver_wrench[0],
+            "drag": self.drag_impulse,
+            "springs": self.spring_impulse[0],
+            "contacts, joints": self.residual,
+        }
+
     # ---------------------------------------------------------------- contacts
 
     @cached_property
@@ -405,13 +418,21 @@ class Books:
     @cached_property
     def contact_budget(self) -> F64:
         """Most that the logged contacts can have changed each entity's momentum [N s], shape (F - 1, E)."""
+        return self._on_entities(np.abs(self.contacts.impulse) * np.sqrt(1.0 + self.friction[1] ** 2))
+
+    @cached_property
+    def logged_impulse(self) -> F64:
+        """Logged normal impulses on each entity [N s], shape (F - 1, E)."""
+        return self._on_entities(self.contacts.impulse)
+
+    def _on_entities(self, values: F64) -> F64:
+        """Sum of a value per contact over the contacts of each entity with others, shape (F - 1, E)."""
         found = self.contacts
-        most = np.abs(found.impulse) * np.sqrt(1.0 + self.friction[1] ** 2)
         result = np.zeros((self.frames - 1, len(self.entities)))
         for side, other in ((found.a, found.b), (found.b, found.a)):
             rows = self.collider_row[side]
             good = (rows >= 0) & (side != other)
-            np.add.at(result, (found.frame[good] - 1, rows[good]), most[good])
+            np.add.at(result, (found.frame[good] - 1, rows[good]), values[good])
         return result
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
 
@@ -16,11 +17,13 @@ from worldagent.rendering import (
     id_view,
     ledger_series,
     plan_view,
+    plot_account,
     plot_ledger,
     preview,
     section_view,
     write_video,
 )
+from worldagent.worlds.accounts import Account, Mark
 from worldagent.worlds.errors import EvidenceError, InputError
 
 
@@ -124,3 +127,24 @@ def test_section_fills_what_it_cuts(candidate):
 def test_importing_the_floor_loads_no_engine():
     code = "import sys, worldagent.rendering as r; print([m for m in ('mitsuba', 'cv2', 'warp', 'pyoidn') if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+def test_an_account_is_drawn_with_its_bound_and_what_exceeds_it(candidate):
+    """The residual's curve is red and crosses the bound's line exactly when something has no source."""
+    times = np.arange(6) / 24
+    still, one = np.zeros((6, 2)), np.ones((6, 2))
+    account = Account(
+        times=times, entities=("ball", "box"), mass=np.array([1.0, 2.0]), kinetic=one * times[:, None], potential=one, elastic=times,
+        work=np.zeros(6), momentum=np.repeat(still[:, :, None], 3, axis=2), angular_momentum=np.ones((6, 2, 3)),
+        sources={"gravity": np.ones((5, 2, 3))}, contact=np.ones((5, 2)), unexplained=np.full((5, 2), 1e-12), bound=2e-3,
+        events=(Mark(0.1, "ball - box"),),
+    )  # fmt: skip
+    sound = plot_account(candidate, account, width=900, height=900)
+    assert sound.shape == (900, 900, 3)
+    violet, red = np.array([150, 90, 200]), np.array([200, 30, 30])
+    assert (np.abs(sound.astype(int) - violet).sum(-1) < 60).sum() > 300  # the event runs through all panels
+    broken = plot_account(candidate, dataclasses.replace(account, unexplained=np.full((5, 2), 0.5)), width=900, height=900)
+    reds = [int((np.abs(p.astype(int) - red).sum(-1) < 60).sum()) for p in (sound, broken)]
+    assert reds[1] > 1.5 * reds[0] > 0
+    small = plot_account(candidate, account, width=64, height=64)
+    assert small.shape == (600, 700, 3)

@@ -10,6 +10,7 @@ import pytest
 from worldagent.bench.defects import _scenes as scenes
 from worldagent.bench.defects._films import Film, film_of
 from worldagent.bench.small_worlds import ball, box, ground, world
+from worldagent.verifiers.accounts import account_of
 from worldagent.verifiers.category import check
 from worldagent.verifiers.ledgers import Books
 from worldagent.verifiers.tumbling import tumble
@@ -112,3 +113,21 @@ def test_tumbling_keeps_angular_momentum_and_energy() -> None:
     angle = rate * 1.3
     turned_top = top * np.cos(angle) + np.cross(axis, top) * np.sin(angle) + axis * (axis @ top) * (1 - np.cos(angle))
     assert turned[0] @ top == pytest.approx(turned_top, abs=1e-5)
+
+
+def test_the_account_balances_frame_by_frame(tmp_path: Path) -> None:
+    """Change of momentum of every free entity is the sum of its sources; bodies on paths are not in it."""
+    candidate = scenes.pushed(1).candidate(tmp_path)
+    account = account_of(candidate)
+    assert "pusher" not in account.entities
+    total = sum(account.sources.values(), start=np.zeros_like(account.momentum[1:]))
+    held = account.entities.index("late")
+    balance = np.diff(account.momentum, axis=0) - total
+    assert np.abs(np.delete(balance, held, axis=1)).max() < 1e-9
+    energy = account.kinetic.sum(axis=1) + account.potential.sum(axis=1) + account.elastic
+    recorded = candidate.caches["rigid"].series("record/kinetic_energy") + candidate.caches["rigid"].series(
+        "record/potential_energy"
+    )
+    assert energy == pytest.approx(recorded, rel=1e-9)
+    assert next(m.name for m in account.events) == "pusher - cart"
+    assert np.nanmax(account.unexplained) < account.bound

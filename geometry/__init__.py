@@ -1,7 +1,7 @@
 """Meshes and queries: solids, exact signed clearance, containment, broad phase, the camera and an id ray-caster."""
 
-from .batch import BatchClearance, clearance_batch
 from .apart import apart
+from .batch import BatchClearance, clearance_batch
 from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
@@ -11,7 +11,7 @@ from .inside import contains, distance_to_surface, winding_number
 from .motions import Motion, State, relative_travel
 from .solids import Solid
 from .soup import Crossings, crossing_triangles, self_crossings
-from .sweep import Lowest, Swept, lowest_clearance, swept_clearance
+from .sweep import Lowest, Sweep, Swept, lowest_clearance, lowest_clearances, swept_clearance
 from .triangles import Nearest
 from .walls import wall_thickness
 
@@ -29,6 +29,7 @@ __all__ = [
     "Nearest",
     "Solid",
     "State",
+    "Sweep",
     "Swept",
     "aabb_of",
     "apart",
@@ -41,6 +42,7 @@ __all__ = [
     "crossing_triangles",
     "distance_to_surface",
     "lowest_clearance",
+    "lowest_clearances",
     "meetings",
     "query_noise",
     "relative_travel",

@@ -38,16 +38,18 @@ class _Queries(NamedTuple):
     pairs: I32
     poses_a: tuple[F64, F64]
     poses_b: tuple[F64, F64]
+    skip_above: F64
+    """[m], shape (n,)."""
 
     def take(self, rows: NDArray[np.intp] | slice) -> _Queries:
         (pa, qa), (pb, qb) = self.poses_a, self.poses_b
-        return _Queries(self.pairs[rows], (pa[rows], qa[rows]), (pb[rows], qb[rows]))
+        return _Queries(self.pairs[rows], (pa[rows], qa[rows]), (pb[rows], qb[rows]), self.skip_above[rows])
 
-    def chunks(self) -> Iterator[tuple[slice, I32, Relative]]:
+    def chunks(self) -> Iterator[tuple[slice, _Queries, Relative]]:
         for start in range(0, len(self.pairs), CHUNK):
             part = slice(start, min(start + CHUNK, len(self.pairs)))
             some = self.take(part)
-            yield part, some.pairs, relative_poses(some.poses_a, some.poses_b)
+            yield part, some, relative_poses(some.poses_a, some.poses_b)
 
 
 class BatchClearance(NamedTuple):
@@ -67,7 +69,7 @@ def clearance_batch(
     poses_a: tuple[F64, F64],
     poses_b: tuple[F64, F64],
     *,
-    skip_above: float,
+    skip_above: float | F64,
     device: str | None = None,
     report: Callable[[str], None] | None = None,
 ) -> BatchClearance:
@@ -81,26 +83,31 @@ def clearance_batch(
         pairs: indices of the first and the second solid of each query, shape (n, 2).
         poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
         poses_b: the same of the second.
-        skip_above: distance [m] beyond which a lower bound is enough.
+        skip_above: distance [m] beyond which a lower bound is enough, one for all or shape (n,).
         device: `cpu`, `cuda`, ...; default as `launch.chosen_device` says. On a GPU every list goes to the kernels.
         report: hears of a compilation before it begins.
     """
     own = solids.solids if isinstance(solids, Forest) else tuple(solids)
     where = chosen_device(device)
-    asked = _Queries(np.asarray(pairs, dtype=np.int32).reshape(-1, 2), poses_a, poses_b)
-    count = len(asked.pairs)
+    pairs = np.asarray(pairs, dtype=np.int32).reshape(-1, 2)
+    count = len(pairs)
+    limit = np.broadcast_to(np.asarray(skip_above, dtype=np.float64), (count,))
+    asked = _Queries(pairs, poses_a, poses_b, limit)
     anchor = np.empty(count, dtype=np.intp)
-    for part, named, poses in asked.chunks():
-        anchor[part] = part.start + repeats(poses, named)
+    for part, some, poses in asked.chunks():
+        anchor[part] = part.start + repeats(poses, some.pairs)
+    # One that asks farther than the query it repeats is answered by itself.
+    farther = np.flatnonzero(limit > limit[anchor])
+    anchor[farther] = farther
     compute = np.flatnonzero(anchor == np.arange(count))
     chosen = asked.take(compute)
     value = np.empty(count)
     if where == "cpu" and _effort(own, chosen.pairs) < EFFORT:
-        value[compute] = _one_by_one(own, chosen, skip_above)
+        value[compute] = _one_by_one(own, chosen)
         exact = len(compute)
     else:
         forest = solids if isinstance(solids, Forest) else Forest(own)
-        value[compute], exact = _by_kernels(forest, chosen, skip_above, where, report)
+        value[compute], exact = _by_kernels(forest, chosen, where, report)
     return BatchClearance(value[anchor], len(compute), exact)
 
 
@@ -125,17 +132,15 @@ def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], 
     return [((int(pairs[g[0], 0]), int(pairs[g[0], 1])), g) for g in np.split(order, cut)]
 
 
-def _one_by_one(solids: Sequence[Solid], asked: _Queries, skip_above: float) -> F64:
+def _one_by_one(solids: Sequence[Solid], asked: _Queries) -> F64:
     value = np.empty(len(asked.pairs))
     for (i, j), rows in _by_pair(asked.pairs, np.arange(len(asked.pairs))):
         some = asked.take(rows)
-        value[rows] = measure(solids[i], solids[j], relative_poses(some.poses_a, some.poses_b), skip_above=skip_above)
+        value[rows] = measure(solids[i], solids[j], relative_poses(some.poses_a, some.poses_b), skip_above=some.skip_above)
     return value
 
 
-def _by_kernels(
-    forest: Forest, asked: _Queries, skip_above: float, device: str, report: Callable[[str], None] | None
-) -> tuple[F64, int]:
+def _by_kernels(forest: Forest, asked: _Queries, device: str, report: Callable[[str], None] | None) -> tuple[F64, int]:
     from . import clearance_kernels as kernels
 
     load(kernels.nearest, device, report=report)
@@ -143,14 +148,14 @@ def _by_kernels(
     solids = forest.solids
     size = np.array([s.size for s in solids])
     value, exact = np.empty(len(asked.pairs)), 0
-    beyond = np.nextafter(skip_above, np.inf)
-    for part, pairs, poses in asked.chunks():
+    for part, some, poses in asked.chunks():
+        pairs = some.pairs
         touch = NOISE * (size[pairs[:, 0]] + size[pairs[:, 1]])
-        distance, found, held = descend(wood, pairs, poses, touch, skip_above, device)
+        distance, found, held = descend(wood, pairs, poses, touch, some.skip_above, device)
         rows = np.flatnonzero((found & (distance <= touch)) | held)
-        distance = np.where(found, distance, np.maximum(distance, beyond))
+        distance = np.where(found, distance, np.maximum(distance, np.nextafter(some.skip_above, np.inf)))
         for (i, j), same in _by_pair(pairs, rows):
-            distance[same] = measure(solids[i], solids[j], poses.take(same), skip_above=np.inf)
+            distance[same] = measure(solids[i], solids[j], poses.take(same))
         value[part] = distance
         exact += len(rows)
     return value, exact
@@ -182,7 +187,7 @@ def wood_on(forest: Forest, device: str) -> Any:
 
 
 def descend(
-    wood: Any, pairs: I32, poses: Relative, touch: F64, skip_above: float, device: str, *, slice_size: int | None = None
+    wood: Any, pairs: I32, poses: Relative, touch: F64, skip_above: F64, device: str, *, slice_size: int | None = None
 ) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_]]:
     """Run both kernels over one chunk.
 
@@ -209,7 +214,7 @@ def descend(
     launch(
         kernels.nearest,
         count,
-        [wood, *query, put(touch, wp.float64), float(skip_above), distance, face_a, face_b],
+        [wood, *query, put(touch, wp.float64), put(skip_above, wp.float64), distance, face_a, face_b],
         device=device,
         slice_size=slice_size,
     )

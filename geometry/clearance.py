@@ -309,7 +309,7 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     return result
 
 
-def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float) -> F64:
+def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np.inf) -> F64:
     """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`."""
     result = _box_gap(a, b, poses)
     near = np.flatnonzero(result <= skip_above)

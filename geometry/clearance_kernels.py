@@ -86,12 +86,12 @@ def nearest(
     rotation: wp.array(dtype=wp.mat33d),
     translation: wp.array(dtype=wp.vec3d),
     touch: wp.array(dtype=wp.float64),
-    skip_above: wp.float64,
+    skip_above: wp.array(dtype=wp.float64),
     distance: wp.array(dtype=wp.float64),
     face_a: wp.array(dtype=wp.int32),
     face_b: wp.array(dtype=wp.int32),
 ):
-    """Distance of two triangle soups where it is at most `skip_above`, a lower bound above it elsewhere (faces -1).
+    """Distance of two triangle soups where it is at most its `skip_above`, a lower bound above it elsewhere (faces -1).
 
     The descent ends at a distance of `touch` or less: the surfaces touch or cross.
     """
@@ -99,7 +99,7 @@ def nearest(
     turn = rotation[i]
     shift = translation[i]
     bare = absolute(turn)
-    best = skip_above * skip_above
+    best = skip_above[i] * skip_above[i]
     enough = touch[i] * touch[i]
     least = wp.float64(1e300)
     found_a = wp.int32(-1)

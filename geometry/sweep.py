@@ -8,22 +8,27 @@ Conservative advancement after Mirtich (1996), "Impulse-based dynamic simulation
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Generator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, RigidPose
+from .batch import clearance_batch
 from .clearance import clearance_series, query_noise, signed_clearance
+from .forest import Forest
 from .motions import Motion, relative_travel
 
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Lowest", "Swept", "lowest_clearance", "swept_clearance"]
+__all__ = ["Lowest", "Sweep", "Swept", "lowest_clearance", "lowest_clearances", "swept_clearance"]
 
 DEPTH_ERROR = 0.01
 """Relative error that `clearance` promises for depths; widens the bound of a piece."""
+TOGETHER = 200_000
+"""Clearances of many searches measured in one batch."""
 ADVANCES = 10_000
 """Steps of conservative advancement after which a grazing motion counts as touching: never seen in tests."""
 
@@ -76,6 +81,30 @@ class _Pair:
         return relative_travel(a, self.radius_a, b, self.radius_b, s, e)
 
 
+class Sweep(NamedTuple):
+    """One pair on n motions, and what is asked about it (see `lowest_clearance`)."""
+
+    a: Solid
+    motion_a: Motion
+    b: Solid
+    motion_b: Motion
+    below: float = np.inf
+    """[m]"""
+    precision: float = 0.0
+    """[m]"""
+    first_found: bool = False
+    ends_above: float = -np.inf
+    """[m]"""
+
+
+class _Ask(NamedTuple):
+    """Clearances that a search needs next: of motions `rows` at times `s`, exact where below `enough` [m]."""
+
+    rows: NDArray[np.intp]
+    s: F64
+    enough: F64
+
+
 def lowest_clearance(
     a: Solid,
     motion_a: Motion,
@@ -95,32 +124,98 @@ def lowest_clearance(
         motion_a: its motion, n intervals.
         b: the other surface.
         motion_b: the same for b.
-        below: only lower values [m] are searched: where none exists the value returned is some value of the motion.
+        below: only lower values [m] are searched: where none exists the value returned is some value of the motion, or a
+            lower bound that is not below.
         precision: the value is at most this much [m] above the true one where that is lower than `below`.
         skip_above: bounding-box gap [m] from which on a lower bound of the clearance is enough.
         first_found: whether any value lower than `below` ends the search of its motion.
         ends_above: motions with a lower clearance [m] at one of their ends are not searched.
     """
     pair = _Pair(a, motion_a, b, motion_b, skip_above=skip_above)
-    count = len(motion_a)
+    search = _search(pair, Sweep(a, motion_a, b, motion_b, below, precision, first_found, ends_above))
+    ask = next(search)
+    while True:
+        try:
+            ask = search.send(pair.clearance(ask.rows, ask.s))
+        except StopIteration as end:
+            return cast("Lowest", end.value)
+
+
+def lowest_clearances(sweeps: Sequence[Sweep]) -> list[Lowest]:
+    """`lowest_clearance` of many pairs side by side: what all of them need next is measured in one batch."""
+    index: dict[int, int] = {}
+    solids: list[Solid] = []
+    for solid in (s for sweep in sweeps for s in (sweep.a, sweep.b)):
+        if id(solid) not in index:
+            index[id(solid)] = len(solids)
+            solids.append(solid)
+    forest = Forest(solids)
+    found: list[Lowest | None] = [None] * len(sweeps)
+    searches = {}
+    for k, sweep in enumerate(sweeps):
+        pair = _Pair(sweep.a, sweep.motion_a, sweep.b, sweep.motion_b, skip_above=0.0)
+        search = _search(pair, sweep)
+        searches[k] = (search, pair, next(search))
+    while searches:
+        for portion in _portions(searches):
+            for k, values in _together(forest, index, {k: searches[k] for k in portion}).items():
+                search, pair, _ = searches[k]
+                try:
+                    searches[k] = (search, pair, search.send(values))
+                except StopIteration as end:
+                    found[k] = end.value
+                    del searches[k]
+    return cast("list[Lowest]", found)
+
+
+def _portions(searches: dict[int, tuple[Any, _Pair, _Ask]]) -> list[list[int]]:
+    """The searches in groups that ask for about `TOGETHER` clearances each."""
+    total = np.cumsum([len(ask.rows) for _, _, ask in searches.values()])
+    groups: dict[int, list[int]] = {}
+    for k, so_far in zip(searches, total, strict=True):
+        groups.setdefault(int(so_far) // TOGETHER, []).append(k)
+    return list(groups.values())
+
+
+def _together(forest: Forest, index: dict[int, int], searches: dict[int, tuple[Any, _Pair, _Ask]]) -> dict[int, F64]:
+    """Answers of one batch to several searches."""
+    one: list[tuple[F64, F64]] = []
+    two: list[tuple[F64, F64]] = []
+    for _, pair, ask in searches.values():
+        one.append(pair.motion_a.take(ask.rows).at(ask.s))
+        two.append(pair.motion_b.take(ask.rows).at(ask.s))
+    counts = [len(ask.rows) for _, _, ask in searches.values()]
+    named = [(index[id(pair.a)], index[id(pair.b)]) for _, pair, _ in searches.values()]
+    poses = [(np.concatenate([p for p, _ in side]), np.concatenate([q for _, q in side])) for side in (one, two)]
+    enough = np.concatenate([ask.enough for _, _, ask in searches.values()])
+    values = clearance_batch(forest, np.repeat(named, counts, axis=0), *poses, skip_above=enough).distance
+    return dict(zip(searches, np.split(values, np.cumsum(counts)[:-1]), strict=True))
+
+
+def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
+    count = len(sweep.motion_a)
     rows = np.arange(count)
     zero, one = np.zeros(count), np.ones(count)
-    c0, c1 = pair.clearance(rows, zero), pair.clearance(rows, one)
+    # Within an interval no value lies lower than that at its end by more than the travel.
+    spare = max(sweep.below, 0.0)
+    twice = np.tile(pair.travel(rows, zero, one) + spare, 2)
+    c0, c1 = np.split((yield _Ask(np.tile(rows, 2), np.concatenate([zero, one]), twice)), 2)
     ends = np.stack([c0, c1], axis=1)
     best, when = np.minimum(c0, c1), np.where(c1 < c0, 1.0, 0.0)
-    keep = np.flatnonzero(best >= ends_above)
+    keep = np.flatnonzero(best >= sweep.ends_above)
     rows, s, e, c0, c1 = keep, zero[keep], one[keep], c0[keep], c1[keep]
     while len(rows):
         slack = DEPTH_ERROR * np.maximum(0.0, -np.minimum(c0, c1))
-        bound = 0.5 * (c0 + c1 - pair.travel(rows, s, e)) - slack
-        open_ = bound < np.minimum(best[rows] - precision - slack, below)
-        if first_found:
-            open_ &= best[rows] >= below
-        rows, s, e, c0, c1 = rows[open_], s[open_], e[open_], c0[open_], c1[open_]
+        travel = pair.travel(rows, s, e)
+        bound = 0.5 * (c0 + c1 - travel) - slack
+        open_ = bound < np.minimum(best[rows] - sweep.precision - slack, sweep.below)
+        if sweep.first_found:
+            open_ &= best[rows] >= sweep.below
+        rows, s, e, c0, c1, travel = rows[open_], s[open_], e[open_], c0[open_], c1[open_], travel[open_]
         if len(rows) == 0:
             break
         middle = 0.5 * (s + e)
-        c = pair.clearance(rows, middle)
+        c = yield _Ask(rows, middle, travel + spare)
         order = np.argsort(-c, kind="stable")
         lower = order[c[order] < best[rows[order]]]
         # Sorted from high to low, so that the lowest value of an interval is written last.

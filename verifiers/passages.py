@@ -30,9 +30,11 @@ from ..geometry import (
     Motion,
     Solid,
     State,
+    Sweep,
     aabb_of,
     candidate_pairs,
     lowest_clearance,
+    lowest_clearances,
     relative_travel,
     signed_clearance,
     wall_thickness,
@@ -181,19 +183,23 @@ def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()
         return Passages([], 0)
     search = _Search(surfaces)
     low, high = search.boxes()
-    first: dict[tuple[str, str], Passage] = {}
-    inspected = 0
+    cases: list[_Case] = []
     for i, j in candidate_pairs(low, high, 0.0):
         a, b = surfaces.parts[i], surfaces.parts[j]
         if (a.entity, b.entity) in known or (b.entity, a.entity) in known or not _concerns(surfaces, a, b):
             continue
         meet = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= 0.0).all(axis=1))
-        tested, passage = _pair(search, i, j, meet)
-        inspected += tested
+        case = _case(search, i, j, meet)
+        if case is not None:
+            cases.append(case)
+    first: dict[tuple[str, str], Passage] = {}
+    for case, lowest in zip(cases, lowest_clearances([c.sweep() for c in cases]), strict=True):
+        passage = _judge(search, case, lowest)
         if passage is not None:
             key = (passage.entity, passage.through)
             if key not in first or passage.frame < first[key].frame:
                 first[key] = passage
+    inspected = sum(len(c.meet) for c in cases)
     return Passages(sorted(first.values(), key=lambda p: (p.frame, p.entity, p.through)), inspected)
 
 
@@ -206,8 +212,8 @@ def _concerns(surfaces: Surfaces, a: PartSurface, b: PartSurface) -> bool:
     return not (surfaces.is_static(a.entity) and surfaces.is_static(b.entity))
 
 
-def _pair(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> tuple[int, Passage | None]:
-    """How many intervals of two parts were tested, and the first passage among them."""
+def _case(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None:
+    """What is to be tested of two parts whose boxes meet in the intervals `meet`; None where nothing moves far enough."""
     surfaces = search.surfaces
     a, b = surfaces.parts[i], surfaces.parts[j]
     noise, allowed = surfaces.noise(a.entity, b.entity), surfaces.allowed_depth(a.entity, b.entity)
@@ -218,32 +224,36 @@ def _pair(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> tuple[int,
     fast = travel > 2.0 * noise
     meet, travel = meet[fast], travel[fast]
     if len(meet) == 0:
-        return 0, None
+        return None
     walls = min(search.wall(i), search.wall(j))
     # Two open sheets have no wall: any crossing counts.
     bound = allowed + (max(SHARE * walls, noise) if np.isfinite(walls) else noise)
     fast = travel > 2.0 * bound
     meet, travel = meet[fast], travel[fast]
     if len(meet) == 0:
-        return 0, None
-    case = _Case(a.solid, one, b.solid, two, bound, PRECISION * bound)
+        return None
     # What overlaps at a written frame fails there.
     floor = -(allowed + noise)
-    low = case.lowest(one.motion.take(meet), two.motion.take(meet), ends_above=floor)
-    deep = np.flatnonzero((low.value < -bound) & (low.ends.min(axis=1) >= floor))
+    return _Case(i, j, a.solid, one, b.solid, two, meet, travel, floor, bound, PRECISION * bound)
+
+
+def _judge(search: _Search, case: _Case, low: Lowest) -> Passage | None:
+    """The first passage among the intervals of one case, given their lowest clearances."""
+    a, b = search.surfaces.parts[case.i], search.surfaces.parts[case.j]
+    deep = np.flatnonzero((low.value < -case.bound) & (low.ends.min(axis=1) >= case.floor))
     for k in deep:
-        interval = int(meet[k])
+        interval, travel = int(case.meet[k]), float(case.travel[k])
         felt = search.log.gap(a.entity, b.entity, interval + 1)
-        if felt is not None and _felt_in_time(surfaces, a.entity, b.entity, felt, bound, float(travel[k])):
+        if felt is not None and _felt_in_time(search.surfaces, a.entity, b.entity, felt, case.bound, travel):
             continue
-        if case.bent_free(search, i, j, interval):
+        if case.bent_free(search, case.i, case.j, interval):
             continue
-        point = case.witness(one.motion.take(meet[[k]]), two.motion.take(meet[[k]]), float(low.time[k]))[1]
-        one_, two_ = _order(search, a, b, interval)
-        depth, parts = -float(low.value[k]), (one_.part, two_.part)
-        found = Passage(one_.entity, two_.entity, interval + 1, point, float(travel[k]), depth, bound, parts, felt is not None)
-        return len(meet), found
-    return len(meet), None
+        here = case.meet[[k]]
+        point = case.witness(case.flight_a.motion.take(here), case.flight_b.motion.take(here), float(low.time[k]))[1]
+        one, two = _order(search, a, b, interval)
+        depth, parts = -float(low.value[k]), (one.part, two.part)
+        return Passage(one.entity, two.entity, interval + 1, point, travel, depth, case.bound, parts, felt is not None)
+    return None
 
 
 def _order(search: _Search, a: PartSurface, b: PartSurface, interval: int) -> tuple[PartSurface, PartSurface]:
@@ -267,16 +277,30 @@ def _felt_in_time(surfaces: Surfaces, a: str, b: str, gap: float, bound: float, 
 
 @dataclass(frozen=True)
 class _Case:
-    """Two parts and the depth that matters between them."""
+    """Two parts, the intervals to be tested and the depth that matters between them."""
 
+    i: int
+    j: int
+    """The parts."""
     solid_a: Solid
     flight_a: Flight
     solid_b: Solid
     flight_b: Flight
+    meet: NDArray[np.intp]
+    """Intervals in which they may meet, shape (n,)."""
+    travel: F64
+    """Upper bound of the relative travel in each [m], shape (n,)."""
+    floor: float
+    """[m] Intervals with a lower clearance at one of their ends are not tested."""
     bound: float
     precision: float
 
-    def lowest(self, motion_a: Motion, motion_b: Motion, *, ends_above: float = -np.inf, deepest: bool = False) -> Lowest:
+    def sweep(self) -> Sweep:
+        """The question whether the two get deeper than the bound between written frames."""
+        one, two = self.flight_a.motion.take(self.meet), self.flight_b.motion.take(self.meet)
+        return Sweep(self.solid_a, one, self.solid_b, two, -self.bound, self.precision, first_found=True, ends_above=self.floor)
+
+    def lowest(self, motion_a: Motion, motion_b: Motion, *, deepest: bool = False) -> Lowest:
         """Some clearance below minus the bound per motion where there is one; about the lowest if asked."""
         return lowest_clearance(
             self.solid_a,
@@ -286,7 +310,6 @@ class _Case:
             below=-self.bound,
             precision=self.precision,
             first_found=not deepest,
-            ends_above=ends_above,
         )
 
     def witness(self, motion_a: Motion, motion_b: Motion, time: float) -> tuple[F64, F64]:

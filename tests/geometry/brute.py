@@ -161,3 +161,13 @@ def signed(a: Solid, pose_a: RigidPose, b: Solid, pose_b: RigidPose, *, density:
     into_b = _one_way(ta, tb, density, rounds) if b.closed else 0.0
     into_a = _one_way(tb, ta, density, rounds) if a.closed else 0.0
     return -max(into_a, into_b)
+
+
+def depth_of(point_a: np.ndarray, point_b: np.ndarray, a: Solid, pose_a: RigidPose, b: Solid, pose_b: RigidPose) -> float:
+    """Depth [m] of a point on the surface of one body inside the other; 0 where none of the two points is such a point."""
+    best = 0.0
+    for point, one, pose_one, two, pose_two in ((point_a, a, pose_a, b, pose_b), (point_b, b, pose_b, a, pose_a)):
+        ta, tb = pose_one.apply(one.vertices)[one.faces], pose_two.apply(two.vertices)[two.faces]
+        if two.closed and inside(tb, point[None])[0] and _to_soup(point[None], ta)[0] < 1e-9 * one.size:
+            best = max(best, float(_to_soup(point[None], tb)[0]))
+    return best

@@ -57,6 +57,21 @@ def test_a_second_change_waits_for_the_test_of_the_first(failed: Any, patch: Pat
     assert iterations[0]["failing_after"] == []
 
 
+def test_a_failing_row_cites_what_past_edits_did_to_it(failed: Any) -> None:
+    """A ball that is hardly faster does not mend the row: the row says so, and its start speed ranks last."""
+    failed.edit(("/entities/ball/physics/linear_velocity/0", 0.31), hypothesis=WHY)
+    answer = failed.call("probe_sim", world="w")
+    row = next(r for r in answer["open_rows"] if r["id"] == "beat:fall")
+    (text,) = row["diagnosis"]["tried"]
+    assert text.startswith("tried in revision 2 (initial_state): physics/linear_velocity [0.3, 0.0, 0.0] -> [0.31, 0.0, 0.0], measured ")
+    assert row["diagnosis"]["cheapest_probe"]
+    whole = failed.call("inspect_world", world="w", part="row", row="beat:fall")["row"]
+    assert text.endswith("without effect")
+    assert whole["corrections"][-1]["group"] == "initial_state"
+    assert whole["corrections"][-1]["tried"] == text
+    assert whole["evidence"]["diagnosis"]["change"] != "initial_state"
+
+
 def test_a_story_edit_does_not_launder_a_failure(failed: Any, patch: Patch) -> None:
     failed.edit(("/story/beats/fall/predicate/max", -0.2))
     assert "hypothesis" in failed.refused("edit_spec", world="w", patch=patch(FASTER))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.bench.defects import _scenes as scenes
 from worldagent.bench.small_worlds import IDENTITY, box, ground, make_candidate, world
 from worldagent.verifiers.numerical import CLAIMS, check, thickness
 from worldagent.worlds.arrays import RigidPose
@@ -209,3 +210,54 @@ def test_missing_records_are_unverified(tmp_path: Path) -> None:
     }
     static = make_candidate(tmp_path / "s", sliding(tmp_path / "x").spec)
     assert {r.status for r in check(static)} == {"unverified"}
+
+
+def test_a_repeated_frame_and_a_body_asleep_in_the_air_fail(tmp_path: Path) -> None:
+    repeated = scenes.slide(0)
+    repeated.frames[6] = dict(repeated.frames[5])
+    row = rows_of(repeated.candidate(tmp_path / "a"))["frozen"]
+    assert (row.status, row.first_failing_entity, row.first_failing_frame) == ("fail", "box", 6)
+    aloft = scenes.flight(0)
+    aloft.put("asleep", np.ones(aloft.count), "small")
+    for channel in ("velocity", "angular_velocity"):
+        aloft.put(channel, np.zeros((aloft.count, 3)), "small")
+    aloft.put("position", np.repeat(aloft.series("position", "small")[:1], aloft.count, axis=0), "small")
+    row = rows_of(aloft.candidate(tmp_path / "b"))["resting"]
+    assert (row.status, row.first_failing_entity, row.first_failing_frame, row.unit) == ("fail", "small", 0, "m")
+
+
+def test_impossible_counters_and_logs_fail_at_their_frame(tmp_path: Path) -> None:
+    film = scenes.bounce(1)
+    steps = film.series("record/steps")
+    steps[7] -= 1
+    film.set_record("steps", steps)
+    row = rows_of(film.candidate(tmp_path / "a"))["counters"]
+    assert (row.status, row.first_failing_frame) == ("fail", 7)
+    film = scenes.bounce(1)
+    frame = next(k for k, f in enumerate(film.frames) if len(f["event/time"]))
+    film.frames[frame]["event/time"] = film.frames[frame]["event/time"] + 1.0
+    row = rows_of(film.candidate(tmp_path / "b"))["events"]
+    assert (row.status, row.first_failing_frame) == ("fail", frame)
+
+
+def test_an_explosion_within_a_frame_fails_though_its_ends_are_slow(tmp_path: Path) -> None:
+    film = scenes.slide(1)
+    peak = film.series("record/max_speed")
+    shown = peak.max() + 9.81 / film.spec.simulation.fps + 0.05
+    for factor, status in ((15.0, "pass"), (21.0, "fail")):
+        peak[4] = factor * shown
+        film.set_record("max_speed", peak)
+        row = rows_of(film.candidate(tmp_path / status))["growth"]
+        assert (row.status, row.bound) == (status, 20.0)
+    assert row.first_failing_frame == 4
+
+
+def test_channels_without_digests_and_of_changing_shape_are_unverified(tmp_path: Path) -> None:
+    candidate = sliding(tmp_path)
+    (candidate.caches["rigid"].folder / "digests.txt").unlink()
+    assert rows_of(candidate)["digest"].status == "unverified"
+    film = scenes.flight(0)
+    film.frames[3]["velocity"] = film.frames[3]["velocity"][:-1]
+    rows = rows_of(film.candidate(tmp_path / "b"))
+    assert (rows["counts"].status, rows["counts"].first_failing_frame) == ("fail", 3)
+    assert rows["speed"].status == "unverified"

@@ -12,7 +12,7 @@ from worldagent.verifiers.causal import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Topples
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, BoxRegion, DetachDriver, ReleaseDriver, SpringJoint, WeldJoint
+from worldagent.worlds.spec import Beat, BoxRegion, DetachDriver, ForceDriver, PathDriver, ReleaseDriver, SpringJoint, WeldJoint
 
 FPS, N = 24, 49
 TIME = np.arange(N) / FPS
@@ -186,3 +186,114 @@ def test_a_long_row_is_followed_quickly(tmp_path: Path) -> None:
     starts = [0.03 * i for i in range(40)]
     contacts = [(0.03 * i + 0.02, f"d{i}", f"d{i + 1}", 0.05) for i in range(39)]
     assert only(dominoes(tmp_path, starts, contacts=contacts)).measured == 39.0
+
+
+# ---------------------------------------------------------------- what links nothing, and what does all the same
+
+
+def test_a_contact_before_the_cause_within_the_same_frame_carries_nothing(tmp_path: Path) -> None:
+    beats = {"hit": beat("d1", Contact(a="d0", b="d1")), "end": beat("d2", causes=["hit"])}
+    starts = [0.2, 0.4, 0.5]
+    good = [(0.490, "d0", "d1", 0.05), (0.495, "d1", "d2", 0.05)]
+    assert only(dominoes(tmp_path / "g", starts, contacts=good, beats=beats)).status == "pass"
+    bad = [(0.495, "d0", "d1", 0.05), (0.490, "d1", "d2", 0.05)]
+    assert only(dominoes(tmp_path / "b", starts, contacts=bad, beats=beats)).status == "fail"
+
+
+def scene(
+    tmp_path: Path, tracks: dict[str, Any], touches: list[Touch], events: list[Event], beats: dict[str, Beat], **plan: Any
+) -> Row:
+    """Balls of 10 cm along x; a track is x over the frames."""
+    kinematic = plan.pop("kinematic", ())
+    entities = {"floor": ground()} | {
+        n: ball(0.05, motion="kinematic" if n in kinematic else "dynamic", at=(float(np.ravel(x)[0]), 0, 0.05))
+        for n, x in tracks.items()
+    }
+    own = {
+        n: (np.stack([np.broadcast_to(x, N), np.zeros(N), np.full(N, 0.05)], axis=1), (1.0, 0, 0, 0)) for n, x in tracks.items()
+    }
+    spec = world(entities, beats=beats, frames=N, **plan)
+    return only(make_candidate(tmp_path, spec, tracks=own, touches=touches, events=events))
+
+
+def moves(name: str, least: float, *, causes: list[str] | None = None) -> Beat:
+    return beat(name, Displacement(entity=name, min=least), causes=causes)
+
+
+RESTING = 0.02
+"""[N s] per frame."""
+
+
+@pytest.mark.parametrize(("pressed", "status"), [(1.0, "fail"), (1.05, "fail"), (1.5, "pass")])
+def test_a_body_at_rest_passes_on_only_what_presses_it_harder_than_its_rest(tmp_path: Path, pressed: float, status: str) -> None:
+    """`a` moves while it touches a still `m`, which touches `b`; `b` leaves at 1 s."""
+    tracks = {"a": 0.1 * np.clip(TIME - 0.5, 0, 0.5), "m": 0.1, "b": 0.2 + np.clip(TIME - 1.0, 0, None)}
+    touches = [
+        Touch(k, *pair, RESTING * (pressed if k >= 24 else 1.0)) for k in range(1, 26) for pair in (("a", "m"), ("m", "b"))
+    ]
+    beats = {"first": moves("a", 0.01), "last": moves("b", 0.05, causes=["first"])}
+    assert scene(tmp_path, tracks, touches, [], beats).status == status
+
+
+def test_what_set_the_cause_going_does_not_link_it_with_what_it_strikes_next(tmp_path: Path) -> None:
+    """A hammer strikes `a` and then `b`: `a` is no cause of `b`. It is one if `a` itself strikes `b`."""
+    tracks = {
+        "hammer": TIME - 0.6,
+        "a": np.clip(TIME - 0.5, 0, None) * 0.2,
+        "b": 0.5 + np.clip(TIME - 1.0, 0, None) * 0.5,
+    }
+    beats = {"one": moves("a", 0.05), "two": moves("b", 0.1, causes=["one"])}
+    for striker, status in (("hammer", "fail"), ("a", "pass")):
+        events = [Event(0.51, "hammer", "a"), Event(1.01, striker, "b")]
+        touches = [Touch(13, "hammer", "a"), Touch(25, striker, "b")]
+        assert scene(tmp_path / striker, tracks, touches, events, beats).status == status
+
+
+@pytest.mark.parametrize(("blow", "status"), [(90.0, "pass"), (110.0, "fail")])
+def test_a_chain_that_gives_next_to_nothing_beside_others_is_no_cause(tmp_path: Path, blow: float, status: str) -> None:
+    """S8: 1 % of what others that were moving already give meanwhile."""
+    touch = 1e-3
+    tracks = {"a": np.minimum(TIME - 0.5, 0), "b": 0.1 + np.clip(TIME - 0.625, 0, None), "fist": TIME - 0.7}
+    events = [Event(0.51, "a", "b", impulse=touch), Event(0.63, "fist", "b", impulse=blow * touch)]
+    touches = [Touch(13, "a", "b", touch), Touch(16, "fist", "b", blow * touch)]
+    row = scene(tmp_path, tracks, touches, events, {"first": moves("a", 0.1), "last": moves("b", 0.2, causes=["first"])})
+    assert row.status == status
+    if status == "fail":
+        assert (row.unit, row.measured, row.bound) == ("N s", pytest.approx(touch), pytest.approx(0.01 * blow * touch))
+        assert row.evidence["others"] == pytest.approx({"fist": blow * touch})
+
+
+def test_a_force_driver_counts_among_the_others(tmp_path: Path) -> None:
+    tracks = {"a": np.minimum(TIME - 0.5, 0), "b": 0.1 + np.clip(TIME - 0.5, 0, None)}
+    beats = {"first": moves("a", 0.1), "last": moves("b", 0.2, causes=["first"])}
+    for force, status in ((0.01, "pass"), (100.0, "fail")):
+        driver = {"push": ForceDriver(entity="b", force=(force, 0, 0), start=0.5, end=1.0)}
+        events, touches = [Event(0.51, "a", "b", impulse=0.1)], [Touch(13, "a", "b", 0.1)]
+        assert scene(tmp_path / status, tracks, touches, events, beats, drivers=driver).status == status
+
+
+def test_a_held_body_receives_nothing_before_its_release(tmp_path: Path) -> None:
+    tracks = {"a": np.minimum(TIME - 0.5, 0), "b": 0.1 + np.clip(TIME - 0.75, 0, None)}
+    beats = {"first": moves("a", 0.1), "last": moves("b", 0.2, causes=["first"])}
+    events, touches = [Event(0.51, "a", "b")], [Touch(13, "a", "b")]
+    for time, status in ((0.25, "pass"), (0.75, "fail")):
+        b = 0.1 + np.clip(TIME - (0.5 if status == "pass" else 0.75), 0, None)
+        driver = {"let": ReleaseDriver(entity="b", time=time)}
+        assert scene(tmp_path / status, {**tracks, "b": b}, touches, events, beats, drivers=driver).status == status
+
+
+def test_what_a_path_moves_is_no_effect_of_its_own_earlier_motion(tmp_path: Path) -> None:
+    keys = {"s": {"time": 0, "pose": {"position": (0, 0, 0.05)}}, "e": {"time": 2, "pose": {"position": (2, 0, 0.05)}}}
+    path = {"go": PathDriver(entity="a", keys=keys)}  # type: ignore[arg-type]
+    beats = {"starts": moves("a", 0.1), "arrives": moves("a", 1.0, causes=["starts"])}
+    row = scene(tmp_path, {"a": TIME}, [], [], beats, drivers=path, kinematic=("a",))
+    assert row.status == "fail"
+    assert "authored path" in row.evidence["explanation"]
+
+
+def test_a_slow_creep_is_a_motion(tmp_path: Path) -> None:
+    """2 mm/s."""
+    tracks = {"a": 0.002 * TIME, "b": 0.1 + 0.002 * np.clip(TIME - 0.5, 0, None)}
+    touches = [Touch(k, "a", "b", 0.05) for k in range(13, N)]
+    beats = {"first": moves("a", 0.0002), "last": moves("b", 0.0015, causes=["first"])}
+    assert scene(tmp_path, tracks, touches, [Event(0.51, "a", "b")], beats).status == "pass"

@@ -97,7 +97,7 @@ def _sweep(folder: Path, magnitude: float, rng: Rng) -> World:
         "s": {"time": 0.05, "pose": {"position": (-0.15, 0, 0.06)}},
         "e": {"time": 0.65, "pose": {"position": (0.35, 0, 0.06)}},
     }
-    bar = PathDriver(entity="bar", keys=keys)  # type: ignore[arg-type]
+    bar = PathDriver(entity="bar", keys=keys)
     beats = {
         "one": beat("a", Contact(a="bar", b="a"), frames=(1, LAST)),
         "two": _moves("b", 0.05, causes=["one"]),

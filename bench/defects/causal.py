@@ -198,7 +198,7 @@ def _on_a_path(folder: Path, magnitude: float, rng: Rng) -> World:
     scene.hit(start, "d0", "cart", 1.0)
     first, last = scene.tracks["cart"][0][[0, -1]]
     keys = {"a": {"time": start, "pose": {"position": first}}, "b": {"time": 2.0, "pose": {"position": last}}}
-    path = PathDriver(entity="cart", keys=keys)  # type: ignore[arg-type]
+    path = PathDriver(entity="cart", keys=keys)
     beats = {
         "first": falls("d0"),
         "goes": beat("cart", Speed(entity="cart", min=magnitude / 2), frames=(0, LAST), causes=["first"]),

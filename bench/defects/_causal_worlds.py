@@ -88,11 +88,17 @@ class Scene:
         places = self.tracks[name][0]
         return mass * float(np.linalg.norm(np.gradient(places, 1.0 / FPS, axis=0)[frame]))
 
-    def candidate(self, folder: Path, beats: Mapping[str, Beat], **more: Any) -> Candidate:
+    def candidate(
+        self,
+        folder: Path,
+        beats: Mapping[str, Beat],
+        *,
+        drivers: Mapping[str, SpecModel] | None = None,
+        joints: Mapping[str, SpecModel] | None = None,
+    ) -> Candidate:
         """The scene's candidate; every moving body rests on the floor."""
         for name, entity in self.entities.items():
-            if entity.motion == "dynamic" and not more.get("hovering"):
+            if entity.motion == "dynamic":
                 self.rests("floor", name)
-        plan: dict[str, SpecModel | Any] = {k: more[k] for k in ("drivers", "joints", "regions") if k in more}
-        spec = world(self.entities, beats=beats, frames=FRAMES, **plan)
+        spec = world(self.entities, beats=beats, frames=FRAMES, drivers=drivers, joints=joints)
         return make_candidate(folder, spec, tracks=self.tracks, touches=self.touches, events=self.events)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...verifiers.chains import MOMENTUM_SHARE, PAUSE
+from ...worlds.candidate import Candidate
 from ...worlds.predicates import And, Contact, Displacement, Speed, Tilts, Topples
 from ...worlds.spec import ForceDriver, HingeJoint, PathDriver, SpringJoint, WeldJoint
 from ..simulated_worlds import beat
@@ -169,7 +170,7 @@ def _graze(folder: Path, magnitude: float, rng: Rng) -> World:
     return World(_touched(folder, MOMENTUM_SHARE / magnitude, rng), ("d1",))
 
 
-def _touched(folder: Path, share: float, rng: Rng):  # type: ignore[no-untyped-def]
+def _touched(folder: Path, share: float, rng: Rng) -> Candidate:
     scene, start = Scene(rng), _frame_time(rng, 4, 10)
     scene.domino("d0", 0.0, start)
     scene.domino("d1", 0.08, start + 0.05)

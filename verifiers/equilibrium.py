@@ -1,6 +1,6 @@
 """Whether bodies that touch can rest: contact forces within friction cones that balance every weight.
 
-Two linear programs per group of touching free bodies. Friction pyramids enclose the cones, joints and held bodies give
+One linear program per group of touching free bodies that rest, three where one does not. Friction pyramids enclose the cones, joints and held bodies give
 any force, so that a missing balance is a proof; a balance that exists says only that rest is possible. Rigid contact
 forces with friction as a linear program: Erdmann (1994), doi:10.1177/027836499401300306; Livesley (1978),
 doi:10.1002/nme.1620121207.
@@ -35,6 +35,8 @@ LEVEL = 1e-6
 """Sine of the slope of a contact below which it has no downhill direction."""
 DEAR = 1e3
 """Own choice: cost of a force that nothing gives, per weight and size, so that moving a centre of mass comes first."""
+ENOUGH = 1e-6
+"""Share of a weight below which nothing is missing: the tolerance of the solver."""
 LARGEST = 300
 """Own choice: a group of more bodies is cut; those beyond the cut are taken to give and bear any force."""
 OTHERS = 0.01
@@ -132,8 +134,13 @@ def solve(group: Group, *, claimed: Iterable[str] = (), shift: float = 0.0) -> d
     said = set(claimed) or set(group.members)
     cost = np.array([1.0 if m in said else OTHERS for m in group.members])
     ways = _around(group.down)
-    moves = _tipping(group, cost, ways)
-    missing = _gripping(group, cost, ways, np.linalg.norm(moves, axis=1) + shift)
+    nothing = np.zeros(len(group.members))
+    # Most groups rest as they are, which one program shows.
+    missing = _gripping(group, cost, ways, nothing)
+    moves = np.zeros((len(missing), 3))
+    if missing.max() > ENOUGH:
+        moves = _tipping(group, cost, ways)
+        missing = _gripping(group, cost, ways, np.linalg.norm(moves, axis=1) + shift)
     return {
         m: Balance(float(np.linalg.norm(move)), move, float(lack))
         for m, move, lack in zip(group.members, moves, missing, strict=True)

@@ -87,6 +87,7 @@ class Sight:
         low, high = (np.array([f(m.vertices, axis=0) for m in meshes]).reshape(-1, 1, 3) for f in (np.min, np.max))
         self._corners = np.where(CORNERS, high, low)
         self._seen: dict[tuple[str, str, int], Seen] = {}
+        self._views: dict[tuple[str, bytes], Seen] = {}
 
     def _clear(self, material: str) -> bool:
         found = self.candidate.spec.materials.get(material)
@@ -136,7 +137,13 @@ class Sight:
         """How `entity` appears in the shot at the frame."""
         key = (entity, shot_id, frame)
         if key not in self._seen:
-            self._seen[key] = self._look(entity, shot_id, frame, self.camera(shot_id, frame))
+            camera, poses = self.camera(shot_id, frame), self.poses(frame)
+            # Where nothing moves, one look does for many frames.
+            view = np.concatenate([camera.position, camera.target, [camera.fov_deg], *(np.concatenate(p) for p in poses)])
+            same = (entity, view.tobytes())
+            if same not in self._views:
+                self._views[same] = self._look(entity, shot_id, frame, camera)
+            self._seen[key] = replace(self._views[same], frame=frame, shot=shot_id)
         return self._seen[key]
 
     def try_camera(self, entity: str, key: CameraKey, frame: int) -> Seen:

@@ -60,7 +60,8 @@ def _double(folder: Path, m: float, rng: RNG) -> World:
         rig.shot("b", (8, last))
     else:
         rig.shot("a")
-        rig.shot("b", (5, 5 + shared - 1))
+        if shared > 0:
+            rig.shot("b", (5, 5 + shared - 1))
     return rig.world(folder, "tiling")
 
 

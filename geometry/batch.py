@@ -1,7 +1,7 @@
 """Signed clearance of very many pairs and poses at once: a few kernels decide all that is apart, `clearance` the rest.
 
 A list that is worth less than `EFFORT` goes through `clearance` altogether, without importing Warp. Both routes give the
-same value within `query_noise`; which one is taken depends on the list alone.
+same value within `query_noise`; which one is taken depends on the lists given to one `Forest`, never on time.
 """
 
 from __future__ import annotations
@@ -102,11 +102,11 @@ def clearance_batch(
     compute = np.flatnonzero(anchor == np.arange(count))
     chosen = asked.take(compute)
     value = np.empty(count)
-    if where == "cpu" and _effort(own, chosen.pairs) < EFFORT:
+    forest = solids if isinstance(solids, Forest) else Forest(own)
+    if where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
         value[compute] = _one_by_one(own, chosen)
         exact = len(compute)
     else:
-        forest = solids if isinstance(solids, Forest) else Forest(own)
         value[compute], exact = _by_kernels(forest, chosen, where, report)
     return BatchClearance(value[anchor], len(compute), exact)
 

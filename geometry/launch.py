@@ -43,8 +43,7 @@ def warp() -> Any:
     """The `warp` module, initialised without its banner."""
     import warp as wp
 
-    wp.config.quiet = True
-    wp.config.log_level = max(getattr(wp.config, "log_level", 0) or 0, getattr(wp, "LOG_ERROR", 0))
+    wp.config.log_level = wp.LOG_WARNING
     wp.init()
     return wp
 

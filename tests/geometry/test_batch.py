@@ -223,3 +223,14 @@ def test_an_unknown_device_is_refused():
 
     with pytest.raises(InputError, match="WORLDAGENT_DEVICE"):
         clearance_batch([box(1, 1, 1)], np.zeros((0, 2)), stacked([at()]), stacked([at()]), skip_above=1.0, device="cuda:99")
+
+
+def test_the_kernels_compile_for_a_gpu(tmp_path):
+    """No GPU is needed to compile for one (compute capability 9.0)."""
+    from worldagent.geometry import clearance_kernels
+    from worldagent.geometry.launch import warp
+
+    warp().compile_aot_module(clearance_kernels, device=None, arch=90, module_dir=str(tmp_path), use_ptx=True)
+    (code,) = tmp_path.glob("*.ptx")
+    assert ".entry nearest" in code.read_text()
+    assert ".entry contained" in code.read_text()

@@ -183,7 +183,7 @@ def _timed(ask: Peer, case: Case, rounds: int) -> tuple[F64, float]:
     return values, 1e6 * spent / len(case.poses[0])
 
 
-def compare(rng: np.random.Generator, *, count: int = 200, rounds: int = 2) -> dict[str, Any]:
+def compare(rng: np.random.Generator, *, count: int = 100, rounds: int = 1) -> dict[str, Any]:
     """Answers and times [us per pair] of both own routes and of every peer, per kind of pair."""
     missing: dict[str, str] = {}
     for name, (module, _) in PEERS.items():

@@ -20,6 +20,7 @@ BENCHMARKS: dict[str, str] = {
     "edit-latency": "worldagent.bench.edit_latency:run",
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
     "clearance": "worldagent.bench.clearance:run",
+    "contact-scale": "worldagent.bench.contact_scale:run",
     "render": "worldagent.bench.render:run",
     "defects": "worldagent.bench.defects.suites:run",
     "skills": "worldagent.bench.skills:run",

@@ -8,8 +8,9 @@
 - `category:rigid:escape:<solver>`: no body leaves a cube `ESCAPE` times the scene's largest extent, unless a
   predicate sends it there.
 
-Restitution is not judged per impact: frames are too coarse to measure separation speeds, and an impact that
-returns more than it got shows in the energy.
+Laws of motion on the instance's ledgers (`ledgers.py`): `rigid_laws.py`; of contact: `rigid_contacts.py`; the records against
+the ledgers: `rigid_books.py`. Friction and restitution are judged where frames decide them: a body that slides straight for a
+whole frame, a ball that hits once in one. Elsewhere impulses bound them, and what returns more than it got shows in the energy.
 """
 
 from __future__ import annotations

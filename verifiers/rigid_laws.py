@@ -62,7 +62,7 @@ ROUNDING = 1e-6
 
 PREDICATES = {
     "momentum": f"no velocity changes by more than {IMPULSE:g} m/s in a frame without gravity, driver, spring or logged contact",
-    "motion": f"centres of mass move by their velocities within {PLACE:g} m per frame",
+    "motion": f"centres of mass move by their velocities within {PLACE:g} m and one step's delay per frame",
     "spin": f"angular velocity follows Euler's equations and logged contacts within {SPIN:g} rad/s per frame",
     "turning": f"orientation follows the angular velocity within {TURN:g} rad per frame",
     "driven": f"bodies on paths and held ones are within {HELD:g} m of where their drivers put them",

@@ -160,8 +160,11 @@ def third_law(folder: Path, magnitude: float, rng: np.random.Generator) -> World
 
 
 def other_restitution(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """A ball bounces by `magnitude` more or less than declared."""
-    film = _pick(scenes.bounce, rng)
+    """A ball bounces by `magnitude` more or less than declared.
+
+    One that does not bounce at all is left out: frames cannot tell whether it rests or hops for less than one of them.
+    """
+    film = scenes.bounce(int(rng.integers(1, scenes.VARIANTS)))
 
     def change(data: dict[str, Any]) -> None:
         kept = data["materials"]["wood"]["restitution"]
@@ -441,7 +444,7 @@ SUITE = Suite(
             2e-3 / G_FRAME,
         ),
         _defect("stop", "a body hangs still in the air for one frame", stop, 0.01, 1.0, "1"),
-        _defect("jump", "a body is displaced beside what its velocity says", jump, 4.2e-4, 0.5, "m", 4e-4),
+        _defect("jump", "a body is displaced beside what its velocity says", jump, 5.4e-4, 0.5, "m", 5.1e-4),
         _defect("spin_up", "a ball starts to spin without a torque", spin_up, 6e-3, 50.0, "rad/s", 5e-3),
         _defect("twist", "a ball is turned at one frame only", twist, 2.1e-3, 3.0, "rad", 2e-3),
         _defect(

@@ -105,7 +105,7 @@ class Session:
                 spec, damage = parse_spec(folder.read_json(folder.spec_path)), ""
             except (EvidenceError, SpecError) as error:
                 spec, damage = None, f" It cannot be read: {error}"
-            if spec is not None and spec.model_dump_json(exclude_none=True) == recorded[0]:
+            if spec is not None and _same(spec, recorded[0]):
                 return cls(folder, ledger, spec, revision)
             # Another client may stand between its ledger entry and its world.json.
             if time.monotonic() > deadline:
@@ -286,6 +286,11 @@ def _value(document: Any, pointer: str) -> Any:
         at = at[token]
     flat = at if isinstance(at, list) and len(at) <= MAX_LENGTH else [at]
     return at if all(v is None or isinstance(v, bool | int | float | str) for v in flat) else None
+
+
+def _same(spec: WorldSpec, recorded: str) -> bool:
+    """Whether a specification is the recorded one, which an earlier version may have written without newer fields."""
+    return spec.model_dump_json(exclude_none=True) == recorded or spec == WorldSpec.model_validate_json(recorded)
 
 
 def _failed(row: Row) -> bool:

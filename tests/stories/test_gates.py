@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -151,3 +152,15 @@ def test_the_expected_revision_guards_an_edit(accepted: Any, patch: Patch) -> No
     assert "at revision 1, not 4" in text
     assert accepted.edit(("/title", "x"), expected_revision=1)["revision"] == 2
     assert Ledger(accepted.workspace / "w" / "ledger.sqlite").revision() == 2
+
+
+def test_a_world_recorded_without_a_newer_field_is_no_hand_edit(accepted: Any) -> None:
+    """An earlier version of the program wrote fewer fields; their defaults say the same."""
+    with sqlite3.connect(accepted.workspace / "w" / "ledger.sqlite") as db:
+        (text,) = db.execute("SELECT spec FROM revisions ORDER BY n DESC LIMIT 1").fetchone()
+        document = json.loads(text)
+        for beat in document["story"]["beats"].values():
+            beat.pop("margins", None)
+        db.execute("UPDATE revisions SET spec=?", (json.dumps(document),))
+    db.close()
+    assert accepted.call("inspect_world", world="w")["matrix"]["mandatory_open"] == 0

@@ -288,8 +288,7 @@ def _moved(folder: Path, rng: RNG, step: float, *culprits: str, across: bool = F
         aim = rig.at(math.sin(turn) * rig.distance, 0, math.cos(turn) * rig.distance)
         after = rig.key(frame, aim=aim)
     elif kind == 1:
-        way = rng.normal(size=3)
-        way *= step * rig.distance / np.linalg.norm(way)
+        way = float(rng.choice([-1.0, 1.0])) * step * rig.distance * rig.axes[2]
         after = rig.key(frame, eye=rig.eye + way, aim=rig.at(0, 0, rig.distance) + way)
     elif kind == 2:
         after = rig.key(frame, fov=math.degrees(2 * math.atan(rig.tall / (1 + 2 * step))))

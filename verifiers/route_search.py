@@ -263,7 +263,7 @@ class _Search:
         return tuple(self.names[i] for i in dict.fromkeys(int(k) for k in index if k >= 0))
 
     def _narrow(self, way: Way, floor: Floor, obstacles: Obstacles) -> tuple[str, ...]:
-        """Whose surfaces stand nearest to the narrowest place."""
+        """Whose surfaces stand nearest to the narrowest place on its sides, the one to move first."""
         cell = floor.columns.grid.cell
         near = np.linalg.norm(floor.points[:, :2] - way.place[:2], axis=1) <= way.clearance + 2.0 * cell
         near &= np.abs(floor.points[:, 2] - way.place[2]) <= self.carrier.step + way.clearance + cell
@@ -274,7 +274,9 @@ class _Search:
         apart = np.linalg.norm(obstacles.point - way.place[:2], axis=1)
         least = np.array([apart[obstacles.start[k] : obstacles.start[k + 1]].min() for k in labels])
         order = np.argsort(least, kind="stable")
-        return self._owners(obstacles.owner[labels[order[least[order] <= way.clearance + cell]]])
+        beside = self._owners(obstacles.owner[labels[order[least[order] <= way.clearance + cell]]])
+        # What moves, then what is small, is moved aside more easily than a wall.
+        return tuple(sorted(beside, key=lambda n: (self.surfaces.is_static(n), self.surfaces.size(n))))
 
     def _why(self, floor: Floor) -> Finding:
         """There is no way at all: find out which limit, or which entity, is the reason."""

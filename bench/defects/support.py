@@ -17,43 +17,30 @@ from ...worlds.spec import (
     Extrusion,
     Fastened,
     HingeJoint,
-    Limits,
     MotorDriver,
     Part,
     Pose,
     Rope,
-    SlideJoint,
     Sphere,
     SpringJoint,
     Wedge,
     WeldJoint,
 )
-from ._support_worlds import FRAMES, RNG, Scene, block, inside_out, turn
+from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
+from ._support_worlds import FRAMES, RNG, Scene, block, turn
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
 
-GAP, DRIFT = Limits().contact_gap, Limits().support_drift
 OVER, UNDER = 1.05, 0.95
 """Just over and just under a bound."""
-DENSITY, GRAVITY = 600.0, 9.81
-
-
-def _size(rng: RNG, low: float = 0.05, high: float = 1.0) -> np.ndarray:
-    return np.exp(rng.uniform(np.log(low), np.log(high), 3))
-
-
-def _table(scene: Scene, rng: RNG, half: tuple[float, float], top: float) -> None:
-    """A static table with its top at a height; sometimes an import that is inside out."""
-    shape = Box(size=(2 * half[0], 2 * half[1], top))
-    scene.add("table", inside_out(shape) if rng.random() < 0.3 else shape, at=(0, 0, top / 2))
 
 
 # ---------------------------------------------------------------- gaps and chains
 
 
 def _afloat(folder: Path, m: float, rng: RNG) -> World:
-    scene, size = Scene(rng), _size(rng)
+    scene, size = Scene(rng), draw_size(rng)
     shape = Sphere(radius=float(size[2]) / 2) if rng.random() < 0.3 else block(rng, size)
     scene.add("thing", shape, at=(0, 0, size[2] / 2 + m), motion="dynamic")
     if rng.random() < 0.7:
@@ -63,7 +50,7 @@ def _afloat(folder: Path, m: float, rng: RNG) -> World:
 
 def _lifted(folder: Path, m: float, rng: RNG) -> World:
     """At one frame only, which may be the last."""
-    scene, size = Scene(rng), _size(rng)
+    scene, size = Scene(rng), draw_size(rng)
     frame = int(rng.choice([1, FRAMES - 1, int(rng.integers(1, FRAMES))]))
     path = np.tile([0.0, 0.0, size[2] / 2], (FRAMES, 1))
     path[frame, 2] += m
@@ -74,7 +61,7 @@ def _lifted(folder: Path, m: float, rng: RNG) -> World:
 
 def _late_start(folder: Path, m: float, rng: RNG) -> World:
     """Floats at frame 0; the relation is declared only for later, when it has landed."""
-    scene, size = Scene(rng), _size(rng)
+    scene, size = Scene(rng), draw_size(rng)
     path = np.tile([0.0, 0.0, size[2] / 2], (FRAMES, 1))
     path[:5, 2] += m * np.linspace(1, 0, 5)
     scene.add("thing", block(rng, size), at=path[0], motion="dynamic", path=path)
@@ -95,7 +82,7 @@ def _speck(folder: Path, m: float, rng: RNG) -> World:
 
 def _floating_pair(folder: Path, m: float, rng: RNG) -> World:
     """A stack, or two hooked into each other, with nothing beneath."""
-    scene, size = Scene(rng), _size(rng)
+    scene, size = Scene(rng), draw_size(rng)
     if rng.random() < 0.5:
         scene.add("thing", Box(size=tuple(size)), at=(0, 0, m + size[2] / 2), motion="dynamic")
         scene.add("rider", Box(size=tuple(0.8 * size)), at=(0, 0, m + 1.4 * size[2] + 1e-4), motion="dynamic")
@@ -116,7 +103,7 @@ def _floating_pair(folder: Path, m: float, rng: RNG) -> World:
 
 def _side_only(folder: Path, m: float, rng: RNG) -> World:
     """It touches a wall, or the underside of a shelf, and nothing else; or it stands, and the wall is said to carry it."""
-    scene, size, kind = Scene(rng), m * _size(rng, 0.5, 2.0), int(rng.integers(3))
+    scene, size, kind = Scene(rng), m * draw_size(rng, 0.5, 2.0), int(rng.integers(3))
     height = 0.0 if kind == 2 else float(rng.uniform(0.05, 1.0))
     middle = height + size[2] / 2 + 1e-4
     scene.add("thing", Box(size=tuple(size)), at=(0, 0, middle), motion="dynamic")
@@ -131,7 +118,7 @@ def _side_only(folder: Path, m: float, rng: RNG) -> World:
 
 def _pulled_out(folder: Path, m: float, rng: RNG) -> World:
     """The bottom of a stack slides away at frame m; what lay on it stays in the air."""
-    scene, size, frame = Scene(rng), _size(rng, 0.1, 0.4), round(m)
+    scene, size, frame = Scene(rng), draw_size(rng, 0.1, 0.4), round(m)
     away = np.zeros(FRAMES)
     away[frame:] = 3.0 * np.arange(1, FRAMES - frame + 1)
     path = np.column_stack([away, 0 * away, np.full(FRAMES, size[2] / 2 + 1e-4)])
@@ -145,7 +132,7 @@ def _pulled_out(folder: Path, m: float, rng: RNG) -> World:
 
 
 def _sunk(folder: Path, m: float, rng: RNG) -> World:
-    scene, size = Scene(rng), _size(rng)
+    scene, size = Scene(rng), draw_size(rng)
     scene.add("thing", block(rng, size), at=(0, 0, size[2] / 2 - min(m, 0.4 * size[2])), motion="dynamic")
     scene.on("floor", "thing")
     return scene.world(folder, "thing", still=True)
@@ -153,7 +140,7 @@ def _sunk(folder: Path, m: float, rng: RNG) -> World:
 
 def _magnet(folder: Path, m: float, rng: RNG) -> World:
     """Stuck in a wall by an overlap that is declared intended; no joint holds it."""
-    scene, size = Scene(rng), _size(rng, 0.1, 0.4)
+    scene, size = Scene(rng), draw_size(rng, 0.1, 0.4)
     scene.add("wall", Box(size=(0.2, 3, 6)), at=(size[0] / 2 + 0.1 - m, 0, 0))
     scene.add(
         "thing",
@@ -173,7 +160,7 @@ def _magnet(folder: Path, m: float, rng: RNG) -> World:
 
 def _creeping(folder: Path, m: float, rng: RNG) -> World:
     """Seen from what carries it, which may itself move; reached gradually or at one frame only."""
-    scene, size = Scene(rng), _size(rng, 0.05, 0.3)
+    scene, size = Scene(rng), draw_size(rng, 0.05, 0.3)
     if rng.random() < 0.5:
         share = np.linspace(0, 1, FRAMES)
     else:
@@ -181,167 +168,33 @@ def _creeping(folder: Path, m: float, rng: RNG) -> World:
         share[int(rng.integers(1, FRAMES))] = 1.0
     heading = rng.uniform(0, 2 * np.pi)
     creep = m * share[:, None] * np.array([np.cos(heading), np.sin(heading), 0.0])
-    _cart(scene, rng, size, creep)
+    cart(scene, rng, size, creep)
     return scene.world(folder, "thing")
-
-
-def _cart(scene: Scene, rng: RNG, size: np.ndarray, creep: np.ndarray) -> None:
-    """A slab that stands, drives, rises, turns or swings, and the thing on it."""
-    kind, time = int(rng.integers(5)), np.linspace(0, 1, FRAMES)
-    speed = float(rng.uniform(0.2, 4))
-    path, turns = np.tile([0.0, 0.0, 1.0], (FRAMES, 1)), np.tile(np.eye(3), (FRAMES, 1, 1))
-    if kind == 1:
-        path[:, 0] += speed * time
-    elif kind == 2:
-        path[:, 2] += speed * (1 - np.cos(3 * time)) / 2
-    elif kind == 3:
-        turns = np.array([turn("z", speed * t) for t in time])
-    elif kind == 4:
-        angles = 0.4 * np.sin(2 * np.pi * time)
-        turns = np.array([turn("y", a) for a in angles])
-        path += np.column_stack([-2 * np.sin(angles), 0 * time, 2 - 2 * np.cos(angles)])
-    scene.add("cart", Box(size=(3, 3, 0.1)), at=path[0], motion="kinematic", path=path, turns=turns)
-    rise = float(rng.uniform(0, 0.9 * GAP))
-    offset = np.array([0.3, 0.2, 0.05 + size[2] / 2 + rise]) + creep
-    rides = path + np.einsum("fij,fj->fi", turns, offset)
-    scene.add("thing", block(rng, size), at=rides[0], motion="dynamic", path=rides, turns=turns)
-    scene.on("cart", "thing")
 
 
 def _overhang(folder: Path, m: float, rng: RNG) -> World:
     """The centre of mass is m outside the edge, or outside a corner."""
-    return _edge(folder, rng, m, "thing")
-
-
-def _edge(folder: Path, rng: RNG, beyond: float, *culprits: str) -> World:
-    scene, size, half = Scene(rng), _size(rng, 0.2, 0.6), (float(rng.uniform(0.4, 1)), float(rng.uniform(0.4, 1)))
-    _table(scene, rng, half, float(rng.uniform(0.3, 1)))
-    top = float(np.ptp([v[2] for v in _corners(scene, "table")]))
-    corner = rng.random() < 0.3
-    place = (half[0] + beyond, half[1] + beyond if corner else 0.0, top + size[2] / 2 + float(rng.uniform(0, 0.9 * GAP)))
-    if corner:
-        scene.add("thing", Box(size=tuple(size)), at=place, motion="dynamic")
-    else:
-        scene.add(
-            "thing", Box(size=tuple(size)), at=place, rotation=turn("z", float(rng.choice([0.0, np.pi / 4]))), motion="dynamic"
-        )
-    scene.on("table", "thing")
-    return scene.world(folder, *culprits, still=True)
-
-
-def _corners(scene: Scene, name: str) -> np.ndarray:
-    from ..small_worlds import mesh_of
-
-    return np.asarray(mesh_of(next(iter(scene.entities[name][0].parts.values())).shape).vertices)
-
-
-def _stair(folder: Path, rng: RNG, beyond: float, *culprits: str) -> World:
-    """Each block's centre is above the block beneath it; of the pile as a whole it lies `beyond` the lowest edge."""
-    scene, count, length = Scene(rng), int(rng.integers(2, 6)), float(rng.uniform(0.2, 0.5))
-    step = (length + 2 * beyond) / (count + 1)
-    height, width = float(rng.uniform(0.05, 0.1)), float(rng.uniform(0.1, 0.3))
-    names = ["base", *(f"b{k}" for k in range(count))]
-    for k, name in enumerate(names):
-        place = (k * step, 0, (k + 0.5) * height + (k + 1) * 1e-5)
-        scene.add(name, Box(size=(length, width, height)), at=place, motion="static" if k == 0 else "dynamic")
-        if k:
-            scene.on(names[k - 1], name)
-    return scene.world(folder, *(names[1:] if culprits else ()), still=True)
+    return edge(folder, rng, m, "thing")
 
 
 def _heavy_pile(folder: Path, m: float, rng: RNG) -> World:
-    return _stair(folder, rng, m, "pile")
-
-
-def _seesaw(folder: Path, rng: RNG, beyond: float, *culprits: str) -> World:
-    """A plank far over the edge with a counterweight at its inner end; together they lie `beyond` the edge."""
-    scene, length, thick = Scene(rng), float(rng.uniform(1, 2)), 0.04
-    top, width = 0.7, 0.3
-    _table(scene, rng, (1.5, 0.5), top)
-    side = float(rng.uniform(0.12, 0.25))
-    plank, weight = length * width * thick, side * side * side
-    over = float(rng.uniform(0.05, 0.12)) * length
-    inner = over - 0.45 * length
-    # plank x over + weight x place = total x beyond, about the edge at x = 1.5
-    place = ((plank + weight) * beyond - plank * over) / weight
-    if place < inner or place + side / 2 > 0.3:
-        weight_scale = (plank * (beyond - over)) / (inner - beyond)
-        side = float((weight_scale) ** (1 / 3))
-        place = inner
-    scene.add("plank", Box(size=(length, width, thick)), at=(1.5 + over, 0, top + thick / 2 + 1e-5), motion="dynamic")
-    scene.add("weight", Box(size=(side,) * 3), at=(1.5 + place, 0, top + thick + side / 2 + 2e-5), motion="dynamic")
-    scene.on("table", "plank")
-    scene.on("plank", "weight")
-    return scene.world(folder, *culprits, still=True)
+    return stair(folder, rng, m, "pile")
 
 
 def _light_counterweight(folder: Path, m: float, rng: RNG) -> World:
-    return _seesaw(folder, rng, m, "plank", "weight")
-
-
-def _slope(folder: Path, rng: RNG, excess: float, *culprits: str) -> World:
-    """A block on a slope that is steeper than the friction angle by `excess` rad."""
-    friction = float(rng.uniform(0.2, 0.8))
-    scene = Scene(rng, friction=friction)
-    angle = np.arctan(friction) + excess
-    scene.add("slope", Box(size=(4, 4, 0.2)), at=(0, 0, 3), rotation=turn("y", angle))
-    size = _size(rng, 0.1, 0.4)
-    size[2] = min(size[2], 0.5 * min(size[:2]))
-    rotation = turn("y", angle) @ turn("z", float(rng.choice([0.0, rng.uniform(-3, 3)])))
-    rise = 0.1 + size[2] / 2 + float(rng.uniform(0, 0.3 * GAP))
-    scene.add(
-        "thing", block(rng, size), at=np.array([0, 0, 3]) + turn("y", angle)[:, 2] * rise, rotation=rotation, motion="dynamic"
-    )
-    scene.on("slope", "thing")
-    return scene.world(folder, *culprits, still=True)
+    return seesaw(folder, rng, m, "plank", "weight")
 
 
 def _too_steep(folder: Path, m: float, rng: RNG) -> World:
-    return _slope(folder, rng, float(np.arcsin(m)), "thing")
-
-
-def _ladder(folder: Path, rng: RNG, share: float, *culprits: str) -> World:
-    """A ladder whose friction is `share` of what it needs against floor and wall (equal on both)."""
-    length, thick, lean = float(rng.uniform(1.5, 4)), float(rng.uniform(0.02, 0.05)), float(rng.uniform(0.25, 0.7))
-    rotation = turn("y", lean)
-    corner = np.array([[x, 0, z] for x in (-thick / 2, thick / 2) for z in (-length / 2, length / 2)]) @ rotation.T
-    foot, head = corner[corner[:, 2].argmin()], corner[corner[:, 0].argmax()]
-    low, high = np.array([-foot[0], 0, -foot[2]]), head - foot
-    # Friction m at both ends, wall force N: m N + V = 1, N = m V; moments about the foot: N z + m N x = c.
-    z, x, c = high[2], high[0], low[0]
-    need = float(min(m for m in np.roots([x - c, z, -c]).real if m > 0)) if abs(x - c) > 1e-12 else c / z
-    scene = Scene(rng, friction=share * need)
-    scene.add("ladder", Box(size=(thick, 0.4, length)), at=low + np.array([0, 0, 1e-5]), rotation=rotation, motion="dynamic")
-    scene.add("wall", Box(size=(0.2, 3, 6)), at=(high[0] + 0.1 + 1e-5, 0, 3.001))
-    scene.on("floor", "ladder")
-    if not culprits:
-        scene.on("wall", "ladder")
-    return scene.world(folder, *culprits, still=True)
+    return slope(folder, rng, float(np.arcsin(m)), "thing")
 
 
 def _smooth_ladder(folder: Path, m: float, rng: RNG) -> World:
-    return _ladder(folder, rng, 1.0 - m, "ladder")
-
-
-def _wedged(folder: Path, rng: RNG, excess: float, *culprits: str) -> World:
-    """Between two walls that open downwards, by `excess` rad more than the friction angle."""
-    friction = float(rng.uniform(0.3, 0.7))
-    scene, angle = Scene(rng, friction=friction), np.arctan(friction) + excess
-    half, height, depth = float(rng.uniform(0.1, 0.3)), float(rng.uniform(0.05, 0.15)), 0.2
-    grow = height * np.tan(angle) / 2
-    outline = [(-half - grow, -height / 2), (half + grow, -height / 2), (half - grow, height / 2), (-half + grow, height / 2)]
-    upright = turn("x", np.pi / 2)
-    scene.add("book", Extrusion(polygon=outline, height=depth), at=(0, 0, 2), rotation=upright, motion="dynamic")
-    for name, sign in (("left", -1.0), ("right", 1.0)):
-        lean = turn("y", -sign * angle)
-        place = np.array([sign * half, 0, 2]) + lean @ np.array([sign * (0.1 + 1e-5), 0, 0])
-        scene.add(name, Box(size=(0.2, 0.5, 0.3)), at=place, rotation=lean)
-        scene.on(name, "book")
-    return scene.world(folder, *culprits, still=True)
+    return ladder(folder, rng, 1.0 - m, "ladder")
 
 
 def _slips_through(folder: Path, m: float, rng: RNG) -> World:
-    return _wedged(folder, rng, m, "book")
+    return wedged(folder, rng, m, "book")
 
 
 def _one_bookend(folder: Path, m: float, rng: RNG) -> World:
@@ -360,7 +213,7 @@ def _one_bookend(folder: Path, m: float, rng: RNG) -> World:
 
 def _slack(folder: Path, m: float, rng: RNG) -> World:
     """Hangs on a rope that is m longer than the way to its hook."""
-    scene, size, way = Scene(rng), _size(rng, 0.05, 0.2), float(rng.uniform(0.2, 1))
+    scene, size, way = Scene(rng), draw_size(rng, 0.05, 0.2), float(rng.uniform(0.2, 1))
     scene.add("beam", Box(size=(1, 0.1, 0.1)), at=(0, 0, 3.05))
     scene.add("thing", Box(size=tuple(size)), at=(0, 0, 3 - way - size[2] / 2), motion="dynamic")
     ends = {"parent_point": scene.point((0, 0, 3)), "child_point": scene.point((0, 0, 3 - way))}
@@ -370,23 +223,10 @@ def _slack(folder: Path, m: float, rng: RNG) -> World:
     return scene.world(folder, "thing", still=True)
 
 
-def _slide(scene: Scene, rng: RNG, **more: object) -> float:
-    """A body on an upright rail; its weight [N]."""
-    size = _size(rng, 0.1, 0.3)
-    scene.add("rail", Box(size=(0.1, 0.1, 3)), at=(0, 0, 1.5))
-    scene.add("thing", Box(size=tuple(size)), at=(0.2 + size[0] / 2, 0, 1.5), motion="dynamic")
-    axis = scene.way((0, 0, 1 if rng.random() < 0.5 else -1))
-    weight = DENSITY * float(np.prod(size)) * GRAVITY
-    scene.more["joints"] = {"rail": SlideJoint(parent="rail", child="thing", anchor=scene.point((0, 0, 1.5)), axis=axis, **more)}
-    if rng.random() < 0.5:
-        scene.on("rail", "thing")
-    return weight
-
-
 def _weak_lift(folder: Path, m: float, rng: RNG) -> World:
     """On an upright rail whose motor or brake lacks the share m of the weight."""
     scene = Scene(rng)
-    weight = _slide(scene, rng)
+    weight = slide(scene, rng)
     rail = scene.more["joints"]["rail"]
     force = max(1e-3, (1 - m) * weight)
     if rng.random() < 0.5:
@@ -398,7 +238,7 @@ def _weak_lift(folder: Path, m: float, rng: RNG) -> World:
 
 def _cut(folder: Path, m: float, rng: RNG) -> World:
     """Said to be held to the end; its joint is opened m frames before."""
-    scene, size = Scene(rng), _size(rng, 0.1, 0.3)
+    scene, size = Scene(rng), draw_size(rng, 0.1, 0.3)
     scene.add("beam", Box(size=(1, 0.1, 0.1)), at=(0, 0, 3.05))
     scene.add("thing", Box(size=tuple(size)), at=(0, 0, 2), motion="dynamic")
     scene.more["joints"] = {"j": WeldJoint(parent="beam", child="thing", anchor=scene.point((0, 0, 2.5)))}
@@ -412,7 +252,7 @@ def _cut(folder: Path, m: float, rng: RNG) -> World:
 
 
 def _resting(folder: Path, m: float, rng: RNG) -> World:
-    scene, size = Scene(rng), _size(rng, 0.003, 1.0)
+    scene, size = Scene(rng), draw_size(rng, 0.003, 1.0)
     shape = Sphere(radius=float(size[2]) / 2) if rng.random() < 0.3 else block(rng, size)
     scene.add("thing", shape, at=(0, 0, size[2] / 2 + m), motion="dynamic")
     scene.on("floor", "thing")
@@ -422,32 +262,32 @@ def _resting(folder: Path, m: float, rng: RNG) -> World:
 def _riding(folder: Path, m: float, rng: RNG) -> World:
     """On a cart, lift, turntable or swing, creeping by m."""
     scene = Scene(rng)
-    _cart(scene, rng, _size(rng, 0.05, 0.3), m * np.linspace(0, 1, FRAMES)[:, None] * np.array([1.0, 0.0, 0.0]))
+    cart(scene, rng, draw_size(rng, 0.05, 0.3), m * np.linspace(0, 1, FRAMES)[:, None] * np.array([1.0, 0.0, 0.0]))
     return scene.world(folder)
 
 
 def _barely_on(folder: Path, m: float, rng: RNG) -> World:
-    return _edge(folder, rng, -m)
+    return edge(folder, rng, -m)
 
 
 def _leaning_pile(folder: Path, m: float, rng: RNG) -> World:
-    return _stair(folder, rng, -m)
+    return stair(folder, rng, -m)
 
 
 def _counterweight(folder: Path, m: float, rng: RNG) -> World:
-    return _seesaw(folder, rng, -m)
+    return seesaw(folder, rng, -m)
 
 
 def _gentle_slope(folder: Path, m: float, rng: RNG) -> World:
-    return _slope(folder, rng, -m)
+    return slope(folder, rng, -m)
 
 
 def _rough_ladder(folder: Path, m: float, rng: RNG) -> World:
-    return _ladder(folder, rng, 1.0 + m)
+    return ladder(folder, rng, 1.0 + m)
 
 
 def _held_book(folder: Path, m: float, rng: RNG) -> World:
-    return _wedged(folder, rng, -m)
+    return wedged(folder, rng, -m)
 
 
 def _row_of_books(folder: Path, m: float, rng: RNG) -> World:
@@ -503,7 +343,7 @@ def _bridge(folder: Path, m: float, rng: RNG) -> World:
 
 def _leaves_in_time(folder: Path, m: float, rng: RNG) -> World:
     """Supported until a declared beat moves it, at frame m."""
-    scene, size, frame = Scene(rng), _size(rng, 0.1, 0.3), round(m)
+    scene, size, frame = Scene(rng), draw_size(rng, 0.1, 0.3), round(m)
     path = np.tile([0.0, 0.0, size[2] / 2 + 1e-4], (FRAMES, 1))
     path[frame:, 0] += 1.0 * np.arange(1, FRAMES - frame + 1)
     scene.add("thing", Box(size=tuple(size)), at=path[0], motion="dynamic", path=path)
@@ -552,7 +392,7 @@ def _in_a_hollow(folder: Path, m: float, rng: RNG) -> World:
 def _strong_lift(folder: Path, m: float, rng: RNG) -> World:
     """On an upright rail with a motor, a brake or a stop that holds it with m times its weight."""
     scene, kind = Scene(rng), int(rng.integers(3))
-    weight = _slide(scene, rng)
+    weight = slide(scene, rng)
     rail = scene.more["joints"]["rail"]
     if kind == 0:
         scene.more["drivers"] = {"motor": MotorDriver(joint="rail", velocity=0.1, max_effort=m * weight, end=10.0)}
@@ -567,7 +407,7 @@ def _dim(folder: Path, m: float, rng: RNG) -> World:
     """A wedge on its broad side at a distance m from the origin, beside a wall that it touches."""
     scene = Scene(rng)
     scene.moved = m * np.array([1.0, -1.0, 1.0])
-    size = _size(rng, 0.1, 0.4)
+    size = draw_size(rng, 0.1, 0.4)
     scene.add("thing", Wedge(size=tuple(size)), at=(0, 0, size[2] / 2 + 1e-4), motion="dynamic")
     scene.add("wall", Box(size=(0.1, 2, 2)), at=(-size[0] / 2 - 0.05 - 1e-4, 0, 1.01))
     scene.on("floor", "thing")

@@ -129,7 +129,7 @@ def run_variant(candidate: Candidate, done: Intervention, *, start: int, end: in
         except (EngineError, InputError, OSError) as error:
             raise EvidenceError(f"the run cannot be repeated: {error}") from error
         caches[name] = _VariantCache(cache, index, own)
-    return dataclasses.replace(candidate, caches=caches, digest=f"{candidate.digest}+variant")
+    return dataclasses.replace(candidate, caches=caches, digest=f"{candidate.digest}+variant", apart=done.apart)
 
 
 def _state_at(candidate: Candidate, cache: Cache, state: bytes, frames: tuple[int, int]) -> bytes:

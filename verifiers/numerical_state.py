@@ -147,7 +147,9 @@ def resting(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Sleeping bodies stay where they are, and something touches or holds them."""
     books = books_of(candidate, cache)
     free = ~books.kinematic[books.owner]
-    held = books.times[:, None] < books.released[books.owner]
+    until = books.released[books.owner]
+    # The state at the very moment of release is still that of the hold.
+    held = (until > 0.0) & (books.times[:, None] <= until + TIME)
     asleep = books.asleep & free & ~held
     if not asleep.any():
         return Finding("pass", "no free body sleeps", 0.0, ASLEEP_CREEP, "m")

@@ -422,7 +422,7 @@ class Surfaces:
         gap = self.contact_gap(below, above)
         touching = np.flatnonzero(distance[:until] <= gap)
         result = np.zeros(self.frames, dtype=bool)
-        if len(touching) == 0:
+        if len(touching) == 0 or {(below, above), (above, below)} & self.candidate.apart:
             return result
         gravity = np.array(self.candidate.spec.simulation.gravity)
         strength = float(np.linalg.norm(gravity))

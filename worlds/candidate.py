@@ -44,6 +44,8 @@ class Candidate:
     """Relative path of what is inspected, for the `artifact` column of rows."""
     digest: str = ""
     """Content digest of the inspected caches; empty at the static stage."""
+    apart: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of entities that this run lets pass through each other (a counterfactual one): neither carries the other."""
 
     @cached_property
     def frame_count(self) -> int:

@@ -18,7 +18,7 @@ from worldagent.verifiers.counterfactual import check, row_ids
 from worldagent.worlds.cache import write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
-from worldagent.worlds.predicates import And, Contact, Displacement, JointAngle, Reaches, Speed, Tilts
+from worldagent.worlds.predicates import And, Contact, Displacement, JointAngle, Reaches, RestsOn, Speed, Tilts
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (
     BoxRegion,
@@ -85,6 +85,21 @@ def test_a_hidden_driver_that_does_it_anyway_fails(tmp_path: Path) -> None:
     row = only(simulate(tmp_path, pushed(drivers=drivers)))
     assert row.status == "fail"
     assert "still comes" in row.evidence["explanation"]
+
+
+def test_what_falls_through_its_support_does_not_rest_on_it(tmp_path: Path) -> None:
+    """Without their contact the ball lies inside the thin plate, on the floor below: geometry alone would call it carried."""
+    entities = {
+        "floor": ground(),
+        "plate": box(0.3, 0.3, 0.002, at=(0, 0, 0.001)),
+        "ball": ball(0.05, motion="dynamic", at=(0, 0, 0.2)),
+    }
+    beats = {
+        "land": beat("ball", Contact(a="ball", b="plate"), frames=(1, 24)),
+        "rest": beat("ball", RestsOn(entity="ball", on="plate"), frames=(1, 36), causes=["land"]),
+    }
+    candidate = simulate(tmp_path, world(entities, beats=beats, frames=37, materials=SLICK))
+    assert only(candidate).status == "pass"
 
 
 def test_a_margin_asks_for_a_later_effect(tmp_path: Path) -> None:

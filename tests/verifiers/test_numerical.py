@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.bench.defects import _scenes as scenes
-from worldagent.bench.small_worlds import IDENTITY, box, ground, make_candidate, world
+from worldagent.bench.simulated_worlds import simulate
+from worldagent.bench.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.numerical import CLAIMS, check, thickness
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex
 from worldagent.worlds.cache import write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Limits, RigidSettings
+from worldagent.worlds.spec import Limits, ReleaseDriver, RigidSettings
 
 FPS, N = 24, 25
 TIME = np.arange(N) / FPS
@@ -224,6 +225,15 @@ def test_a_repeated_frame_and_a_body_asleep_in_the_air_fail(tmp_path: Path) -> N
     aloft.put("position", np.repeat(aloft.series("position", "small")[:1], aloft.count, axis=0), "small")
     row = rows_of(aloft.candidate(tmp_path / "b"))["resting"]
     assert (row.status, row.first_failing_entity, row.first_failing_frame, row.unit) == ("fail", "small", 0, "m")
+
+
+def test_a_held_body_may_still_be_asleep_at_the_moment_of_its_release(tmp_path: Path) -> None:
+    """The frame of the release shows the state of the hold."""
+    entities = {"floor": ground(), "apple": ball(0.05, motion="dynamic", at=(0, 0, 0.4))}
+    drivers = {"let_go": ReleaseDriver(entity="apple", time=6 / 24)}
+    candidate = simulate(tmp_path, world(entities, drivers=drivers, frames=12))
+    assert candidate.caches["rigid"].series("asleep")[6].all()
+    assert rows_of(candidate)["resting"].status == "pass"
 
 
 def test_impossible_counters_and_logs_fail_at_their_frame(tmp_path: Path) -> None:

@@ -143,7 +143,7 @@ def _corrections(name: str, relation: Connects, one: Finding) -> Iterator[Correc
     missing = f"{abs(one.bound - one.measured):.3g} {one.unit}"
     action, group, path = {
         "too narrow": (
-            f"Widen the way by {missing}: move {' or '.join(map(repr, one.blame)) or 'its borders'} aside.",
+            f"Widen the way by {missing}: move {' or '.join(map(repr, one.blame)) or 'its borders'} aside, or widen the floor there.",
             "placement",
             pose,
         ),

@@ -227,9 +227,10 @@ class _Search:
         bound = width - RASTER_NOISE
         capped = clear >= 2.0 * width * (1 - 1e-9)
         if clear < bound:
-            blame = self._narrow(way, floor, obstacles)
+            beside = self._narrow(way, floor, obstacles)
+            blame = beside or self._owners(floor.nodes.owner[np.array([way.node])])
             place = ", ".join(f"{c:.2f}" for c in way.place)
-            between = " and ".join(repr(n) for n in blame) if blame else "the edges of the floor"
+            between = " and ".join(map(repr, beside)) or " and ".join(["the edges of the floor", *map(repr, blame)])
             text = f"the way is {clear:.3f} m wide at ({place}), the carrier needs {width:g} m; narrowed by {between}"
             return Finding(False, text, clear, bound, ">=", "m", "too narrow", blame, evidence)
         pitch, where = _pitch(way.route, min(STRETCH, max(0.75 * width, 6 * self.columns.grid.cell)), self.carrier)

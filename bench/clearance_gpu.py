@@ -17,6 +17,7 @@ import numpy as np
 from ..geometry import Forest, Solid, meetings, turned_boxes
 from ..geometry import batch as route
 from ..geometry.clearance import NOISE, relative_poses
+from ..geometry.depth import PRECISION
 from ..geometry.launch import chosen_device, cores, load, warp
 from ..geometry.polytopes import Relative
 from ..worlds.arrays import F64, I32
@@ -52,9 +53,11 @@ def _queries(bodies: int, frames: int) -> tuple[Forest, I32, Relative]:
 
 def _run(forest: Forest, pairs: I32, poses: Relative, device: str) -> tuple[list[Any], dict[str, float]]:
     from ..geometry.clearance_kernels import nearest
+    from ..geometry.depth_kernels import deepest
 
     start = time.perf_counter()
     load(nearest, device)
+    load(deepest, device)
     compiled = time.perf_counter() - start
     start = time.perf_counter()
     wood = route.wood_on(forest, device)
@@ -72,19 +75,28 @@ def _run(forest: Forest, pairs: I32, poses: Relative, device: str) -> tuple[list
         ]
         best = min(best, time.perf_counter() - start)
         answers = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return answers, {"compile_s": compiled, "upload_s": uploaded, "seconds": best, "us_per_query": 1e6 * best / len(pairs)}
+    rows = np.flatnonzero((answers[1] & (answers[0] <= touch)) | answers[2])
+    route.depths(wood, pairs, poses, touch, rows[:1], device)
+    start = time.perf_counter()
+    answers.append(route.depths(wood, pairs, poses, touch, rows, device))
+    spent = time.perf_counter() - start
+    figures = {"compile_s": compiled, "upload_s": uploaded, "seconds": best, "us_per_query": 1e6 * best / len(pairs)}
+    return answers, {**figures, "depths": float(len(rows)), "us_per_depth": 1e6 * spent / max(1, len(rows))}
 
 
 def compare(bodies: int, frames: int, device: str) -> dict[str, Any]:
     """Run the same queries on the CPU and on `device`, and compare every answer."""
     forest, pairs, poses = _queries(bodies, frames)
-    (here, found_here, held_here), cpu = _run(forest, pairs, poses, "cpu")
+    (here, found_here, held_here, deep_here), cpu = _run(forest, pairs, poses, "cpu")
     where = chosen_device(device)
-    (there, found_there, held_there), other = _run(forest, pairs, poses, where)
+    (there, found_there, held_there, deep_there), other = _run(forest, pairs, poses, where)
     size = np.array([s.size for s in forest.solids])[pairs].sum(axis=1)
     touch = NOISE * size
     both = found_here & found_there
     gap = np.abs(here - there) / size
+    same_rows = len(deep_here) == len(deep_there)
+    told = (deep_here > 0) & (deep_there > 0) if same_rows else np.zeros(len(deep_here), dtype=bool)
+    depth_gap = np.abs(deep_here - deep_there)[told] / deep_here[told] if same_rows else np.array([np.inf])
     return {
         "queries": len(pairs),
         "bodies": bodies,
@@ -98,8 +110,15 @@ def compare(bodies: int, frames: int, device: str) -> dict[str, Any]:
         "differing_bounds": int((found_here != found_there).sum()),
         "differing_touches": int((both & ((here <= touch) != (there <= touch))).sum()),
         "differing_containments": int((held_here != held_there).sum()),
+        "largest_relative_difference_of_depth": float(depth_gap.max(initial=0.0)),
+        "depths_handed_back": [int((d < 0).sum()) for d in (deep_here, deep_there)],
         "touching": int((both & (here <= touch)).sum()),
-        "agree": bool((gap[both] <= SAME).all() and (found_here == found_there).all() and (held_here == held_there).all()),
+        "agree": bool(
+            (gap[both] <= SAME).all()
+            and (found_here == found_there).all()
+            and (held_here == held_there).all()
+            and (depth_gap <= 2.0 * PRECISION).all()
+        ),
     }
 
 

@@ -1,7 +1,7 @@
-"""Signed clearance of very many pairs and poses at once: a few kernels decide all that is apart, `clearance` the rest.
+"""Signed clearance of very many pairs and poses at once, by kernels; convex overlaps and mere touches by `clearance`.
 
 A list that is worth less than `EFFORT` goes through `clearance` altogether, without importing Warp. Both routes give the
-same value within `query_noise`; which one is taken depends on the lists given to one `Forest`, never on time.
+same value within `query_noise`, depths within their precision (`depth.PRECISION`); which one is taken depends on the lists given to one `Forest`, never on time.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
 from .clearance import NOISE, SMALL_WORK, measure, relative_poses, repeats
+from .depth import PRECISION
 from .forest import Forest
 from .launch import chosen_device, launch, load, warp
 from .polytopes import Relative
@@ -28,6 +29,8 @@ EFFORT = 6.0
 compiled kernels costs about 1.5 s, compiling them at first use 15 s more."""
 COSTLY, CHEAP = 250e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
+DEPTH_SLICE = 8
+"""Depths of one slice on the CPU: each takes some milliseconds."""
 CHUNK = 65_536
 """Queries held at once: about 30 MB of poses and results."""
 
@@ -60,7 +63,7 @@ class BatchClearance(NamedTuple):
     computed: int
     """Queries that were computed: those that do not repeat the relative pose before them."""
     exact: int
-    """Of these, how many overlap or touch and were measured by `clearance`."""
+    """Of these, how many were measured by `clearance`."""
 
 
 def clearance_batch(
@@ -154,11 +157,49 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, report: Callable[[
         distance, found, held = descend(wood, pairs, poses, touch, some.skip_above, device)
         rows = np.flatnonzero((found & (distance <= touch)) | held)
         distance = np.where(found, distance, np.maximum(distance, np.nextafter(some.skip_above, np.inf)))
-        for (i, j), same in _by_pair(pairs, rows):
+        both_convex = np.array([solids[i].convex and solids[j].convex for i, j in pairs[rows]], dtype=bool)
+        rough = rows[~both_convex]
+        depth = depths(wood, pairs, poses, touch, rough, device)
+        distance[rough[depth > 0.0]] = -depth[depth > 0.0]
+        left = np.concatenate([rows[both_convex], rough[depth < 0.0]])
+        for (i, j), same in _by_pair(pairs, left):
             distance[same] = measure(solids[i], solids[j], poses.take(same))
         value[part] = distance
-        exact += len(rows)
+        exact += len(left)
     return value, exact
+
+
+def depths(wood: Any, pairs: I32, poses: Relative, noise: F64, rows: NDArray[np.intp], device: str) -> F64:
+    """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell."""
+    if len(rows) == 0:
+        return np.empty(0)
+    from .depth_kernels import deepest
+
+    wp = warp()
+    depth = wp.zeros(len(rows), dtype=wp.float64, device=device)
+    query = [
+        *_sent(pairs, poses, device),
+        _put(noise, wp.float64, device),
+        PRECISION,
+        _put(rows.astype(np.int32), wp.int32, device),
+    ]
+    launch(deepest, len(rows), [wood, *query, depth], device=device, slice_size=DEPTH_SLICE)
+    return np.asarray(depth.numpy())
+
+
+def _put(values: NDArray[Any], dtype: Any, device: str) -> Any:
+    return warp().array(np.ascontiguousarray(values), dtype=dtype, device=device, copy=device != "cpu")
+
+
+def _sent(pairs: I32, poses: Relative, device: str) -> list[Any]:
+    """Solids and poses of queries on the device."""
+    wp = warp()
+    return [
+        _put(pairs[:, 0], wp.int32, device),
+        _put(pairs[:, 1], wp.int32, device),
+        _put(poses.rotation, wp.mat33d, device),
+        _put(poses.translation, wp.vec3d, device),
+    ]
 
 
 def wood_on(forest: Forest, device: str) -> Any:
@@ -199,29 +240,21 @@ def descend(
 
     wp = warp()
 
-    def put(values: NDArray[Any], dtype: Any) -> Any:
-        return wp.array(np.ascontiguousarray(values), dtype=dtype, device=device, copy=device != "cpu")
-
     count = len(pairs)
-    query = [
-        put(pairs[:, 0], wp.int32),
-        put(pairs[:, 1], wp.int32),
-        put(poses.rotation, wp.mat33d),
-        put(poses.translation, wp.vec3d),
-    ]
+    query = _sent(pairs, poses, device)
     distance = wp.empty(count, dtype=wp.float64, device=device)
     face_a, face_b = (wp.empty(count, dtype=wp.int32, device=device) for _ in range(2))
     launch(
         kernels.nearest,
         count,
-        [wood, *query, put(touch, wp.float64), put(skip_above, wp.float64), distance, face_a, face_b],
+        [wood, *query, _put(touch, wp.float64, device), _put(skip_above, wp.float64, device), distance, face_a, face_b],
         device=device,
         slice_size=slice_size,
     )
     gap, found = distance.numpy(), face_a.numpy() >= 0
     free = np.flatnonzero(~(found & (gap <= touch))).astype(np.int32)
     held = wp.zeros(len(free), dtype=wp.int32, device=device)
-    launch(kernels.contained, len(free), [wood, *query, put(free, wp.int32), held], device=device, slice_size=slice_size)
+    launch(kernels.contained, len(free), [wood, *query, _put(free, wp.int32, device), held], device=device, slice_size=slice_size)
     inside = np.zeros(count, dtype=bool)
     inside[free] = held.numpy() != 0
     return gap, found, inside

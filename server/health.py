@@ -93,6 +93,7 @@ def _warp() -> str:
 
     wp = warp()
     from ..geometry.clearance_kernels import nearest
+    from ..geometry.depth_kernels import deepest
     from .warm_kernel import double
 
     values = wp.array([1.0, 2.0, 3.0], dtype=float, device="cpu")
@@ -100,6 +101,7 @@ def _warp() -> str:
     if values.numpy().tolist() != [2.0, 4.0, 6.0]:
         raise RuntimeError("a kernel gave wrong numbers")
     load(nearest, "cpu")
+    load(deepest, "cpu")
     return f"a kernel ran on the CPU, those of clearances are compiled; cache {wp.config.kernel_cache_dir}"
 
 

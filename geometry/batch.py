@@ -24,11 +24,15 @@ if TYPE_CHECKING:
 
 __all__ = ["BatchClearance", "clearance_batch"]
 
-EFFORT = 6.0
+EFFORT = 3.0
 """[s] Own choice: a list that one core would need longer for than this goes to the kernels. Importing Warp and loading
-compiled kernels costs about 1.5 s, compiling them at first use 15 s more."""
-COSTLY, CHEAP = 250e-6, 15e-6
+compiled kernels costs about 1.5 s, compiling them at first use some 10 s more."""
+COSTLY, CHEAP = 150e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
+DEPTHS = 40
+"""Own choice: after so many overlaps of bodies that are not convex, about 0.1 s each, the rest goes to the kernels too."""
+PORTION = 16
+"""Queries of one pair measured before the overlaps are counted again."""
 DEPTH_SLICE = 8
 """Depths of one slice on the CPU: each takes some milliseconds."""
 CHUNK = 65_536
@@ -104,14 +108,20 @@ def clearance_batch(
     anchor[farther] = farther
     compute = np.flatnonzero(anchor == np.arange(count))
     chosen = asked.take(compute)
-    value = np.empty(count)
+    value, computed = np.empty(count), len(compute)
     forest = solids if isinstance(solids, Forest) else Forest(own)
-    if where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
-        value[compute] = _one_by_one(own, chosen)
-        exact = len(compute)
-    else:
-        value[compute], exact = _by_kernels(forest, chosen, where, report)
-    return BatchClearance(value[anchor], len(compute), exact)
+    exact = 0
+    if len(compute) and where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
+        done, some_values = _one_by_one(own, chosen)
+        value[compute[done]] = some_values
+        exact = len(done)
+        left = np.ones(len(compute), dtype=bool)
+        left[done] = False
+        compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
+    if len(compute):
+        value[compute], more = _by_kernels(forest, chosen, where, report)
+        exact += more
+    return BatchClearance(value[anchor], computed, exact)
 
 
 def _effort(solids: Sequence[Solid], pairs: I32) -> float:
@@ -135,12 +145,24 @@ def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], 
     return [((int(pairs[g[0], 0]), int(pairs[g[0], 1])), g) for g in np.split(order, cut)]
 
 
-def _one_by_one(solids: Sequence[Solid], asked: _Queries) -> F64:
-    value = np.empty(len(asked.pairs))
+def _one_by_one(solids: Sequence[Solid], asked: _Queries) -> tuple[NDArray[np.intp], F64]:
+    """Queries answered by `measure`, and their values [m]; all, unless too many overlap."""
+    done: list[NDArray[np.intp]] = []
+    values: list[F64] = []
+    deep = 0
     for (i, j), rows in _by_pair(asked.pairs, np.arange(len(asked.pairs))):
-        some = asked.take(rows)
-        value[rows] = measure(solids[i], solids[j], relative_poses(some.poses_a, some.poses_b), skip_above=some.skip_above)
-    return value
+        a, b = solids[i], solids[j]
+        convex = a.convex and b.convex
+        portions = [rows] if convex else np.split(rows, range(PORTION, len(rows), PORTION))
+        for portion in portions:
+            if deep > DEPTHS:
+                break
+            some = asked.take(portion)
+            poses = relative_poses(some.poses_a, some.poses_b)
+            values.append(measure(a, b, poses, skip_above=some.skip_above))
+            done.append(portion)
+            deep += 0 if convex else int((values[-1] < 0.0).sum())
+    return np.concatenate(done), np.concatenate(values)
 
 
 def _by_kernels(forest: Forest, asked: _Queries, device: str, report: Callable[[str], None] | None) -> tuple[F64, int]:

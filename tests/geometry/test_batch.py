@@ -194,6 +194,20 @@ def test_repeats_are_answered_once(monkeypatch):
     assert found.computed == 2
 
 
+def test_many_overlaps_of_a_short_list_go_to_the_kernels(monkeypatch):
+    """Choice: depths of bodies that are not convex are slow one by one; the answers stay the same."""
+    rng = np.random.default_rng(3)
+    solids = [ring(), ring(0.2, 0.5, 0.4)]
+    pairs = np.tile([[0, 1]], (40, 1))
+    poses = [stacked([random_pose(rng, 0.1) for _ in pairs]) for _ in range(2)]
+    patient = clearance_batch(solids, pairs, *poses, skip_above=0.1)
+    monkeypatch.setattr(module, "DEPTHS", 3)
+    found = clearance_batch(solids, pairs, *poses, skip_above=0.1)
+    assert found.computed == patient.computed == patient.exact == 40
+    assert found.exact < 40
+    assert found.distance == pytest.approx(patient.distance, rel=2.0 * PRECISION, abs=1e-9)
+
+
 def test_trees_hold_every_box_once():
     rng = np.random.default_rng(2)
     groups = np.array([1, 2, 3, 100, 17])

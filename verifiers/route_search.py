@@ -233,7 +233,9 @@ class _Search:
             between = " and ".join(map(repr, beside)) or " and ".join(["the edges of the floor", *map(repr, blame)])
             text = f"the way is {clear:.3f} m wide at ({place}), the carrier needs {width:g} m; narrowed by {between}"
             return Finding(False, text, clear, bound, ">=", "m", "too narrow", blame, evidence)
-        pitch, where = _pitch(way.route, min(STRETCH, max(0.75 * width, 6 * self.columns.grid.cell)), self.carrier)
+        pitch, where = _pitch(
+            way.route, min(STRETCH, max(0.75 * width, 6 * self.columns.grid.cell)), self.carrier, self.columns.grid.cell
+        )
         if pitch > max(PITCH, self.carrier.tangent):
             owner = self._owners(floor.nodes.owner[way.nodes[where : where + 1]])
             text = f"the stairs rise by {math.atan(pitch):.3f} rad on average, at most {math.atan(PITCH):.3f} rad can be walked"
@@ -420,15 +422,18 @@ def _decimate(route: F64, tolerance: float) -> F64:
     return np.asarray(route[keep])
 
 
-def _pitch(route: F64, stretch: float, carrier: Carrier) -> tuple[float, int]:
-    """Steepest mean rise / run from step to step over a stretch [m] that climbs more than two steps, and where it begins."""
+def _pitch(route: F64, stretch: float, carrier: Carrier, cell: float) -> tuple[float, int]:
+    """Steepest mean rise / run from step to step over a stretch [m] that climbs more than two steps, and where it begins.
+
+    A route sees a step at the next centre of a cell, so the run is taken one cell [m] longer than it was seen.
+    """
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route[:, :2], axis=0), axis=1))])
     steps = 1 + np.flatnonzero(np.abs(np.diff(route[:, 2])) > carrier.tangent * np.diff(run) + SAME)
     if len(steps) < 2:
         return 0.0, 0
     run, height = run[steps], route[steps, 2]
     end = np.minimum(np.searchsorted(run, run + stretch), len(run) - 1)
-    rise = np.abs(height[end] - height)
-    rate = np.where((rise > 2.0 * carrier.step) & (run[end] - run > 0.5 * stretch), rise / np.maximum(run[end] - run, 1e-9), 0.0)
+    rise, length = np.abs(height[end] - height), run[end] - run
+    rate = np.where((rise > 2.0 * carrier.step) & (length > 0.5 * stretch), rise / (length + cell), 0.0)
     k = int(np.argmax(rate))
     return float(rate[k]), int(steps[k])

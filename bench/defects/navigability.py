@@ -11,7 +11,7 @@ import numpy as np
 from ...verifiers.conduits import CELLS_ACROSS
 from ...verifiers.conduits import NOISE as FLOW_NOISE
 from ...verifiers.navigability import PITCH, RASTER_NOISE
-from ...verifiers.walkable import GAP
+from ...verifiers.walkable import GAP, SAME
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, Part, Sphere
 from ...worlds.spec.entities import LiquidPhysics
 from ..small_worlds import entity, pose
@@ -497,13 +497,13 @@ SUITE = Suite(
     (
         Mechanism("narrow door", "one of several doors", True, _narrow_door, 0.004, 0.5, "m", bound=RASTER_NOISE),
         Mechanism("crate in door", "furniture reaches in", True, _crate_in_door, 0.004, 0.5, "m", bound=RASTER_NOISE),
-        Mechanism("low beam", "too low at one place", True, _low_beam, 0.001, 0.5, "m", bound=0.0),
-        Mechanism("high riser", "one riser in the middle", True, _high_riser, 0.001, 0.3, "m", bound=0.0),
+        Mechanism("low beam", "too low at one place", True, _low_beam, 0.001, 0.5, "m", bound=SAME),
+        Mechanism("high riser", "one riser in the middle", True, _high_riser, 0.001, 0.3, "m", bound=SAME),
         Mechanism("missing tread", "a hole in the flight", True, _missing_tread, 0.002, 0.19, "m", bound=0.0),
         Mechanism("tiny treads", "a flight like a ladder", True, _tiny_treads, 1.2, 2.5, "1"),
         Mechanism("steep piece", "too steep on a short stretch", True, _steep_piece, 0.002, 0.6, "rad", bound=0.0),
-        Mechanism("threshold", "a sill just too high", True, _threshold, 0.001, 0.3, "m", bound=0.0),
-        Mechanism("kerb at ramp", "a step where a ramp begins", True, _kerb_at_ramp, 0.002, 0.1, "m", bound=0.0),
+        Mechanism("threshold", "a sill just too high", True, _threshold, 0.001, 0.3, "m", bound=SAME),
+        Mechanism("kerb at ramp", "a step where a ramp begins", True, _kerb_at_ramp, 0.002, 0.1, "m", bound=SAME),
         Mechanism("gap", "a bridge ends short", True, _gap, 1.02, 30.0, "1", bound=1.0),
         Mechanism("door ajar", "a door that opens too little", True, _door_ajar, 0.004, 0.9, "m", bound=RASTER_NOISE),
         Mechanism("falls shut", "shut for one frame", True, _falls_shut, 0.004, 0.9, "m", bound=RASTER_NOISE),

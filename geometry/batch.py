@@ -29,9 +29,9 @@ EFFORT = 3.0
 compiled kernels costs about 1.5 s, compiling them at first use some 10 s more."""
 COSTLY, CHEAP = 150e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
-DEPTHS = 40
-"""Own choice: after so many overlaps of bodies that are not convex, about 0.1 s each, the rest goes to the kernels too."""
-PORTION = 16
+DEPTHS = 6
+"""Own choice: after so many overlaps of bodies that are not convex, 0.1 to 2 s each, the rest goes to the kernels (2 ms each)."""
+PORTION = 4
 """Queries of one pair measured before the overlaps are counted again."""
 DEPTH_SLICE = 8
 """Depths of one slice on the CPU: each takes some milliseconds."""
@@ -77,6 +77,7 @@ def clearance_batch(
     poses_b: tuple[F64, F64],
     *,
     skip_above: float | F64,
+    tolerance: float = 0.0,
     device: str | None = None,
     report: Callable[[str], None] | None = None,
 ) -> BatchClearance:
@@ -91,6 +92,7 @@ def clearance_batch(
         poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
         poses_b: the same of the second.
         skip_above: distance [m] beyond which a lower bound is enough, one for all or shape (n,).
+        tolerance: depths may be too small by this [m] besides `depth.PRECISION`: a search that needs no more is much faster.
         device: `cpu`, `cuda`, ...; default as `launch.chosen_device` says. On a GPU every list goes to the kernels.
         report: hears of a compilation before it begins.
     """
@@ -112,14 +114,14 @@ def clearance_batch(
     forest = solids if isinstance(solids, Forest) else Forest(own)
     exact = 0
     if len(compute) and where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
-        done, some_values = _one_by_one(own, chosen)
+        done, some_values = _one_by_one(forest, chosen, tolerance)
         value[compute[done]] = some_values
         exact = len(done)
         left = np.ones(len(compute), dtype=bool)
         left[done] = False
         compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
     if len(compute):
-        value[compute], more = _by_kernels(forest, chosen, where, report)
+        value[compute], more = _by_kernels(forest, chosen, where, tolerance, report)
         exact += more
     return BatchClearance(value[anchor], computed, exact)
 
@@ -145,27 +147,29 @@ def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], 
     return [((int(pairs[g[0], 0]), int(pairs[g[0], 1])), g) for g in np.split(order, cut)]
 
 
-def _one_by_one(solids: Sequence[Solid], asked: _Queries) -> tuple[NDArray[np.intp], F64]:
+def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDArray[np.intp], F64]:
     """Queries answered by `measure`, and their values [m]; all, unless too many overlap."""
     done: list[NDArray[np.intp]] = []
     values: list[F64] = []
-    deep = 0
+    solids = forest.solids
     for (i, j), rows in _by_pair(asked.pairs, np.arange(len(asked.pairs))):
         a, b = solids[i], solids[j]
         convex = a.convex and b.convex
         portions = [rows] if convex else np.split(rows, range(PORTION, len(rows), PORTION))
         for portion in portions:
-            if deep > DEPTHS:
+            if forest.overlaps > DEPTHS:
                 break
             some = asked.take(portion)
             poses = relative_poses(some.poses_a, some.poses_b)
-            values.append(measure(a, b, poses, skip_above=some.skip_above))
+            values.append(measure(a, b, poses, skip_above=some.skip_above, tolerance=tolerance))
             done.append(portion)
-            deep += 0 if convex else int((values[-1] < 0.0).sum())
-    return np.concatenate(done), np.concatenate(values)
+            forest.overlaps += 0 if convex else int((values[-1] < 0.0).sum())
+    return np.concatenate([np.empty(0, dtype=np.intp), *done]), np.concatenate([np.empty(0), *values])
 
 
-def _by_kernels(forest: Forest, asked: _Queries, device: str, report: Callable[[str], None] | None) -> tuple[F64, int]:
+def _by_kernels(
+    forest: Forest, asked: _Queries, device: str, tolerance: float, report: Callable[[str], None] | None
+) -> tuple[F64, int]:
     from . import clearance_kernels as kernels
 
     load(kernels.nearest, device, report=report)
@@ -181,17 +185,19 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, report: Callable[[
         distance = np.where(found, distance, np.maximum(distance, np.nextafter(some.skip_above, np.inf)))
         both_convex = np.array([solids[i].convex and solids[j].convex for i, j in pairs[rows]], dtype=bool)
         rough = rows[~both_convex]
-        depth = depths(wood, pairs, poses, touch, rough, device)
+        depth = depths(wood, pairs, poses, touch, rough, device, tolerance=tolerance)
         distance[rough[depth > 0.0]] = -depth[depth > 0.0]
         left = np.concatenate([rows[both_convex], rough[depth < 0.0]])
         for (i, j), same in _by_pair(pairs, left):
-            distance[same] = measure(solids[i], solids[j], poses.take(same))
+            distance[same] = measure(solids[i], solids[j], poses.take(same), tolerance=tolerance)
         value[part] = distance
         exact += len(left)
     return value, exact
 
 
-def depths(wood: Any, pairs: I32, poses: Relative, noise: F64, rows: NDArray[np.intp], device: str) -> F64:
+def depths(
+    wood: Any, pairs: I32, poses: Relative, noise: F64, rows: NDArray[np.intp], device: str, *, tolerance: float = 0.0
+) -> F64:
     """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell."""
     if len(rows) == 0:
         return np.empty(0)
@@ -202,6 +208,7 @@ def depths(wood: Any, pairs: I32, poses: Relative, noise: F64, rows: NDArray[np.
     query = [
         *_sent(pairs, poses, device),
         _put(noise, wp.float64, device),
+        tolerance,
         PRECISION,
         _put(rows.astype(np.int32), wp.int32, device),
     ]

@@ -129,13 +129,13 @@ class _Found:
         self.value[index], self.point_a[index], self.point_b[index], self.method[index] = value, point_a, point_b, method
 
 
-def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool) -> _Found:
+def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, tolerance: float = 0.0) -> _Found:
     count = len(poses.translation)
     found = _Found(np.empty(count), np.empty((count, 3)), np.empty((count, 3)), np.full(count, "", dtype="<U10"))
     mesh = _Mesh(a, b, witness=witness)
     if not (a.convex and b.convex):
         for k in range(count):
-            _general(mesh, poses, k, found)
+            _general(mesh, poses, k, found, tolerance)
         return found
     work = len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
     everything = np.arange(count)
@@ -225,7 +225,7 @@ def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
     return np.array_equal(a.faces, b.faces) and bool(np.abs(one.forward(a.vertices)[0] - b.vertices).max() <= noise)
 
 
-def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> None:
+def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, tolerance: float) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
     here = np.array([k])
@@ -239,8 +239,8 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> None:
         found.put(here, np.array(value), *mesh.nearest(one, i, j), "mesh")
         return
     pairs = mesh.crossings() if touching else np.empty((0, 2), dtype=np.int32)
-    into_b = surface_depth(a, one, b, pairs, noise=noise)
-    into_a = surface_depth(b, one.inverse(), a, pairs[:, ::-1], noise=noise)
+    into_b = surface_depth(a, one, b, pairs, noise=noise, tolerance=tolerance)
+    into_a = surface_depth(b, one.inverse(), a, pairs[:, ::-1], noise=noise, tolerance=tolerance)
     if max(into_a.depth, into_b.depth) > noise:
         point_a, point_b, depth = _deep_points(one, into_b, into_a)
         found.put(here, np.array(-depth), point_a, point_b, "depth")
@@ -309,12 +309,15 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     return result
 
 
-def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np.inf) -> F64:
-    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`."""
+def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np.inf, tolerance: float = 0.0) -> F64:
+    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`.
+
+    Depths may be too small by `tolerance` [m] besides `depth.PRECISION`.
+    """
     result = _box_gap(a, b, poses)
     near = np.flatnonzero(result <= skip_above)
     if len(near):
-        result[near] = _measure(a, b, poses.take(near), witness=False).value
+        result[near] = _measure(a, b, poses.take(near), witness=False, tolerance=tolerance).value
     return result
 
 

@@ -63,7 +63,7 @@ def _evaluate(other: Solid, points: F64, best: Deep) -> Deep:
     return best
 
 
-def surface_depth(surface: Solid, pose: Relative, other: Solid, pairs: I32, *, noise: float) -> Deep:
+def surface_depth(surface: Solid, pose: Relative, other: Solid, pairs: I32, *, noise: float, tolerance: float = 0.0) -> Deep:
     """Depth of `surface` inside the closed solid `other`.
 
     Args:
@@ -72,6 +72,7 @@ def surface_depth(surface: Solid, pose: Relative, other: Solid, pairs: I32, *, n
         other: the solid; an open one has no inside and gives 0.
         pairs: crossing or touching triangles as (triangle of surface, triangle of other), shape (k, 2).
         noise: depths [m] up to this are not refined.
+        tolerance: the depth may be too small by this [m] besides `PRECISION`.
 
     Returns:
         Depth and points in the frame of `other`.
@@ -103,7 +104,7 @@ def surface_depth(surface: Solid, pose: Relative, other: Solid, pairs: I32, *, n
         best = _evaluate(other, _curve_points(triangles, other.triangles[pairs[:, 1]], pairs[:, 0]), best)
     if best.depth <= noise:
         return best
-    return _refine(moved[faces[cut | vertex_inside[faces].any(axis=1)]], other, best, noise)
+    return _refine(moved[faces[cut | vertex_inside[faces].any(axis=1)]], other, best, max(noise, tolerance))
 
 
 def _curve_points(triangles: F64, others: F64, triangle: I32) -> F64:

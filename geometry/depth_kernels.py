@@ -143,6 +143,7 @@ def one_way(
     shift: wp.vec3d,
     known: wp.float64,
     noise: wp.float64,
+    tolerance: wp.float64,
     precision: wp.float64,
 ) -> wp.float64:
     """Depth of a surface inside a solid where it is more than `known`, else `known`; -1 where patience ended."""
@@ -166,7 +167,7 @@ def one_way(
             c = corner(piece, 2)
             middle = (a + b + c) / wp.float64(3.0)
             reach = wp.sqrt(wp.max(wp.max(wp.length_sq(a - middle), wp.length_sq(b - middle)), wp.length_sq(c - middle)))
-            goal = best * (wp.float64(1.0) + precision) + noise
+            goal = best * (wp.float64(1.0) + precision) + wp.max(noise, tolerance)
             # Depth changes no faster than one moves: a middle that is shallow enough settles the piece.
             shallow = square_above(goal - reach)
             far = foot(wood, solid, middle, shallow)
@@ -176,7 +177,7 @@ def one_way(
                 if inside(wood, solid, middle):
                     if depth > best:
                         best = depth
-                        goal = best * (wp.float64(1.0) + precision) + noise
+                        goal = best * (wp.float64(1.0) + precision) + wp.max(noise, tolerance)
                 elif reach - depth <= goal:
                     settled = wp.bool(True)
                 if not settled:
@@ -204,6 +205,7 @@ def deepest(
     rotation: wp.array(dtype=wp.mat33d),
     translation: wp.array(dtype=wp.vec3d),
     noise: wp.array(dtype=wp.float64),
+    tolerance: wp.float64,
     precision: wp.float64,
     query: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),
@@ -216,10 +218,10 @@ def deepest(
     shift = translation[i]
     best = ZERO
     if wood.volume[b] > 0:
-        best = one_way(wood, a, b, turn, shift, best, noise[i], precision)
+        best = one_way(wood, a, b, turn, shift, best, noise[i], tolerance, precision)
     if best >= ZERO and wood.volume[a] > 0:
         back = wp.transpose(turn)
-        best = one_way(wood, b, a, back, -(back * shift), best, noise[i], precision)
+        best = one_way(wood, b, a, back, -(back * shift), best, noise[i], tolerance, precision)
     if best <= noise[i]:
         best = wp.float64(-1.0)
     depth[first + wp.tid()] = best

@@ -99,6 +99,8 @@ class Forest:
     def __init__(self, solids: Sequence[Solid]) -> None:
         self.solids = tuple(solids)
         self.on_device: dict[str, Any] = {}
+        self.overlaps = 0
+        """Overlaps of bodies that are not convex which `clearance_batch` measured without kernels so far."""
         """What kernels hold of it, per device."""
 
     @cached_property

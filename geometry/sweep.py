@@ -27,6 +27,8 @@ __all__ = ["Lowest", "Sweep", "Swept", "lowest_clearance", "lowest_clearances", 
 
 DEPTH_ERROR = 0.01
 """Relative error that `clearance` promises for depths; widens the bound of a piece."""
+DEPTH_SHARE = 0.25
+"""Share of the precision of a search by which single depths may be too small."""
 TOGETHER = 200_000
 """Clearances of many searches measured in one batch."""
 ADVANCES = 10_000
@@ -156,9 +158,10 @@ def lowest_clearances(sweeps: Sequence[Sweep]) -> list[Lowest]:
         pair = _Pair(sweep.a, sweep.motion_a, sweep.b, sweep.motion_b, skip_above=0.0)
         search = _search(pair, sweep)
         searches[k] = (search, pair, next(search))
+    tolerance = DEPTH_SHARE * min((sweep.precision for sweep in sweeps), default=0.0)
     while searches:
         for portion in _portions(searches):
-            for k, values in _together(forest, index, {k: searches[k] for k in portion}).items():
+            for k, values in _together(forest, index, {k: searches[k] for k in portion}, tolerance).items():
                 search, pair, _ = searches[k]
                 try:
                     searches[k] = (search, pair, search.send(values))
@@ -177,7 +180,9 @@ def _portions(searches: dict[int, tuple[Any, _Pair, _Ask]]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _together(forest: Forest, index: dict[int, int], searches: dict[int, tuple[Any, _Pair, _Ask]]) -> dict[int, F64]:
+def _together(
+    forest: Forest, index: dict[int, int], searches: dict[int, tuple[Any, _Pair, _Ask]], tolerance: float
+) -> dict[int, F64]:
     """Answers of one batch to several searches."""
     one: list[tuple[F64, F64]] = []
     two: list[tuple[F64, F64]] = []
@@ -188,7 +193,7 @@ def _together(forest: Forest, index: dict[int, int], searches: dict[int, tuple[A
     named = [(index[id(pair.a)], index[id(pair.b)]) for _, pair, _ in searches.values()]
     poses = [(np.concatenate([p for p, _ in side]), np.concatenate([q for _, q in side])) for side in (one, two)]
     enough = np.concatenate([ask.enough for _, _, ask in searches.values()])
-    values = clearance_batch(forest, np.repeat(named, counts, axis=0), *poses, skip_above=enough).distance
+    values = clearance_batch(forest, np.repeat(named, counts, axis=0), *poses, skip_above=enough, tolerance=tolerance).distance
     return dict(zip(searches, np.split(values, np.cumsum(counts)[:-1]), strict=True))
 
 
@@ -205,7 +210,7 @@ def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
     keep = np.flatnonzero(best >= sweep.ends_above)
     rows, s, e, c0, c1 = keep, zero[keep], one[keep], c0[keep], c1[keep]
     while len(rows):
-        slack = DEPTH_ERROR * np.maximum(0.0, -np.minimum(c0, c1))
+        slack = DEPTH_ERROR * np.maximum(0.0, -np.minimum(c0, c1)) + DEPTH_SHARE * sweep.precision
         travel = pair.travel(rows, s, e)
         bound = 0.5 * (c0 + c1 - travel) - slack
         open_ = bound < np.minimum(best[rows] - sweep.precision - slack, sweep.below)

@@ -22,7 +22,6 @@ from ..geometry import (
     Solid,
     aabb_of,
     clearance_batch,
-    clearance_series,
     meetings,
     query_noise,
     signed_clearance,
@@ -44,6 +43,8 @@ GAP_CAP = 0.01
 """[m] Facet error cannot widen the contact tolerance beyond this, the largest `limits.contact_gap` (S3)."""
 SUPPORT_SLOPE = 0.1
 """Own choice: a contact carries when its normal rises at least this steeply (sine), about 6 degrees above level."""
+MOVED_SHARE = 0.1
+"""Share of that rise by which a depth may be too small where a body is moved to see what carries it."""
 NOWHERE = 1e300
 """[m] Corner of the empty box that stands for a broken pose."""
 
@@ -278,11 +279,6 @@ class Surfaces:
         cut = np.flatnonzero(np.diff(met.first) | np.diff(met.second)) + 1
         starts = np.concatenate([[0], cut])[: len(met.first)]
         stops = np.concatenate([cut, [len(met.first)]])
-        used = np.unique(np.concatenate([met.first, met.second]))
-        # Parts that share their mesh share its tree.
-        solids = {id(self.parts[i].solid): self.parts[i].solid for i in used}
-        place = {key: k for k, key in enumerate(solids)}
-        forest = Forest(list(solids.values()))
         found: dict[Pair, F64] = {}
         group: list[tuple[int, int, NDArray[np.int32]]] = []
         held = 0
@@ -290,9 +286,20 @@ class Surfaces:
             group.append((int(met.first[start]), int(met.second[start]), met.frame[start:stop]))
             held += stop - start
             if held >= QUERIES or stop == len(met.first):
-                self._measure(group, frames, forest, place, found)
+                self._measure(group, frames, found)
                 group, held = [], 0
         return {pair: series for pair, series in found.items() if series.min() <= self.reach}
+
+    @cached_property
+    def _forest(self) -> Forest:
+        """Trees of all parts; those that share their mesh share one."""
+        return Forest(list({id(p.solid): p.solid for p in self.parts}.values()))
+
+    @cached_property
+    def _place(self) -> list[int]:
+        """Index of every part's solid in `_forest`."""
+        known = {key: k for k, key in enumerate({id(p.solid): None for p in self.parts})}
+        return [known[id(p.solid)] for p in self.parts]
 
     def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
         """World boxes that hold all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
@@ -321,13 +328,11 @@ class Surfaces:
         self,
         group: list[tuple[int, int, NDArray[np.int32]]],
         frames: NDArray[np.intp],
-        forest: Forest,
-        place: Mapping[int, int],
         found: dict[Pair, F64],
     ) -> None:
         """Measure pairs of parts (i, j, places in `frames`) and enter the least of each pair of entities into `found`."""
         pairs = np.repeat(
-            [(place[id(self.parts[i].solid)], place[id(self.parts[j].solid)]) for i, j, _ in group],
+            [(self._place[i], self._place[j]) for i, j, _ in group],
             [len(near) for *_, near in group],
             axis=0,
         )
@@ -335,7 +340,7 @@ class Surfaces:
         for side in ([i for i, _, _ in group], [j for _, j, _ in group]):
             tracks = [self._track_of(part).take(frames[near]) for part, (_, _, near) in zip(side, group, strict=True)]
             poses.append((np.concatenate([t.position for t in tracks]), np.concatenate([t.quaternion for t in tracks])))
-        values = clearance_batch(forest, pairs, *poses, skip_above=self.reach).distance
+        values = clearance_batch(self._forest, pairs, *poses, skip_above=self.reach).distance
         start = 0
         for i, j, near in group:
             pair = (self.parts[i].entity, self.parts[j].entity)
@@ -440,15 +445,17 @@ class Surfaces:
 
     def _moved(self, below: str, above: str, frames: NDArray[np.intp], offset: F64) -> F64:
         """Clearance at some frames with `above` moved by `offset` [m], shape (frames,)."""
-        moved = np.full(len(frames), np.inf)
         pairs = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
-        for i, j in sorted(pairs):
-            two, one = self.parts[i], self.parts[j]
-            track = self.track(above, one.body).take(frames)
-            there = Track(track.position + offset, track.quaternion)
-            other = self.track(below, two.body).take(frames)
-            moved = np.minimum(moved, clearance_series(one.solid, there, two.solid, other, skip_above=self.reach))
-        return moved
+        if not pairs:
+            return np.full(len(frames), np.inf)
+        asked = np.repeat([(self._place[j], self._place[i]) for i, j in sorted(pairs)], len(frames), axis=0)
+        carried = [self._track_of(j).take(frames) for _, j in sorted(pairs)]
+        carrying = [self._track_of(i).take(frames) for i, _ in sorted(pairs)]
+        there = np.concatenate([t.position + offset for t in carried]), np.concatenate([t.quaternion for t in carried])
+        other = np.concatenate([t.position for t in carrying]), np.concatenate([t.quaternion for t in carrying])
+        tolerance = MOVED_SHARE * SUPPORT_SLOPE * self.contact_gap(below, above)
+        values = clearance_batch(self._forest, asked, there, other, skip_above=self.reach, tolerance=tolerance).distance
+        return np.asarray(values.reshape(len(pairs), len(frames)).min(axis=0))
 
     @cached_property
     def neighbours(self) -> Mapping[str, tuple[str, ...]]:

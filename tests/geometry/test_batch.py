@@ -200,12 +200,27 @@ def test_many_overlaps_of_a_short_list_go_to_the_kernels(monkeypatch):
     solids = [ring(), ring(0.2, 0.5, 0.4)]
     pairs = np.tile([[0, 1]], (40, 1))
     poses = [stacked([random_pose(rng, 0.1) for _ in pairs]) for _ in range(2)]
+    monkeypatch.setattr(module, "DEPTHS", 1000)
     patient = clearance_batch(solids, pairs, *poses, skip_above=0.1)
     monkeypatch.setattr(module, "DEPTHS", 3)
     found = clearance_batch(solids, pairs, *poses, skip_above=0.1)
     assert found.computed == patient.computed == patient.exact == 40
     assert found.exact < 40
     assert found.distance == pytest.approx(patient.distance, rel=2.0 * PRECISION, abs=1e-9)
+
+
+@pytest.mark.parametrize("kernels", [False, True])
+def test_a_depth_within_a_tolerance_is_never_too_large(monkeypatch, kernels):
+    rng = np.random.default_rng(5)
+    solids = [ring(), ring(0.2, 0.5, 0.4)]
+    pairs = np.tile([[0, 1]], (12, 1))
+    poses = [stacked([random_pose(rng, 0.1) for _ in pairs]) for _ in range(2)]
+    monkeypatch.setattr(module, "DEPTHS", 0 if kernels else 1000)
+    true = clearance_batch(solids, pairs, *poses, skip_above=0.1).distance
+    rough = clearance_batch(solids, pairs, *poses, skip_above=0.1, tolerance=0.01).distance
+    assert (true < -0.01).sum() > 3
+    assert (rough >= true - 2.0 * PRECISION * abs(true)).all()
+    assert (rough <= true + 0.01 + 2.0 * PRECISION * abs(true)).all()
 
 
 def test_trees_hold_every_box_once():

@@ -119,8 +119,15 @@ def _parser() -> argparse.ArgumentParser:
 
     add("warm", _warm, "Compile kernels and prove the renderer's variant now rather than at first use.")
     bench = add("bench", _bench, "Run a benchmark: progress on stderr, one JSON object as the last line of stdout.")
-    bench.add_argument("--only", metavar="CHECK", action="append", help="defects: only this check; skills: only this skill (repeatable)")
-    bench.add_argument("--variants", type=int, metavar="N", help="defects: generated worlds of each kind per check; skills: seeds, each with every case")
+    bench.add_argument(
+        "--only", metavar="CHECK", action="append", help="defects: only this check; skills: only this skill (repeatable)"
+    )
+    bench.add_argument(
+        "--variants",
+        type=int,
+        metavar="N",
+        help="defects: generated worlds of each kind per check; skills: seeds, each with every case",
+    )
     bench.add_argument("--seed", type=int, metavar="N", help="defects, skills: draws magnitudes and details; default a new one")
     bench.add_argument(
         "name", metavar="NAME|list", choices=("list", *BENCHMARKS), help=f"list, or one of: {', '.join(BENCHMARKS)}"
@@ -259,6 +266,8 @@ def _bench(arguments: argparse.Namespace) -> int:
     options["accepted"] = False if arguments.only else None
     given = {k: v for k, v in options.items() if v is not None}
     if given and arguments.name not in ("defects", "skills"):
-        raise InputError(f"--only, --variants and --seed belong to the benchmarks 'defects' and 'skills', not to {arguments.name!r}")
+        raise InputError(
+            f"--only, --variants and --seed belong to the benchmarks 'defects' and 'skills', not to {arguments.name!r}"
+        )
     print(json.dumps(run_benchmark(arguments.name, BENCHMARKS[arguments.name], **given)))
     return OK

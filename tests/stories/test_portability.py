@@ -48,7 +48,9 @@ def test_a_copied_folder_is_verified_with_equal_digests_and_not_written_to(copy:
 def test_a_bundle_is_verified_by_the_command_alone(loop: Any, tmp_path: Path) -> None:
     (bundle,) = (loop.workspace / "w" / "acceptance").glob("*.zip")
     away = Path(shutil.copy(bundle, tmp_path / "proof.zip"))
-    code, verdict = _worldagent("verify", str(away), "--intervals", "all", "--report", str(tmp_path / "page.html"), where=tmp_path)
+    code, verdict = _worldagent(
+        "verify", str(away), "--intervals", "all", "--report", str(tmp_path / "page.html"), where=tmp_path
+    )
     assert code == 0, verdict
     assert verdict["verdict"] == "accepted"
     assert verdict["differences"] == verdict["problems"] == []

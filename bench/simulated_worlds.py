@@ -32,7 +32,7 @@ def beat(subject: str, predicate: SpecModel, *, frames: tuple[int, int], causes:
         owner=more.pop("owner", "rigid"),
         subject=subject,
         frames=frames,
-        predicate=predicate,  # type: ignore[arg-type]
+        predicate=predicate,
         causes=list(causes),
         **more,
     )

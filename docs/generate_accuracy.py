@@ -1,0 +1,77 @@
+"""Write `docs/accuracy.md` from the figures of `worldagent bench defects` (the last line of its standard output, as a file).
+
+python docs/generate_accuracy.py FIGURES.json
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+HEAD = """# Accuracy of the checks
+
+What each check finds of worlds that were broken on purpose, and what it refuses of sound worlds that look suspicious. Written by
+`docs/generate_accuracy.py` from one run of `worldagent bench defects`.
+
+A world counts as found when a mandatory row of that check fails and names the culprit; a sound one as refused when any mandatory row
+of the check does not pass. Truth comes from how a world was made, never from the verifier. Magnitudes, sizes, places, directions and
+frames are drawn at run time. The suites were made together with the checks, and misses were mended in both, so these figures say how
+well the checks keep what they promise about the kinds of defects listed in `bench/defects/`, not about kinds that nobody thought of.
+Intervals: 95 %, Clopper and Pearson (1934).
+"""
+
+
+def page(figures: dict[str, Any]) -> str:
+    """The page of one run."""
+    machine = figures["machine"]
+    lines = [
+        HEAD,
+        f"Run of {figures['date'][:10]}, commit `{figures['commit']}`, seed {figures['seed']}, {machine['processor']} "
+        f"({machine['cores']} cores, shared), {figures['wall_s']:.0f} s.",
+        "",
+        "| check | mechanisms broken / sound | found | 95 % | refused | 95 % | median ms per world |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name, f in figures["checks"].items():
+        found, alarm = (f"{100 * low:.2f} to {100 * high:.2f} %" for low, high in (f["detection_95"], f["false_alarm_95"]))
+        lines.append(
+            f"| {name} | {f['mechanisms']['broken']} / {f['mechanisms']['clean']} | {f['detected']} of {f['broken']} | {found} "
+            f"| {f['false_alarms']} of {f['clean']} | {alarm} | {f['median_ms']:.0f} |"
+        )
+    total = {k: sum(f[k] for f in figures["checks"].values()) for k in ("broken", "detected", "clean", "false_alarms")}
+    low, high = figures["detection_95"]
+    lower, upper = figures["false_alarm_95"]
+    lines.append(
+        f"| all | | {total['detected']} of {total['broken']} | {100 * low:.2f} to {100 * high:.2f} % "
+        f"| {total['false_alarms']} of {total['clean']} | {100 * lower:.2f} to {100 * upper:.2f} % | |"
+    )
+    kept = figures.get("accepted")
+    if kept:
+        lines += [
+            "",
+            f"Accepted worlds (`bench/defects/accepted/`), built, baked and judged anew: {kept['worlds']} worlds, {kept['checks']} checks of "
+            f"them, {kept['false_alarms']} refused.",
+        ]
+    missed = [(name, m) for name, f in figures["checks"].items() for m in f["missed"]]
+    if missed:
+        lines += ["", "Wrong in this run:", ""]
+        lines += [f"- {name}: {m['mechanism']} at {m['magnitude']:.6g}, seed {m['seed']}" for name, m in missed]
+    lines += [
+        "",
+        "## Smallest defect found",
+        "",
+        "| check | mechanism | smallest found | documented bound | unit |",
+        "|---|---|---|---|---|",
+    ]
+    for name, f in figures["checks"].items():
+        for mechanism, least in f["smallest_detected"].items():
+            value = "not found" if least["magnitude"] is None else f"{least['magnitude']:.4g}"
+            lines.append(f"| {name} | {mechanism} | {value} | {least['bound']:.4g} | {least['unit']} |")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    text = Path(sys.argv[1]).read_text().strip().splitlines()[-1]
+    (Path(__file__).parent / "accuracy.md").write_text(page(json.loads(text)))

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..worlds.accounts import Account
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
+from .account_plot import plot_account
 from .highlight import highlight
 from .plots import plot_ledger
 from .preview import PreviewRenderer, preview
@@ -23,12 +25,13 @@ SHEET_BYTES, LEDGER_BYTES, ROW_BYTES = 350_000, 200_000, 70_000
 """Upper limits of the single pictures, so that a page stays below 2 MB."""
 
 
-def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]]) -> ReportPictures:
+def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]], *, account: Account | None = None) -> ReportPictures:
     """Draw a candidate for its report.
 
     Args:
         candidate: what was judged, of any stage.
         rows: its rows; failing ones get a picture first, at most `MAX_ROW_PICTURES` in all.
+        account: the verifiers' ledgers; without one the solver's bare records are plotted.
     """
     renderer = PreviewRenderer(candidate)
     fps = candidate.spec.simulation.fps
@@ -37,7 +40,8 @@ def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]]) -> 
     columns = min(4, len(tiles))
     sheet = contact_sheet(tiles, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=columns, max_bytes=SHEET_BYTES)
     try:
-        ledger = encode(plot_ledger(candidate, width=1000, height=620), LEDGER_BYTES).data
+        plotted = plot_ledger(candidate, width=1000, height=620) if account is None else plot_account(candidate, account)
+        ledger = encode(plotted, LEDGER_BYTES).data
     except EvidenceError:  # nothing recorded: the rows say so
         ledger = None
     found: dict[str, tuple[str, bytes]] = {}

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..worlds.accounts import Account
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.folder import WorldFolder, write_atomically
@@ -30,7 +31,9 @@ def write_report(out: Path, folder: WorldFolder, record: Mapping[str, Any], *, p
     spec = parse_spec(folder.read_json(folder.spec_path))
     candidate = _candidate(folder, str(record["freeze"]), str(record.get("stage", "full")))
     try:
-        pictures = ReportPictures() if candidate is None else report_pictures(candidate, record["rows"])
+        pictures = (
+            ReportPictures() if candidate is None else report_pictures(candidate, record["rows"], account=_account(candidate))
+        )
     except EvidenceError:  # what is damaged cannot be drawn; its rows say so
         pictures = ReportPictures()
     write_atomically(out, matrix_page(record, spec, pictures=pictures, problems=problems).encode())
@@ -69,3 +72,13 @@ def report_world(root: Path, out: Path) -> dict[str, Any]:
         "rows": counts(Row.model_validate(r) for r in record["rows"]),
         **({"reason": record["reason"]} if "reason" in record else {}),
     }
+
+
+def _account(candidate: Candidate) -> Account | None:
+    """The verifiers' ledgers; None where a channel for them is missing."""
+    from ..verifiers.accounts import account_of
+
+    try:
+        return account_of(candidate)
+    except EvidenceError:
+        return None

@@ -16,6 +16,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.predicates import describe_predicate, entities_of, is_invariant
 from ..worlds.requirements import Correction, Group, Row
 from ..worlds.spec import PathDriver
+from .causal import driver_start
 from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row, requested_frames
 
@@ -198,6 +199,9 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
     culprits = [beat.subject] if beat.subject in authored else moving if moving and set(moving) <= authored else []
     first = culprits[0] if culprits else None
     driver = paths.get(first or "")
+    helper = None if first else _helper(candidate, beat_id)
+    if helper is not None:
+        first, driver = beat.subject, helper
     return [
         make_row(
             candidate,
@@ -208,7 +212,9 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
             mandatory=beat.mandatory,
             status="fail" if first else "pass",
             explanation=(
-                f"{first} follows {f'path driver {driver}' if driver else 'an authored motion'}, so beat {beat_id} is staged"
+                f"driver {helper} acts on {first} before {beat_id} comes true, and no beat that leads to it is owned by that driver"
+                if helper
+                else f"{first} follows {f'path driver {driver}' if driver else 'an authored motion'}, so beat {beat_id} is staged"
                 if first
                 else f"{beat.subject} is moved by a solver"
             ),
@@ -217,6 +223,13 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
             first_failing_frame=0 if first else None,
             corrections=[
                 correction(
+                    "a driver moves the outcome itself, and the story does not say so",
+                    "drivers",
+                    f"take driver {helper} away, or let it own a beat that is among the causes of {beat_id}",
+                    pointers=(f"/simulation/drivers/{helper}", f"/story/beats/{beat_id}/causes"),
+                )
+                if helper
+                else correction(
                     "a keyframed path moves the outcome itself",
                     "drivers",
                     f"make {first} dynamic and bring it about by contact, a force, a motor or a release",
@@ -228,6 +241,30 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
             extra=[beat.model_dump(mode="json"), sorted(authored)],
         )
     ]
+
+
+def _helper(candidate: Candidate, beat_id: str) -> str | None:
+    """A driver that acts on the subject of an outcome without owning a beat that leads to it."""
+    plan, beats = candidate.spec.simulation, candidate.spec.story.beats
+    beat = beats[beat_id]
+    if not beat.causes:
+        return None
+    behind, left = {beat_id}, list(beat.causes)
+    while left:
+        name = left.pop()
+        if name in beats and name not in behind:
+            behind.add(name)
+            left += beats[name].causes
+    owners = {beats[n].owner for n in behind}
+    first = beat_times(candidate).outcome(beat_id).first_true_frame
+    until = (beat.frames[1] if first is None else first) / plan.fps
+    for name, driver in plan.drivers.items():
+        if name in owners or isinstance(driver, PathDriver):
+            continue
+        start, entities = driver_start(candidate, name)
+        if beat.subject in entities and start < until:
+            return name
+    return None
 
 
 # ---------------------------------------------------------------- corrections

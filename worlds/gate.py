@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 from .predicates import entities_of, is_invariant
 from .references import kinds_of
 from .spec import Beat, Clause, Fastened, WorldSpec
+from .wording import EVENTS, event_words, has_pronoun, names_in, numbers_in, objects_in, way_words
 
-__all__ = ["Problem", "bound_problems", "clause_problems", "event_words", "overlap_problems", "way_words"]
+__all__ = ["Problem", "bound_problems", "clause_problems", "overlap_problems"]
 
 UNMET_SHARE = 0.5
 """Own choice: with more of its clauses given up, a world is not the prompt's any more."""
@@ -29,27 +30,6 @@ one can see; a fall that does not rock back."""
 OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
-_MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
-_FALL = _MOTION - {"speed"}
-_BLOW = _MOTION | {"contact"}
-EVENTS: Mapping[str, frozenset[str] | None] = {
-    **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
-    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION),
-    **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), _BLOW),
-    **dict.fromkeys(("break", "burst", "explode", "pour", "shatter", "spill", "splash"), None),
-}
-"""Verbs that tell an event, and the kinds of predicate that can tell it; None: any kind of event."""
-_FORMS = {
-    "break": "broke|broken", "fall": "fell|fallen", "fly": "flies|flew|flown", "hit": "hits|hit", "slide": "slid", "strike": "struck",
-    "swing": "swung", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
-}  # fmt: skip
-_NOUNS = re.compile(
-    r"\b(?:a|an|the|some|two|three|several|of|its|his|her|their|no|each|every|playground|rain|water)\s+$", re.IGNORECASE
-)
-"""What stands before such a word when it is a noun ("a slide", "drops of water")."""
-_WAYS = re.compile(r"\b(?:walks?|walkable|walking|route|doorway|corridor|stairs|staircase|passage|passageway)\b", re.IGNORECASE)
-_PRONOUN = re.compile(r"\b(?:it|they|them|this|that|these|those|one|everything|something)\b", re.IGNORECASE)
-_WORD = re.compile(r"[a-z]{4,}")
 _JUDGED = re.compile(r"^/(entities|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
 
 
@@ -61,37 +41,15 @@ class Problem(NamedTuple):
     patch: dict[str, Any] | None = None
 
 
-def _verb(word: str) -> str:
-    stem = word[:-1] if word.endswith("e") else word
-    plural = f"{word}es" if word.endswith(("s", "sh", "ch")) else f"{word}s"
-    return f"{plural}|{stem}ed|{word}|{_FORMS[word]}" if word in _FORMS else f"{plural}|{stem}ed|{word}"
-
-
-_EVENT = re.compile("|".join(rf"(?P<{w}>\b(?:{_verb(w)})\b)" for w in EVENTS), re.IGNORECASE)
-
-
-def event_words(text: str) -> dict[str, str]:
-    """Words of a clause that tell an event: the verb by the word as it stands there."""
-    return {m.group().lower(): str(m.lastgroup) for m in _EVENT.finditer(text) if not _NOUNS.search(text[: m.start()])}
-
-
 def _names(spec: WorldSpec, beat: Beat) -> set[str]:
     """Words by which the specification calls what a beat is about, singular."""
     entities = [n for n in (beat.subject, *entities_of(beat.predicate)) if n in spec.entities]
-    text = " ".join(f"{n} {spec.entities[n].role}" for n in entities).replace("_", " ").replace("-", " ").lower()
-    return {_singular(w) for w in _WORD.findall(text)}
+    return {w for n in entities for w in names_in(f"{n} {spec.entities[n].role}")}
 
 
-def _singular(word: str) -> str:
-    for ending in ("oes", "ches", "shes", "xes"):
-        if word.endswith(ending):
-            return word[:-2]
-    return word.removesuffix("s")
-
-
-def way_words(text: str) -> tuple[str, ...]:
-    """Words of a clause that tell of a way to go."""
-    return tuple(m.group().lower() for m in _WAYS.finditer(text))
+def _called(spec: WorldSpec, word: str, *, moving: bool) -> list[str]:
+    """Entities whose id or role has the word."""
+    return [n for n, e in spec.entities.items() if (not moving or e.motion != "static") and word in names_in(f"{n} {e.role}")]
 
 
 def clause_problems(spec: WorldSpec, clauses: Mapping[str, str]) -> list[Problem]:
@@ -125,7 +83,9 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
         yield Problem(place, f"clause {key} {text!r} is met by optional beats only ({', '.join(optional)}); make one mandatory")
     if clause.static_because:
         return
-    yield from _events(spec, key, text, [spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats])
+    yield from _numbers(spec, key, text)
+    beats = {n: spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats}
+    yield from _events(spec, key, text, beats)
     ways = way_words(text)
     routes = [
         n for kind, n in named if kind == "graph/relations" and getattr(spec.graph.relations.get(n), "kind", "") == "connects"
@@ -133,36 +93,71 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
     if ways and not routes:
         yield Problem(
             place,
-            f"clause {key} {text!r} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; or say in static_because why "
-            "nobody needs to pass (printed with the acceptance)",
+            f"clause {key} {text!r} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; {ESCAPE}",
         )
 
 
-def _events(spec: WorldSpec, key: str, text: str, beats: list[Beat]) -> Iterator[Problem]:
+ESCAPE = "or say in static_because why these words ask for no such thing (printed with the acceptance)"
+
+
+def _events(spec: WorldSpec, key: str, text: str, beats: Mapping[str, Beat]) -> Iterator[Problem]:
     words = event_words(text)
     if not words:
         return
     place, tells = f"/clauses/{key}/met_by", f"clause {key} {text!r} tells an event ({', '.join(words)})"
-    escape = "or say in static_because why these words ask for no such beat (printed with the acceptance)"
-    good = [b for b in beats if b.mandatory and b.observe and not is_invariant(b.predicate)]
+    good = {n: b for n, b in beats.items() if b.mandatory and b.observe and not is_invariant(b.predicate)}
     if not good:
-        yield Problem(place, f"{tells}: name a beat in met_by that is mandatory, observed and no lasting state; {escape}")
+        yield Problem(place, f"{tells}: name a beat in met_by that is mandatory, observed and no lasting state; {ESCAPE}")
         return
     for word, verb in words.items():
         kinds = EVENTS[verb]
-        if kinds is not None and not any(kinds & set(kinds_of(b.predicate)) for b in good):
+        if kinds is not None and not any(kinds & set(kinds_of(b.predicate)) for b in good.values()):
             yield Problem(
                 place,
-                f"{tells}: no beat in met_by can tell {word!r}; give one a predicate of {', '.join(sorted(kinds))}; {escape}",
+                f"{tells}: no beat in met_by can tell {word!r}; give one a predicate of {', '.join(sorted(kinds))}; {ESCAPE}",
             )
-    own = {_singular(w) for w in _WORD.findall(text.lower())}
-    if not _PRONOUN.search(text) and not any(own & _names(spec, b) for b in good):
-        called = sorted({b.subject for b in good})
+    yield from _actors(spec, place, tells, text, good)
+
+
+def _actors(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
+    """Whether the beats are about what the clause names; what is acted on takes part and moves for a reason."""
+    # What brings a beat about takes part in it.
+    beats = spec.story.beats
+    known = {w for n, b in good.items() for c in (n, *b.causes) if c in beats for w in _names(spec, beats[c])}
+    if not has_pronoun(text) and not known & set(names_in(text)):
+        called = sorted({b.subject for b in good.values()})
         yield Problem(
             place,
             f"{tells}, but nothing in the clause is called like {', '.join(called)} or what else its beats are about; give these entities "
-            f"the role that the prompt names, or name the right beat; {escape}",
+            f"the role that the prompt names, or name the right beat; {ESCAPE}",
         )
+        return
+    for word in objects_in(text):
+        alike = _called(spec, word, moving=True)
+        if alike and word not in known:
+            yield Problem(place, f"{tells}, but no beat in met_by is about {word!r} ({', '.join(alike[:3])}); name one; {ESCAPE}")
+        for name, beat in good.items():
+            if beat.subject in alike and not beat.causes:
+                yield Problem(
+                    place,
+                    f"{tells} that something does to {word!r}, but beat {name!r} names no causes; say what brings it about; {ESCAPE}",
+                )
+
+
+def _numbers(spec: WorldSpec, key: str, text: str) -> Iterator[Problem]:
+    """Numbers of things in the clause against the entities, or parts of one entity, that are called so."""
+    for number, words in numbers_in(text):
+        for word in words:
+            alike = _called(spec, word, moving=False)
+            if not alike:
+                continue
+            have = max(len(alike), *(len(spec.entities[n].parts) for n in alike))
+            if have < number:
+                yield Problem(
+                    f"/clauses/{key}/met_by",
+                    f"clause {key} {text!r} asks for {number} {word!r}, the specification has {len(alike)} ({', '.join(alike[:4])}); {ESCAPE}",
+                )
+            break
 
 
 # ---------------------------------------------------------------- bounds

@@ -13,7 +13,7 @@ from worldagent.verifiers.beats import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Always, Contact, Displacement, Not, Reaches, RestsOn, Speed, StaysIn, Topples
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, BoxRegion, PathDriver, PathKey, Requirement, Story
+from worldagent.worlds.spec import Beat, BoxRegion, ForceDriver, PathDriver, PathKey, Requirement, Story
 
 N = 25
 TIME = np.arange(N) / 24
@@ -216,3 +216,20 @@ def test_not_a_number_fails(tmp_path: Path) -> None:
     rows = rows_of(sliding(tmp_path, {"b": beat(Displacement(entity="cube", min=0.5))}, tracks={"cube": (positions, IDENTITY)}))
     assert (rows["beat:b"].status, rows["beat:b"].first_failing_frame, rows["beat:b"].measured) == ("fail", 7, None)
     assert rows["beat:b"].corrections[0].group == "step"
+
+
+def test_a_driver_that_helps_an_outcome_unsaid_is_staging(tmp_path: Path) -> None:
+    """R156: the story says that the rest does it; a force of its own time does."""
+    beats = {
+        "first": beat(Speed(entity="rest", min=0.5), subject="rest"),
+        "slide": beat(Displacement(entity="cube", min=0.5), causes=["first"]),
+    }
+
+    def row(name: str, force: ForceDriver, story: dict[str, Beat]) -> Row:
+        return rows_of(sliding(tmp_path / name, story, drivers={"hand": force}))["beat:driven:slide"]
+
+    early = ForceDriver(entity="cube", force=(5, 0, 0), start=0.1, end=0.3)
+    assert (row("a", early, beats).status, row("a2", early, beats).first_failing_entity) == ("fail", "cube")
+    owned = {**beats, "first": beats["first"].model_copy(update={"owner": "hand"})}
+    assert row("b", early, owned).status == "pass"
+    assert row("c", early.model_copy(update={"start": 0.9, "end": 1.0}), beats).status == "pass"

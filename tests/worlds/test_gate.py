@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.audit import audit
-from worldagent.worlds.gate import event_words, way_words
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.wording import event_words, numbers_in, objects_in, way_words
 
 EVENTS = {
     "A steel ball rolls into a row of three blocks": ("rolls",),
@@ -35,6 +35,15 @@ def test_verbs_that_tell_an_event_are_found(text: str) -> None:
 def test_words_that_tell_of_a_way_are_found() -> None:
     assert way_words("A person can walk through the doorway") == ("walk", "doorway")
     assert way_words("a boardwalk in the garden") == ()
+
+
+def test_what_a_verb_acts_on_and_how_many_are_found() -> None:
+    text = "A wooden ball rolls off a table and knocks over a row of five glass bottles on the floor"
+    assert "bottle" in objects_in(text)
+    assert not {"floor", "table"} & set(objects_in(text))
+    assert numbers_in(text) == ((5, ("bottle",)),)
+    assert numbers_in("2 boxes, then twenty dominoes") == ((2, ("box",)), (20, ("domino",)))
+    assert objects_in("An apple drops onto the table beside the books") == ()
 
 
 def _problems(spec: dict[str, Any], prompt: str = PROMPT) -> str:
@@ -68,6 +77,22 @@ def test_an_event_happens_to_what_the_clause_names() -> None:
     spec["clauses"]["c2"] = {"met_by": ["/story/beats/roll"]}
     assert "nothing in the clause is called like ball" in _problems(spec)
     assert "called like" not in _problems(spec, "A steel ball rolls into a row of three blocks. Then it falls off.")
+
+
+def test_there_are_as_many_as_the_clause_says() -> None:
+    text = _problems(small_spec(), PROMPT.replace("three", "five"))
+    assert "asks for 5 'block', the specification has 3 (b1, b2, b3)" in text
+
+
+def test_what_is_acted_on_takes_part_in_a_beat_that_has_a_cause() -> None:
+    prompt = "A steel ball rolls into a row. It pushes the block off."
+    spec = small_spec()
+    spec["clauses"]["c2"] = {"met_by": ["/story/beats/roll"]}
+    assert "no beat in met_by is about 'block'" in _problems(spec, prompt)
+    spec["clauses"]["c2"] = {"met_by": ["/story/beats/strike", "/story/beats/fall"]}
+    assert _problems(spec, prompt) == ""
+    spec["story"]["beats"]["fall"]["causes"] = []
+    assert "does to 'block', but beat 'fall' names no causes" in _problems(spec, prompt)
 
 
 def test_an_event_is_not_met_by_an_entity() -> None:

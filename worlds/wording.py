@@ -1,0 +1,178 @@
+"""Words of a clause of the prompt and what they ask for: events, ways, numbers, names (R155). English word lists.
+
+They are heuristics that err towards asking: `static_because` of a clause is the recorded way out.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+__all__ = ["EVENTS", "TRANSITIVE", "event_words", "has_pronoun", "names_in", "numbers_in", "objects_in", "way_words"]
+
+_MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
+_FALL = _MOTION - {"speed"}
+_BLOW = _MOTION | {"contact"}
+EVENTS: Mapping[str, frozenset[str] | None] = {
+    **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
+    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION),
+    **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), _BLOW),
+    **dict.fromkeys(("break", "burst", "explode", "pour", "shatter", "spill", "splash"), None),
+}
+"""Verbs that tell an event, and the kinds of predicate that can tell it; None: any kind of event."""
+TRANSITIVE = frozenset({"hit", "knock", "push", "smash", "strike", "throw"})
+"""Of these, those by which one thing does something to another."""
+_FORMS = {
+    "break": "broke|broken", "fall": "fell|fallen", "fly": "flies|flew|flown", "hit": "hits|hit", "slide": "slid", "strike": "struck",
+    "swing": "swung", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
+}  # fmt: skip
+_NOUNS = re.compile(
+    r"\b(?:a|an|the|some|two|three|several|of|its|his|her|their|no|each|every|playground|rain|water)\s+$", re.IGNORECASE
+)
+"""What stands before such a word when it is a noun ("a slide", "drops of water")."""
+_WAYS = re.compile(r"\b(?:walks?|walkable|walking|route|doorway|corridor|stairs|staircase|passage|passageway)\b", re.IGNORECASE)
+_PRONOUN = re.compile(r"\b(?:it|they|them|this|that|these|those|one|everything|something)\b", re.IGNORECASE)
+_WORD = re.compile(r"[a-z]{3,}")
+_FUNCTION_WORDS = frozenset(
+    [
+        "the",
+        "and",
+        "its",
+        "his",
+        "her",
+        "their",
+        "our",
+        "for",
+        "with",
+        "from",
+        "into",
+        "onto",
+        "over",
+        "under",
+        "out",
+        "off",
+        "not",
+        "all",
+        "any",
+        "each",
+        "every",
+        "both",
+        "then",
+        "than",
+        "that",
+        "this",
+        "these",
+        "those",
+        "one",
+        "two",
+        "three",
+        "four",
+        "five",
+        "six",
+        "seven",
+        "eight",
+        "nine",
+        "ten",
+        "first",
+        "second",
+        "third",
+        "last",
+        "next",
+        "other",
+        "another",
+        "some",
+        "row",
+        "stack",
+        "pile",
+        "line",
+        "piece",
+        "number",
+        "set",
+        "small",
+        "large",
+        "big",
+        "tall",
+        "short",
+        "long",
+        "thin",
+        "thick",
+        "heavy",
+        "light",
+        "red",
+        "green",
+        "blue",
+        "white",
+        "black",
+        "yellow",
+        "wooden",
+        "steel",
+        "glass",
+        "metal",
+        "stone",
+    ]
+)
+"""Words that name nothing by themselves."""
+_BEYOND = re.compile(
+    r"\b(?:against|and|at|before|behind|beside|by|from|in|into|next|off|on|onto|so|through|to|towards?|under|until|while|with)\b",
+    re.IGNORECASE,
+)
+"""What ends the object of a verb."""
+_COUNTS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen",
+           "sixteen", "seventeen", "eighteen", "nineteen", "twenty")  # fmt: skip
+_NUMBER = re.compile(rf"\b({'|'.join(_COUNTS)}|[1-9]\d{{0,3}})\s+((?:[a-z]+[ -]){{0,2}}[a-z]+)", re.IGNORECASE)
+
+
+def _verb(word: str) -> str:
+    stem = word[:-1] if word.endswith("e") else word
+    plural = f"{word}es" if word.endswith(("s", "sh", "ch")) else f"{word}s"
+    return f"{plural}|{stem}ed|{word}|{_FORMS[word]}" if word in _FORMS else f"{plural}|{stem}ed|{word}"
+
+
+_EVENT = re.compile("|".join(rf"(?P<{w}>\b(?:{_verb(w)})\b)" for w in EVENTS), re.IGNORECASE)
+
+
+def event_words(text: str) -> dict[str, str]:
+    """Words of a clause that tell an event: the verb by the word as it stands there."""
+    return {m.group().lower(): str(m.lastgroup) for m in _EVENT.finditer(text) if not _NOUNS.search(text[: m.start()])}
+
+
+def objects_in(text: str) -> tuple[str, ...]:
+    """Words of what a transitive verb acts on, singular: from the verb to the next preposition or conjunction."""
+    found: list[str] = []
+    for m in _EVENT.finditer(text):
+        if m.lastgroup in TRANSITIVE and not _NOUNS.search(text[: m.start()]):
+            found += names_in(_BEYOND.split(text[m.end() :], maxsplit=1)[0])
+    return tuple(dict.fromkeys(found))
+
+
+def way_words(text: str) -> tuple[str, ...]:
+    """Words of a clause that tell of a way to go."""
+    return tuple(m.group().lower() for m in _WAYS.finditer(text))
+
+
+def has_pronoun(text: str) -> bool:
+    """Whether a clause speaks of something without naming it."""
+    return bool(_PRONOUN.search(text))
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Words of a text that may name something, singular, in order of appearance."""
+    found = (w for w in _WORD.findall(text.replace("_", " ").lower()) if w not in _FUNCTION_WORDS)
+    return tuple(dict.fromkeys(_singular(w) for w in found))
+
+
+def numbers_in(text: str) -> tuple[tuple[int, tuple[str, ...]], ...]:
+    """Numbers of a clause, each with the words after it that it may count, singular."""
+    found = []
+    for m in _NUMBER.finditer(text):
+        word = m.group(1).lower()
+        number = _COUNTS.index(word) + 2 if word in _COUNTS else int(word)
+        found.append((number, names_in(m.group(2))))
+    return tuple(found)
+
+
+def _singular(word: str) -> str:
+    for ending in ("oes", "ches", "shes", "xes", "sses"):
+        if word.endswith(ending):
+            return word[:-2]
+    return word if word.endswith("ss") else word.removesuffix("s")

@@ -440,7 +440,8 @@ SUITE = Suite(
             OUTSIDE,
         ),
         Mechanism("too-steep", "a slope steeper than friction holds", True, _too_steep, OVER * MISSING, 0.4, "weight", MISSING),
-        Mechanism("smooth-ladder", "a ladder on too little friction", True, _smooth_ladder, 0.1, 0.9, "of the needed friction"),
+        # On a steep ladder 10 % less friction lacks less than the documented 1 % of the weight.
+        Mechanism("smooth-ladder", "a ladder on too little friction", True, _smooth_ladder, 0.25, 0.9, "of the needed friction"),
         Mechanism("slips-through", "walls that open downwards", True, _slips_through, 0.02, 0.4, "rad"),
         Mechanism("one-bookend", "pressed by something that floats", True, _one_bookend, 0.02, 0.1, "m"),
         Mechanism("slack", "hangs on a slack rope", True, _slack, OVER * GAP, 0.5, "m", GAP),

@@ -22,7 +22,7 @@ from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
-from ..worlds.spec import WorldSpec, prompt_digest
+from ..worlds.spec import Fastened, WorldSpec, prompt_digest
 from .bundle import event_list
 
 __all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
@@ -125,6 +125,14 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                         "effect": f"collision surface up to {made.deviation[0]:.2g} m outside and {made.deviation[1]:.2g} m inside the visible one",
                     }
                 )
+    for relation in spec.graph.relations.values():
+        if isinstance(relation, Fastened):
+            found.append(
+                {
+                    "what": f"overlap of {relation.a!r} and {relation.b!r} declared intended: {relation.reason}",
+                    "effect": f"their surfaces may overlap by {relation.max_depth:g} m",
+                }
+            )
     for name, driver in spec.simulation.drivers.items():
         found.append(
             {

@@ -12,7 +12,7 @@ from typing import Any
 
 from .canonical import digest_of
 from .clauses import clauses_of
-from .gate import Problem, bound_problems, clause_problems, overlap_problems
+from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
 from .groups import group_of
 from .predicates import PREDICATES, entities_of
 from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
@@ -367,8 +367,8 @@ class _Audit:
                         f"use a skin of at most {SKIN_SHARE * limits.contact_gap / 2:g} m or a smaller step",
                     )
                 )
-        problems += bound_problems(self.spec) + overlap_problems(self.spec)
-        text = "collision skins stay within the contact tolerance, bounds of events above noise, intended overlaps below the bodies' size"
+        problems += bound_problems(self.spec) + overlap_problems(self.spec) + hold_problems(self.spec)
+        text = "collision skins stay within the contact tolerance, bounds of events above noise, intended overlaps below the bodies' size, holds that end"
         self.add("bounds", text, problems, group="physical")
 
     def clauses(self) -> Mapping[str, str]:

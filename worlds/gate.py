@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 from .predicates import entities_of, is_invariant
 from .references import kinds_of
-from .spec import Beat, Clause, Fastened, WorldSpec
+from .spec import Beat, Clause, Fastened, ReleaseDriver, WorldSpec
 from .wording import EVENTS, event_words, has_pronoun, names_in, numbers_in, objects_in, way_words
 
-__all__ = ["Problem", "bound_problems", "clause_problems", "overlap_problems"]
+__all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems"]
 
 UNMET_SHARE = 0.5
 """Own choice: with more of its clauses given up, a world is not the prompt's any more."""
@@ -31,6 +31,9 @@ OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
 _JUDGED = re.compile(r"^/(entities|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
+
+MOVING_OVERLAP_SHARE = 0.1
+"""Own choice: two bodies that move are joined by glue, pegs or screws, not sunk into each other."""
 
 
 class Problem(NamedTuple):
@@ -223,15 +226,30 @@ def overlap_problems(spec: WorldSpec) -> list[Problem]:
             continue
         sizes = [(n, spec.entities[n].dimensions.size) for n in (relation.a, relation.b)]
         _, length, small = min((sum(s * s for s in size), max(size), n) for n, size in sizes)
-        most = OVERLAP_SHARE * length
+        moving = all(spec.entities[n].motion != "static" for n in (relation.a, relation.b))
+        most = (MOVING_OVERLAP_SHARE if moving else OVERLAP_SHARE) * length
         if relation.max_depth > most:
             place = f"/graph/relations/{name}/max_depth"
             found.append(
                 Problem(
                     place,
-                    f"an intended overlap of {relation.max_depth:g} m is more than {OVERLAP_SHARE:.0%} of the length {length:g} m of "
+                    f"an intended overlap of {relation.max_depth:g} m is more than {most / length:.0%} of the length {length:g} m of "
                     f"{small!r}; give at most {most:g} m",
                     {"op": "replace", "path": place, "value": round(most, 6)},
                 )
             )
     return found
+
+
+def hold_problems(spec: WorldSpec) -> list[Problem]:
+    """Holds that never let go within the sequence: they would keep a body in mid-air without a support (R154)."""
+    end = (spec.simulation.frames - 1) / spec.simulation.fps
+    return [
+        Problem(
+            f"/simulation/drivers/{name}/time",
+            f"driver {name!r} lets go of {driver.entity!r} at {driver.time:g} s, after the last frame at {end:g} s: a hold is no support; "
+            "let go within the sequence, or put the body on something, hang it on a joint, or make it static",
+        )
+        for name, driver in spec.simulation.drivers.items()
+        if isinstance(driver, ReleaseDriver) and driver.time >= end
+    ]

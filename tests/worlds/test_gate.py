@@ -154,6 +154,16 @@ def test_an_intended_overlap_is_smaller_than_the_bodies() -> None:
     spec = small_spec()
     fastened = {"kind": "fastened", "a": "b2", "b": "b3", "max_depth": 0.03, "reason": "glued together as one"}
     spec["graph"]["relations"]["glue"] = fastened
-    assert "give at most 0.025 m" in _problems(spec)
-    fastened["max_depth"] = 0.02
+    assert "give at most 0.005 m" in _problems(spec)
+    fastened["max_depth"] = 0.005
     assert _problems(spec) == ""
+    fastened |= {"a": "floor", "b": "b3", "max_depth": 0.025, "reason": "half sunk into the ground"}
+    assert _problems(spec) == ""
+    fastened["max_depth"] = 0.03
+    assert "give at most 0.025 m" in _problems(spec)
+
+
+def test_a_hold_that_never_lets_go_is_no_support() -> None:
+    spec = small_spec()
+    spec["simulation"]["drivers"] = {"hold": {"kind": "release", "entity": "b2", "time": 100.0}}
+    assert "lets go of 'b2' at 100 s, after the last frame" in _problems(spec)

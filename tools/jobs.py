@@ -76,7 +76,12 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     session.ledger.close_iterations(freeze[:16], open_rows, rows)
     rows = session.cited(rows)
     changed = session.ledger.put_rows(rows, revision=session.revision, stage="probe", checks=names_of("probe"))
-    phases = find_phases(candidate)
+    try:
+        phases: dict[str, Any] = {
+            k: v for k, v in vars(find_phases(candidate)).items() if isinstance(v, (int, float, type(None)))
+        }
+    except EvidenceError as error:  # what moves without end has no phases; the rows say so
+        phases = {"none": str(error)}
     session.ledger.put_freeze(
         freeze,
         session.revision,
@@ -88,7 +93,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "passed": not open_rows,
         "freeze": freeze[:16],
         "frames_probed": total,
-        "phases": {k: v for k, v in vars(phases).items() if isinstance(v, (int, float, type(None)))},
+        "phases": phases,
         "changed_rows": len(changed),
         **summary(rows),
         "picture": picture,

@@ -46,6 +46,10 @@ NEEDED: frozenset[Check] = frozenset(
 )
 """Checks that must have judged something (R119)."""
 TIMEOUT_SECONDS = 3600
+STANDARD_GRAVITY = 9.81
+"""[m/s^2]"""
+GRAVITY_SLACK = 0.05
+"""[m/s^2] Gravity differs by this much over the Earth's surface."""
 
 
 def find_candidate(folder: WorldFolder, spec: WorldSpec) -> str:
@@ -98,9 +102,31 @@ def verdict_of(rows: list[Row]) -> str:
     return "accepted" if ok else "incomplete"
 
 
+def _declared(spec: WorldSpec) -> list[dict[str, str]]:
+    """What the specification itself departs by: gravity, bodies made one, overlaps."""
+    found = []
+    pull = sum(g * g for g in spec.simulation.gravity) ** 0.5
+    if abs(pull - STANDARD_GRAVITY) > GRAVITY_SLACK:
+        found.append({"what": f"gravity of {pull:.4g} m/s^2", "effect": f"not the {STANDARD_GRAVITY:g} m/s^2 of the Earth"})
+    for name, joint in spec.simulation.joints.items():
+        if joint.kind == "weld":
+            held = f"{joint.child!r} and {joint.parent!r}" if joint.parent else f"{joint.child!r} and the world"
+            found.append({"what": f"weld {name!r}", "effect": f"{held} move as one body, however hard they are hit"})
+    for relation in spec.graph.relations.values():
+        if isinstance(relation, Fastened):
+            found.append(
+                {
+                    "what": f"overlap of {relation.a!r} and {relation.b!r} declared intended: {relation.reason}",
+                    "effect": f"their surfaces may overlap by {relation.max_depth:g} m",
+                }
+            )
+    return found
+
+
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
-    spec, found = candidate.spec, []
+    spec = candidate.spec
+    found = _declared(spec)
     for name, instance in spec.simulation.solvers.items():
         skin = instance.settings.skin
         found.append(
@@ -125,14 +151,6 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                         "effect": f"collision surface up to {made.deviation[0]:.2g} m outside and {made.deviation[1]:.2g} m inside the visible one",
                     }
                 )
-    for relation in spec.graph.relations.values():
-        if isinstance(relation, Fastened):
-            found.append(
-                {
-                    "what": f"overlap of {relation.a!r} and {relation.b!r} declared intended: {relation.reason}",
-                    "effect": f"their surfaces may overlap by {relation.max_depth:g} m",
-                }
-            )
     for name, driver in spec.simulation.drivers.items():
         found.append(
             {

@@ -355,6 +355,23 @@ class _Audit:
                 group="physical",
             )
 
+    def masses(self) -> None:
+        """R154: no body is heavier than its bounding box full of its densest material."""
+        problems = []
+        for name, entity in self.spec.entities.items():
+            mass = getattr(entity.physics, "mass", None)
+            used = {entity.material, *(p.material for p in entity.parts.values() if p.material)} & set(self.spec.materials)
+            if mass is None or not used:
+                continue
+            x, y, z = entity.dimensions.size
+            most = x * y * z * max(DENSITY_RANGES[self.spec.materials[m].substance][1] for m in used)
+            if mass > most:
+                text = f"{name!r} weighs {mass:g} kg, its box full of its densest material {most:.4g} kg; give at most that"
+                problems.append(Problem(f"/entities/{name}/physics/mass", text))
+        self.add(
+            "masses", "no declared mass exceeds that of the bounding box full of the densest material", problems, group="physical"
+        )
+
     def bounds(self) -> None:
         """Limits fit the solver's settings."""
         limits, problems = self.spec.simulation.limits, []
@@ -454,6 +471,7 @@ def audit(spec: WorldSpec) -> AuditReport:
     work.story()
     work.graph()
     work.materials()
+    work.masses()
     work.bounds()
     coverage = work.shots()
     clauses = work.clauses()

@@ -7,6 +7,7 @@ are English; a clause in another language asks for no more than a pointer to som
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 from .predicates import entities_of, is_invariant
 from .references import kinds_of
 from .spec import Beat, Clause, Fastened, ReleaseDriver, WorldSpec
-from .wording import EVENTS, event_words, has_pronoun, names_in, numbers_in, objects_in, way_words
+from .wording import EVENTS, event_words, has_pronoun, lasting_words, names_in, numbers_in, objects_in, way_words
 
 __all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems"]
 
@@ -89,6 +90,18 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
     yield from _numbers(spec, key, text)
     beats = {n: spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats}
     yield from _events(spec, key, text, beats)
+    lasts = lasting_words(text)
+    kept = [
+        n
+        for kind, n in named
+        if kind == "story/requirements" and n in spec.story.requirements and spec.story.requirements[n].mandatory
+    ]
+    if lasts and not kept and not any(b.mandatory and is_invariant(b.predicate) for b in beats.values()):
+        yield Problem(
+            place,
+            f"clause {key} {text!r} tells of what lasts ({', '.join(lasts)}): name a mandatory requirement in met_by, or a beat whose predicate "
+            f"holds always; {ESCAPE}",
+        )
     ways = way_words(text)
     routes = [
         n for kind, n in named if kind == "graph/relations" and getattr(spec.graph.relations.get(n), "kind", "") == "connects"
@@ -176,7 +189,7 @@ def bound_problems(spec: WorldSpec) -> list[Problem]:
             )
     for name, requirement in spec.story.requirements.items():
         predicate = requirement.predicate.model_dump(mode="json", exclude_none=True)
-        found += [p for p in _bounds(spec, predicate, f"/story/requirements/{name}/predicate", "") if "count" in p.text]
+        found += [p for p in _bounds(spec, predicate, f"/story/requirements/{name}/predicate", "") if "always true" in p.text]
     return found
 
 
@@ -193,6 +206,10 @@ def _bounds(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: 
             yield Problem(
                 place, f"a count of {total} entities with min {low:g} is always true; ask for min >= 1 or a smaller max"
             )
+    elif kind == "tilts" and predicate.get("min", 0.0) <= 0.0 and predicate.get("max", 0.0) >= math.pi:
+        yield Problem(
+            f"{place}/max", f"a tilt of at most {predicate['max']:g} rad is always true, angles end at pi; ask for a smaller max"
+        )
     elif kind == "displacement":
         least = _least_travel(spec, predicate.get("entity", subject))
         for field, sign in (("min", 1.0), ("max", -1.0)):

@@ -8,7 +8,17 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-__all__ = ["EVENTS", "TRANSITIVE", "event_words", "has_pronoun", "names_in", "numbers_in", "objects_in", "way_words"]
+__all__ = [
+    "EVENTS",
+    "TRANSITIVE",
+    "event_words",
+    "has_pronoun",
+    "lasting_words",
+    "names_in",
+    "numbers_in",
+    "objects_in",
+    "way_words",
+]
 
 _MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
 _FALL = _MOTION - {"speed"}
@@ -31,6 +41,10 @@ _NOUNS = re.compile(
 )
 """What stands before such a word when it is a noun ("a slide", "drops of water")."""
 _WAYS = re.compile(r"\b(?:walks?|walkable|walking|route|doorway|corridor|stairs|staircase|passage|passageway)\b", re.IGNORECASE)
+_LASTING = re.compile(
+    r"\b(?:stays?|remains?|keeps? (?:standing|upright|still|its)|never|without (?:falling|spilling|breaking))\b",
+    re.IGNORECASE,
+)
 _PRONOUN = re.compile(r"\b(?:it|they|them|this|that|these|those|one|everything|something)\b", re.IGNORECASE)
 _WORD = re.compile(r"[a-z]{3,}")
 _FUNCTION_WORDS = frozenset(
@@ -148,6 +162,11 @@ def objects_in(text: str) -> tuple[str, ...]:
 def way_words(text: str) -> tuple[str, ...]:
     """Words of a clause that tell of a way to go."""
     return tuple(m.group().lower() for m in _WAYS.finditer(text))
+
+
+def lasting_words(text: str) -> tuple[str, ...]:
+    """Words of a clause that tell of something that lasts."""
+    return tuple(m.group().lower() for m in _LASTING.finditer(text))
 
 
 def has_pronoun(text: str) -> bool:

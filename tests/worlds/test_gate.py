@@ -143,6 +143,32 @@ def test_a_bound_within_noise_is_refused_with_the_least_that_is_taken(name: str)
     assert f"at least {least}" in text
 
 
+def test_a_tilt_that_is_always_small_enough_is_refused() -> None:
+    spec = small_spec()
+    spec["story"]["requirements"] = {
+        "whole": {"text": "it stands", "predicate": {"kind": "tilts", "entity": "b1", "max": 3.2, "when": "always"}}
+    }
+    assert "always true" in _problems(spec)
+
+
+def test_what_lasts_needs_a_requirement() -> None:
+    prompt = PROMPT + " The shelf stays upright."
+    spec = small_spec()
+    spec["clauses"]["c3"] = {"met_by": ["/entities/shelf"]}
+    assert "tells of what lasts (stays)" in _problems(spec, prompt)
+    spec["story"]["requirements"] = {
+        "up": {"text": "it stays", "predicate": {"kind": "displacement", "entity": "shelf", "max": 0.001, "when": "always"}}
+    }
+    spec["clauses"]["c3"] = {"met_by": ["/story/requirements/up"]}
+    assert _problems(spec, prompt) == ""
+
+
+def test_a_body_is_no_heavier_than_its_box_full_of_its_material() -> None:
+    spec = small_spec()
+    spec["entities"]["b2"]["physics"] = {"category": "rigid", "mass": 9000.0}
+    assert "'b2' weighs 9000 kg" in _problems(spec)
+
+
 def test_a_count_that_is_always_true_is_refused() -> None:
     spec = small_spec()
     count = {"kind": "count", "entities": ["b1", "b3"], "predicate": {"kind": "topples", "entity": "each"}, "max": 2}

@@ -6,6 +6,7 @@ no more than the specification does (R154-R157).
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -143,11 +144,11 @@ def agents(tmp_path_factory: pytest.TempPathFactory, agent_of: Callable[[Path], 
         yield made
 
 
-def _as_far_as_it_goes(agent: Any, world: str, spec: Spec) -> tuple[str, dict[str, Any]]:
+def _as_far_as_it_goes(agent: Any, world: str, spec: Spec, prompt: str = PROMPT) -> tuple[str, dict[str, Any]]:
     """Every step in order, whatever the one before said; the text of refusals and the last verdict."""
     said = []
     for tool, more in (
-        ("edit_spec", {"prompt": PROMPT, "spec": spec}),
+        ("edit_spec", {"prompt": prompt, "spec": spec}),
         ("place_object", {}),
         ("probe_sim", {}),
         ("bake_sim", {}),
@@ -181,3 +182,12 @@ def test_no_easier_specification_is_accepted(agents: Any, attempt: Callable[[Spe
     assert verdict != "accepted", text
     assert not list((agents.workspace / world).glob("candidates/*/final"))
     assert "fail" in text or "not validate" in text or "unverified" in text
+
+
+@pytest.mark.parametrize("path", sorted((Path(__file__).parent / "attempts").glob("*.json")), ids=lambda p: p.stem)
+def test_what_an_adversary_once_got_accepted_is_accepted_no_more(agents: Any, path: Path) -> None:
+    """Worlds of docs/trials/adversary."""
+    attempt = json.loads(path.read_text())
+    text, overview = _as_far_as_it_goes(agents, path.stem, attempt["spec"], attempt["prompt"])
+    assert (overview.get("last_verdict") or {}).get("verdict") != "accepted", text
+    assert '"status": "fail"' in text or '"status":"fail"' in text or "refused" in text

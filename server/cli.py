@@ -123,6 +123,9 @@ def _parser() -> argparse.ArgumentParser:
         "--only", metavar="CHECK", action="append", help="defects: only this check; skills: only this skill (repeatable)"
     )
     bench.add_argument(
+        "--adopt", type=Path, metavar="FOLDER", help="defects: keep this accepted world for the clean set, run nothing"
+    )
+    bench.add_argument(
         "--variants",
         type=int,
         metavar="N",
@@ -259,11 +262,16 @@ def _bench(arguments: argparse.Namespace) -> int:
     if arguments.name == "list":
         print("\n".join(BENCHMARKS))
         return OK
+    if arguments.adopt is not None:
+        from ..bench.defects.accepted import KEPT, adopt
+
+        print(adopt(arguments.adopt.expanduser().absolute(), KEPT))
+        return OK
     from ..bench.machine import run_benchmark
 
     options: dict[str, Any] = {"variants": arguments.variants, "seed": arguments.seed}
     options["checks"] = tuple(arguments.only) if arguments.only else None
-    options["accepted"] = False if arguments.only else None
+    options["accepted"] = False if arguments.only and arguments.name == "defects" else None
     given = {k: v for k, v in options.items() if v is not None}
     if given and arguments.name not in ("defects", "skills"):
         raise InputError(

@@ -25,9 +25,11 @@ from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
 
-__all__ = ["Rejudged", "adopt", "rejudge", "specifications"]
+__all__ = ["KEPT", "Rejudged", "adopt", "rejudge", "specifications"]
 
 FOLDER = "accepted"
+KEPT = Path(__file__).with_name(FOLDER)
+"""Where accepted worlds are kept in a checkout."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,27 @@
+"""Accepted worlds join the clean set: kept as specifications, built and judged anew."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from worldagent.bench.defects.accepted import adopt, rejudge, specifications
+from worldagent.worlds.errors import WorldAgentError
+from worldagent.worlds.patch import parse_spec
+
+
+def test_an_accepted_world_is_kept_and_passes_again(copy: Path, tmp_path: Path) -> None:
+    path = adopt(copy, tmp_path)
+    found = rejudge("again", parse_spec(json.loads(path.read_text())))
+    assert found.alarms == ()
+    assert {"contact", "causal", "support", "shots"} <= found.checks
+
+
+def test_a_world_that_is_not_accepted_does_not_join(failed_folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(WorldAgentError, match="frames|accepted|index"):
+        adopt(failed_folder, tmp_path)
+
+
+def test_kept_worlds_are_specifications_of_this_version() -> None:
+    assert len(dict(specifications())) >= 5

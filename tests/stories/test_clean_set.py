@@ -19,7 +19,7 @@ def test_an_accepted_world_is_kept_and_passes_again(copy: Path, tmp_path: Path) 
 
 
 def test_a_world_that_is_not_accepted_does_not_join(failed_folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(WorldAgentError, match="frames|accepted|index"):
+    with pytest.raises(WorldAgentError):
         adopt(failed_folder, tmp_path)
 
 

@@ -31,7 +31,7 @@ COSTLY, CHEAP = 150e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
 DEPTHS = 6
 """Own choice: after so many overlaps of bodies that are not convex, 0.1 to 2 s each, the rest goes to the kernels (2 ms each)."""
-PORTION = 4
+PORTION = 16
 """Queries of one pair measured before the overlaps are counted again."""
 DEPTH_SLICE = 8
 """Depths of one slice on the CPU: each takes some milliseconds."""

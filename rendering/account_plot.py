@@ -13,7 +13,7 @@ from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
 from .denoise import U8
 from .drawing import Color, distinct_color, line, text, text_size
-from .plots import GRID, INK, ticks
+from .plots import GRID, INK, Panel, ticks
 
 __all__ = ["plot_account"]
 
@@ -109,22 +109,13 @@ def _charts(account: Account) -> list[_Chart]:
 
 
 @dataclass(frozen=True)
-class _Axes:
-    left: int
-    top: int
-    right: int
-    bottom: int
-    low: float
-    high: float
-    seconds: float
+class _Axes(Panel):
+    """Axes whose values may be drawn by their logarithm to base 10."""
+
     log: bool
 
-    def x(self, time: float) -> float:
-        return self.left + (self.right - self.left) * time / self.seconds
-
     def y(self, value: float) -> float:
-        shown = math.log10(max(value, FLOOR)) if self.log else value
-        return self.bottom - (self.bottom - self.top) * (shown - self.low) / (self.high - self.low)
+        return super().y(math.log10(max(value, FLOOR)) if self.log else value)
 
 
 def _axes_of(chart: _Chart, box: tuple[int, int, int, int], seconds: float) -> _Axes:

@@ -16,7 +16,7 @@ from ..worlds.records import QUANTITIES
 from .denoise import U8
 from .drawing import Color, distinct_color, line, text, text_size
 
-__all__ = ["DEFAULT_QUANTITIES", "DERIVED", "GRID", "INK", "Series", "ledger_series", "plot_ledger", "ticks"]
+__all__ = ["DEFAULT_QUANTITIES", "DERIVED", "GRID", "INK", "Panel", "Series", "ledger_series", "plot_ledger", "ticks"]
 
 DERIVED = {"total_energy": "J", "min_gap": "m", "contacts": "1"}
 """Quantities computed here, with units: kinetic + potential energy, least gap of touching pairs, touching pairs."""
@@ -87,7 +87,7 @@ def ticks(low: float, high: float, most: int) -> list[float]:
 
 
 @dataclass(frozen=True)
-class _Panel:
+class Panel:
     """One set of axes: pixel box and value range."""
 
     left: int
@@ -99,22 +99,24 @@ class _Panel:
     seconds: float
 
     def x(self, time: float) -> float:
+        """Column [px] of a time [s]."""
         return self.left + (self.right - self.left) * time / self.seconds
 
     def y(self, value: float) -> float:
+        """Row [px] of a value."""
         return self.bottom - (self.bottom - self.top) * (value - self.low) / (self.high - self.low)
 
 
-def _panel(members: Sequence[Series], box: tuple[int, int, int, int], seconds: float) -> _Panel:
+def _panel(members: Sequence[Series], box: tuple[int, int, int, int], seconds: float) -> Panel:
     values = np.concatenate([s.values[np.isfinite(s.values)] for s in members])
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     if low > 0 and low < 0.5 * high:
         low = 0.0
     margin = 0.06 * (high - low) if high > low else max(abs(high), 1.0) * 0.5
-    return _Panel(*box, low if low == 0.0 and high > 0 else low - margin, high + margin, seconds)
+    return Panel(*box, low if low == 0.0 and high > 0 else low - margin, high + margin, seconds)
 
 
-def _axes(image: U8, panel: _Panel, unit: str, *, last: bool) -> None:
+def _axes(image: U8, panel: Panel, unit: str, *, last: bool) -> None:
     for value in ticks(panel.low, panel.high, max(2, (panel.bottom - panel.top) // 34)):
         y = panel.y(value)
         line(image, [(panel.left, y), (panel.right, y)], GRID)
@@ -133,7 +135,7 @@ def _axes(image: U8, panel: _Panel, unit: str, *, last: bool) -> None:
         text(image, "time [s]", ((panel.left + panel.right) / 2 - 24, panel.bottom + 34), height=10, color=INK)
 
 
-def _curve(image: U8, panel: _Panel, series: Series, fps: float, color: Color) -> None:
+def _curve(image: U8, panel: Panel, series: Series, fps: float, color: Color) -> None:
     """Polyline, broken where values are missing; lone values become dots."""
     import cv2
 
@@ -154,7 +156,7 @@ def _curve(image: U8, panel: _Panel, series: Series, fps: float, color: Color) -
         start = stop
 
 
-def _shade_beats(image: U8, candidate: Candidate, panels: Sequence[_Panel], fps: float) -> None:
+def _shade_beats(image: U8, candidate: Candidate, panels: Sequence[Panel], fps: float) -> None:
     """Tint each beat's interval in every panel; names above the first one, in two rows."""
     row_end = [-1.0, -1.0]
     beats = sorted(candidate.spec.story.beats.items(), key=lambda b: b[1].frames)

@@ -31,6 +31,8 @@ one can see; a fall that does not rock back."""
 OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
+ESCAPE = "or say in static_because why these words ask for no such thing (printed with the acceptance)"
+"""What to do where a word means something else."""
 _JUDGED = re.compile(r"^/(entities|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
 
 MOVING_OVERLAP_SHARE = 0.1
@@ -111,9 +113,6 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
             place,
             f"clause {key} {text!r} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; {ESCAPE}",
         )
-
-
-ESCAPE = "or say in static_because why these words ask for no such thing (printed with the acceptance)"
 
 
 def _events(spec: WorldSpec, key: str, text: str, beats: Mapping[str, Beat]) -> Iterator[Problem]:

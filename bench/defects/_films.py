@@ -21,10 +21,10 @@ from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.built import BuiltEntity
 from ...worlds.cache import Cache, CacheIndex, write_container
 from ...worlds.candidate import Candidate
-from ...worlds.spec import WorldSpec
-from ..small_worlds import build_all
+from ...worlds.spec import Box, Entity, Part, WorldSpec
+from ..small_worlds import build_all, entity, pose
 
-__all__ = ["Film", "cached", "film_of"]
+__all__ = ["Film", "cached", "film_of", "frame_of_walls", "free_body", "still"]
 
 
 @dataclass
@@ -180,3 +180,26 @@ def cached(make: Callable[[int], WorldSpec]) -> Callable[[int], Film]:
         return dataclasses.replace(film, frames=copy.deepcopy(film.frames), built=dict(film.built), damage=[])
 
     return fresh
+
+
+def frame_of_walls(half: float) -> Entity:
+    """Four walls of 1 m around a square of half side `half` [m]."""
+    walls = [
+        Part(shape=Box(size=(0.1, 2 * half + 0.2, 1.0)), pose=pose((sign * (half + 0.05), 0, 0))) for sign in (-1.0, 1.0)
+    ] + [Part(shape=Box(size=(2 * half, 0.1, 1.0)), pose=pose((0, sign * (half + 0.05), 0))) for sign in (-1.0, 1.0)]
+    return entity(*walls, at=(0, 0, 0.5))
+
+
+def still(film: Film, name: str, place: F64) -> None:
+    """Put a body to sleep at a place [m], shape (3,), in every frame."""
+    film.put("position", np.repeat(place[None], film.count, axis=0), name)
+    film.put("quaternion", np.repeat([[1.0, 0.0, 0.0, 0.0]], film.count, axis=0), name)
+    for channel in ("velocity", "angular_velocity"):
+        film.put(channel, np.zeros((film.count, 3)), name)
+    film.put("asleep", np.ones(film.count), name)
+
+
+def free_body(film: Film, rng: np.random.Generator) -> str:
+    """A body that moves freely."""
+    names = [b.split("/")[0] for b in film.index.bodies]
+    return str(rng.choice([n for n in names if film.spec.entities[n].motion == "dynamic"]))

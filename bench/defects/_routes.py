@@ -12,10 +12,11 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, CylinderRegion, Entity, Extrusion, Mesh, Part, Shape
+from ...worlds.spec.entities import LiquidPhysics
 from ..small_worlds import Track, entity, make_candidate, mesh_of, pose, world
 from .cases import World
 
-__all__ = ["EAST", "WEST", "Site", "block", "carrier", "flight", "furniture", "prism", "site"]
+__all__ = ["EAST", "WEST", "Site", "block", "carrier", "flight", "furniture", "prism", "ramp", "site", "stairs", "tanks"]
 
 RNG = np.random.Generator
 WEST, EAST = -3.6, 3.6
@@ -163,3 +164,55 @@ def flight(rises: Sequence[float], going: float, wide: float, *, solid: bool) ->
         z += rise
         parts.append(block(k * going, (k + 1) * going, -wide / 2, wide / 2, 0.0 if solid else z - 0.04, z))
     return parts
+
+
+def stairs(hall: Site, rises: list[float], going: float, *, solid: bool, wide: float = 1.4) -> float:
+    """A flight from x = 0 onto a deck; the height of the deck [m]."""
+    hall.add("stairs", *flight(rises, going, wide, solid=solid))
+    end, top = len(rises) * going, float(sum(rises))
+    hall.add("deck", block(end, end + 2.5, -hall.half, hall.half, top - 0.05, top))
+    hall.ends(rise=top, far=end + 2.5)
+    return top
+
+
+def ramp(hall: Site, slopes: list[tuple[float, float]]) -> float:
+    """A ramp from x = 0 of stretches (run, slope [rad]) up to a deck; its height [m]."""
+    x, z, points = 0.0, 0.0, [(0.0, 0.0)]
+    for run, slope in slopes:
+        x, z = x + run, z + run * math.tan(slope)
+        points.append((x, z))
+    hall.add("ramp", prism([(0.0, -0.1), (x, -0.1), *points[::-1]], -hall.half, hall.half))
+    hall.add("deck", block(x, x + 2.5, -hall.half, hall.half, z - 0.05, z))
+    hall.ends(rise=z, far=x + 2.5)
+    return z
+
+
+def tanks(rng: RNG, width: float, hole: float, cell: float, *, gate: float | None = None) -> tuple[Site, Connects]:
+    """Two closed basins with an opening between them; a gate stands `gate` high in the opening."""
+    hall = site(rng, half=0.4, floor=False)
+    x, y, z, level = 0.6, 0.4, 0.8, float(rng.uniform(0.05, 0.3))
+    walls = [
+        block(-x, x, -y, y, -0.05, 0),
+        block(-x, x, -y, y, z, z + 0.05),
+        block(-x - 0.05, -x, -y, y, 0, z),
+        block(x, x + 0.05, -y, y, 0, z),
+        block(-x, x, -y - 0.05, -y, 0, z),
+        block(-x, x, y, y + 0.05, 0, z),
+    ]
+    hall.add("floor", *walls)
+    thick, side = float(rng.choice([0.01, 0.1, 0.3])), float(rng.uniform(-0.1, 0.1))
+    left, right, top = side - hole / 2, side + hole / 2, level + hole
+    hall.add(
+        "wall",
+        block(0, thick, -y, left, 0, z),
+        block(0, thick, right, y, 0, z),
+        block(0, thick, left, right, 0, level),
+        block(0, thick, left, right, top, z),
+    )
+    if gate is not None:
+        hall.add("gate", block(0.4 * thick, 0.6 * thick, left, right, level, level + gate))
+    hall.add("water", block(-0.55, -0.1, -0.35, 0.35, 0.01, 0.6))
+    hall.things["water"] = hall.things["water"].model_copy(update={"physics": LiquidPhysics(resolution=cell)})
+    hall.regions["a"] = BoxRegion(min=(-0.5, -0.25, 0.2), max=(-0.15, 0.25, 0.75), relative_to="floor")
+    hall.regions["b"] = BoxRegion(min=(0.4, -0.25, 0.05), max=(0.55, 0.25, 0.7), relative_to="floor")
+    return hall, Connects(a="a", b="b", carrier="fluid", width=width)

@@ -13,9 +13,8 @@ from ...verifiers.conduits import NOISE as FLOW_NOISE
 from ...verifiers.navigability import PITCH, RASTER_NOISE
 from ...verifiers.walkable import GAP, SAME
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, Part, Sphere
-from ...worlds.spec.entities import LiquidPhysics
 from ..small_worlds import entity, pose
-from ._routes import EAST, WEST, Site, block, carrier, flight, furniture, prism, site
+from ._routes import EAST, WEST, Site, block, carrier, flight, furniture, prism, ramp, site, stairs, tanks
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -78,22 +77,13 @@ def _low_beam(folder: Path, m: float, rng: RNG) -> World:
     return hall.world(folder, way, "beam")
 
 
-def _stairs(hall: Site, rises: list[float], going: float, *, solid: bool, wide: float = 1.4) -> float:
-    """A flight from x = 0 onto a deck; the height of the deck [m]."""
-    hall.add("stairs", *flight(rises, going, wide, solid=solid))
-    end, top = len(rises) * going, float(sum(rises))
-    hall.add("deck", block(end, end + 2.5, -hall.half, hall.half, top - 0.05, top))
-    hall.ends(rise=top, far=end + 2.5)
-    return top
-
-
 def _high_riser(folder: Path, m: float, rng: RNG) -> World:
     """One riser in the middle of a flight is too high."""
     hall, way = site(rng, half=1.2), Connects(a="a", b="b", max_step=float(rng.uniform(0.1, 0.2)))
     count, going = int(rng.integers(4, 7)), float(rng.uniform(0.25, 0.3))
     rises = [float(rng.uniform(0.8, 0.99)) * way.max_step] * count
     rises[int(rng.integers(1, count))] = way.max_step + m
-    _stairs(hall, rises, going, solid=bool(rng.random() < 0.5))
+    stairs(hall, rises, going, solid=bool(rng.random() < 0.5))
     return hall.world(folder, way, "stairs", "deck")
 
 
@@ -115,20 +105,8 @@ def _tiny_treads(folder: Path, m: float, rng: RNG) -> World:
     """Low risers, but treads so short that the flight is a ladder."""
     hall, way = site(rng, half=1.2), Connects(a="a", b="b")
     rise = float(rng.uniform(0.15, 0.2))
-    _stairs(hall, [rise] * 12, rise / (PITCH * m), solid=True)
+    stairs(hall, [rise] * 12, rise / (PITCH * m), solid=True)
     return hall.world(folder, way, "stairs", "deck", "floor")
-
-
-def _ramp(hall: Site, slopes: list[tuple[float, float]]) -> float:
-    """A ramp from x = 0 of stretches (run, slope [rad]) up to a deck; its height [m]."""
-    x, z, points = 0.0, 0.0, [(0.0, 0.0)]
-    for run, slope in slopes:
-        x, z = x + run, z + run * math.tan(slope)
-        points.append((x, z))
-    hall.add("ramp", prism([(0.0, -0.1), (x, -0.1), *points[::-1]], -hall.half, hall.half))
-    hall.add("deck", block(x, x + 2.5, -hall.half, hall.half, z - 0.05, z))
-    hall.ends(rise=z, far=x + 2.5)
-    return z
 
 
 def _steep_piece(folder: Path, m: float, rng: RNG) -> World:
@@ -138,9 +116,7 @@ def _steep_piece(folder: Path, m: float, rng: RNG) -> World:
     way = carrier(rng, width=0.8, max_slope=float(rng.uniform(0.08, 0.6)))
     good = 0.9 * way.max_slope
     short = float(rng.uniform(0.16, 0.5))
-    _ramp(
-        hall, [(float(rng.uniform(0.3, 1.0)), good), (short, min(way.max_slope + m, 1.3)), (float(rng.uniform(0.3, 1.0)), good)]
-    )
+    ramp(hall, [(float(rng.uniform(0.3, 1.0)), good), (short, min(way.max_slope + m, 1.3)), (float(rng.uniform(0.3, 1.0)), good)])
     return hall.world(folder, way, "ramp", "deck", "way")
 
 
@@ -305,51 +281,20 @@ def _through_the_wall(folder: Path, m: float, rng: RNG) -> World:
     return hall.world(folder, way, "wall")
 
 
-def _tanks(rng: RNG, width: float, hole: float, cell: float, *, gate: float | None = None) -> tuple[Site, Connects]:
-    """Two closed basins with an opening between them; a gate stands `gate` high in the opening."""
-    hall = site(rng, half=0.4, floor=False)
-    x, y, z, level = 0.6, 0.4, 0.8, float(rng.uniform(0.05, 0.3))
-    walls = [
-        block(-x, x, -y, y, -0.05, 0),
-        block(-x, x, -y, y, z, z + 0.05),
-        block(-x - 0.05, -x, -y, y, 0, z),
-        block(x, x + 0.05, -y, y, 0, z),
-        block(-x, x, -y - 0.05, -y, 0, z),
-        block(-x, x, y, y + 0.05, 0, z),
-    ]
-    hall.add("floor", *walls)
-    thick, side = float(rng.choice([0.01, 0.1, 0.3])), float(rng.uniform(-0.1, 0.1))
-    left, right, top = side - hole / 2, side + hole / 2, level + hole
-    hall.add(
-        "wall",
-        block(0, thick, -y, left, 0, z),
-        block(0, thick, right, y, 0, z),
-        block(0, thick, left, right, 0, level),
-        block(0, thick, left, right, top, z),
-    )
-    if gate is not None:
-        hall.add("gate", block(0.4 * thick, 0.6 * thick, left, right, level, level + gate))
-    hall.add("water", block(-0.55, -0.1, -0.35, 0.35, 0.01, 0.6))
-    hall.things["water"] = hall.things["water"].model_copy(update={"physics": LiquidPhysics(resolution=cell)})
-    hall.regions["a"] = BoxRegion(min=(-0.5, -0.25, 0.2), max=(-0.15, 0.25, 0.75), relative_to="floor")
-    hall.regions["b"] = BoxRegion(min=(0.4, -0.25, 0.05), max=(0.55, 0.25, 0.7), relative_to="floor")
-    return hall, Connects(a="a", b="b", carrier="fluid", width=width)
-
-
 def _narrow_opening(folder: Path, m: float, rng: RNG) -> World:
     """The opening between two basins is too small for the fluid, or a gate closes a part of it."""
     width = float(rng.uniform(0.2, 0.3))
     if rng.random() < 0.5:
-        hall, way = _tanks(rng, width, width * (1.0 - m), width / 10)
+        hall, way = tanks(rng, width, width * (1.0 - m), width / 10)
     else:
-        hall, way = _tanks(rng, width, width * 1.2, width / 10, gate=width * (0.2 + m))
+        hall, way = tanks(rng, width, width * 1.2, width / 10, gate=width * (0.2 + m))
     return hall.world(folder, way, "wall", "gate")
 
 
 def _unresolved_opening(folder: Path, m: float, rng: RNG) -> World:
     """The opening is wide enough, but the fluid's cells are too coarse for it."""
     width = float(rng.uniform(0.2, 0.3))
-    hall, way = _tanks(rng, width, 1.01 * width, 1.01 * width / CELLS_ACROSS * m)
+    hall, way = tanks(rng, width, 1.01 * width, 1.01 * width / CELLS_ACROSS * m)
     return hall.world(folder, way, "water")
 
 
@@ -358,7 +303,7 @@ def _unresolved_opening(folder: Path, m: float, rng: RNG) -> World:
 
 def _opening(folder: Path, m: float, rng: RNG) -> World:
     width = float(rng.uniform(0.2, 0.3))
-    hall, way = _tanks(rng, width, width * (1.0 + m), width / (1.1 * CELLS_ACROSS), gate=None if m < 0.05 else 0.8 * m * width)
+    hall, way = tanks(rng, width, width * (1.0 + m), width / (1.1 * CELLS_ACROSS), gate=None if m < 0.05 else 0.8 * m * width)
     return hall.world(folder, way)
 
 
@@ -389,7 +334,7 @@ def _legal_stairs(folder: Path, m: float, rng: RNG) -> World:
     rise = way.max_step - m
     count = int(rng.integers(4, 13))
     going = float(rng.uniform(1.12, 1.6)) * rise / PITCH
-    _stairs(hall, [rise] * count, going, solid=bool(rng.random() < 0.5))
+    stairs(hall, [rise] * count, going, solid=bool(rng.random() < 0.5))
     return hall.world(folder, way)
 
 
@@ -397,7 +342,7 @@ def _legal_ramp(folder: Path, m: float, rng: RNG) -> World:
     hall = site(rng, half=0.9, floor=False)
     hall.add("floor", block(WEST, 0.0, -hall.half, hall.half, -0.1, 0.0))
     way = carrier(rng, width=0.8, max_slope=float(rng.uniform(0.08, 0.6)))
-    _ramp(hall, [(float(rng.uniform(0.2, 1.0)), way.max_slope * (1 - m)) for _ in range(int(rng.integers(1, 4)))])
+    ramp(hall, [(float(rng.uniform(0.2, 1.0)), way.max_slope * (1 - m)) for _ in range(int(rng.integers(1, 4)))])
     return hall.world(folder, way)
 
 

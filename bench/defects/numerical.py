@@ -13,7 +13,7 @@ from ...worlds.arrays import F64
 from ...worlds.spec import HingeJoint, Limits, RigidSettings
 from ..small_worlds import ball, box, ground, world
 from . import _scenes as scenes
-from ._films import Film, film_of
+from ._films import Film, film_of, frame_of_walls, free_body, still
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -39,12 +39,6 @@ def _way(rng: np.random.Generator) -> F64:
     return result
 
 
-def _body(film: Film, rng: np.random.Generator) -> str:
-    """A body that moves freely."""
-    names = [b.split("/")[0] for b in film.index.bodies]
-    return str(rng.choice([n for n in names if film.spec.entities[n].motion == "dynamic"]))
-
-
 def _judged(film: Film, folder: Path, *culprits: str) -> World:
     return World(film.candidate(folder), culprits or (SOLVER,))
 
@@ -67,7 +61,7 @@ def not_finite(folder: Path, magnitude: float, rng: np.random.Generator) -> Worl
 
 def off_unit(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     film = _film(rng)
-    name, k = _body(film, rng), _frame(film, rng, 0)
+    name, k = free_body(film, rng), _frame(film, rng, 0)
     film.put("quaternion", film.series("quaternion", name) * (1 + magnitude * (np.arange(film.count) == k))[:, None], name)
     return _judged(film, folder, name)
 
@@ -75,7 +69,7 @@ def off_unit(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 def too_fast(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A body is too fast at one frame only."""
     film = _film(rng)
-    name, k = _body(film, rng), _frame(film, rng, 0)
+    name, k = free_body(film, rng), _frame(film, rng, 0)
     speed = film.series("velocity", name)
     speed[k] = magnitude * _way(rng)
     film.put("velocity", speed, name)
@@ -111,7 +105,7 @@ def spike(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 def teleport(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A body jumps by `magnitude` times the greatest travel, and back at the next frame or not."""
     film = _film(rng)
-    name, k = _body(film, rng), _frame(film, rng)
+    name, k = free_body(film, rng), _frame(film, rng)
     limit = (film.spec.simulation.limits.max_speed + 1.0) * film.duration
     own = np.linalg.norm(np.diff(film.series("position", name), axis=0), axis=1).max()
     frames = np.arange(film.count)
@@ -324,31 +318,13 @@ def sleeps_over_a_bowl(folder: Path, magnitude: float, rng: np.random.Generator)
     """A body sleeps in the middle of a frame of walls, whose box it is inside of, and touches none (magnitude: gap)."""
     half = 0.1 + magnitude
     entities = {
-        "frame": _frame_of_walls(half),
+        "frame": frame_of_walls(half),
         "sleeper": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.3)),
         "other": ball(0.05, motion="dynamic", at=(2, 0, 1.0)),
     }
     film = film_of(world(entities, frames=6, settings=RigidSettings(step=2e-3)))
-    _still(film, "sleeper", np.array([0, 0, 0.3]))
+    still(film, "sleeper", np.array([0, 0, 0.3]))
     return _judged(film, folder, "sleeper")
-
-
-def _frame_of_walls(half: float) -> Any:
-    from ...worlds.spec import Box, Part
-    from ..small_worlds import entity, pose
-
-    walls = [
-        Part(shape=Box(size=(0.1, 2 * half + 0.2, 1.0)), pose=pose((sign * (half + 0.05), 0, 0))) for sign in (-1.0, 1.0)
-    ] + [Part(shape=Box(size=(2 * half, 0.1, 1.0)), pose=pose((0, sign * (half + 0.05), 0))) for sign in (-1.0, 1.0)]
-    return entity(*walls, at=(0, 0, 0.5))
-
-
-def _still(film: Film, name: str, place: F64) -> None:
-    film.put("position", np.repeat(place[None], film.count, axis=0), name)
-    film.put("quaternion", np.repeat([[1.0, 0.0, 0.0, 0.0]], film.count, axis=0), name)
-    for channel in ("velocity", "angular_velocity"):
-        film.put(channel, np.zeros((film.count, 3)), name)
-    film.put("asleep", np.ones(film.count), name)
 
 
 def _resting(rng: np.random.Generator, *, gap: float) -> Film:
@@ -363,7 +339,7 @@ def _resting(rng: np.random.Generator, *, gap: float) -> Film:
         "other": ball(0.05, motion="dynamic", at=at + np.array([2, 2, 1.0])),
     }
     film = film_of(world(entities, frames=6, settings=RigidSettings(step=2e-3)))
-    _still(film, "sleeper", at + np.array([0, 0, height + size / 2 + gap]))
+    still(film, "sleeper", at + np.array([0, 0, height + size / 2 + gap]))
     return film
 
 

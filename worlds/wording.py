@@ -133,7 +133,11 @@ _BEYOND = re.compile(
 """What ends the object of a verb."""
 _COUNTS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen",
            "sixteen", "seventeen", "eighteen", "nineteen", "twenty")  # fmt: skip
-_NUMBER = re.compile(rf"\b({'|'.join(_COUNTS)}|[1-9]\d{{0,3}})\s+((?:[a-z]+[ -]){{0,2}}[a-z]+)", re.IGNORECASE)
+_UNIT = r"(?:[cmk]?m|[mk]?g|kilos?|[cmk]?l|m?s|min|h|hz|n|j|w|pa|k|rad|deg|degrees?|percent|times|tons?|tonnes?|gram(?:me)?s?|kilogram(?:me)?s?|lit(?:er|re)s?|(?:centi|milli|kilo)?met(?:er|re)s?|inch(?:es)?|f(?:oo|ee)t|seconds?|minutes?|hours?|days?|years?)"
+_NUMBER = re.compile(
+    rf"(?<![.\d])\b({'|'.join(_COUNTS)}|[1-9]\d{{0,3}})\s+(?!{_UNIT}\b)((?:[a-z]+[ -]){{0,2}}[a-z]+)", re.IGNORECASE
+)
+"""A number and up to three words that it may count; a number of units counts nothing."""
 
 
 def _verb(word: str) -> str:

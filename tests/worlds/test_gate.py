@@ -43,6 +43,15 @@ def test_what_a_verb_acts_on_and_how_many_are_found() -> None:
     assert not {"floor", "table"} & set(objects_in(text))
     assert numbers_in(text) == ((5, ("bottle",)),)
     assert numbers_in("2 boxes, then twenty dominoes") == ((2, ("box",)), (20, ("domino",)))
+    for measure in (
+        "a 3 m long ramp",
+        "a two metre high wall",
+        "a 1.5 kg ball",
+        "a ball of 5 kg",
+        "3 times a crate",
+        "a crate 20 cm wide",
+    ):
+        assert numbers_in(measure) == ()
     assert objects_in("An apple drops onto the table beside the books") == ()
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from .. import __version__
 from ..worlds.errors import InputError, WorldAgentError
+from .token_commands import add_token_commands
 
 __all__ = ["BENCHMARKS", "default_workspace", "leave", "main"]
 
@@ -74,6 +75,14 @@ def _parser() -> argparse.ArgumentParser:
     serve.add_argument(
         "--allow-host", action="append", default=[], metavar="NAME", help="HTTP: further name in Host and Origin headers"
     )
+    serve.add_argument(
+        "--allow-origin",
+        action="append",
+        default=[],
+        metavar="ORIGIN",
+        help="HTTP: origin besides the server's own whose pages may call it, e.g. https://tools.example",
+    )
+    add_token_commands(commands.add_parser("token", help="Issue, list and revoke bearer tokens."))
 
     demo = add("demo", _demo, "A scripted MCP client takes a flawed specification to an accepted world and its film.")
     demo.add_argument("--seed", type=int, default=1, help="which flaws the first specification carries")
@@ -148,6 +157,8 @@ def _serve(arguments: argparse.Namespace) -> int:
     import logging
 
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    # Workers inherit the environment; the token is none of their business.
+    token = os.environ.pop(ENV_TOKEN, None) or None
     workspace: Path = (arguments.workspace or default_workspace()).expanduser().absolute()
     if workspace.exists() and not workspace.is_dir():
         raise InputError(f"workspace {str(workspace)!r} is a file; give a folder")
@@ -158,8 +169,9 @@ def _serve(arguments: argparse.Namespace) -> int:
             workspace,
             host=arguments.host,
             port=arguments.port,
-            token=arguments.token or os.environ.get(ENV_TOKEN) or None,
+            token=arguments.token or token,
             allowed_hosts=arguments.allow_host,
+            allowed_origins=arguments.allow_origin,
             announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
         )
     else:

@@ -1,71 +1,105 @@
-"""Streamable HTTP: loopback by default, a bearer token elsewhere, Host and Origin checked always."""
+"""The HTTP server: MCP, the web page and a health answer in one application behind one guard."""
 
 from __future__ import annotations
 
-import hmac
+import importlib
+import importlib.util
 import socket
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mcp.server.auth.provider import AccessToken
-from mcp.server.auth.settings import AuthSettings
 from mcp.server.transport_security import TransportSecuritySettings
-from pydantic import AnyHttpUrl
+from starlette.requests import Request
+from starlette.responses import JSONResponse
+from starlette.routing import BaseRoute, Route
+from starlette.types import ASGIApp
 
+from .. import __version__
+from ..execution import JobStore
 from ..tools.context import ToolBinding
 from ..worlds.errors import InputError
 from .app import create_server
+from .guard import BODY_BYTES, Guard, GuardRules
+from .scopes import ScopeCheck
+from .tokens import TokenBook
 
-__all__ = ["LOOPBACK", "StaticToken", "check_binding", "serve_http"]
+__all__ = ["LOOPBACK", "check_binding", "http_app", "serve_http", "transport_security"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 MAX_SESSIONS = 64
-SHORTEST_TOKEN = 16
+SESSION_IDLE_SECONDS = 1800.0
 
 
-class StaticToken:
-    """Accepts one bearer token, compared in constant time."""
-
-    def __init__(self, token: str) -> None:
-        self._token = token.encode()
-
-    async def verify_token(self, token: str) -> AccessToken | None:
-        """Access for the token, None for any other."""
-        if not hmac.compare_digest(token.encode(), self._token):
-            return None
-        return AccessToken(token=token, client_id="worldagent", scopes=[])
-
-
-def check_binding(host: str, token: str | None, allowed_hosts: Sequence[str]) -> None:
+def check_binding(host: str, tokens: TokenBook, allowed_hosts: Sequence[str]) -> None:
     """Refuse to listen where others could reach the server unasked.
 
     Raises:
-        InputError: The host is not loopback and there is no token, or no name to check the Host header against; or
-            the token is too short.
+        InputError: The host is not loopback and there is no token, or no name to check the Host header against.
     """
-    if token is not None and len(token) < SHORTEST_TOKEN:
-        raise InputError(f"the token has {len(token)} characters, it needs at least {SHORTEST_TOKEN}")
     if host in LOOPBACK:
         return
-    if token is None:
+    if not tokens.required():
         raise InputError(
-            f"host {host!r} is reachable by others: give --token (or WORLDAGENT_TOKEN), or bind one of {', '.join(LOOPBACK)}"
+            f"host {host!r} is reachable by others: issue a token (worldagent token add NAME) or give one by "
+            f"WORLDAGENT_TOKEN or --token, or bind one of {', '.join(LOOPBACK)}"
         )
     if host in ("0.0.0.0", "::", "") and not allowed_hosts:  # noqa: S104 - compared, not bound
         raise InputError(f"host {host!r} means all interfaces: name with --allow-host how clients call this machine")
 
 
-def transport_security(host: str, allowed_hosts: Sequence[str]) -> TransportSecuritySettings:
-    """Hosts and origins that requests may name."""
-    names = list(dict.fromkeys([*(LOOPBACK if host in LOOPBACK else (host,)), *allowed_hosts]))
-    hosts = [f"[{name}]" if ":" in name else name for name in names]
+def host_names(host: str, allowed_hosts: Sequence[str]) -> list[str]:
+    """Names that a Host header may carry."""
+    return list(dict.fromkeys([*(LOOPBACK if host in LOOPBACK else (host,)), *allowed_hosts]))
+
+
+def transport_security(host: str, allowed_hosts: Sequence[str], origins: Sequence[str] = ()) -> TransportSecuritySettings:
+    """The SDK's own check of Host and Origin, behind the guard's, which is stricter."""
+    hosts = [f"[{name}]" if ":" in name else name for name in host_names(host, allowed_hosts)]
     return TransportSecuritySettings(
         enable_dns_rebinding_protection=True,
         allowed_hosts=[entry for name in hosts for entry in (name, f"{name}:*")],
         allowed_origins=[
             entry for name in hosts for scheme in ("http", "https") for entry in (f"{scheme}://{name}", f"{scheme}://{name}:*")
-        ],
+        ]
+        + list(origins),
     )
+
+
+def http_app(
+    workspace: Path,
+    *,
+    host: str = "127.0.0.1",
+    tokens: TokenBook,
+    allowed_hosts: Sequence[str] = (),
+    allowed_origins: Sequence[str] = (),
+    tools: Sequence[ToolBinding] | None = None,
+) -> ASGIApp:
+    """One application: `/mcp`, the page at `/` with `/api/...`, and `/healthz`.
+
+    Args:
+        workspace: Root of all worlds.
+        host: Address that the server binds.
+        tokens: Who may come in.
+        allowed_hosts: Further names that the Host header may carry.
+        allowed_origins: Origins other than the server's own whose pages may call it.
+        tools: Tools to serve; default all.
+    """
+    if tools is None:
+        from ..tools import TOOLS
+
+        tools = TOOLS
+    server = create_server(workspace, tools=tools)
+    server.middleware.append(ScopeCheck(tools))
+    app = server.streamable_http_app(
+        host=host,
+        max_sessions=MAX_SESSIONS,
+        session_idle_timeout=SESSION_IDLE_SECONDS,
+        max_request_body_size=BODY_BYTES,
+        transport_security=transport_security(host, allowed_hosts, allowed_origins),
+    )
+    app.router.routes.append(Route("/healthz", _healthz, methods=["GET"]))
+    app.router.routes.extend(_page(server.workspace, lambda: server.jobs))
+    return Guard(app, GuardRules(host_names(host, allowed_hosts), allowed_origins), tokens)
 
 
 def serve_http(
@@ -75,6 +109,7 @@ def serve_http(
     port: int,
     token: str | None,
     allowed_hosts: Sequence[str] = (),
+    allowed_origins: Sequence[str] = (),
     tools: Sequence[ToolBinding] | None = None,
     announce: Callable[[str], None],
 ) -> None:
@@ -84,23 +119,17 @@ def serve_http(
         workspace: Root of all worlds.
         host: Address to bind.
         port: Port to bind; 0 takes a free one.
-        token: Bearer token that every request must carry; None only on loopback.
-        allowed_hosts: Further names that the Host and Origin headers may carry.
+        token: A write token besides those of the workspace; without any, only loopback is served, to everyone on it.
+        allowed_hosts: Further names that the Host header may carry.
+        allowed_origins: Origins other than the server's own whose pages may call it.
         tools: Tools to serve; default all.
         announce: Gets the URL as soon as connections are accepted.
     """
-    import uvicorn
+    from .connections import uvicorn_server
 
-    check_binding(host, token, allowed_hosts)
-    server = create_server(
-        workspace,
-        tools=tools,
-        auth=None if token is None else AuthSettings(issuer_url=AnyHttpUrl("http://localhost"), resource_server_url=None),
-        token_verifier=None if token is None else StaticToken(token),
-    )
-    app = server.streamable_http_app(
-        host=host, max_sessions=MAX_SESSIONS, transport_security=transport_security(host, allowed_hosts)
-    )
+    tokens = TokenBook(workspace.expanduser().absolute(), given=token)
+    check_binding(host, tokens, allowed_hosts)
+    app = http_app(workspace, host=host, tokens=tokens, allowed_hosts=allowed_hosts, allowed_origins=allowed_origins, tools=tools)
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as listener:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -113,5 +142,16 @@ def serve_http(
         listener.listen(128)
         bound = listener.getsockname()[1]
         shown = f"[{host}]" if ":" in host else host
-        announce(f"http://{shown}:{bound}/mcp")
-        uvicorn.Server(uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=3)).run(sockets=[listener])
+        uvicorn_server(app, lambda: announce(f"http://{shown}:{bound}/mcp")).run(sockets=[listener])
+
+
+async def _healthz(request: Request) -> JSONResponse:
+    return JSONResponse({"ok": True, "version": __version__}, headers={"Cache-Control": "no-store"})
+
+
+def _page(workspace: Path, jobs: Callable[[], JobStore]) -> list[BaseRoute]:
+    """Routes of the web page, where it is installed."""
+    if importlib.util.find_spec(".page", __package__) is None:
+        return []
+    routes = importlib.import_module(f"{__package__}.page.routes")
+    return list(routes.page_routes(workspace, jobs))

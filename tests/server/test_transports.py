@@ -17,6 +17,7 @@ import pytest
 from mcp import Client, StdioServerParameters
 from worldagent.server.cli import main
 from worldagent.server.http import check_binding, transport_security
+from worldagent.server.tokens import TokenBook
 from worldagent.worlds.errors import InputError
 
 TOKEN = "a-token-of-32-characters-or-more"
@@ -137,16 +138,16 @@ def test_http_with_token_refuses_all_others(tmp_path: Path, fake_process: list[s
         ("127.0.0.1", "short", [], "at least 16"),
     ],
 )
-def test_open_bindings_are_refused(host: str, token: str | None, names: list[str], told: str) -> None:
+def test_open_bindings_are_refused(tmp_path: Path, host: str, token: str | None, names: list[str], told: str) -> None:
     with pytest.raises(InputError, match=told):
-        check_binding(host, token, names)
+        check_binding(host, TokenBook(tmp_path, given=token), names)
 
 
 @pytest.mark.parametrize(
     ("host", "token", "names"), [("127.0.0.1", None, []), ("::1", None, []), ("0.0.0.0", TOKEN, ["render.lan"])]
 )
-def test_other_bindings_are_allowed(host: str, token: str | None, names: list[str]) -> None:
-    check_binding(host, token, names)
+def test_other_bindings_are_allowed(tmp_path: Path, host: str, token: str | None, names: list[str]) -> None:
+    check_binding(host, TokenBook(tmp_path, given=token), names)
     settings = transport_security(host, names)
     assert settings.enable_dns_rebinding_protection
     assert all(f"{name}:*" in settings.allowed_hosts for name in names)

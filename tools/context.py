@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..execution import JobStore
+    from ..execution import Job, JobStore
 
-__all__ = ["Picture", "ToolBinding", "ToolContext", "ToolReply"]
+__all__ = ["Handover", "Picture", "ToolBinding", "ToolContext", "ToolReply"]
+
+
+@dataclass
+class Handover:
+    """Where a tool leaves the job that it started, for a client that follows jobs by itself (MCP tasks)."""
+
+    patience_s: float = 0.5
+    """How long the tool waits for the job's end [s], whatever its arguments say: a short job needs no following."""
+    job_id: str | None = None
+    """The job that runs on; None if the tool's reply is complete."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +34,8 @@ class ToolContext:
     """Reports (done, total, message) to the client; safe from any thread; never raises."""
     cancelled: Callable[[], bool]
     """Whether the client gave up on this call (a started job lives on)."""
+    handover: Handover | None = None
+    """Given when the client takes a running job instead of the reply."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +72,10 @@ class ToolBinding:
     idempotent: bool = False
     pictures: bool = False
     """Whether replies can hold pictures: then the tool declares no output schema."""
+    jobs: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)
+    """By kind of the jobs that the tool starts: the reply that the tool gives when such a job has ended; raises its error."""
+    meta: Mapping[str, Any] = field(default_factory=dict)
+    """`_meta` of the tool, for clients that read it: search words, size of results, a user interface."""
 
     @property
     def name(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
@@ -10,7 +10,10 @@ from ..worlds.errors import RefusedError
 from ..worlds.requirements import Row
 from .context import ToolContext, ToolReply
 
-__all__ = ["picture_reply", "probe_sim"]
+if TYPE_CHECKING:
+    from ..execution import Job
+
+__all__ = ["motion_reply", "picture_reply", "probe_sim"]
 
 
 def probe_sim(
@@ -62,3 +65,10 @@ def picture_reply(world: str, data: dict[str, Any]) -> ToolReply:
     name = data.get("picture")
     links = ((str(name), f"worldagent://worlds/{world}/pictures/{name}", "image/jpeg"),) if isinstance(name, str) else ()
     return ToolReply(data, links=links)
+
+
+def motion_reply(job: Job) -> ToolReply:
+    """Reply for a probe or a bake that has ended."""
+    from .waiting import ended_data
+
+    return picture_reply(str(job.world), ended_data(job))

@@ -10,11 +10,13 @@ from ..worlds.errors import EvidenceError, InputError
 from .context import Picture, ToolContext, ToolReply
 
 if TYPE_CHECKING:
+    from ..execution import Job
     from ..rendering.denoise import U8
     from ..worlds.candidate import Candidate
+    from ..worlds.folder import WorldFolder
     from .session import Session
 
-__all__ = ["render_shot"]
+__all__ = ["film_reply", "render_shot"]
 
 LEDGER_SIZE = (1200, 1000)
 """Pixels of a ledger plot: six panels with legends."""
@@ -177,11 +179,24 @@ def _final(
     require_acceptance(session, freeze)
     size = {"width": width, "height": height, "samples": samples}
     key = f"final:{freeze}:{session.revision}:{width}:{height}:{samples}"
-    data = start_and_wait(context, session, "final", size, wait_s=wait_s, key=key)
+    return _film_reply(session.folder, start_and_wait(context, session, "final", size, wait_s=wait_s, key=key))
+
+
+def film_reply(job: Job) -> ToolReply:
+    """Reply for a final sequence that has ended."""
+    from pathlib import Path
+
+    from ..worlds.folder import WorldFolder
+    from .waiting import ended_data
+
+    return _film_reply(WorldFolder(Path(job.payload["folder"])), ended_data(job))
+
+
+def _film_reply(folder: WorldFolder, data: dict[str, Any]) -> ToolReply:
     name = data.get("picture")
     if name is None:
-        return ToolReply({"world": session.folder.id, "kind": "final", **data})
-    sheet = Picture((session.folder.pictures / name).read_bytes(), "jpeg")
-    base = f"worldagent://worlds/{session.folder.id}"
+        return ToolReply({"world": folder.id, "kind": "final", **data})
+    sheet = Picture((folder.pictures / name).read_bytes(), "jpeg")
+    base = f"worldagent://worlds/{folder.id}"
     links = ((name, f"{base}/pictures/{name}", "image/jpeg"), ("film", f"{base}/film", "video/webm"))
-    return ToolReply({"world": session.folder.id, "kind": "final", **data}, pictures=(sheet,), links=links)
+    return ToolReply({"world": folder.id, "kind": "final", **data}, pictures=(sheet,), links=links)

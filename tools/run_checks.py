@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -10,7 +10,10 @@ from ..worlds.errors import InputError, RefusedError
 from .context import ToolContext, ToolReply
 from .links import proof_links
 
-__all__ = ["run_checks"]
+if TYPE_CHECKING:
+    from ..execution import Job
+
+__all__ = ["run_checks", "verdict_reply"]
 
 Check = Literal[
     "scale",
@@ -68,15 +71,27 @@ def run_checks(
             raise InputError("acceptance runs every check; leave only out")
         if session.ledger.bake(_freeze(session)) is None:
             raise RefusedError("acceptance needs a complete bake of exactly these settings; call probe_sim and bake_sim first")
-        data = start_and_wait(context, session, "accept", {}, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
+        judged = {"revision": session.revision}
+        data = start_and_wait(context, session, "accept", judged, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
     else:
         session.require_audit(f"{scope} checks")
-        payload = {"scope": scope, "only": only}
+        payload = {"scope": scope, "only": only, "revision": session.revision}
         which = "+".join(only or ("all",))
         data = start_and_wait(
             context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{which}:{session.revision}", reuse=False
         )
-    return ToolReply({"world": world, "revision": session.revision, **data}, links=proof_links(world, data))
+    return _reply(world, session.revision, data)
+
+
+def verdict_reply(job: Job) -> ToolReply:
+    """Reply for checks or an acceptance that have ended."""
+    from .waiting import ended_data
+
+    return _reply(str(job.world), int(job.payload["revision"]), ended_data(job))
+
+
+def _reply(world: str, revision: int, data: dict[str, Any]) -> ToolReply:
+    return ToolReply({"world": world, "revision": revision, **data}, links=proof_links(world, data))
 
 
 def _freeze(session: Any) -> str:

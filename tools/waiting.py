@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 from ..execution import Job, result_of
 from .context import ToolContext
 from .session import Session
 
-__all__ = ["job_data", "start_and_wait"]
+__all__ = ["ended_data", "job_data", "start_and_wait"]
 
 POLL_SECONDS = 0.5
 MOST_JOBS = 1000
@@ -33,6 +32,15 @@ def job_data(job: Job) -> dict[str, Any]:
     return data
 
 
+def ended_data(job: Job) -> dict[str, Any]:
+    """What `start_and_wait` returns for a job that has ended.
+
+    Raises:
+        WorldAgentError: The job failed with it, or was cancelled.
+    """
+    return {"job_id": job.id, **result_of(job)}
+
+
 def _turn(context: ToolContext, session: Session, kind: str, key: str, *, reuse: bool) -> str:
     """The key of the latest such job where it counts, else the next free one."""
     jobs = context.jobs.list(session.folder.id, limit=MOST_JOBS)
@@ -53,7 +61,6 @@ def start_and_wait(
     wait_s: float,
     key: str,
     reuse: bool = True,
-    reply: Callable[[dict[str, Any]], dict[str, Any]] | None = None,
 ) -> dict[str, Any]:
     """Submit `worldagent.tools.jobs:<kind>` and wait at most `wait_s` seconds.
 
@@ -73,11 +80,14 @@ def start_and_wait(
         key=_turn(context, session, kind, f"{key}:{session.stamp()}", reuse=reuse),
         exclusive=True,
     )
+    if context.handover is not None:
+        wait_s = min(wait_s, context.handover.patience_s)
     deadline = time.monotonic() + wait_s
     while not job.ended and time.monotonic() < deadline and not context.cancelled():
         job = context.jobs.wait(job.id, min(POLL_SECONDS, max(0.0, deadline - time.monotonic())))
         context.progress(job.progress_done, job.progress_total, job.message or f"{kind}: {job.state}")
     if not job.ended:
+        if context.handover is not None:
+            context.handover.job_id = job.id
         return {**job_data(job), "next": f"job(action='wait', job_id='{job.id}') until it is done"}
-    result = result_of(job)
-    return {"job_id": job.id, **(reply(result) if reply else result)}
+    return ended_data(job)

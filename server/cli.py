@@ -94,6 +94,17 @@ def _parser() -> argparse.ArgumentParser:
     doctor.add_argument("--json", action="store_true", help="print JSON instead of a table")
     doctor.add_argument("--workspace", type=Path, metavar="DIR", help="workspace to check")
 
+    setup = add("setup", _setup, "Put this server into a client's list of servers; shows the entry unless told to write it.")
+    setup.add_argument(
+        "clients", nargs="*", metavar="CLIENT", help="claude-desktop, claude-code, codex, ...; none lists them all"
+    )
+    setup.add_argument("--write", action="store_true", help="change the list; the old file is kept beside it")
+    setup.add_argument("--dry-run", action="store_true", help="show the lines that would change")
+    setup.add_argument("--workspace", type=Path, metavar="DIR", help="root of all worlds that the client gets")
+    setup.add_argument("--project", type=Path, metavar="DIR", help="the list of this project instead of the user's")
+    setup.add_argument("--file", type=Path, help="the list lies here")
+    setup.add_argument("--through", choices=("wsl", "docker"), help="started by wsl.exe, or inside the container `worldagent`")
+
     verify = add(
         "verify",
         _verify,
@@ -218,6 +229,15 @@ def _doctor(arguments: argparse.Namespace) -> int:
     report = examine((arguments.workspace or default_workspace()).expanduser().absolute())
     print(json.dumps(report) if arguments.json else table(report))
     return OK if report["ok"] else FAILED
+
+
+def _setup(arguments: argparse.Namespace) -> int:
+    from .setup import setup
+
+    workspace = (arguments.workspace or default_workspace()).expanduser().absolute()
+    options = {k: getattr(arguments, k) for k in ("write", "dry_run", "project", "file", "through")}
+    print(setup(arguments.clients, workspace, **options))
+    return OK
 
 
 def _intervals(text: str) -> int:

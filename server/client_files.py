@@ -7,6 +7,7 @@ is left alone.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -100,7 +101,8 @@ def write_list(file: Path, before: str, after: str) -> Path | None:
         _write(temporary, after.encode(), mode)
         temporary.replace(target)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink()
         raise InputError(f"{file} can't be written: {error.strerror}; nothing was changed") from error
     return kept
 

@@ -15,7 +15,8 @@ from mcp.server.auth.provider import TokenVerifier
 from mcp.server.auth.settings import AuthSettings
 from mcp.server.lowlevel.helper_types import ReadResourceContents
 from mcp.server.mcpserver import Context
-from mcp.types import CallToolResult, InputRequiredResult, Tool, ToolAnnotations
+from mcp.shared.exceptions import MCPError
+from mcp.types import INVALID_PARAMS, CallToolResult, GetPromptResult, InputRequiredResult, Tool, ToolAnnotations
 from pydantic import AnyUrl
 
 from .. import __version__
@@ -26,6 +27,7 @@ from .arguments import Arguments
 from .calls import error_result, error_text, run_in_thread
 from .prompts import add_prompts
 from .resources import add_resources
+from .wire import stdio_streams
 
 __all__ = ["INSTRUCTIONS", "WorldServer", "create_server"]
 
@@ -126,6 +128,21 @@ class WorldServer(MCPServer[Any]):
                 await context.report_progress(done, total, message)
 
         return await run_in_thread(binding, parsed, self._context_of, send, self._limiter)
+
+    async def get_prompt(
+        self, name: str, arguments: dict[str, Any] | None = None, context: Context[Any, Any] | None = None
+    ) -> GetPromptResult | InputRequiredResult:
+        """A prompt; an unknown name or a missing argument is the caller's fault, which the SDK answers as the server's."""
+        try:
+            return await super().get_prompt(name, arguments, context)
+        except ValueError as error:
+            known = ", ".join(prompt.name for prompt in await self.list_prompts())
+            raise MCPError(INVALID_PARAMS, f"{error}. Prompts: {known}") from error
+
+    async def run_stdio_async(self) -> None:
+        """Serve one client over stdin and stdout until stdin ends."""
+        async with stdio_streams() as (read, write):
+            await self._lowlevel_server.run(read, write, self._lowlevel_server.create_initialization_options())
 
     def _context_of(self, progress: Callable[[float, float | None, str], None], cancelled: Callable[[], bool]) -> ToolContext:
         return ToolContext(workspace=self.workspace, jobs=self.jobs, progress=progress, cancelled=cancelled)

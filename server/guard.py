@@ -21,11 +21,12 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ..worlds.errors import EvidenceError
+from .messages import MESSAGE_BYTES
 from .tokens import TokenBook
 
 __all__ = ["BODY_BYTES", "Attempts", "Guard", "GuardRules", "same_origin"]
 
-BODY_BYTES = 4 * 1024 * 1024
+BODY_BYTES = MESSAGE_BYTES
 """Largest request body [bytes]."""
 BODY_SECONDS = 30.0
 """Longest time that a request body may take to arrive [s]."""

@@ -99,7 +99,7 @@ def http_app(
     )
     app.router.routes.append(Route("/healthz", _healthz, methods=["GET"]))
     app.router.routes.extend(_page(server.workspace, lambda: server.jobs))
-    return Guard(app, GuardRules(host_names(host, allowed_hosts), allowed_origins), tokens)
+    return Guard(StrictBodies(app, "/mcp"), GuardRules(host_names(host, allowed_hosts), allowed_origins), tokens)
 
 
 def serve_http(

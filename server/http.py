@@ -22,6 +22,7 @@ from .app import create_server
 from .guard import BODY_BYTES, Guard, GuardRules
 from .scopes import ScopeCheck
 from .tokens import TokenBook
+from .wire import StrictBodies
 
 __all__ = ["LOOPBACK", "check_binding", "http_app", "serve_http", "transport_security"]
 

@@ -47,7 +47,11 @@ def no_json(draw: random.Random, era: str) -> Iterator[Case]:
         at = draw.randrange(1, len(good) - 1)
         yield Case("NUL", good[:at] + b"\0" + good[at:], (PARSE,))
         spot = good.index(b'"list') + 1
-        yield Case("invalid UTF-8", good[:spot] + draw.choice([b"\xff", b"\xc3\x28", b"\xed\xa0\x80", b"\xf8\x88"]) + good[spot:], (PARSE,))
+        yield Case(
+            "invalid UTF-8",
+            good[:spot] + draw.choice([b"\xff", b"\xc3\x28", b"\xed\xa0\x80", b"\xf8\x88"]) + good[spot:],
+            (PARSE,),
+        )
         number = draw.choice([b"NaN", b"Infinity", b"-Infinity", b"1e", b"0x10", b"01", b"+1", b".5", b"1" * 5000])
         yield Case("no number", good.replace(b'"list"', number), (PARSE,))
         yield Case("lone surrogate", good.replace(b"list", draw.choice([b"\\ud800", b"\\udfff", b"\\ud800\\u0041"])), (PARSE,))
@@ -92,7 +96,17 @@ def odd_requests(draw: random.Random, era: str) -> Iterator[Case]:
         ask = json.dumps(request(era, name, "prompts/list")).encode()
         yield Case("odd id", ask, id=name, result=True)
         yield Case("doubled keys", ask[:-1] + b',"method":"no/such"}', (UNKNOWN,), name)
-        for method in ("no/such", "", "__class__", "tools/call/../list", "x" * 10_000, "TOOLS/LIST", "tools/list\0", "\u202e", "rpc.discover"):
+        for method in (
+            "no/such",
+            "",
+            "__class__",
+            "tools/call/../list",
+            "x" * 10_000,
+            "TOOLS/LIST",
+            "tools/list\0",
+            "\u202e",
+            "rpc.discover",
+        ):
             yield Case("method", json.dumps(request(era, name, method)).encode(), ANY_ERROR, name)
         for method, params in (
             ("tools/call", {}),
@@ -115,11 +129,24 @@ def odd_requests(draw: random.Random, era: str) -> Iterator[Case]:
         ):
             yield Case(f"{method} {str(params)[:60]}", json.dumps(request(era, name, method, params)).encode(), ANY_ERROR, name)
         if era == LEGACY:
-            yield Case("a version that is no text", json.dumps(request(era, name, "initialize", {"protocolVersion": 5})).encode(), ANY_ERROR, name)
+            yield Case(
+                "a version that is no text",
+                json.dumps(request(era, name, "initialize", {"protocolVersion": 5})).encode(),
+                ANY_ERROR,
+                name,
+            )
         wrong = {"io.modelcontextprotocol/protocolVersion": draw.choice(["1999-01-01", 5, None, "x" * 1000, ["2026-07-28"]])}
-        yield Case("envelope", json.dumps({**request(era, name, "prompts/list"), "params": {"_meta": wrong}}).encode(), ANY_ERROR, name)
+        yield Case(
+            "envelope",
+            json.dumps({**request(era, name, "prompts/list"), "params": {"_meta": wrong}}).encode(),
+            ANY_ERROR,
+            name,
+            result=era == LEGACY,
+        )
         for meta in (5, [], "x"):
-            yield Case("meta", json.dumps({**request(era, name, "prompts/list"), "params": {"_meta": meta}}).encode(), ANY_ERROR, name)
+            yield Case(
+                "meta", json.dumps({**request(era, name, "prompts/list"), "params": {"_meta": meta}}).encode(), ANY_ERROR, name
+            )
 
 
 def odd_calls(draw: random.Random, era: str) -> Iterator[Case]:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import http.client
 import json
-import os
 import queue
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
+from mcp.shared.inbound import encode_header_value
 from worldagent.server.messages import MESSAGE_BYTES
 
 MODERN, LEGACY = "2026-07-28", "2025-11-25"
@@ -73,10 +73,8 @@ class Stdio:
 
     def __exit__(self, *error: object) -> None:
         assert self.child.stdin is not None
-        try:
+        with suppress(BrokenPipeError):
             self.child.stdin.close()
-        except BrokenPipeError:
-            pass
         try:
             self.child.wait(10)
         finally:
@@ -162,10 +160,11 @@ class Http:
         if self.era == LEGACY and self.session:
             found["Mcp-Session-Id"] = self.session
         if self.era == MODERN and body is not None:
-            params = body.get("params") or {}
-            found["Mcp-Method"] = str(body.get("method"))
-            if name := params.get("name") or params.get("uri"):
-                found["Mcp-Name"] = str(name)
+            params = body.get("params")
+            found["Mcp-Method"] = encode_header_value(str(body.get("method")))
+            name = (params.get("name") or params.get("uri")) if isinstance(params, dict) else None
+            if name is not None:
+                found["Mcp-Name"] = encode_header_value(str(name))
         return found
 
     def post(
@@ -214,4 +213,4 @@ def decoded(body: bytes) -> dict[str, Any]:
 
 def descriptors(pid: int) -> int:
     """Open file descriptors of a process."""
-    return len(os.listdir(f"/proc/{pid}/fd"))
+    return sum(1 for _ in Path(f"/proc/{pid}/fd").iterdir())

@@ -6,16 +6,14 @@ so that the client's own start does not count. Target: at most 0.5 s above the b
 
 from __future__ import annotations
 
-import json
 import statistics
-import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["BARE_SERVER", "run", "seconds_to_tools"]
+from ..server.handshake import seconds_to_tools
+
+__all__ = ["BARE_SERVER", "run"]
 
 ROUNDS = 9
 BARE_SERVER = """
@@ -29,33 +27,6 @@ def add(a: int, b: int) -> int:
 
 server.run()
 """
-_HANDSHAKE: tuple[dict[str, Any], ...] = (
-    {
-        "jsonrpc": "2.0",
-        "id": 1,
-        "method": "initialize",
-        "params": {"protocolVersion": "2025-11-25", "capabilities": {}, "clientInfo": {"name": "bench", "version": "1"}},
-    },
-    {"jsonrpc": "2.0", "method": "notifications/initialized"},
-    {"jsonrpc": "2.0", "id": 2, "method": "tools/list"},
-)
-
-
-def seconds_to_tools(command: Sequence[str]) -> tuple[float, int]:
-    """Time from the start of a stdio server to its answer to `tools/list` [s], and how many tools it named."""
-    begin = time.perf_counter()
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as child:
-        assert child.stdin is not None
-        assert child.stdout is not None
-        child.stdin.write("".join(json.dumps(message) + "\n" for message in _HANDSHAKE).encode())
-        child.stdin.flush()
-        for line in child.stdout:
-            answer = json.loads(line)
-            if answer.get("id") == 2:
-                seconds = time.perf_counter() - begin
-                child.stdin.close()
-                return seconds, len(answer["result"]["tools"])
-    raise RuntimeError(f"{command[:4]} ended without an answer to tools/list")
 
 
 def run() -> dict[str, Any]:

@@ -91,6 +91,7 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--final", action="store_true", help="film of 1920 x 1080 at 64 samples per pixel")
     demo.add_argument("--no-render", action="store_true", help="stop after acceptance")
     doctor = add("doctor", _doctor, "Check this installation; exit code 0 when everything required works.")
+    doctor.add_argument("--repair", action="store_true", help="mend what is safe to mend unasked, and say what was done")
     doctor.add_argument("--json", action="store_true", help="print JSON instead of a table")
     doctor.add_argument("--workspace", type=Path, metavar="DIR", help="workspace to check")
 
@@ -224,9 +225,10 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 
 def _doctor(arguments: argparse.Namespace) -> int:
-    from .doctor import examine, table
+    from .doctor import examine, repair, table
 
-    report = examine((arguments.workspace or default_workspace()).expanduser().absolute())
+    workspace = (arguments.workspace or default_workspace()).expanduser().absolute()
+    report = repair(workspace, lambda text: print(text, file=sys.stderr)) if arguments.repair else examine(workspace)
     print(json.dumps(report) if arguments.json else table(report))
     return OK if report["ok"] else FAILED
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import pytest
 from worldagent.bench.machine import run_benchmark
 from worldagent.server import doctor
+from worldagent.server.check import Check
 from worldagent.server.cli import BENCHMARKS, default_workspace, main
 from worldagent.server.health import PROOFS
 from worldagent.worlds.errors import RefusedError
@@ -118,21 +120,24 @@ def test_a_workspace_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.Ca
     assert "is a file" in capsys.readouterr().err
 
 
-def _proof(name: str) -> dict[str, Any]:
-    return {"name": f"{name} works", "ok": name != "libllvm", "required": name not in doctor.OPTIONAL, "detail": "shown"}
+def _proof(name: str) -> Check:
+    return Check(f"{name} works", name != "libllvm", "shown", name not in doctor.OPTIONAL, "speed", "install it")
 
 
 def test_doctor_passes_without_what_is_optional(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(doctor, "_proof", _proof)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(doctor, "CLIENT_CHECKS", ())
     workspace = tmp_path / "absent"
     assert main(["doctor", "--json", "--workspace", str(workspace)]) == 0
     report = json.loads(capsys.readouterr().out)
     checks = {check["name"]: check for check in report["checks"]}
     assert "3.11" in checks["python"]["detail"]
     assert checks["mujoco"]["detail"] == "4.0.0, Apache-2.0"
-    assert checks["libllvm works"] == {"name": "libllvm works", "ok": False, "required": False, "detail": "shown"}
+    assert not checks["libllvm works"]["ok"]
+    assert not checks["libllvm works"]["required"]
     assert not workspace.exists()
 
 
@@ -140,23 +145,25 @@ def test_doctor_fails_when_something_required_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(doctor, "_proof", _proof)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(doctor, "CLIENT_CHECKS", ())
     (tmp_path / "file").write_text("")
     assert main(["doctor", "--workspace", str(tmp_path / "file")]) == 1
-    assert "FAIL    workspace" in capsys.readouterr().out
+    assert re.search(r"^FAIL +workspace ", capsys.readouterr().out, re.MULTILINE)
 
 
 def test_a_proof_that_ends_its_process_fails_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "executable", "/bin/false")
     (found,) = doctor._prove(["mujoco"])
-    assert not found["ok"]
-    assert "ended with code 1" in found["detail"]
+    assert not found.ok
+    assert "ended with code 1" in found.detail
 
 
 def test_doctor_runs_every_proof_and_one_of_them_for_real() -> None:
     assert tuple(PROOFS) == doctor._PROOF_NAMES
     (found,) = doctor._prove(["python-fcl"])
-    assert found["ok"]
-    assert found["detail"] == "distance 2.0000 m"
+    assert found.ok
+    assert found.detail == "distance 2.0000 m"
 
 
 def test_a_benchmark_is_joined_with_what_it_was_measured_on(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,12 +8,17 @@ from __future__ import annotations
 from .context import JobContext
 from .executor import Executor, ExecutorLocal
 from .inline import run_inline
-from .job import ENDED_STATES, JOB_STATES, Cancelled, Job, JobState, Progress, result_of
+from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled, Job, JobState, Progress, result_of
 from .jobs import JobStore
+from .queue import Standing
+from .usage import machine_memory
 
 __all__ = [
+    "BULK",
     "ENDED_STATES",
+    "INTERACTIVE",
     "JOB_STATES",
+    "NORMAL",
     "Cancelled",
     "Executor",
     "ExecutorLocal",
@@ -22,6 +27,8 @@ __all__ = [
     "JobState",
     "JobStore",
     "Progress",
+    "Standing",
+    "machine_memory",
     "result_of",
     "run_inline",
 ]

@@ -17,7 +17,7 @@ from typing import Any
 
 from ..worlds.errors import EngineError, InputError, LimitError, RefusedError, WorldAgentError
 
-__all__ = ["JSON_BYTES_MAX", "as_json", "check_entry", "checked_result", "error_of", "load_entry"]
+__all__ = ["JSON_BYTES_MAX", "as_json", "check_entry", "check_module", "checked_result", "error_of", "load_entry"]
 
 JSON_BYTES_MAX = 4_000_000
 """Cap of a payload and of a result [bytes]: own choice; arrays go to files, rows carry paths."""
@@ -44,6 +44,16 @@ def check_entry(entry: str) -> str:
     if match["package"] not in _allowed_packages():
         raise RefusedError(f"entry {entry!r} lies outside 'worldagent.'; jobs run functions of this package only")
     return entry
+
+
+def check_module(module: str) -> str:
+    """Return `module` if it is one that may hold entries.
+
+    Raises:
+        InputError: It is no dotted name.
+        RefusedError: It lies outside this package.
+    """
+    return check_entry(f"{module}:f").partition(":")[0]
 
 
 def load_entry(entry: str) -> Callable[..., Any]:

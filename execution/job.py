@@ -8,12 +8,28 @@ from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 from ..worlds import errors
 from ..worlds.errors import EngineError, WorldAgentError
 
-__all__ = ["ENDED_STATES", "JOB_STATES", "Cancelled", "Job", "JobState", "Progress", "as_exception", "result_of"]
+__all__ = [
+    "BULK",
+    "ENDED_STATES",
+    "INTERACTIVE",
+    "JOB_STATES",
+    "NORMAL",
+    "Cancelled",
+    "Job",
+    "JobState",
+    "Progress",
+    "Usage",
+    "as_exception",
+    "result_of",
+]
 
 JobState: TypeAlias = Literal["queued", "running", "done", "failed", "cancelled", "lost"]
 
 JOB_STATES: tuple[JobState, ...] = get_args(JobState)
 ENDED_STATES: tuple[JobState, ...] = ("done", "failed", "cancelled", "lost")
+
+BULK, NORMAL, INTERACTIVE = 0, 10, 20
+"""Priorities: hours of work; work that a client waits for; looks that take seconds. The last may run beside full slots."""
 
 
 class Cancelled(WorldAgentError):  # noqa: N818 - the outcome was asked for; it is no error
@@ -26,6 +42,15 @@ class Progress(NamedTuple):
     done: float
     total: float | None
     message: str
+
+
+class Usage(NamedTuple):
+    """What a task used; None where it was not measured."""
+
+    peak_bytes: int | None
+    """Largest resident memory of its processes together [bytes]."""
+    cpu_s: float | None
+    """CPU time of its processes [s]."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +70,7 @@ class Job:
     exclusive: bool
     """Whether it writes its world: of these, one per world runs at a time."""
     priority: int
-    """Higher starts first; equal ones in order of submission."""
+    """Higher starts first; see `BULK`, `NORMAL`, `INTERACTIVE`."""
     progress_done: float
     """Never falls."""
     progress_total: float | None
@@ -73,9 +98,17 @@ class Job:
     wall_s: float | None
     """Cap of the running time [s]."""
     memory_bytes: int | None
-    """Cap of the address space of each process of the task [bytes]."""
+    """Cap of the resident memory of all processes of the task together [bytes]."""
     log: str
     """Output and traces of the task, path relative to the workspace."""
+    warm: bool = False
+    """Whether it may start in a process that has the engines of its entry's module loaded."""
+    left_s: float | None = None
+    """Time until its end, estimated at `heartbeat` from the measured rate of progress [s]; None where nobody knows."""
+    peak_bytes: int | None = None
+    """Largest resident memory of its processes together so far [bytes]."""
+    cpu_s: float | None = None
+    """CPU time of its processes [s], once it ended."""
 
     @property
     def ended(self) -> bool:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..worlds.errors import InputError
 from .entries import as_json, check_entry
 from .job import Job, JobState
-from .launch import pump, start
+from .launch import pump, start, warm_up
 from .processes import core_count
+from .pruning import prune
+from .queue import Standing, insert, standing
 from .table import JobTable
 
 __all__ = ["JobStore"]
@@ -53,6 +56,7 @@ class JobStore:
         priority: int = 0,
         wall_s: float | None = None,
         memory_bytes: int | None = None,
+        warm: bool = False,
     ) -> Job:
         """Queue a job and start it if it is its turn.
 
@@ -64,13 +68,16 @@ class JobStore:
             key: Idempotency key. A job of the same kind, world, and key that is queued, running, or done is
                 returned instead; one that failed, was cancelled, or got lost is run anew.
             exclusive: Whether it writes its world: such jobs of one world run one after another.
-            priority: Higher starts first.
+            priority: Higher starts first: `BULK`, `NORMAL` or `INTERACTIVE`. Of equal ones the worlds take turns.
             wall_s: Cap of its running time [s].
-            memory_bytes: Cap of the address space of each of its processes [bytes]. Engines that reserve address
-                space they never touch (CUDA, LLVM) need a generous one.
+            memory_bytes: Cap of the resident memory of all its processes together [bytes], measured a few times a
+                second; what GPUs hold does not count.
+            warm: Whether it may start in a process that has the engines of the entry's module loaded, where one
+                waits (see `warm_up`). The module names them in its `WARM`.
 
         Raises:
             InputError: An argument is out of range or the payload is no plain data.
+            LimitError: Too many jobs of this world or workspace wait already; the payload is too large.
             RefusedError: The entry lies outside `worldagent.`.
         """
         if not _KIND.fullmatch(kind):
@@ -86,7 +93,8 @@ class JobStore:
             raise InputError(f"memory_bytes {memory_bytes} must be >= {2**26} (64 MiB)")
         text = as_json(payload, "the payload")
         self._recover_running()
-        job_id = self._table.insert(
+        job_id = insert(
+            self._table,
             key=key,
             kind=kind,
             world=world,
@@ -94,9 +102,11 @@ class JobStore:
             payload=text,
             exclusive=exclusive,
             priority=priority,
+            warm=warm,
             wall_s=wall_s,
             memory_bytes=memory_bytes,
         )
+        prune(self._table)
         return start(self._table, self._table.read(job_id), slots=self.slots)
 
     def get(self, job_id: str) -> Job:
@@ -112,11 +122,32 @@ class JobStore:
         return self._settled(job)
 
     def list(
-        self, world: str | None = None, state: JobState | None = None, *, limit: int = 50, offset: int = 0
+        self,
+        world: str | None = None,
+        state: JobState | Sequence[JobState] | None = None,
+        *,
+        limit: int = 50,
+        offset: int = 0,
     ) -> tuple[Job, ...]:
-        """Jobs, the newest first."""
+        """Jobs in one of these states (default: any), the newest first."""
         self.pump()
         return self._table.read_all(world=world, state=state, limit=limit, offset=offset)
+
+    def count(self, world: str | None = None, state: JobState | Sequence[JobState] | None = None) -> int:
+        """How many jobs `list` has to give in all."""
+        return self._table.count(world=world, state=state)
+
+    def standing(self, job: Job) -> Standing | None:
+        """How many jobs are ahead of a queued one and what it waits for; None if it is not queued any more."""
+        return standing(self._table, job)
+
+    def warm_up(self, module: str) -> bool:
+        """Have a process with the engines of the module `module` loaded wait for jobs of this workspace.
+
+        Returns at once; True if one waits or loads now. It ends after some idle minutes. Without one (not Linux,
+        switched off by WORLDAGENT_WARM=0, or it failed) jobs start cold.
+        """
+        return warm_up(self._table.workspace, module)
 
     def request_cancel(self, job_id: str) -> Job:
         """Ask a job to end; at once if it is queued, within 2 s if it runs. An ended job stays as it is.

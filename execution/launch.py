@@ -1,7 +1,8 @@
 """Start workers for the jobs whose turn it is.
 
 There is no daemon: whoever touches the queue moves it. `pump` runs when a job is submitted, looked at, or waited
-for, and when a worker ends. Claiming is atomic, so it does not matter how many processes pump at once.
+for, and when a worker ends. Claiming is atomic, so it does not matter how many processes pump at once. A job that may
+start warm is given to the workspace's nursery if one waits; otherwise it starts cold, and a nursery with it.
 """
 
 from __future__ import annotations
@@ -9,13 +10,15 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 from ..worlds.errors import EngineError
 from .job import Job
 from .processes import core_count
+from .queue import claim
 from .table import JobTable
 
-__all__ = ["pump", "settle", "start"]
+__all__ = ["pump", "settle", "start", "warm_up"]
 
 _starting: list[subprocess.Popen[bytes]] = []
 _starting_lock = threading.Lock()
@@ -25,7 +28,7 @@ def pump(table: JobTable, *, slots: int | None = None) -> int:
     """Start queued jobs up to `slots` running ones (default: cores); how many were started."""
     slots = core_count() if slots is None else slots
     _reap()
-    claimed = table.claim(slots)
+    claimed = claim(table, slots)
     for job_id in claimed:
         try:
             _spawn(table, job_id, slots)
@@ -41,16 +44,43 @@ def start(table: JobTable, job: Job, *, slots: int | None = None) -> Job:
     return table.read(job.id)
 
 
+def warm_up(workspace: Path, module: str) -> bool:
+    """Have a nursery with this module's engines loaded wait for jobs; whether one waits or loads now."""
+    if sys.platform != "linux":
+        return False
+    from .warm import is_there, start_nursery
+
+    process = start_nursery(workspace, module)
+    if process is not None:
+        with _starting_lock:
+            _starting.append(process)
+    return process is not None or is_there(workspace)
+
+
 def _spawn(table: JobTable, job_id: str, slots: int) -> None:
+    job = table.read(job_id)
+    module = job.entry.partition(":")[0]
+    if job.warm and _spawn_warm(table, job_id, module, slots):
+        return
     # -P: the workspace is the current folder and must not become a place to import from.
     command = [sys.executable, "-P", "-m", f"{__package__}.worker"]
     command += ["--workspace", str(table.workspace), "--job", job_id, "--slots", str(slots)]
-    with table.log_path(table.read(job_id)).open("ab") as log:
+    with table.log_path(job).open("ab") as log:
         process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd=table.workspace, start_new_session=True
         )
     with _starting_lock:
         _starting.append(process)
+    if job.warm:
+        warm_up(table.workspace, module)
+
+
+def _spawn_warm(table: JobTable, job_id: str, module: str, slots: int) -> bool:
+    if sys.platform != "linux":
+        return False
+    from .warm import ask, is_on
+
+    return is_on() and ask(table.workspace, module, job_id, slots)
 
 
 def _reap() -> None:

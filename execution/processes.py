@@ -12,7 +12,25 @@ import time
 from functools import lru_cache
 from pathlib import Path
 
-__all__ = ["core_count", "die_with_parent", "end_group", "host_id", "is_alive", "signal_group", "start_time"]
+__all__ = [
+    "TAG",
+    "adopt_orphans",
+    "call_myself",
+    "core_count",
+    "descendants",
+    "die_with_parent",
+    "end_group",
+    "end_stragglers",
+    "host_id",
+    "is_alive",
+    "signal_group",
+    "start_time",
+]
+
+TAG = "WORLDAGENT_JOB"
+"""Environment variable that names the job in its task and in whatever the task starts."""
+OWN_NAMES = ("worldagent-jobs", "worldagent-warm")
+"""Names of workers and nurseries; they belong to no task even where one started them."""
 
 
 def core_count() -> int:
@@ -68,12 +86,79 @@ def end_group(leader: int, started: str | None, *, patience_s: float = 1.0) -> N
         time.sleep(0.005)
 
 
-def die_with_parent(parent: int) -> None:
-    """Have the kernel kill this process when its parent dies. Linux only; elsewhere it lives on."""
+def _prctl(option: int, argument: int | bytes) -> None:
     if sys.platform == "linux":
         import ctypes
 
-        pr_set_pdeathsig = 1  # <linux/prctl.h>
-        ctypes.CDLL(None, use_errno=True).prctl(pr_set_pdeathsig, signal.SIGKILL)
-        if os.getppid() != parent:  # it died before the call
-            os._exit(1)
+        ctypes.CDLL(None, use_errno=True).prctl(option, argument)
+
+
+def die_with_parent(parent: int) -> None:
+    """Have the kernel kill this process when its parent dies. Linux only; elsewhere it lives on."""
+    pr_set_pdeathsig = 1  # <linux/prctl.h>
+    _prctl(pr_set_pdeathsig, signal.SIGKILL)
+    if sys.platform == "linux" and os.getppid() != parent:  # it died before the call
+        os._exit(1)
+
+
+def adopt_orphans() -> None:
+    """Become the parent of descendants whose parents die, so that none gets out of sight. Linux only."""
+    pr_set_child_subreaper = 36
+    _prctl(pr_set_child_subreaper, 1)
+
+
+def call_myself(name: str) -> None:
+    """Name of this process in `ps` and `top`, at most 15 characters; forks inherit it. Linux only."""
+    pr_set_name = 15
+    _prctl(pr_set_name, name.encode())
+
+
+def _children(pid: int) -> list[int]:
+    found: list[int] = []
+    with contextlib.suppress(OSError):  # it may end at any moment
+        for thread in Path(f"/proc/{pid}/task").iterdir():
+            with contextlib.suppress(OSError):
+                found += map(int, (thread / "children").read_text(encoding="ascii").split())
+    return found
+
+
+def _is_our_own(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip() in OWN_NAMES
+    except OSError:
+        return False
+
+
+def descendants(pid: int) -> list[int]:
+    """Children of a process and their children, whatever group or session they made; without workers of other jobs.
+
+    Linux; elsewhere an empty list.
+    """
+    found: list[int] = []
+    waiting = _children(pid)
+    while waiting:
+        child = waiting.pop()
+        if not _is_our_own(child):
+            found.append(child)
+            waiting += _children(child)
+    return found
+
+
+def end_stragglers(job_id: str, *, session: int | None, group: int | None) -> None:
+    """Kill what a task left behind whose worker is gone: its process group, and what it started with the job's tag.
+
+    The numbers of session and group stay taken while one of their processes lives, so that the two together cannot
+    mean anybody else's. Linux; elsewhere nothing happens.
+    """
+    if sys.platform != "linux":
+        return
+    tag = f"{TAG}={job_id}".encode()
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit() or int(folder.name) == os.getpid():
+            continue
+        pid = int(folder.name)
+        with contextlib.suppress(OSError, IndexError, ValueError):  # not ours to read, or gone
+            fields = (folder / "stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
+            same = session is not None and group is not None and (int(fields[2]), int(fields[3])) == (group, session)
+            if same or (tag in (folder / "environ").read_bytes().split(b"\0") and not _is_our_own(pid)):
+                os.kill(pid, signal.SIGKILL)

@@ -6,7 +6,6 @@ import contextlib
 import faulthandler
 import json
 import os
-import resource
 import signal
 import sys
 import traceback
@@ -16,7 +15,7 @@ from typing import Any, NoReturn
 from .context import Board, JobContext
 from .entries import checked_result, error_of, load_entry
 from .job import Cancelled, Job
-from .processes import die_with_parent
+from .processes import TAG, call_myself, die_with_parent
 
 __all__ = ["run_task"]
 
@@ -43,12 +42,12 @@ def run_task(job: Job, workspace: Path, board: Board, pipe: int, worker: int) ->
 
 def _settle_in(job: Job, worker: int) -> None:
     os.setpgid(0, 0)
+    call_myself("worldagent-task")
+    os.environ[TAG] = job.id
     die_with_parent(worker)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, signal.SIG_DFL)
     faulthandler.enable()
-    if job.memory_bytes is not None:
-        resource.setrlimit(resource.RLIMIT_AS, (job.memory_bytes, job.memory_bytes))
 
 
 def _outcome(job: Job, workspace: Path, board: Board) -> dict[str, Any]:

@@ -1,3 +1,4 @@
+import os
 import time
 from pathlib import Path
 
@@ -10,7 +11,8 @@ HERE = Path(__file__).parent
 @pytest.fixture(autouse=True)
 def _entries(monkeypatch):
     monkeypatch.setenv("WORLDAGENT_TEST_ENTRIES", "execution_entries")
-    monkeypatch.setenv("PYTHONPATH", str(HERE))
+    path = os.environ.get("PYTHONPATH")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(HERE), *([path] if path else [])]))
     monkeypatch.syspath_prepend(str(HERE))
 
 

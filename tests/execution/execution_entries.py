@@ -71,7 +71,11 @@ def dies(payload, context):
 
 
 def hungry(payload, context):
-    return {"bytes": len(bytearray(payload["bytes"]))}
+    """Hold memory that is really used, until somebody ends it."""
+    held = b"x" * payload["bytes"]
+    while not context.cancelled():
+        time.sleep(0.01)
+    return {"bytes": len(held)}
 
 
 def alone(payload, context):

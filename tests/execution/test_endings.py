@@ -143,10 +143,13 @@ def test_the_wall_time_cap_ends_a_job_and_names_the_cap(store):
         result_of(job)
 
 
-def test_the_memory_cap_ends_a_job(store):
-    job = store.submit("h", None, {"bytes": 2**31}, entry=E + "hungry", memory_bytes=2**29)
+def test_the_memory_cap_ends_a_job_and_names_cap_and_peak(store):
+    job = store.submit("h", None, {"bytes": 2**28}, entry=E + "hungry", memory_bytes=2**27)
     ended = store.wait(job.id, 15)
-    assert (ended.state, ended.error["type"]) == ("failed", "MemoryError")
+    assert ended.state == "failed"
+    with pytest.raises(LimitError, match=r"held 0\.\d\d GB of memory, its cap is memory_bytes = 0\.13 GB"):
+        result_of(ended)
+    assert ended.peak_bytes > 2**27
 
 
 def test_the_file_of_another_layout_is_refused(store):
@@ -155,4 +158,4 @@ def test_the_file_of_another_layout_is_refused(store):
     with pytest.raises(InputError, match="layout 99"):
         JobTable(store.workspace)
     with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db")) as connection:
-        connection.execute("PRAGMA user_version = 1")
+        connection.execute("PRAGMA user_version = 2")

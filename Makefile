@@ -1,4 +1,4 @@
-# make setup | demo | test | test-all | check | build
+# make setup | demo | test | test-all | check | build | mcpb
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -6,7 +6,7 @@ FLOORS := worlds execution geometry construction simulation verifiers rendering 
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 
-.PHONY: setup demo test test-all check build clean
+.PHONY: setup demo test test-all check build mcpb clean
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -39,6 +39,10 @@ check: setup
 
 build: setup
 	$(BIN)/python -m build --outdir dist .
+
+# Needs Node.js, for the official packing tool.
+mcpb: build
+	$(BIN)/python packaging/build_mcpb.py "$$(ls -t dist/worldagent-*.whl | head -1)" dist
 
 clean:
 	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache

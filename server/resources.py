@@ -217,14 +217,21 @@ def _completion(workspace: Path, argument: CompletionArgument, context: Completi
     elif argument.name == "path" and given.get("name") in skill_names():
         known = skill_files(given["name"])
     elif argument.name == "name" and given.get("world") in world_ids(workspace):
-        pictures = WorldFolder(workspace / given["world"]).pictures
-        known = sorted(path.name for path in pictures.iterdir()) if pictures.is_dir() else []
+        known = _pictures(workspace, given["world"])
     elif argument.name == "name":
         known = skill_names()
     else:
         return None
     fitting = [value for value in known if value.startswith(argument.value)]
     return Completion(values=fitting[:100], total=len(fitting), has_more=len(fitting) > 100)
+
+
+def _pictures(workspace: Path, world: str) -> list[str]:
+    try:
+        pictures = WorldFolder.of(workspace, world).pictures
+    except WorldAgentError:
+        return []
+    return sorted(path.name for path in pictures.iterdir()) if pictures.is_dir() else []
 
 
 @contextmanager

@@ -169,7 +169,7 @@ def bundle_world(
     Raises:
         EvidenceError: there is no ledger, so that no history can be told.
     """
-    folder = WorldFolder(root.resolve())
+    folder = WorldFolder.at(root)
     if not folder.ledger_path.is_file():
         raise EvidenceError(f"{folder.id!r} has no ledger.sqlite; a bundle tells the history of a world")
     ledger = Ledger(folder.ledger_path)

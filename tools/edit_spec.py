@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from ..worlds.clauses import clauses_of
-from ..worlds.errors import InputError, RefusedError
+from ..worlds.errors import InputError, RefusedError, WorldAgentError
 from ..worlds.folder import WorldFolder
 from .context import ToolContext, ToolReply
 
@@ -151,12 +151,12 @@ def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
 
     found = []
     for other in world_ids(context.workspace):
-        folder = WorldFolder(context.workspace / other)
-        if other == world or not folder.ledger_path.exists():
-            continue
         try:
+            folder = WorldFolder.of(context.workspace, other)
+            if other == world or not folder.ledger_path.exists():
+                continue
             same = json.loads(folder.spec_path.read_text()).get("prompt") == prompt
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
             continue
         if same and Ledger(folder.ledger_path).ever_failed():
             found.append(f"started anew beside world {other}, which has failed rows for this prompt")

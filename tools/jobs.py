@@ -27,7 +27,7 @@ def _session(payload: dict[str, Any]) -> tuple[Session, str]:
     from ..construction import build_world, built_paths
     from ..simulation.freeze import open_freeze
 
-    session = Session.at(WorldFolder(Path(payload["folder"])))
+    session = Session.at(WorldFolder.at(Path(payload["folder"])))
     built, _ = build_world(session.folder, session.spec)
     files = built_paths(session.folder, session.spec)
     return session, open_freeze(session.folder, session.spec, built, files, session.revision)

@@ -59,7 +59,7 @@ def report_world(root: Path, out: Path) -> dict[str, Any]:
     from .bundles import judged
     from .session import counts
 
-    folder = WorldFolder(root.resolve())
+    folder = WorldFolder.at(root)
     if not folder.spec_path.is_file():
         raise InputError(f"{str(root)!r} is no world folder: it has no world.json")
     if not folder.ledger_path.is_file():

@@ -73,7 +73,7 @@ def verify_folder(
         return verify_bundle(folder, seed=drawn, intervals=many, report=report)
     if not (folder / "world.json").is_file():
         raise InputError(f"{str(folder)!r} is neither a world folder (it has no world.json) nor a bundle")
-    world = WorldFolder(folder.resolve())
+    world = WorldFolder.at(folder)
     record = judge_fresh(world.root, replay=replay, seed=drawn, intervals=many)
     wrong = _untrue(world, record)
     found = {**_report(record), "seed": drawn, "problems": wrong, "differences": _recorded_otherwise(world, record)}
@@ -127,7 +127,7 @@ def recompute_folder(folder: Path) -> dict[str, Any]:
     from ..verifiers.acceptance import judge_fresh
 
     root = folder.resolve()
-    session = Session.at(WorldFolder(root))
+    session = Session.at(WorldFolder.at(root))
     session.require_audit("recompute")
     payload = {"folder": str(root)}
     session.check_static()

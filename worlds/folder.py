@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import EvidenceError, InputError
+from .foreign import refuse_foreign
 
 __all__ = ["WorldFolder", "safe_join", "world_ids", "write_atomically"]
 
@@ -66,6 +67,7 @@ class WorldFolder:
 
         Raises:
             InputError: the id is malformed, or there is no such world.
+            EvidenceError: the folder holds links out of it, pipes or devices.
         """
         if not WORLD_ID.match(world):
             raise InputError(f"world id {world!r} must match {WORLD_ID.pattern}, e.g. 'domino_run'")
@@ -73,7 +75,18 @@ class WorldFolder:
         if not create and not (root / "world.json").is_file():
             known = world_ids(workspace)
             raise InputError(f"there is no world {world!r}; known worlds: {known[:20]}. Create one with edit_spec")
+        refuse_foreign(root)
         return cls(root)
+
+    @classmethod
+    def at(cls, root: Path) -> WorldFolder:
+        """A world folder anywhere, perhaps from a stranger.
+
+        Raises:
+            EvidenceError: it holds links out of it, pipes or devices.
+        """
+        refuse_foreign(root)
+        return cls(root.resolve())
 
     @property
     def id(self) -> str:

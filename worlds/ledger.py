@@ -52,6 +52,7 @@ class Ledger:
         db = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
         try:
             db.row_factory = sqlite3.Row
+            db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
             yield db
         finally:
             db.close()

@@ -33,7 +33,9 @@ def workspace(tmp_path: Path) -> Path:
     (root / "tiny" / "acceptance" / "abc.html").write_text("<!DOCTYPE html>")
     (root / "tiny" / "acceptance" / "abc.zip").write_bytes(b"PK")
     (tmp_path / "secret.txt").write_text("secret")
-    (root / "tiny" / "pictures" / "link.png").symlink_to(tmp_path / "secret.txt")
+    (root / "linked" / "pictures").mkdir(parents=True)
+    (root / "linked" / "world.json").write_text(json.dumps(SPEC))
+    (root / "linked" / "pictures" / "link.png").symlink_to(tmp_path / "secret.txt")
     ledger = Ledger(root / "tiny" / "ledger.sqlite")
     ledger.add_revision(json.dumps(SPEC), "0" * 64, expected=0, weakenings=["/limits"], reason="measured noise")
     correction = Correction(cause="too low", edit_class="scene", group="pose", action="raise box by 0.02 m")
@@ -81,7 +83,7 @@ async def test_general_resources(workspace: Path) -> None:
     async with Client(create_server(workspace, tools=[])) as client:
         schema = json.loads((await read(client, "worldagent://schema/world")).text)
         assert "simulation" in schema["required"]
-        assert json.loads((await read(client, "worldagent://worlds")).text) == {"worlds": ["other", "tiny"]}
+        assert json.loads((await read(client, "worldagent://worlds")).text) == {"worlds": ["linked", "other", "tiny"]}
 
 
 async def test_capabilities_name_engines_versions_and_caps(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -169,7 +171,8 @@ async def test_what_is_missing_names_what_is_known(workspace: Path, era: str, ur
         "worldagent://worlds/../spec",
         "worldagent://worlds/tiny/pictures/..%2Fworld.json",
         "worldagent://worlds/tiny/pictures/%2Fetc%2Fpasswd",
-        "worldagent://worlds/tiny/pictures/link.png",
+        "worldagent://worlds/linked/pictures/link.png",
+        "worldagent://worlds/linked/spec",
         "worldagent://worlds/tiny/pictures/%00",
         "worldagent://worlds/tiny/acceptance/..%2Fledger.sqlite",
         "skill://../../pyproject.toml",
@@ -230,7 +233,7 @@ async def test_worlds_skills_and_pictures_are_completed(workspace: Path, era: st
             context_arguments={"world": "../tiny"},
         )
     assert spec.completion.values == ["tiny"]
-    assert prompt.completion.values == ["other", "tiny"]
+    assert prompt.completion.values == ["linked", "other", "tiny"]
     assert skills.completion.values == skill_names()
     assert pictures.completion.values == ["sheet.jpg"]
     assert escaped.completion.values == skill_names()

@@ -1,0 +1,192 @@
+"""Fluvial and thermal erosion of a landscape, with a ledger of the mass moved.
+
+Outputs stay fields: what is bedrock, what lies loose on it, where it wore and where it was deposited.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import ndimage
+
+from ...worlds.arrays import F64
+from ...worlds.errors import InputError
+from .flood import drain
+from .grid import Grid
+
+__all__ = ["Ground", "MassBalance", "erode_rivers", "relax_slopes"]
+
+AREA_EXPONENT = 0.45
+"""m / n of the stream power law, the concavity of graded rivers: 0.4 to 0.6 (Whipple & Tucker 1999; Kirby & Whipple 2012)."""
+TALUS_RATE = 0.5
+TALUS_RESIDUAL = 1e-3
+"""Excess of slope at which relaxation counts as done [m/m]."""
+
+
+@dataclass(frozen=True)
+class MassBalance:
+    """Volumes of one process [m^3], solid matter without pores."""
+
+    worn: float
+    deposited: float
+    exported: float
+    uplifted: float = 0.0
+
+    def __add__(self, other: MassBalance) -> MassBalance:
+        return MassBalance(
+            self.worn + other.worn,
+            self.deposited + other.deposited,
+            self.exported + other.exported,
+            self.uplifted + other.uplifted,
+        )
+
+    @property
+    def residual(self) -> float:
+        """What is missing, relative to what moved."""
+        return abs(self.worn - self.deposited - self.exported) / max(self.worn, 1e-12)
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Rock and what lies on it. Fields of shape (rows, cols), in metres."""
+
+    grid: Grid
+    bedrock: F64
+    sediment: F64
+    """Loose matter on the bedrock, >= 0."""
+    wear: F64
+    """Removed so far, >= 0."""
+    deposit: F64
+    """Laid down so far, >= 0."""
+
+    @classmethod
+    def bare(cls, grid: Grid, height: F64, *, soil: F64 | float = 0.0) -> Ground:
+        """Rock with a layer of soil [m] below the given surface [m]."""
+        loose = np.broadcast_to(np.asarray(soil, dtype=np.float64), grid.shape).copy()
+        none = np.zeros(grid.shape)
+        return cls(grid, height - loose, loose, none, none)
+
+    @property
+    def height(self) -> F64:
+        """Surface of the ground [m]."""
+        return self.bedrock + self.sediment
+
+    def moved(self, change: F64) -> Ground:
+        """After the surface rose or fell by `change` [m]: loose matter goes first, then rock wears."""
+        loss, gain = np.maximum(-change, 0.0), np.maximum(change, 0.0)
+        loose = np.minimum(loss, self.sediment)
+        return replace(
+            self,
+            bedrock=self.bedrock - (loss - loose),
+            sediment=self.sediment - loose + gain,
+            wear=self.wear + loss,
+            deposit=self.deposit + gain,
+        )
+
+
+def erode_rivers(
+    ground: Ground,
+    *,
+    years: float,
+    steps: int,
+    erodibility: F64 | float,
+    uplift: F64 | float = 0.0,
+    base: np.ndarray | None = None,
+    valid: np.ndarray | None = None,
+    exponent: float = AREA_EXPONENT,
+) -> tuple[Ground, MassBalance]:
+    """Let rivers cut valleys: dz/dt = U - K A^m S (stream power, n = 1), implicit, stable at any step.
+
+    What wears away travels downstream in the same step and fills the basins on its way; the rest leaves the grid.
+
+    Args:
+        ground: the land.
+        years: time modelled.
+        steps: time steps; the drainage is found anew in each.
+        erodibility: K [m^(1-2m)/year], a number or a field.
+        uplift: U [m/year]; not applied to `base`.
+        base: cells that keep their height (the sea), shape (rows, cols).
+        valid: where there is land; default everywhere.
+        exponent: m.
+
+    Raises:
+        InputError: a parameter is out of range.
+
+    References:
+        Braun & Willett 2013, doi:10.1016/j.geomorph.2012.10.008
+    """
+    from .erosion_kernels import incise, settle_sediment
+
+    if years <= 0 or not 1 <= steps <= 1000:
+        raise InputError(f"years {years} must be > 0 and steps {steps} from 1 to 1000")
+    grid, dt = ground.grid, years / steps
+    known = np.ones(grid.shape, dtype=bool) if valid is None else valid
+    fixed = ~known if base is None else base | ~known
+    factor = np.where(fixed, 0.0, np.broadcast_to(np.asarray(erodibility, dtype=np.float64), grid.shape) * dt).ravel()
+    rise = np.where(fixed, 0.0, np.broadcast_to(np.asarray(uplift, dtype=np.float64), grid.shape) * dt)
+    worn = laid = gone = raised = 0.0
+    for _ in range(steps):
+        ground = replace(ground, bedrock=ground.bedrock + rise)
+        raised += float(rise.sum()) * grid.cell_area
+        drainage = drain(grid, ground.height, valid=known)
+        receiver = drainage.receiver.ravel()
+        height, filled = ground.height.ravel(), drainage.filled.ravel()
+        area = drainage.accumulation().ravel()
+        new = incise(height, filled, area, receiver, drainage.order, grid.cols, grid.cell, factor, exponent)
+        removed = np.where(known.ravel(), height - new, 0.0)
+        depth = np.where(fixed, 0.0, np.nan_to_num(drainage.depth))
+        label, count = ndimage.label(depth > 0, np.ones((3, 3)))
+        volume = np.bincount(label.ravel(), weights=depth.ravel(), minlength=count + 1)
+        kept, left = settle_sediment(removed, label.ravel(), volume.copy(), receiver, drainage.order)
+        # Fine matter settles out of the whole column: more where the water is deep.
+        share = np.divide(kept, volume, out=np.zeros_like(kept), where=volume > 0)
+        ground = ground.moved(-removed.reshape(grid.shape)).moved(depth * share[label])
+        worn, laid, gone = worn + removed.sum(), laid + kept.sum(), gone + left
+    area_m2 = grid.cell_area
+    return ground, MassBalance(float(worn * area_m2), float(laid * area_m2), float(gone * area_m2), raised)
+
+
+def relax_slopes(
+    ground: Ground,
+    *,
+    talus: float = 0.65,
+    talus_rock: float = 1.7,
+    sweeps: int = 2000,
+    valid: np.ndarray | None = None,
+) -> tuple[Ground, float, int]:
+    """Let slopes slide until none is steeper than its angle of repose.
+
+    Args:
+        ground: the land.
+        talus: tangent of the angle of repose of loose matter; 0.65 is 33 degrees (dry scree 30 to 38).
+        talus_rock: tangent of the steepest slope that rock keeps; 1.7 is 60 degrees.
+        sweeps: most passes.
+        valid: where there is land.
+
+    Returns:
+        the land, the largest excess of slope that is left [m/m], passes done.
+    """
+    from .erosion_kernels import slump
+
+    if not 0 < talus <= talus_rock:
+        raise InputError(f"talus {talus} must be > 0 and not above talus_rock {talus_rock}")
+    grid = ground.grid
+    known = np.ones(grid.shape, dtype=bool) if valid is None else valid
+    rock, loose, done, worst = slump(
+        ground.bedrock.ravel(), ground.sediment.ravel(), known.ravel(), grid.rows, grid.cols, grid.cell,
+        talus, talus_rock, TALUS_RATE, sweeps, TALUS_RESIDUAL,
+    )  # fmt: skip
+    bedrock, sediment = rock.reshape(grid.shape), loose.reshape(grid.shape)
+    change = bedrock + sediment - ground.height
+    return (
+        replace(
+            ground,
+            bedrock=bedrock,
+            sediment=sediment,
+            wear=ground.wear + np.maximum(-change, 0.0),
+            deposit=ground.deposit + np.maximum(change, 0.0),
+        ),
+        float(worst),
+        int(done),
+    )

@@ -1,0 +1,203 @@
+"""Priority-Flood with steepest-descent D8 routing in one pass, and the loops over its order. Compiled by numba, kept on disk.
+
+Cells are flat indices, row-major. `receiver[c]` is the cell that `c` drains to; `c` itself where the water leaves the grid.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+__all__ = ["accumulate", "flood", "inherit", "label_basins", "order_streams", "trace"]
+
+ROOT_2 = 1.4142135623730951
+
+
+@njit(cache=True)
+def _push(heap_z, heap_n, heap_i, count, z, number, index):
+    """Add an entry to a binary heap ordered by height, then by number of entry."""
+    at = count
+    while at > 0:
+        up = (at - 1) >> 1
+        if heap_z[up] < z or (heap_z[up] == z and heap_n[up] < number):
+            break
+        heap_z[at], heap_n[at], heap_i[at] = heap_z[up], heap_n[up], heap_i[up]
+        at = up
+    heap_z[at], heap_n[at], heap_i[at] = z, number, index
+
+
+@njit(cache=True)
+def _pop(heap_z, heap_n, heap_i, count):
+    """Take the lowest entry off; returns its index. The heap then holds `count` - 1 entries."""
+    lowest = heap_i[0]
+    count -= 1
+    z, number, index = heap_z[count], heap_n[count], heap_i[count]
+    at = 0
+    while True:
+        child = 2 * at + 1
+        if child >= count:
+            break
+        other = child + 1
+        if other < count and (
+            heap_z[other] < heap_z[child] or (heap_z[other] == heap_z[child] and heap_n[other] < heap_n[child])
+        ):
+            child = other
+        if z < heap_z[child] or (z == heap_z[child] and number < heap_n[child]):
+            break
+        heap_z[at], heap_n[at], heap_i[at] = heap_z[child], heap_n[child], heap_i[child]
+        at = child
+    heap_z[at], heap_n[at], heap_i[at] = z, number, index
+    return lowest
+
+
+@njit(cache=True)
+def flood(height, valid, rows, cols):
+    """Fill depressions and route every cell (Barnes, Lehman & Mulla 2014, algorithm 2; O'Callaghan & Mark 1984).
+
+    Water leaves over the edge of the grid and over the edge of invalid cells. A cell drains to its steepest lower
+    neighbour on the filled surface; on flats to the neighbour that flooded it, which leads to the outlet.
+
+    Args:
+        height: [m], shape (n,).
+        valid: False where there is no land, shape (n,).
+        rows: rows of the grid.
+        cols: columns of the grid.
+
+    Returns:
+        filled [m], receiver, order (every cell after its receiver; as long as there are valid cells).
+    """
+    n = rows * cols
+    filled = height.copy()
+    receiver = np.full(n, -1, np.int64)
+    order = np.empty(n, np.int64)
+    closed = np.zeros(n, np.bool_)
+    heap_z, heap_n, heap_i = np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64)
+    waiting = np.empty(n, np.int64)  # cells below the level at which they were met: a queue needs no heap
+    first, last, in_heap, entries, done = 0, 0, 0, 0, 0
+    for c in range(n):
+        if not valid[c]:
+            closed[c] = True
+            continue
+        r, q = c // cols, c % cols
+        outlet = r == 0 or q == 0 or r == rows - 1 or q == cols - 1
+        if not outlet:
+            for dr in range(-1, 2):
+                for dq in range(-1, 2):
+                    outlet = outlet or not valid[(r + dr) * cols + q + dq]
+        if outlet:
+            _push(heap_z, heap_n, heap_i, in_heap, height[c], entries, c)
+            in_heap += 1
+            entries += 1
+            closed[c] = True
+            receiver[c] = c
+    while first < last or in_heap > 0:
+        # The queue holds cells of one level, reached from a cell that was popped at that level: they go first.
+        if first < last:
+            c = waiting[first]
+            first += 1
+        else:
+            c = _pop(heap_z, heap_n, heap_i, in_heap)
+            in_heap -= 1
+        order[done] = c
+        done += 1
+        r, q = c // cols, c % cols
+        level = filled[c]
+        steepest = 0.0
+        for dr in range(-1, 2):
+            for dq in range(-1, 2):
+                rr, qq = r + dr, q + dq
+                if (dr == 0 and dq == 0) or rr < 0 or qq < 0 or rr >= rows or qq >= cols:
+                    continue
+                k = rr * cols + qq
+                if not valid[k]:
+                    continue
+                if not closed[k]:
+                    closed[k] = True
+                    receiver[k] = c
+                    if height[k] <= level:
+                        filled[k] = level
+                        waiting[last] = k
+                        last += 1
+                    else:
+                        _push(heap_z, heap_n, heap_i, in_heap, height[k], entries, k)
+                        in_heap += 1
+                        entries += 1
+                    continue
+                drop = level - filled[k]
+                if drop > 0.0:
+                    slope = drop / ROOT_2 if dr != 0 and dq != 0 else drop
+                    if slope > steepest:
+                        steepest = slope
+                        receiver[c] = k
+    return filled, receiver, order[:done]
+
+
+@njit(cache=True)
+def accumulate(weight, receiver, order):
+    """Sum of `weight` over each cell and everything upstream of it; same unit and shape (n,)."""
+    total = weight.copy()
+    for k in range(order.size - 1, -1, -1):
+        c = order[k]
+        if receiver[c] != c:
+            total[receiver[c]] += total[c]
+    return total
+
+
+@njit(cache=True)
+def label_basins(receiver, order):
+    """Watershed of each cell: the number of the outlet that it drains to, from 1; 0 where there is no land."""
+    label = np.zeros(receiver.size, np.int32)
+    count = 0
+    for k in range(order.size):
+        c = order[k]
+        if receiver[c] == c:
+            count += 1
+            label[c] = count
+        else:
+            label[c] = label[receiver[c]]
+    return label
+
+
+@njit(cache=True)
+def inherit(value, own, receiver, order):
+    """`value` where `own` holds, else that of the first such cell downstream; 0 where there is none."""
+    found = np.zeros_like(value)
+    for k in range(order.size):
+        c = order[k]
+        if own[c]:
+            found[c] = value[c]
+        elif receiver[c] != c:
+            found[c] = found[receiver[c]]
+    return found
+
+
+@njit(cache=True)
+def order_streams(channel, receiver, order):
+    """Strahler order of each channel cell (Strahler 1957), 0 elsewhere. `channel` must be closed downstream."""
+    strahler = np.zeros(receiver.size, np.int16)
+    highest = np.zeros(receiver.size, np.int16)
+    twice = np.zeros(receiver.size, np.bool_)
+    for k in range(order.size - 1, -1, -1):
+        c = order[k]
+        if not channel[c]:
+            continue
+        mine = 1 if highest[c] == 0 else highest[c] + 1 if twice[c] else highest[c]
+        strahler[c] = mine
+        d = receiver[c]
+        if d != c:
+            if mine > highest[d]:
+                highest[d], twice[d] = mine, False
+            elif mine == highest[d]:
+                twice[d] = True
+    return strahler
+
+
+@njit(cache=True)
+def trace(start, stop, receiver):
+    """Cells from `start` downstream up to and including the first where `stop` holds or the water leaves the grid."""
+    path = [start]
+    c = start
+    while not stop[c] and receiver[c] != c:
+        c = receiver[c]
+        path.append(c)
+    return np.array(path)

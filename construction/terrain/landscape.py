@@ -1,0 +1,347 @@
+"""From the terrain of a specification to all fields of the landscape (R33): height, erosion, water, climate, ground, plants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.errors import InputError
+from ...worlds.limits import check_cap
+from ...worlds.spec.terrain import Terrain
+from .channels import Channels, carve
+from .climate import BIOMES, LAPSE, Biome, bank_distance, height_above_water, moisture, soil_depth, wetness_index
+from .erosion import Ground, MassBalance, erode_rivers, relax_slopes
+from .flood import Drainage, drain
+from .grid import Grid
+from .ground import GroundCover, cover
+from .layers import shape_land
+from .relief import horizons, relief, sunlight, wind_exposure
+from .vegetation import HECTARE, Plants, Species, scatter, species_of, suitability
+from .water import WaterBodies, find_sea, find_water
+from .zones import along, zone_distance
+
+__all__ = ["Landscape", "build_landscape"]
+
+COARSE_CELLS = 160
+"""Cells along the longer side of the grid on which wind and rain are followed."""
+ROUNDS = (0.75, 0.25)
+"""Parts of the years between two settlings of the slopes."""
+LAKE_CELLS = 10
+"""A lake has at least so many cells: smaller ones are noise of the grid."""
+SNOW_BAND = 150.0
+"""Height over which snow cover grows from none to full [m]."""
+SNOW_SLOPE = 1.2
+"""Slope on which no snow holds (50 degrees)."""
+
+Say = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Landscape:
+    """A finished landscape. Fields have shape (rows, cols)."""
+
+    grid: Grid
+    fields: dict[str, F64]
+    """By name; `height` is the ground as it is, beds included."""
+    drainage: Drainage
+    """Of the land before beds were cut."""
+    water: WaterBodies
+    channels: Channels
+    cover: GroundCover
+    plants: Plants | None
+    figures: dict[str, Any] = field(default_factory=dict)
+    """Numbers for the record: mass balances, residuals, counts, seconds."""
+
+    @property
+    def wet(self) -> np.ndarray:
+        """All cells under water."""
+        return np.asarray(self.water.standing | self.channels.wet)
+
+    @property
+    def water_level(self) -> F64:
+        """Surface of the water [m], NaN where it is dry."""
+        level = np.where(self.channels.wet, self.channels.level, np.nan)
+        for lake in self.water.lakes:
+            level = np.where(self.water.lake == lake.number, lake.level, level)
+        return level
+
+
+def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, text: None) -> Landscape:
+    """Build everything.
+
+    Args:
+        terrain: of the specification.
+        assets: the world's assets folder, for DEM files.
+        say: hears (part done, what) as it goes.
+
+    Raises:
+        LimitError: the grid is too large.
+        InputError: a layer, rule or zone cannot be used, or required water cannot be.
+    """
+    cells = terrain.extent[0] * terrain.extent[1] / terrain.cell**2
+    check_cap("cells", cells, what=f"{terrain.extent[0]:g} x {terrain.extent[1]:g} m at {terrain.cell:g} m")
+    if cells < 9:
+        raise InputError(
+            f"{terrain.extent[0]:g} x {terrain.extent[1]:g} m at {terrain.cell:g} m gives {cells:.0f} cells; a landscape needs at least 3 x 3: lower /cell"
+        )
+    grid = Grid.over(terrain.extent, terrain.cell)
+    biome = BIOMES[terrain.climate.biome]
+    say(0.02, "shaping the land")
+    raw = shape_land(grid, terrain, assets)
+    valid = np.isfinite(raw)
+    figures: dict[str, Any] = {}
+    ground = _eroded(grid, terrain, raw, valid, figures, say)
+    say(0.5, "routing the water")
+    drainage = drain(grid, ground.height, valid=valid)
+    rain = _rain(grid, terrain, biome, drainage.filled)
+    water = _water(grid, terrain, biome, drainage, rain)
+    channels = carve(drainage, water) if terrain.hydrology.carve else _uncut(grid, water)
+    say(0.6, "sun, wind and moisture")
+    fields = _fields(grid, terrain, biome, ground, drainage, water, channels, rain)
+    say(0.8, "covering the ground")
+    covered = cover(grid, terrain, fields, bed=channels.bed)
+    fields["moisture"] = _moisture(fields, covered.retention, rain)
+    say(0.85, "planting")
+    plants = _planted(grid, terrain, fields, water, channels, figures)
+    figures |= {
+        "lakes": len(water.lakes),
+        "rivers": sum(r.kind == "river" for r in water.rivers),
+        "streams": sum(r.kind == "stream" for r in water.rivers),
+        "river_threshold_m3_s": water.threshold if np.isfinite(water.threshold) else None,
+        "plants": 0 if plants is None else len(plants),
+    }
+    say(1.0, "done")
+    return Landscape(grid, fields, drainage, water, channels, covered, plants, figures)
+
+
+def _eroded(grid: Grid, terrain: Terrain, raw: F64, valid: np.ndarray, figures: dict[str, Any], say: Say) -> Ground:
+    """Rivers and slopes in turn: scree that dams a valley is cleared by its river again."""
+    plan = terrain.erosion
+    solid = np.where(valid, raw, 0.0)
+    if plan is None:
+        return Ground.bare(grid, solid)
+    ground = Ground.bare(grid, solid, soil=plan.soil)
+    talus, rock = (float(np.tan(np.radians(angle))) for angle in (plan.talus_deg, max(plan.rock_deg, plan.talus_deg)))
+    sea = find_sea(solid, terrain.sea_level, valid)
+    moved, slid, excess, passes = MassBalance(0.0, 0.0, 0.0), 0.0, 0.0, 0
+    for part in ROUNDS if plan.years > 0 else (0.0,):
+        if part > 0:
+            say(0.08 + 0.3 * (1 - part), f"{plan.years * part:g} years of rivers")
+            ground, balance = erode_rivers(
+                ground, years=plan.years * part, steps=max(1, round(plan.steps * part)), erodibility=plan.erodibility,
+                uplift=plan.uplift, base=sea, valid=valid,
+            )  # fmt: skip
+            moved = moved + balance
+        say(0.12 + 0.3 * (1 - part), "slopes find their rest")
+        before = float(ground.height[valid].sum())
+        ground, excess, done = relax_slopes(ground, talus=talus, talus_rock=rock, valid=valid)
+        slid, passes = slid + abs(float(ground.height[valid].sum()) - before), passes + done
+    figures["river_erosion"] = {**moved.__dict__, "residual": moved.residual}
+    figures["slopes"] = {"excess": excess, "passes": passes, "mass_residual": slid / max(float(ground.deposit.sum()), 1e-12)}
+    return ground
+
+
+def _rain(grid: Grid, terrain: Terrain, biome: Biome, surface: F64) -> F64:
+    """Precipitation [m/year]: less in the lee of heights, the mean as prescribed."""
+    mean = biome.rain if terrain.climate.rain is None else terrain.climate.rain
+    if terrain.climate.rain_shadow <= 0:
+        return np.full(grid.shape, mean)
+    from scipy import ndimage
+
+    solid = np.where(np.isfinite(surface), surface, 0.0)
+    if terrain.sea_level is not None:
+        solid = np.maximum(solid, terrain.sea_level)
+    step = max(1.0, max(grid.shape) / COARSE_CELLS)
+    small = ndimage.zoom(ndimage.uniform_filter(solid, int(step)), 1 / step, order=1, mode="nearest", grid_mode=True)
+    coarse = Grid(small.shape[0], small.shape[1], grid.extent[0] / small.shape[1])
+    seen = horizons(coarse, small)
+    # Air that has to rise rains; air that sinks dries: the difference of the horizons ahead and behind.
+    direction = np.radians(terrain.climate.wind_deg)
+    open_up = wind_exposure(seen, direction=direction, spread=np.pi / 4)
+    open_down = wind_exposure(seen, direction=direction + np.pi, spread=np.pi / 4)
+    effect = ndimage.gaussian_filter(open_up - open_down, 3.0, mode="nearest")
+    x, y = grid.axes()
+    rows = np.clip((y / grid.extent[1] + 0.5) * coarse.rows - 0.5, 0, coarse.rows - 1)
+    cols = np.clip((x / grid.extent[0] + 0.5) * coarse.cols - 0.5, 0, coarse.cols - 1)
+    fine = ndimage.map_coordinates(effect, np.meshgrid(rows, cols, indexing="ij"), order=1, mode="nearest")
+    factor = np.clip(1.0 + 2.0 * terrain.climate.rain_shadow * fine, 0.1, 3.0)
+    return np.asarray(mean * factor / factor.mean())
+
+
+def _water(grid: Grid, terrain: Terrain, biome: Biome, drainage: Drainage, rain: F64) -> WaterBodies:
+    plan = terrain.hydrology
+    inflow = np.zeros(grid.shape)
+    for name, source in plan.inflows.items():
+        x, y = source.position
+        if not (abs(x) <= grid.extent[0] / 2 and abs(y) <= grid.extent[1] / 2):
+            raise InputError(
+                f"inflow {name!r} at {source.position} lies outside the extent {grid.extent[0]:g} x {grid.extent[1]:g} m"
+            )
+        inflow[grid.indices(np.array(x), np.array(y))] += source.discharge
+    water = find_water(
+        drainage,
+        sea_level=terrain.sea_level,
+        runoff=rain * biome.runoff,
+        river_density=biome.river_density * plan.density if plan.rivers is None else plan.rivers,
+        stream_density=biome.stream_density * plan.density if plan.streams is None else plan.streams,
+        least_lake_area=max(plan.least_lake_area, LAKE_CELLS * grid.cell_area),
+        least_lake_depth=plan.least_lake_depth,
+        inflow=inflow if plan.inflows else None,
+        rng=np.random.default_rng([terrain.seed, 1]),
+    )
+    have = {
+        "lake": bool(water.lakes),
+        "sea": bool(water.sea.any()),
+        "river": any(r.kind == "river" for r in water.rivers),
+        "stream": any(r.kind == "stream" for r in water.rivers),
+    }
+    for kind in plan.required:
+        if not have[kind]:
+            raise InputError(f"the land has no {kind}: {_remedy(kind, terrain, drainage)}")
+    return water
+
+
+def _remedy(kind: str, terrain: Terrain, drainage: Drainage) -> str:
+    if kind == "sea":
+        low = float(np.nanmin(drainage.height))
+        return f"nothing at the edge lies below sea_level {terrain.sea_level}; the lowest land is at {low:.1f} m. Raise /sea_level or add a coast layer"
+    if kind == "lake":
+        deepest = float(np.nanmax(drainage.depth))
+        return f"its deepest depression is {deepest:.2f} m; add a crater or valley without outlet, or lower /hydrology/least_lake_depth"
+    return "raise /hydrology/density, give an inflow at the edge, or more relief: water gathers only where land falls together"
+
+
+def _uncut(grid: Grid, water: WaterBodies) -> Channels:
+    none = np.zeros(grid.shape, dtype=bool)
+    return Channels(np.zeros(grid.shape), np.full(grid.shape, np.nan), water.channels(), none)
+
+
+def _fields(
+    grid: Grid,
+    terrain: Terrain,
+    biome: Biome,
+    ground: Ground,
+    drainage: Drainage,
+    water: WaterBodies,
+    channels: Channels,
+    rain: F64,
+) -> dict[str, F64]:
+    height = ground.height - channels.cut
+    shape = relief(grid, height, window=3 * grid.cell)
+    seen = horizons(grid, height)
+    sun = sunlight(grid, height, latitude=float(np.radians(terrain.climate.latitude_deg)), day=terrain.climate.day, horizon=seen)
+    wet = water.standing | channels.bed
+    level = np.where(water.standing, drainage.filled, np.where(channels.bed, height, np.nan))
+    if terrain.sea_level is not None:
+        level = np.where(water.sea, terrain.sea_level, level)
+    mean = biome.temperature if terrain.climate.temperature is None else terrain.climate.temperature
+    warmth = mean - LAPSE * (height - (terrain.sea_level or 0.0))
+    east, north = grid.points()
+    fields: dict[str, F64] = {
+        "height": height,
+        "ground": ground.height,
+        "bedrock": ground.bedrock,
+        "sediment": ground.sediment,
+        "wear": ground.wear,
+        "deposit": ground.deposit,
+        "filled": drainage.filled,
+        "basin_depth": drainage.depth,
+        "accumulation": drainage.accumulation(),
+        "discharge": water.discharge,
+        "rain": rain,
+        "slope": shape.slope,
+        "aspect": shape.aspect,
+        "curvature": shape.curvature,
+        "roughness": shape.roughness,
+        "peak": shape.peak.astype(np.float64),
+        "sun_hours": sun.hours,
+        "sunlight": sun.energy,
+        "sky": sun.sky,
+        "wind_exposure": wind_exposure(seen, direction=float(np.radians(terrain.climate.wind_deg))),
+        "water_distance": bank_distance(grid, wet),
+        "height_above_water": height_above_water(drainage, wet, level),
+        "wetness": wetness_index(drainage, shape.slope),
+        "temperature": warmth,
+        "soil_depth": soil_depth(
+            ground.sediment, shape.slope, talus=float(np.tan(np.radians(terrain.erosion.talus_deg if terrain.erosion else 33.0)))
+        ),
+        "snow": _snow(terrain, height, shape.slope, warmth),
+        "east": np.array(east),
+        "north": np.array(north),
+    }
+    fields["moisture"] = _moisture(fields, np.full(grid.shape, 0.5), rain)
+    return fields
+
+
+def _moisture(fields: dict[str, F64], retention: F64, rain: F64) -> F64:
+    return moisture(
+        distance=fields["water_distance"],
+        above=fields["height_above_water"],
+        index=fields["wetness"],
+        retention=retention,
+        rain=rain,
+    )
+
+
+def _snow(terrain: Terrain, height: F64, slope: F64, warmth: F64) -> F64:
+    """Cover of snow, 0 to 1: above the snow line (default: where the yearly mean is below -2 deg C), not on steep rock."""
+    line = terrain.climate.snow_line
+    above = (height - line) / SNOW_BAND if line is not None else (-2.0 - warmth) / (LAPSE * SNOW_BAND)
+    return np.asarray(np.clip(above, 0.0, 1.0) * np.clip((SNOW_SLOPE - slope) / 0.4, 0.0, 1.0))
+
+
+def _planted(
+    grid: Grid, terrain: Terrain, fields: dict[str, F64], water: WaterBodies, channels: Channels, figures: dict[str, Any]
+) -> Plants | None:
+    plan = terrain.vegetation
+    if plan is None:
+        return None
+    kinds = _kinds(terrain)
+    open_light = float(np.percentile(fields["sunlight"], 99)) or 1.0
+    given = {
+        "moisture": fields["moisture"],
+        "temperature": fields["temperature"],
+        "slope": fields["slope"],
+        "soil": fields["soil_depth"],
+        "light": fields["sunlight"] / open_light,
+        "exposure": fields["wind_exposure"],
+    }
+    blocked = water.standing | channels.bed | (fields["snow"] > 0.5)
+    for layer in terrain.layers.values():
+        if layer.kind == "road":
+            blocked |= along(grid, np.array(layer.line))[0] <= 0.5 * layer.width + 0.5 * grid.cell
+        if layer.kind == "flatten" and layer.zone is not None:
+            blocked |= zone_distance(grid, terrain.zones[layer.zone]) <= 0
+    allowed = ~blocked
+    if plan.zone is not None:
+        allowed &= zone_distance(grid, terrain.zones[plan.zone]) <= 0
+    for form in plan.forms:
+        own = [s for s in kinds if s.form == form]
+        total = sum((np.where(allowed, suitability(s, given), 0.0) * s.density for s in own), start=np.zeros(grid.shape))
+        fields[f"{form}_density"] = np.asarray(total) * plan.density / HECTARE
+    # A cell reaches half its diagonal towards what is blocked.
+    clearance = bank_distance(grid, blocked) - 0.75 * grid.cell
+    found = scatter(
+        grid, fields["height"], kinds, given, allowed=allowed, clearance=clearance, density=plan.density,
+        rng=np.random.default_rng([terrain.seed, 2, plan.seed]), most=plan.most,
+    )  # fmt: skip
+    figures["plants_by_species"] = {name: int((found.kind == k).sum()) for k, name in enumerate(found.species)}
+    return found
+
+
+def _kinds(terrain: Terrain) -> list[Species]:
+    plan = terrain.vegetation
+    assert plan is not None
+    known = species_of(terrain.climate.biome)
+    if plan.species is not None:
+        names = {s.name for s in known}
+        unknown = [n for n in plan.species if n not in names]
+        if unknown:
+            raise InputError(f"species {unknown[0]!r} does not grow in biome {terrain.climate.biome!r}; it has {sorted(names)}")
+        known = tuple(s for s in known if s.name in plan.species)
+    return [s for s in known if s.form in plan.forms]

@@ -1,0 +1,73 @@
+"""Band-limited random fields that do not change their character with resolution: functions of the place in metres."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...worlds.arrays import F64
+
+__all__ = ["billow", "fractal", "gradient_noise", "ridged", "warped"]
+
+
+def gradient_noise(x: F64, y: F64, wavelength: float, seed: int) -> F64:
+    """Gradient noise (Perlin 2002) at points [m]: zero mean, about -1 to 1, features of the size of `wavelength` [m].
+
+    The value at a place depends on nothing but the place and the seed.
+    """
+    from .noise_kernels import gradient
+
+    wide = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
+    flat = [np.ascontiguousarray(a).ravel() for a in wide]
+    return np.asarray(gradient(*flat, wavelength, seed)).reshape(wide[0].shape)
+
+
+def _octaves(wavelength: float, cell: float, octaves: int) -> int:
+    """Octaves that the grid can carry: the shortest has at least two cells."""
+    most = int(np.floor(np.log2(max(wavelength / (2.0 * cell), 1.0)))) + 1
+    return max(1, min(octaves, most))
+
+
+def fractal(x: F64, y: F64, *, wavelength: float, octaves: int, gain: float, seed: int, cell: float) -> F64:
+    """Fractional Brownian motion: octaves of halved wavelength and amplitude times `gain`; about -1 to 1.
+
+    Octaves finer than the grid are left out, the coarse ones stay as they are: a finer grid adds detail only.
+    """
+    total, amplitude, norm = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y))), 1.0, 0.0
+    for k in range(octaves):
+        norm += amplitude
+        if k < _octaves(wavelength, cell, octaves):
+            total += amplitude * gradient_noise(x, y, wavelength / 2**k, seed + 7919 * k)
+        amplitude *= gain
+    return total / norm
+
+
+def ridged(x: F64, y: F64, *, wavelength: float, octaves: int, gain: float, seed: int, cell: float) -> F64:
+    """Ridged multifractal (Musgrave 1993): sharp crests, each octave weighted by the one before; 0 to 1."""
+    total, amplitude, norm = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y))), 1.0, 0.0
+    weight = np.ones_like(total)
+    for k in range(octaves):
+        norm += amplitude
+        if k < _octaves(wavelength, cell, octaves):
+            crest = (1.0 - np.minimum(np.abs(gradient_noise(x, y, wavelength / 2**k, seed + 7919 * k)), 1.0)) ** 2
+            total += amplitude * crest * weight
+            weight = np.clip(2.0 * crest, 0.0, 1.0)
+        amplitude *= gain
+    return total / norm
+
+
+def billow(x: F64, y: F64, *, wavelength: float, octaves: int, gain: float, seed: int, cell: float) -> F64:
+    """Sum of absolute octaves: rounded hills with sharp valleys; 0 to 1."""
+    total, amplitude, norm = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y))), 1.0, 0.0
+    for k in range(octaves):
+        norm += amplitude
+        if k < _octaves(wavelength, cell, octaves):
+            total += amplitude * np.minimum(np.abs(gradient_noise(x, y, wavelength / 2**k, seed + 7919 * k)), 1.0)
+        amplitude *= gain
+    return total / norm
+
+
+def warped(x: F64, y: F64, *, wavelength: float, strength: float, seed: int) -> tuple[F64, F64]:
+    """Points [m] moved by noise of this wavelength, by about `strength` [m]: breaks straight lines and circles."""
+    dx = gradient_noise(x, y, wavelength, seed + 101)
+    dy = gradient_noise(x, y, wavelength, seed + 211)
+    return np.asarray(x) + strength * dx, np.asarray(y) + strength * dy

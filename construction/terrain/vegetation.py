@@ -1,0 +1,204 @@
+"""Which plant grows where, and each single one: suitability from real responses, then scattering by priority and size (R44, R45)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.errors import InputError
+from .grid import Grid
+
+__all__ = ["FORMS", "Plants", "Species", "scatter", "species_of", "suitability", "trapezoid"]
+
+FORMS = ("tree", "shrub", "grass", "rock", "pebble")
+RESPONSES = ("moisture", "temperature", "slope", "soil", "light", "exposure")
+HECTARE = 1e4
+TRIES = 6.0
+"""Darts per plant wanted. Own choice: with six, thinning by distance and chance leaves 95 % of a sparse population."""
+
+
+@dataclass(frozen=True)
+class Species:
+    """One kind of plant (or stone)."""
+
+    name: str
+    form: str
+    shape: str
+    height: tuple[float, float]
+    """[m]"""
+    radius: float
+    """Half the least distance to another of its size [m]."""
+    priority: int
+    """Higher ones are placed first."""
+    density: float
+    """Individuals per hectare where everything suits."""
+    responses: Mapping[str, tuple[float, float, float, float]]
+    source: str
+
+
+@dataclass(frozen=True)
+class Plants:
+    """All instances. Arrays of shape (n,), unless said otherwise."""
+
+    species: tuple[str, ...]
+    kind: np.ndarray
+    """Index into `species`."""
+    position: F64
+    """Foot [m], shape (n, 3)."""
+    height: F64
+    """[m]"""
+    radius: F64
+    """Half the distance it keeps from others of its size [m]."""
+    yaw: F64
+    """[rad]"""
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+
+@cache
+def _table() -> dict[str, Any]:
+    return dict(json.loads((Path(__file__).parent / "species.json").read_text()))
+
+
+def species_of(biome: str) -> tuple[Species, ...]:
+    """Species of a biome, highest priority first.
+
+    Raises:
+        InputError: no species of it are known.
+    """
+    found = [
+        Species(
+            name, row["form"], row["shape"], tuple(row["height"]), row["radius"], row["priority"], row["density"],
+            {k: tuple(v) for k, v in row["responses"].items()}, row["source"],
+        )
+        for name, row in _table().items()
+        if biome in row["biomes"]
+    ]  # fmt: skip
+    if not found:
+        known = sorted({b for row in _table().values() for b in row["biomes"]})
+        raise InputError(f"biome {biome!r} has no species; known: {', '.join(known)}")
+    return tuple(sorted(found, key=lambda s: (-s.priority, -s.radius, s.name)))
+
+
+def trapezoid(value: F64, corners: Sequence[float]) -> F64:
+    """0 below the first corner and above the last, 1 between the middle two, linear between."""
+    a, b, c, d = corners
+    rise = np.ones_like(value) if b <= a else np.clip((value - a) / (b - a), 0.0, 1.0)
+    fall = np.ones_like(value) if d <= c else np.clip((d - value) / (d - c), 0.0, 1.0)
+    return np.asarray(np.minimum(np.where(value < a, 0.0, rise), np.where(value > d, 0.0, fall)))
+
+
+def suitability(species: Species, fields: Mapping[str, F64]) -> F64:
+    """How well a place suits a species, 0 to 1: the product of its responses.
+
+    Args:
+        species: the kind.
+        fields: `moisture` (0 to 1), `temperature` [deg C], `slope` [m/m], `soil` [m], `light` (share of the sun on level
+            open ground), `exposure` (0 to 1), each of shape (rows, cols).
+    """
+    total = np.ones_like(fields["moisture"])
+    for name in RESPONSES:
+        total *= trapezoid(fields[name], species.responses[name])
+    return total
+
+
+def scatter(
+    grid: Grid,
+    height: F64,
+    kinds: Sequence[Species],
+    fields: Mapping[str, F64],
+    *,
+    allowed: np.ndarray,
+    clearance: F64,
+    density: float,
+    rng: np.random.Generator,
+    most: int,
+) -> Plants:
+    """Instances of all kinds: the tall ones first, each at its distance from all that stand.
+
+    Args:
+        grid: of all fields.
+        height: of the ground [m].
+        kinds: highest priority first.
+        fields: of `suitability`.
+        allowed: cells where something may grow: no water, bed, road, building (R45).
+        clearance: distance to the nearest cell that is not allowed [m].
+        density: factor on the density of every kind.
+        rng: where and how large.
+        most: cap of the number of instances.
+
+    Raises:
+        InputError: the estimate exceeds `most`.
+    """
+    fitting = {s.name: np.where(allowed, suitability(s, fields), 0.0) for s in kinds}
+    expected = {s.name: float(fitting[s.name].sum()) * grid.cell_area * s.density / HECTARE * density for s in kinds}
+    if sum(expected.values()) > most:
+        largest = max(expected, key=lambda k: expected[k])
+        raise InputError(
+            f"about {sum(expected.values()):,.0f} plants (most of them {largest!r}: {expected[largest]:,.0f}), cap {most:,}; lower the density "
+            f"{density}, leave out {largest!r}, or give a smaller region"
+        )
+    return _thrown(grid, height, kinds, fitting, expected, clearance, rng)
+
+
+def _thrown(
+    grid: Grid,
+    height: F64,
+    kinds: Sequence[Species],
+    fitting: Mapping[str, F64],
+    expected: Mapping[str, float],
+    clearance: F64,
+    rng: np.random.Generator,
+) -> Plants:
+    from .scatter_kernels import throw
+
+    room = int(sum(expected.values()) * 1.5) + 64
+    left, bottom = -0.5 * grid.extent[0], -0.5 * grid.extent[1]
+    size = max(2.0 * max(s.radius for s in kinds), max(grid.extent) / 4096)
+    cols, rows = int(grid.extent[0] / size) + 1, int(grid.extent[1] / size) + 1
+    head, chain = np.full(rows * cols, -1, dtype=np.int64), np.full(room, -1, dtype=np.int64)
+    x, y, radius = np.zeros(room), np.zeros(room), np.zeros(room)
+    kind, tall = np.zeros(room, dtype=np.int16), np.zeros(room)
+    count = 0
+    for index, species in enumerate(kinds):
+        suits = fitting[species.name].ravel()
+        wanted = expected[species.name]
+        if wanted < 0.5:
+            continue
+        darts = int(TRIES * wanted)
+        # Cells drawn by their suitability, a uniform point in each.
+        cells = np.sort(np.searchsorted(np.cumsum(suits), rng.uniform(0, suits.sum(), darts)))
+        cells = rng.permutation(np.minimum(cells, suits.size - 1))
+        px, py = (
+            (cells % grid.cols + rng.uniform(0, 1, darts)) * grid.cell + left,
+            (cells // grid.cols + rng.uniform(0, 1, darts)) * grid.cell + bottom,
+        )
+        scale = rng.uniform(0, 1, darts)
+        own = species.radius * (0.7 + 0.3 * scale)
+        fits = (clearance.ravel()[cells] > own) & (suits[cells] > 0)
+        before = count
+        limit = min(room, before + round(wanted))
+        count = throw(
+            px[fits], py[fits], own[fits], x[:limit], y[:limit], radius[:limit],
+            head, chain, count, cols, rows, size, left, bottom,
+        )  # fmt: skip
+        kind[before:count] = index
+        share = (radius[before:count] / species.radius - 0.7) / 0.3
+        tall[before:count] = species.height[0] + share * (species.height[1] - species.height[0])
+    foot = grid.sample(height, x[:count], y[:count])
+    return Plants(
+        species=tuple(s.name for s in kinds),
+        kind=kind[:count],
+        position=np.stack([x[:count], y[:count], foot], axis=1),
+        height=tall[:count],
+        radius=radius[:count],
+        yaw=rng.uniform(0, 2 * np.pi, count),
+    )

@@ -1,0 +1,208 @@
+"""Whole landscapes: sun, moisture, ground and plants agree with the land and its water."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from worldagent.construction.terrain.climate import moisture
+from worldagent.construction.terrain.grid import Grid
+from worldagent.construction.terrain.landscape import Landscape, build_landscape
+from worldagent.construction.terrain.relief import horizons, sunlight, wind_exposure
+from worldagent.construction.terrain.vegetation import RESPONSES, _table, species_of, trapezoid
+from worldagent.worlds.errors import InputError, LimitError
+from worldagent.worlds.spec.terrain import BIOME_NAMES, Terrain
+
+ISLAND: dict[str, Any] = {
+    "extent": [1600, 1600],
+    "cell": 10,
+    "datum": -40,
+    "sea_level": 0,
+    "seed": 5,
+    "layers": {
+        "hill": {"kind": "cone", "radius": 700, "height": 320, "order": 1},
+        "rough": {"kind": "noise", "style": "ridged", "amplitude": 40, "wavelength": 400, "order": 2},
+        "crater": {"kind": "crater", "radius": 130, "depth": 70, "order": 3},
+        "way": {"kind": "road", "line": [[-300, -400], [300, -350]], "width": 8, "order": 4},
+    },
+    "erosion": {"years": 20000, "steps": 4},
+    "climate": {"biome": "volcanic-island", "rain_shadow": 0.8, "wind_deg": 60, "latitude_deg": 20},
+    "hydrology": {"required": ["sea", "lake"]},
+    "zones": {"west": {"polygon": [[-800, -800], [0, -800], [0, 800], [-800, 800]]}},
+    "ground": {
+        "low": {"order": 1, "material": "sand", "where": [{"field": "height", "at_most": 10}]},
+        "shore": {"order": 2, "material": "gravel", "where": [{"field": "height", "at_least": -3, "at_most": 5}], "blend": 20},
+    },
+    "vegetation": {"density": 0.6},
+}
+
+
+def _built(**changes: Any) -> Landscape:
+    return build_landscape(Terrain.model_validate({**ISLAND, **changes}), Path())
+
+
+@pytest.fixture(scope="module")
+def island() -> Landscape:
+    return _built()
+
+
+def test_nothing_grows_in_water_on_beds_or_on_the_road(island: Landscape) -> None:
+    assert island.plants is not None
+    assert len(island.plants) > 500
+    x, y = island.plants.position[:, 0], island.plants.position[:, 1]
+    row, col = island.grid.indices(x, y)
+    assert not island.wet[row, col].any()
+    assert not island.channels.bed[row, col].any()
+    share = np.clip(((x + 300) * 600 + (y + 400) * 50) / (600**2 + 50**2), 0, 1)
+    assert np.hypot(x + 300 - 600 * share, y + 400 - 50 * share).min() > 4.0
+
+
+def test_plants_keep_their_distance(island: Landscape) -> None:
+    plants = island.plants
+    assert plants is not None
+    points = plants.position[:, :2]
+    tree = cKDTree(points)
+    pairs = tree.query_pairs(2 * plants.radius.max(), output_type="ndarray")
+    apart = np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T)
+    assert (apart >= plants.radius[pairs[:, 0]] + plants.radius[pairs[:, 1]] - 1e-9).all()
+
+
+def test_plants_stand_on_the_ground(island: Landscape) -> None:
+    plants = island.plants
+    assert plants is not None
+    assert plants.position[:, 2] == pytest.approx(island.grid.sample(island.fields["height"], *plants.position[:, :2].T))
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_land(island: Landscape) -> None:
+    again, other = _built(), _built(seed=6)
+    for name, values in island.fields.items():
+        assert values.tobytes() == again.fields[name].tobytes(), name
+    assert island.plants is not None
+    assert again.plants is not None
+    assert island.plants.position.tobytes() == again.plants.position.tobytes()
+    assert not np.array_equal(island.fields["height"], other.fields["height"])
+
+
+def test_the_forest_stands_on_the_wet_side(island: Landscape) -> None:
+    rain = island.fields["rain"]
+    x, y = island.grid.points()
+    windward = x * np.cos(np.radians(60)) + y * np.sin(np.radians(60)) > 0
+    land = island.fields["height"] > 0
+    assert rain[land & windward].mean() > 1.1 * rain[land & ~windward].mean()
+    assert rain.mean() == pytest.approx(2.0, rel=1e-6)
+    density = island.fields["tree_density"]
+    assert density[land & windward].mean() > density[land & ~windward].mean()
+
+
+def test_the_last_matching_rule_wins_and_weights_sum_to_one(island: Landscape) -> None:
+    cover, height = island.cover, island.fields["height"]
+    shore = (height >= -3) & (height <= 5)
+    assert (cover.index[shore] == cover.names.index("gravel")).all()
+    assert (cover.index[height < -4] == cover.names.index("sand")).all()
+    weights = cover.weights(island.grid)
+    assert weights.sum(axis=0) == pytest.approx(np.ones(island.grid.shape), abs=1e-5)
+    assert (weights >= 0).all()
+
+
+def test_every_field_is_finite_or_says_where_there_is_no_water(island: Landscape) -> None:
+    for name, values in island.fields.items():
+        assert values.shape == island.grid.shape, name
+        assert not np.isnan(values).any(), name
+        if name not in ("water_distance", "height_above_water"):
+            assert np.isfinite(values).all(), name
+    assert 0 <= island.fields["moisture"].min() <= island.fields["moisture"].max() <= 1
+
+
+def test_required_water_that_the_land_does_not_have_is_refused_with_a_remedy() -> None:
+    plain = {"extent": [400, 400], "cell": 10, "layers": {"r": {"kind": "ramp", "rise": 20}}}
+    for kind, words in (("lake", "crater"), ("sea", "sea_level")):
+        with pytest.raises(InputError, match=words):
+            build_landscape(Terrain.model_validate({**plain, "hydrology": {"required": [kind]}}), Path())
+    dry = {**plain, "hydrology": {"required": ["river"], "density": 0}}
+    with pytest.raises(InputError, match="no river"):
+        build_landscape(Terrain.model_validate(dry), Path())
+
+
+def test_an_inflow_makes_a_river_where_the_rain_would_not() -> None:
+    plain = {"extent": [300, 300], "cell": 5, "layers": {"r": {"kind": "ramp", "rise": -20}}, "climate": {"biome": "desert"}}
+    given = {
+        **plain,
+        "hydrology": {"inflows": {"spring": {"position": [-140, 10], "discharge": 2.0}}, "density": 0, "required": ["river"]},
+    }
+    land = build_landscape(Terrain.model_validate(given), Path())
+    river = next(r for r in land.water.rivers if r.kind == "river")
+    assert land.water.discharge.flat[river.cells[0]] == pytest.approx(2.0, rel=1e-3)
+    assert river.width[0] == pytest.approx(3.33 * np.sqrt(5 * 2.0), rel=1e-3)
+
+
+def test_a_grid_that_is_too_large_or_too_small_is_refused_before_any_work() -> None:
+    with pytest.raises(LimitError, match="cells"):
+        _built(extent=[16384, 16384], cell=1)
+    with pytest.raises(InputError, match="at least 3 x 3"):
+        _built(extent=[10, 10], cell=10)
+
+
+def test_too_many_plants_are_refused_with_the_estimate() -> None:
+    with pytest.raises(InputError, match="lower the density"):
+        _built(vegetation={"density": 10, "forms": ["tree", "grass"], "most": 1000, "species": ["meadow-grass"]})
+    with pytest.raises(InputError, match="does not grow"):
+        _built(vegetation={"species": ["cactus"]})
+
+
+def test_a_level_plain_has_the_astronomical_day() -> None:
+    grid = Grid(20, 20, 10.0)
+    for latitude, day, hours in ((0.0, 80, 12.0), (52.0, 172, 16.5), (52.0, 355, 7.6)):
+        light = sunlight(grid, np.zeros(grid.shape), latitude=np.radians(latitude), day=day, steps=96)
+        assert light.hours[10, 10] == pytest.approx(hours, abs=0.35)
+        assert light.sky[10, 10] == 1.0
+
+
+def test_slopes_towards_the_sun_get_more_of_it() -> None:
+    grid = Grid(60, 60, 10.0)
+    _, y = grid.points()
+    ridge = 100 - 0.4 * np.abs(y)
+    light = sunlight(grid, ridge, latitude=np.radians(48.0), day=80).energy
+    assert light[15].mean() > 1.3 * light[45].mean(), "row 0 is south, and the sun stands there"
+
+
+def test_a_wall_hides_the_sky_behind_it_and_shelters_from_the_wind() -> None:
+    grid = Grid(64, 64, 1.0)
+    x, _ = grid.points()
+    wall = np.where(np.abs(x) < 1, 10.0, 0.0) + 0.0 * x
+    seen = horizons(grid, wall)
+    assert seen[0, 32, 26] == pytest.approx(10 / 6, rel=0.35)
+    sheltered = wind_exposure(seen, direction=0.0)
+    assert sheltered[32, 28] < 0.3
+    assert sheltered[32, 45] == 1.0
+
+
+def test_moisture_rises_with_water_near_gathered_held_and_fallen() -> None:
+    middle = {"distance": 50.0, "above": 3.0, "index": 9.0, "retention": 0.5, "rain": 0.8}
+    wetter = {"distance": 5.0, "above": 0.5, "index": 13.0, "retention": 0.9, "rain": 2.0}
+
+    def at(values: dict[str, float]) -> float:
+        return float(moisture(**{k: np.array(v) for k, v in values.items()}))
+
+    for name, value in wetter.items():
+        assert at({**middle, name: value}) > at(middle), name
+    assert 0 <= at({"distance": np.inf, "above": np.inf, "index": 0.0, "retention": 0.0, "rain": 0.0}) <= 1e-6
+
+
+def test_species_are_whole_and_every_biome_has_some() -> None:
+    for name, row in _table().items():
+        assert set(row["responses"]) == set(RESPONSES), name
+        assert row["source"], name
+        for corners in row["responses"].values():
+            assert list(corners) == sorted(corners), name
+    for biome in BIOME_NAMES:
+        assert {"rock"} < {s.form for s in species_of(biome)}, biome
+    with pytest.raises(InputError, match="known"):
+        species_of("moon")
+
+
+def test_a_trapezoid_is_one_in_its_middle_and_zero_outside() -> None:
+    values = trapezoid(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 2.5, 3.0, 4.0]), (0.0, 1.0, 2.0, 3.0))
+    assert values.tolist() == [0.0, 0.0, 0.5, 1.0, 1.0, 0.5, 0.0, 0.0]

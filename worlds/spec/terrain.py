@@ -1,0 +1,294 @@
+"""Landscapes (R32-R47): layers of height, erosion, water, ground materials, climate and vegetation, all from one seed.
+
+Everything lies in the frame of the terrain: x east, y north, z up, origin in the middle of the extent at datum height.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, StringConstraints, model_validator
+
+from ..vocabulary import Finite, Id, MaterialRef, NonNegative, Positive, SpecModel, Text, Vec2
+
+__all__ = [
+    "BIOME_NAMES",
+    "FIELD_NAMES",
+    "Climate",
+    "Condition",
+    "Erosion",
+    "GroundRule",
+    "Hydrology",
+    "Inflow",
+    "Layer",
+    "Terrain",
+    "Vegetation",
+    "Zone",
+]
+
+BIOME_NAMES = ("desert", "mediterranean", "grassland", "temperate", "boreal", "tundra", "tropical", "volcanic-island")
+FIELD_NAMES = (
+    "height", "bedrock", "sediment", "wear", "deposit", "filled", "basin_depth", "accumulation", "discharge", "slope", "aspect",
+    "curvature", "roughness", "peak", "sun_hours", "sunlight", "sky", "wind_exposure", "water_distance", "height_above_water",
+    "wetness", "moisture", "temperature", "soil_depth", "snow", "east", "north",
+)  # fmt: skip
+"""Fields that conditions may name; `east` and `north` are the place itself [m]."""
+
+Seed = Annotated[int, Field(ge=0, lt=2**31)]
+Line = Annotated[list[Vec2], Field(min_length=2, max_length=400)]
+Polygon = Annotated[list[Vec2], Field(min_length=3, max_length=400)]
+
+
+class Zone(SpecModel):
+    """An area of the land that layers, rules and the scene graph can name: a polygon, a disc, or a line with a width."""
+
+    label: Text = ""
+    polygon: Polygon | None = None
+    center: Vec2 | None = None
+    radius: Positive | None = Field(default=None, description="[m], with center")
+    line: Line | None = None
+    width: Positive | None = Field(default=None, description="[m], with line")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Zone:
+        given = [
+            self.polygon is not None,
+            self.center is not None and self.radius is not None,
+            self.line is not None and self.width is not None,
+        ]
+        if sum(given) != 1:
+            raise ValueError("give a polygon, or center and radius, or line and width")
+        return self
+
+
+class _Layered(SpecModel):
+    order: int = Field(default=0, ge=0, le=999, description="layers apply from low to high; equal ones by id")
+    zone: Id | None = Field(default=None, description="only inside this zone")
+    falloff: NonNegative = Field(default=0.0, description="width over which the layer fades at the edge of its zone [m]")
+
+
+class Noise(_Layered):
+    """Random relief. Octaves finer than the grid are left out."""
+
+    kind: Literal["noise"] = "noise"
+    style: Literal["fbm", "ridged", "billow"] = "fbm"
+    amplitude: Positive = Field(description="fbm: half the usual range; ridged, billow: the range [m]")
+    wavelength: Positive = Field(description="of the coarsest octave [m]")
+    octaves: int = Field(default=8, ge=1, le=16)
+    gain: float = Field(default=0.5, ge=0.1, le=0.9, description="amplitude of an octave over that of the one before")
+    warp: NonNegative = Field(default=0.0, description="how far places are moved by noise before [m]")
+    seed: Seed = 0
+
+
+class Ramp(_Layered):
+    """An even slope."""
+
+    kind: Literal["ramp"] = "ramp"
+    rise: Finite = Field(description="from one side of the extent to the other [m]")
+    direction_deg: float = Field(default=0.0, ge=-360, le=360, description="uphill, from east towards north")
+
+
+class Cone(_Layered):
+    """A mountain or volcano: height falls from its centre to 0 at its radius; `steepness` > 1 makes it concave."""
+
+    kind: Literal["cone"] = "cone"
+    center: Vec2 = (0.0, 0.0)
+    radius: Positive
+    height: Finite
+    steepness: float = Field(default=1.6, ge=0.3, le=6)
+    irregularity: float = Field(default=0.15, ge=0, le=0.6, description="how far its outline departs from a circle")
+    seed: Seed = 0
+
+
+class Crater(_Layered):
+    """A bowl with a raised rim, pressed into what is there."""
+
+    kind: Literal["crater"] = "crater"
+    center: Vec2 = (0.0, 0.0)
+    radius: Positive = Field(description="of the rim [m]")
+    depth: Positive = Field(description="of the floor below the rim [m]")
+    rim: NonNegative = Field(default=0.0, description="height of the rim above the land outside [m]")
+    floor: float = Field(default=0.4, ge=0, le=0.9, description="radius of the flat floor over that of the rim")
+    breach_deg: float | None = Field(default=None, ge=-360, le=360, description="direction in which the rim is cut down")
+
+
+class Mesa(_Layered):
+    """Flat-topped height over a zone, with cliffs."""
+
+    kind: Literal["mesa"] = "mesa"
+    height: Finite = Field(description="of the top above the land [m]")
+    cliff: Positive = Field(default=20.0, description="width of the cliff [m]")
+
+
+class Dunes(_Layered):
+    """Transverse dunes: gentle windward, steep lee side at the angle of repose."""
+
+    kind: Literal["dunes"] = "dunes"
+    height: Positive
+    spacing: Positive = Field(description="from crest to crest [m]")
+    wind_deg: float = Field(default=0.0, ge=-360, le=360, description="where the wind blows to, from east towards north")
+    seed: Seed = 0
+
+
+class Ridge(_Layered):
+    """A crest (or, with negative height, a trough) along a line."""
+
+    kind: Literal["ridge"] = "ridge"
+    line: Line
+    height: Finite
+    width: Positive = Field(description="from side to side [m]")
+
+
+class Valley(_Layered):
+    """A valley along a line that falls from its first to its last point."""
+
+    kind: Literal["valley"] = "valley"
+    line: Line
+    width: Positive = Field(description="from rim to rim [m]")
+    depth: Positive = Field(description="below the land at the first point [m]")
+    fall: NonNegative = Field(default=0.0, description="of the floor from the first to the last point [m]")
+    floor: float = Field(default=0.3, ge=0, le=0.9, description="flat part of the width")
+    walls: Literal["smooth", "canyon"] = "smooth"
+
+
+class Coast(_Layered):
+    """Land on the left of a line, sea on its right: presses the land below sea level there."""
+
+    kind: Literal["coast"] = "coast"
+    line: Line
+    shelf: Positive = Field(default=200.0, description="width over which the shore sinks [m]")
+    depth: Positive = Field(default=30.0, description="of the sea floor below sea level [m]")
+
+
+class Flatten(_Layered):
+    """Levels a zone for building: cut and fill, with slopes at the edge over `falloff`."""
+
+    kind: Literal["flatten"] = "flatten"
+    height: Finite | None = Field(default=None, description="default: the mean of what is there [m]")
+
+
+class Road(_Layered):
+    """A roadbed along a line: level across, at most `grade` along, embankments over `falloff`."""
+
+    kind: Literal["road"] = "road"
+    line: Line
+    width: Positive = 6.0
+    grade: float = Field(default=0.1, gt=0, le=0.5, description="steepest slope along [m/m]")
+
+
+class Dem(_Layered):
+    """Measured heights from a file in the world's `assets/` folder, resampled to the grid."""
+
+    kind: Literal["dem"] = "dem"
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.(tif|tiff|png|npy|npz)$")]
+    cell: Positive | None = Field(
+        default=None, description="of the file [m]; default: what a GeoTIFF says, else stretched over the extent"
+    )
+    scale: Finite = Field(default=1.0, description="metres per unit of the file")
+    offset: Finite = Field(default=0.0, description="added after scaling [m]")
+    holes: Literal["refuse", "fill", "keep"] = Field(
+        default="refuse", description="cells without data: refuse, interpolate, or no land"
+    )
+
+
+Layer = Annotated[
+    Noise | Ramp | Cone | Crater | Mesa | Dunes | Ridge | Valley | Coast | Flatten | Road | Dem, Field(discriminator="kind")
+]
+
+
+class Erosion(SpecModel):
+    """How long nature worked on the layers."""
+
+    years: NonNegative = Field(default=1e5, description="of rivers cutting [years]; 0: none")
+    steps: int = Field(default=12, ge=1, le=200)
+    erodibility: Positive = Field(default=1e-5, le=1.0, description="K of the stream power law [m^0.1/year] at m = 0.45")
+    uplift: float = Field(default=0.0, ge=0, le=0.02, description="[m/year]")
+    talus_deg: float = Field(default=33.0, ge=5, le=50, description="angle of repose of loose matter")
+    rock_deg: float = Field(default=60.0, ge=10, le=85, description="steepest slope that rock keeps")
+    soil: NonNegative = Field(default=0.5, le=100, description="loose matter on the rock at the start [m]")
+
+
+class Inflow(SpecModel):
+    """Water that enters from outside the extent."""
+
+    position: Vec2
+    discharge: Positive = Field(description="mean annual [m^3/s]")
+
+
+class Hydrology(SpecModel):
+    """Which of the water that the land can hold and lead is there (R38)."""
+
+    density: float = Field(default=1.0, ge=0, le=10, description="factor on the biome's length of rivers and streams per area")
+    rivers: float | None = Field(default=None, ge=0, le=0.05, description="length of rivers per area [m/m^2]")
+    streams: float | None = Field(default=None, ge=0, le=0.05, description="length of streams per area [m/m^2]")
+    least_lake_area: NonNegative = Field(default=400.0, description="[m^2]")
+    least_lake_depth: NonNegative = Field(default=0.3, description="[m]")
+    inflows: Annotated[dict[Id, Inflow], Field(max_length=32)] = {}
+    carve: bool = Field(default=True, description="cut the beds of rivers and streams into the land")
+    required: Annotated[list[Literal["lake", "river", "stream", "sea"]], Field(max_length=4)] = Field(
+        default=[], description="kinds of water that must be there; building refuses if the land has none"
+    )
+
+
+class Condition(SpecModel):
+    """A field between two bounds."""
+
+    field: Literal[FIELD_NAMES]  # type: ignore[valid-type]
+    at_least: Finite | None = None
+    at_most: Finite | None = None
+
+
+class GroundRule(SpecModel):
+    """Material where all conditions hold; of several rules that match, the one with the highest order wins (R42)."""
+
+    order: int = Field(default=0, ge=0, le=999)
+    material: MaterialRef
+    where: Annotated[list[Condition], Field(max_length=8)] = []
+    zone: Id | None = None
+    retention: float = Field(default=0.5, ge=0, le=1, description="how well it holds water: 0 bare rock, 1 peat")
+    blend: NonNegative = Field(default=0.0, description="width over which its weight fades into its neighbours [m]")
+
+
+class Climate(SpecModel):
+    """What falls from the sky. Values left out come from the biome."""
+
+    biome: Literal[BIOME_NAMES] = "temperate"  # type: ignore[valid-type]
+    rain: float | None = Field(default=None, ge=0, le=20, description="[m/year]")
+    temperature: float | None = Field(default=None, ge=-40, le=45, description="mean annual at datum height [deg C]")
+    latitude_deg: float = Field(default=45.0, ge=-89, le=89)
+    day: int = Field(default=172, ge=1, le=365, description="of the year, for sunlight")
+    wind_deg: float = Field(default=180.0, ge=-360, le=360, description="where the wind comes from, from east towards north")
+    rain_shadow: float = Field(default=0.0, ge=0, le=1, description="how much less rain falls in the lee of heights")
+    snow_line: Finite | None = Field(default=None, description="height above which snow lies [m]")
+
+
+class Vegetation(SpecModel):
+    """Plants and stones, scattered by suitability, priority and distance."""
+
+    density: float = Field(default=1.0, ge=0, le=10, description="factor on the density of every species")
+    species: Annotated[list[Annotated[str, StringConstraints(max_length=64)]], Field(max_length=64)] | None = Field(
+        default=None, description="only these; default: all of the biome"
+    )
+    forms: Annotated[list[Literal["tree", "shrub", "grass", "rock", "pebble"]], Field(max_length=5)] = Field(
+        default=["tree", "rock"], description="shrubs, grass and pebbles are for extents of some hundred metres"
+    )
+    zone: Id | None = None
+    most: int = Field(default=200_000, ge=0, le=2_000_000, description="cap of the number of instances")
+    seed: Seed = 0
+
+
+class Terrain(SpecModel):
+    """A landscape. Field maps and the ground entity are derived from it by build_terrain."""
+
+    extent: tuple[Positive, Positive] = Field(description="x, y [m]")
+    cell: Positive = Field(description="side of a cell [m]")
+    datum: Finite = Field(default=0.0, description="height before any layer [m]")
+    sea_level: Finite | None = Field(default=None, description="[m]")
+    seed: Seed = 0
+    zones: Annotated[dict[Id, Zone], Field(max_length=200)] = {}
+    layers: Annotated[dict[Id, Layer], Field(max_length=100)] = {}
+    erosion: Erosion | None = None
+    hydrology: Hydrology = Hydrology()
+    climate: Climate = Climate()
+    ground: Annotated[dict[Id, GroundRule], Field(max_length=60)] = {}
+    vegetation: Vegetation | None = None

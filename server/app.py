@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import difflib
 import mimetypes
-import threading
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import anyio
 from mcp.server import CacheHint, MCPServer
-from mcp.server.auth.provider import TokenVerifier
-from mcp.server.auth.settings import AuthSettings
+from mcp.server.extension import Extension
 from mcp.server.lowlevel.helper_types import ReadResourceContents
 from mcp.server.mcpserver import Context
+from mcp.server.subscriptions import InMemorySubscriptionBus
 from mcp.shared.exceptions import MCPError
 from mcp.types import INVALID_PARAMS, CallToolResult, GetPromptResult, InputRequiredResult, Tool, ToolAnnotations
 from pydantic import AnyUrl
@@ -25,9 +24,15 @@ from ..tools.context import ToolBinding, ToolContext
 from ..worlds.errors import InputError
 from .arguments import Arguments
 from .calls import error_result, error_text, run_in_thread
+from .extensions.skills import Skills
+from .extensions.tasks import HANDOVER, Tasks
+from .icons import SERVER_ICON, icon_of
 from .prompts import add_prompts
 from .resources import add_resources
+from .states import ResourceStates
+from .watching import ResourceWatch
 from .wire import stdio_streams
+from .workspace_jobs import WorkspaceJobs
 
 __all__ = ["INSTRUCTIONS", "WorldServer", "create_server"]
 
@@ -64,59 +69,55 @@ DAY_MS = 86_400_000
 class WorldServer(MCPServer[Any]):
     """An `MCPServer` that runs tools by their `ToolBinding`."""
 
-    def __init__(
-        self,
-        workspace: Path,
-        tools: Sequence[ToolBinding],
-        *,
-        store: JobStore | None,
-        auth: AuthSettings | None,
-        token_verifier: TokenVerifier | None,
-    ) -> None:
+    def __init__(self, jobs: WorkspaceJobs, tools: Sequence[ToolBinding], *, extensions: Sequence[Extension]) -> None:
         public = CacheHint(ttl_ms=DAY_MS, scope="public")
+        bus = InMemorySubscriptionBus()
         super().__init__(
             "worldagent",
             title="WorldAgent",
             description="Builds, simulates, verifies and renders physical worlds from a prompt",
             instructions=INSTRUCTIONS,
+            icons=[SERVER_ICON],
             version=__version__,
             log_level="WARNING",
             cache_hints={"tools/list": public, "prompts/list": public, "resources/templates/list": public},
-            auth=auth,
-            token_verifier=token_verifier,
+            extensions=extensions,
+            subscriptions=bus,
         )
-        self.workspace = workspace
+        self.workspace = jobs.workspace
+        self._jobs = jobs
         self._bindings: dict[str, tuple[ToolBinding, Arguments]] = {}
         for binding in tools:
             if binding.name in self._bindings:
                 raise ValueError(f"two tools are named {binding.name!r}")
             self._bindings[binding.name] = (binding, Arguments(binding))
         self._described = [_described(*pair) for pair in self._bindings.values()]
-        self._store = store
-        self._store_lock = threading.Lock()
         self._limiter = anyio.CapacityLimiter(TOOLS_AT_A_TIME)
+        self.watch = ResourceWatch(ResourceStates(jobs.workspace, jobs), bus)
+        self.watch.serve_handshake_era(self._lowlevel_server)
+        self.middleware.append(self.watch)
 
     @property
     def jobs(self) -> JobStore:
         """Jobs of the workspace; opened at the first call, which makes the workspace."""
-        with self._store_lock:
-            if self._store is None:
-                self.workspace.mkdir(parents=True, exist_ok=True)
-                self._store = JobStore(self.workspace)
-            return self._store
+        return self._jobs()
 
     async def list_tools(self) -> list[Tool]:
-        """Descriptions of all tools, in the order of the list that the server was made from."""
-        return list(self._described)
+        """Descriptions of all tools, in the order of the list that the server was made from; then those of extensions."""
+        return [*self._described, *await super().list_tools()]
 
     async def call_tool(
         self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
     ) -> CallToolResult | InputRequiredResult:
         """Run a tool; what goes wrong comes back as an error result that its caller can act on."""
         if name not in self._bindings:
-            close = difflib.get_close_matches(name, self._bindings, n=1)
+            others = [tool.name for tool in await super().list_tools()]
+            if name in others:
+                return await super().call_tool(name, arguments, context)
+            known = [*self._bindings, *others]
+            close = difflib.get_close_matches(name, known, n=1)
             hint = f"; did you mean {close[0]!r}?" if close else ""
-            return error_result(f"invalid: there is no tool {name!r}{hint}. Tools: {', '.join(self._bindings)}")
+            return error_result(f"invalid: there is no tool {name!r}{hint}. Tools: {', '.join(known)}")
         binding, accepted = self._bindings[name]
         try:
             parsed = accepted.parse(arguments)
@@ -145,7 +146,9 @@ class WorldServer(MCPServer[Any]):
             await self._lowlevel_server.run(read, write, self._lowlevel_server.create_initialization_options())
 
     def _context_of(self, progress: Callable[[float, float | None, str], None], cancelled: Callable[[], bool]) -> ToolContext:
-        return ToolContext(workspace=self.workspace, jobs=self.jobs, progress=progress, cancelled=cancelled)
+        return ToolContext(
+            workspace=self.workspace, jobs=self.jobs, progress=progress, cancelled=cancelled, handover=HANDOVER.get()
+        )
 
     async def read_resource(
         self, uri: AnyUrl | str, context: Context[Any, Any] | None = None
@@ -165,8 +168,8 @@ def create_server(
     *,
     tools: Sequence[ToolBinding] | None = None,
     store: JobStore | None = None,
-    auth: AuthSettings | None = None,
-    token_verifier: TokenVerifier | None = None,
+    extensions: Sequence[Extension] = (),
+    conformance: bool = False,
 ) -> WorldServer:
     """The server of a workspace. Nothing is written and no heavy library is loaded before the first call.
 
@@ -174,16 +177,26 @@ def create_server(
         workspace: Root of all worlds; made at the first tool call.
         tools: Tools to serve; default: all of `worldagent.tools`.
         store: Jobs of the workspace; default: opened at the first tool call.
-        auth: Settings of bearer authentication, for HTTP.
-        token_verifier: Judges bearer tokens, for HTTP.
+        extensions: Further extensions of the protocol, besides tasks and skills.
+        conformance: Whether to serve the fixtures of the official conformance suite too.
     """
     if tools is None:
         from ..tools import TOOLS
 
         tools = TOOLS
-    server = WorldServer(workspace.expanduser().absolute(), tools, store=store, auth=auth, token_verifier=token_verifier)
-    add_resources(server, server.workspace)
+    required: Sequence[str] = ()
+    if conformance:
+        from .conformance.task_tools import FIXTURE_TOOLS, REQUIRE_TASKS
+
+        tools, required = (*tools, *FIXTURE_TOOLS), REQUIRE_TASKS
+    jobs = WorkspaceJobs(workspace.expanduser().absolute(), store)
+    server = WorldServer(jobs, tools, extensions=(Tasks(jobs, tools, required=required), Skills(), *extensions))
+    add_resources(server, server.workspace, jobs)
     add_prompts(server)
+    if conformance:
+        from .conformance.fixtures import add_fixtures
+
+        add_fixtures(server)
     return server
 
 
@@ -201,6 +214,8 @@ def _described(binding: ToolBinding, arguments: Arguments) -> Tool:
             idempotent_hint=binding.idempotent,
             open_world_hint=False,
         ),
+        icons=[icon_of(binding.name)],
+        _meta=dict(binding.meta) or None,
     )
 
 

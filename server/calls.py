@@ -15,12 +15,13 @@ from typing import Any
 import anyio
 import anyio.to_thread
 import pydantic_core
+from mcp.shared.exceptions import MCPError
 from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, TextContent
 
 from ..tools.context import ToolBinding, ToolContext, ToolReply
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
 
-__all__ = ["Progress", "error_result", "error_text", "reply_result", "run_in_thread"]
+__all__ = ["Progress", "error_result", "error_text", "reply_result", "result_of_reply", "run_in_thread"]
 
 HEARTBEAT_S = 10.0
 """Longest silence of a running call [s]; clients cut calls that stay silent for minutes."""
@@ -109,14 +110,11 @@ async def run_in_thread(
     gone = threading.Event()
     progress = Progress(binding.name, send)
 
-    def work() -> CallToolResult:
+    def work() -> CallToolResult | MCPError:
         try:
-            context = context_of(progress.report, gone.is_set)
-            return reply_result(binding, binding.function(context, **arguments))
-        except WorldAgentError as error:
-            return error_result(error_text(error))
-        except (Exception, SystemExit) as error:
-            return _unexpected(binding.name, error)
+            return result_of_reply(binding, lambda: binding.function(context_of(progress.report, gone.is_set), **arguments))
+        except MCPError as error:  # raised below, since a task group would wrap it
+            return error
 
     try:
         async with anyio.create_task_group() as group:
@@ -126,7 +124,25 @@ async def run_in_thread(
     finally:
         gone.set()
     await progress.finish()
+    if isinstance(result, MCPError):
+        raise result
     return result
+
+
+def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply]) -> CallToolResult:
+    """What `make` returns, as content; what it raises, as an error that the calling model reads.
+
+    Raises:
+        MCPError: `make` raised it: an error of the protocol, which no model could avoid.
+    """
+    try:
+        return reply_result(binding, make())
+    except MCPError:
+        raise
+    except WorldAgentError as error:
+        return error_result(error_text(error))
+    except (Exception, SystemExit) as error:
+        return _unexpected(binding.name, error)
 
 
 def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:

@@ -82,6 +82,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="ORIGIN",
         help="HTTP: origin besides the server's own whose pages may call it, e.g. https://tools.example",
     )
+    serve.add_argument(
+        "--conformance", action="store_true", help="serve the fixtures of the official MCP conformance suite too, for tests"
+    )
     add_token_commands(commands.add_parser("token", help="Issue, list and revoke bearer tokens."))
 
     demo = add("demo", _demo, "A scripted MCP client takes a flawed specification to an accepted world and its film.")
@@ -184,6 +187,7 @@ def _serve(arguments: argparse.Namespace) -> int:
             token=arguments.token or token,
             allowed_hosts=arguments.allow_host,
             allowed_origins=arguments.allow_origin,
+            conformance=arguments.conformance,
             announce=lambda url: print(f"worldagent: listening on {url}", file=sys.stderr, flush=True),
         )
     else:
@@ -193,7 +197,7 @@ def _serve(arguments: argparse.Namespace) -> int:
 
         # Ctrl-C ends the process as SIGTERM does: the SDK's read of stdin cannot be interrupted.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-        create_server(workspace).run("stdio")
+        create_server(workspace, conformance=arguments.conformance).run("stdio")
     leave()
     return OK
 

@@ -74,6 +74,7 @@ def http_app(
     allowed_hosts: Sequence[str] = (),
     allowed_origins: Sequence[str] = (),
     tools: Sequence[ToolBinding] | None = None,
+    conformance: bool = False,
 ) -> ASGIApp:
     """One application: `/mcp`, the page at `/` with `/api/...`, and `/healthz`.
 
@@ -84,12 +85,13 @@ def http_app(
         allowed_hosts: Further names that the Host header may carry.
         allowed_origins: Origins other than the server's own whose pages may call it.
         tools: Tools to serve; default all.
+        conformance: Whether to serve the fixtures of the official conformance suite too.
     """
     if tools is None:
         from ..tools import TOOLS
 
         tools = TOOLS
-    server = create_server(workspace, tools=tools)
+    server = create_server(workspace, tools=tools, conformance=conformance)
     server.middleware.append(ScopeCheck(tools))
     app = server.streamable_http_app(
         host=host,
@@ -112,6 +114,7 @@ def serve_http(
     allowed_hosts: Sequence[str] = (),
     allowed_origins: Sequence[str] = (),
     tools: Sequence[ToolBinding] | None = None,
+    conformance: bool = False,
     announce: Callable[[str], None],
 ) -> None:
     """Serve until interrupted.
@@ -124,13 +127,22 @@ def serve_http(
         allowed_hosts: Further names that the Host header may carry.
         allowed_origins: Origins other than the server's own whose pages may call it.
         tools: Tools to serve; default all.
+        conformance: Whether to serve the fixtures of the official conformance suite too.
         announce: Gets the URL as soon as connections are accepted.
     """
     from .connections import uvicorn_server
 
     tokens = TokenBook(workspace.expanduser().absolute(), given=token)
     check_binding(host, tokens, allowed_hosts)
-    app = http_app(workspace, host=host, tokens=tokens, allowed_hosts=allowed_hosts, allowed_origins=allowed_origins, tools=tools)
+    app = http_app(
+        workspace,
+        host=host,
+        tokens=tokens,
+        allowed_hosts=allowed_hosts,
+        allowed_origins=allowed_origins,
+        tools=tools,
+        conformance=conformance,
+    )
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as listener:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import anyio.to_thread
 import pydantic_core
 from mcp.server import MCPServer
 from mcp.server.mcpserver.exceptions import ResourceError, ResourceNotFoundError
@@ -15,45 +16,37 @@ from mcp.types import Completion, CompletionArgument, CompletionContext, PromptR
 
 from ..worlds.errors import EvidenceError, InputError, WorldAgentError
 from ..worlds.folder import WorldFolder, safe_join, world_ids
+from .completions import complete
 from .report import world_report
+from .skill_files import SKILLS, skill_files, skill_frontmatter, skill_names
+from .workspace_jobs import WorkspaceJobs
 
 if TYPE_CHECKING:
     from ..worlds.ledger import Ledger
 
-__all__ = ["SKILLS", "add_resources", "skill_files", "skill_names"]
+__all__ = ["add_resources"]
 
-SKILLS = Path(__file__).resolve().parent.parent / "skills"
-"""Folder of the skills, one folder each."""
 JSON = "application/json"
 MAX_FILE_BYTES = 8_000_000
 _SHOWN_NAMES = 40
-_SKILL_KINDS = (".md", ".json")
-_DESCRIPTION = re.compile(r"^description:\s*(.+?)\s*$", re.MULTILINE)
 
 
-def add_resources(server: MCPServer[Any], workspace: Path) -> None:
+def add_resources(server: MCPServer[Any], workspace: Path, jobs: WorkspaceJobs) -> None:
     """Register all resources, templates and completions on a server."""
     _add_general(server, workspace)
     _add_world(server, workspace)
+    _add_jobs(server, jobs)
     _add_skills(server)
 
-    async def complete(
+    async def completion(
         ref: PromptReference | ResourceTemplateReference, argument: CompletionArgument, context: CompletionContext | None
     ) -> Completion | None:
-        return _completion(workspace, argument, context)
+        given = (context.arguments or {}) if context else {}
+        template = ref.uri if isinstance(ref, ResourceTemplateReference) else None
+        work = partial(complete, workspace, jobs, argument.name, argument.value, given, template=template)
+        return await anyio.to_thread.run_sync(work)
 
-    server.completion()(complete)  # type: ignore[no-untyped-call]
-
-
-def skill_names() -> list[str]:
-    """Names of the skills, sorted."""
-    return sorted(path.parent.name for path in SKILLS.glob("*/SKILL.md"))
-
-
-def skill_files(name: str) -> list[str]:
-    """Files of a skill, relative to its folder, sorted."""
-    root = SKILLS / name
-    return sorted(path.relative_to(root).as_posix() for path in root.rglob("*") if path.suffix in _SKILL_KINDS and path.is_file())
+    server.completion()(completion)  # type: ignore[no-untyped-call]
 
 
 def _add_general(server: MCPServer[Any], workspace: Path) -> None:
@@ -139,6 +132,20 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             return world_report(folder, _ledger(folder))
 
     @server.resource(
+        f"{base}/entities/{{entity}}",
+        name="world-entity",
+        title="Entity",
+        description="Contract of one entity in the current specification: role, dimensions, material, parts, motion",
+        mime_type=JSON,
+    )
+    def entity_contract(world: str, entity: str) -> str:
+        with _opened(workspace, world) as folder:
+            entities = folder.read_json(folder.spec_path).get("entities", {})
+            if entity not in entities:
+                raise InputError(f"world {world!r} has no entity {entity!r}; known: {sorted(entities)[:_SHOWN_NAMES]}")
+            return _json({"world": world, "entity": entity, "contract": entities[entity]})
+
+    @server.resource(
         f"{base}/pictures/{{name}}",
         name="world-picture",
         title="Picture",
@@ -177,11 +184,55 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             return films[-1].read_bytes()
 
 
+def _add_jobs(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
+    def listed(world: str | None) -> str:
+        from ..tools.waiting import job_data
+
+        store = jobs.present()
+        return _json({"jobs": [] if store is None else [job_data(job) for job in store.list(world, limit=50)]})
+
+    @server.resource(
+        "worldagent://jobs",
+        name="jobs",
+        title="Jobs",
+        description="The newest jobs of this workspace with state, progress and running time",
+        mime_type=JSON,
+    )
+    def all_jobs() -> str:
+        return listed(None)
+
+    @server.resource(
+        "worldagent://jobs/{job_id}",
+        name="job",
+        title="Job",
+        description="One job: state, progress, running time, and its result once it is done",
+        mime_type=JSON,
+    )
+    def one_job(job_id: str) -> str:
+        from ..tools.waiting import job_data
+
+        with _told():
+            store = jobs.present()
+            if store is None:
+                raise InputError(f"there is no job {job_id!r}: this workspace has had none")
+            found = store.get(job_id)
+            return _json(job_data(found) | ({"result": found.result} if found.state == "done" else {}))
+
+    @server.resource(
+        "worldagent://worlds/{world}/jobs",
+        name="world-jobs",
+        title="Jobs of a world",
+        description="The newest jobs of one world with state, progress and running time",
+        mime_type=JSON,
+    )
+    def world_jobs(world: str) -> str:
+        with _opened(jobs.workspace, world):
+            return listed(world)
+
+
 def _add_skills(server: MCPServer[Any]) -> None:
     for name in skill_names():
-        text = (SKILLS / name / "SKILL.md").read_text()
-        found = _DESCRIPTION.search(text[:2000])
-        _add_skill(server, name, found.group(1).strip("'\"") if found else f"Skill {name}")
+        _add_skill(server, name, skill_frontmatter(name).get("description", f"Skill {name}"))
 
     @server.resource(
         "skill://{name}/{+path}",
@@ -207,31 +258,6 @@ def _add_skill(server: MCPServer[Any], name: str, description: str) -> None:
     )
     def skill() -> str:
         return (SKILLS / name / "SKILL.md").read_text()
-
-
-def _completion(workspace: Path, argument: CompletionArgument, context: CompletionContext | None) -> Completion | None:
-    """Values that begin with what has been typed."""
-    given = (context.arguments or {}) if context else {}
-    if argument.name == "world":
-        known = world_ids(workspace)
-    elif argument.name == "path" and given.get("name") in skill_names():
-        known = skill_files(given["name"])
-    elif argument.name == "name" and given.get("world") in world_ids(workspace):
-        known = _pictures(workspace, given["world"])
-    elif argument.name == "name":
-        known = skill_names()
-    else:
-        return None
-    fitting = [value for value in known if value.startswith(argument.value)]
-    return Completion(values=fitting[:100], total=len(fitting), has_more=len(fitting) > 100)
-
-
-def _pictures(workspace: Path, world: str) -> list[str]:
-    try:
-        pictures = WorldFolder.of(workspace, world).pictures
-    except WorldAgentError:
-        return []
-    return sorted(path.name for path in pictures.iterdir()) if pictures.is_dir() else []
 
 
 @contextmanager

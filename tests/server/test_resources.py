@@ -12,7 +12,7 @@ import pytest
 from mcp import Client, MCPError
 from mcp.types import PromptReference, ResourceTemplateReference
 from worldagent.server.app import create_server
-from worldagent.server.resources import skill_files, skill_names
+from worldagent.server.skill_files import skill_files, skill_names
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Correction, Row
 
@@ -71,8 +71,8 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
     uris = [t.uri_template for t in templates]
     assert uris == [
         f"worldagent://worlds/{{world}}/{part}"
-        for part in ("spec", "matrix", "revisions", "report", "pictures/{name}", "acceptance/{name}", "film")
-    ] + ["skill://{name}/{+path}"]
+        for part in ("spec", "matrix", "revisions", "report", "entities/{entity}", "pictures/{name}", "acceptance/{name}", "film")
+    ] + ["worldagent://jobs/{job_id}", "worldagent://worlds/{world}/jobs", "skill://{name}/{+path}"]
     for thing in (*resources, *templates):
         assert thing.description
         assert thing.title
@@ -236,4 +236,4 @@ async def test_worlds_skills_and_pictures_are_completed(workspace: Path, era: st
     assert prompt.completion.values == ["linked", "other", "tiny"]
     assert skills.completion.values == skill_names()
     assert pictures.completion.values == ["sheet.jpg"]
-    assert escaped.completion.values == skill_names()
+    assert escaped.completion.values == []

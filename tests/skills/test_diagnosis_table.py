@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from worldagent.bench.defects.suites import CHECKS, suite_of
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
-from worldagent.server.resources import SKILLS
+from worldagent.server.skill_files import SKILLS
 from worldagent.tools import TOOLS
 from worldagent.verifiers import beats, causal, contact, phases
 from worldagent.verifiers.checks import run_checks

@@ -11,7 +11,7 @@ import pytest
 from worldagent.bench import skill_building, skill_repair, skill_settings
 from worldagent.bench.failing_worlds import try_patches
 from worldagent.bench.trial import Trial
-from worldagent.server.resources import SKILLS, skill_files, skill_names
+from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.verifiers import diagnosis
 
 

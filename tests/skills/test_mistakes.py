@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from worldagent.server.resources import SKILLS
+from worldagent.server.skill_files import SKILLS
 from worldagent.worlds.audit import audit
 from worldagent.worlds.clauses import clauses_of
 from worldagent.worlds.errors import SpecError

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from worldagent.server.resources import SKILLS, skill_files, skill_names
+from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.worlds.audit import DENSITY_RANGES, audit
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec

@@ -1,0 +1,132 @@
+"""Subscriptions in both eras: a change by another process reaches the subscriber, and nothing runs for nobody."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+from mcp import Client, MCPError
+from mcp.client.subscriptions import ResourceUpdated
+from worldagent.execution import JobStore
+from worldagent.server.app import WorldServer, create_server
+from worldagent.server.watching import MOST_URIS
+from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.requirements import Row
+
+pytestmark = pytest.mark.anyio
+
+PATIENCE_S = 20.0
+SPEC = {"spec_version": "1", "title": "Tiny", "prompt": "A box falls.", "simulation": {"frames": 24}}
+MATRIX = "worldagent://worlds/tiny/matrix"
+REPORT = "worldagent://worlds/tiny/report"
+JOBS = "worldagent://worlds/tiny/jobs"
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> WorldServer:
+    (tmp_path / "tiny").mkdir()
+    (tmp_path / "tiny" / "world.json").write_text(json.dumps(SPEC))
+    Ledger(tmp_path / "tiny" / "ledger.sqlite").add_revision(json.dumps(SPEC), "0" * 64, expected=0)
+    made = create_server(tmp_path, tools=[])
+    made.watch._interval_s = 0.05
+    return made
+
+
+def judge(server: WorldServer) -> None:
+    """What a worker does to a world: a row, by a connection of its own."""
+    row = Row(
+        id="scale:box", check="scale", group="spatial", predicate="size", status="pass", measured=1.0, bound=2.0, comparison="<="
+    )
+    Ledger(server.workspace / "tiny" / "ledger.sqlite").put_rows([row], revision=1, stage="static")
+
+
+def work(server: WorldServer) -> None:
+    """What another server does: submit a job."""
+    JobStore(server.workspace).submit(
+        "bake", "tiny", {"seconds": 0, "label": "x"}, entry="worldagent.server.conformance.jobs:sleep"
+    )
+
+
+@pytest.mark.parametrize(("uri", "change"), [(MATRIX, judge), (REPORT, judge), (JOBS, work), ("worldagent://jobs", work)])
+async def test_a_listener_is_told_what_another_process_changed(
+    server: WorldServer, uri: str, change: Callable[[WorldServer], None]
+) -> None:
+    async with Client(server) as client:
+        async with client.listen(resource_subscriptions=[uri]) as stream:
+            assert server.watch.running
+            await anyio.to_thread.run_sync(change, server)
+            with anyio.fail_after(PATIENCE_S):
+                event = await anext(aiter(stream))
+        assert event == ResourceUpdated(uri=uri)
+        with anyio.fail_after(PATIENCE_S):
+            while server.watch.running:
+                await anyio.sleep(0.01)
+
+
+@pytest.mark.filterwarnings("ignore:resources/.*subscribe is removed")
+async def test_a_subscriber_of_the_handshake_era_is_told_until_it_leaves(server: WorldServer) -> None:
+    told: list[str] = []
+    news = anyio.Event()
+
+    async def note(message: Any) -> None:
+        uri = getattr(getattr(message, "params", None), "uri", None)
+        if uri is not None:
+            told.append(str(uri))
+            news.set()
+
+    async with Client(server, mode="legacy", message_handler=note) as client:
+        assert client.server_capabilities.resources is not None
+        assert client.server_capabilities.resources.subscribe is True
+        await client.session.subscribe_resource(MATRIX)
+        await client.session.subscribe_resource(MATRIX)
+        await anyio.to_thread.run_sync(judge, server)
+        with anyio.fail_after(PATIENCE_S):
+            await news.wait()
+        await client.session.unsubscribe_resource(MATRIX)
+        assert not server.watch.running
+        await client.session.subscribe_resource(REPORT)
+        assert server.watch.running
+    assert set(told) == {MATRIX}
+    with anyio.fail_after(PATIENCE_S):
+        while server.watch.running:
+            await anyio.sleep(0.01)
+
+
+async def test_nothing_is_told_where_nothing_changed_and_to_nobody_else(server: WorldServer) -> None:
+    async with Client(server) as client, client.listen(resource_subscriptions=[JOBS]) as jobs:
+        async with client.listen(resource_subscriptions=[MATRIX]) as matrix:
+            await anyio.to_thread.run_sync(judge, server)
+            with anyio.fail_after(PATIENCE_S):
+                assert await anext(aiter(matrix)) == ResourceUpdated(uri=MATRIX)
+        with anyio.move_on_after(0.3) as waited:
+            await anext(aiter(jobs))
+        assert waited.cancelled_caught
+
+
+async def test_watching_makes_no_workspace_and_unknown_uris_never_change(tmp_path: Path) -> None:
+    server = create_server(tmp_path / "absent", tools=[])
+    uris = [
+        MATRIX,
+        "worldagent://jobs",
+        "worldagent://jobs/job_000000000000",
+        "worldagent://worlds/../x/spec",
+        "file:///etc/passwd",
+    ]
+    async with Client(server) as client, client.listen(resource_subscriptions=uris) as stream:
+        with anyio.move_on_after(0.2) as waited:
+            await anext(aiter(stream))
+        assert waited.cancelled_caught
+    assert not (tmp_path / "absent").exists()
+
+
+async def test_more_than_a_few_hundred_resources_are_not_watched(server: WorldServer) -> None:
+    uris = [f"worldagent://worlds/w{k}/matrix" for k in range(MOST_URIS + 1)]
+    async with Client(server) as client:
+        with pytest.raises(MCPError, match=str(MOST_URIS)):
+            async with client.listen(resource_subscriptions=uris):
+                pass
+    assert not server.watch.running

@@ -15,7 +15,7 @@ RUN python3 -m venv /build \
 
 FROM debian:bookworm-slim AS base
 RUN apt-get update \
-    && apt-get install -y --no-install-recommends python3 python3-venv libllvm19 tini \
+    && apt-get install -y --no-install-recommends python3 python3-venv libatomic1 libllvm19 tini \
     && rm -rf /var/lib/apt/lists/*
 RUN useradd --create-home --uid 1000 agent && install -d -o agent -g agent -m 700 /worlds
 COPY --from=wheel /wheels /wheels

@@ -14,10 +14,11 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	@touch $@
 
-# Mitsuba runs 2-3 times faster with LLVM 16 or newer; without root or apt it falls back to its scalar variant.
+# Mitsuba loads libatomic, and runs 2-3 times faster with LLVM 16 or newer. Without root or apt, `worldagent doctor` says what is missing.
 $(VENV)/.llvm:
-	@if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && ! ls /usr/lib/*/libLLVM*19* >/dev/null 2>&1; then \
-		(apt-get update -qq && apt-get install -y -qq libllvm19) >/dev/null 2>&1 || echo "libllvm19 not available: rendering without it"; fi
+	@if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && ! ls /usr/lib/*/libLLVM*19* /usr/lib/*/libatomic.so.1 >/dev/null 2>&1; then \
+		(apt-get update -qq && apt-get install -y -qq libatomic1 && apt-get install -y -qq libllvm19) >/dev/null 2>&1 \
+		|| echo "libatomic1 or libllvm19 not available: see worldagent doctor"; fi
 	@touch $@
 
 setup: $(VENV)/.installed $(VENV)/.llvm

@@ -43,10 +43,27 @@ def _fcl() -> str:
 
 
 def _mitsuba() -> str:
-    from ..rendering.variant import choose_variant
+    import numpy as np
+
+    from ..rendering.variant import choose_variant, load_mitsuba
 
     chosen = choose_variant()
-    return f"{chosen.name}: {chosen.why}"
+    mi = load_mitsuba(chosen)
+    film = {"type": "hdrfilm", "width": 8, "height": 8}
+    view = mi.ScalarTransform4f().look_at([0, -4, 0], [0, 0, 0], [0, 0, 1])
+    scene = mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": "path"},
+            "sensor": {"type": "perspective", "to_world": view, "film": film},
+            "light": {"type": "constant"},
+            "ball": {"type": "sphere"},
+        }
+    )
+    grey = float(np.array(mi.render(scene, spp=4))[4, 4, 0])
+    if not 0.05 < grey < 1.0:
+        raise RuntimeError(f"a grey ball has the brightness {grey} under a white sky")
+    return f"{chosen.name} rendered a ball; {chosen.why}"
 
 
 def _llvm() -> str:

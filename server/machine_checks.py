@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import platform
 import re
@@ -15,7 +16,18 @@ from pathlib import Path
 from .capabilities import PACKAGES, package_version
 from .check import Check, reinstall
 
-__all__ = ["MACHINE_CHECKS", "caches", "clock", "ffmpeg", "limits", "memory", "packages", "python", "temporary_files"]
+__all__ = [
+    "MACHINE_CHECKS",
+    "caches",
+    "clock",
+    "ffmpeg",
+    "libraries",
+    "limits",
+    "memory",
+    "packages",
+    "python",
+    "temporary_files",
+]
 
 OLDEST_PYTHON = (3, 11)
 LEAST_MEMORY_BYTES = 2_000_000_000
@@ -26,6 +38,8 @@ LEAST_FILES = 256
 LEAST_ADDRESS_BYTES = 16_000_000_000
 """LLVM and CUDA reserve address space that they never touch."""
 LEAST_FILE_BYTES = 1_000_000_000
+SYSTEM_LIBRARIES = {"libatomic.so.1": "libatomic1"}
+"""Libraries that wheels load from the system, and the Debian packages they are in."""
 CLOCK_SLACK_S = 86_400.0
 _CGROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 _PIN = re.compile(r"^([A-Za-z0-9._-]+)\s*==\s*([^\s;,]+)\s*$")
@@ -83,6 +97,30 @@ def _licence(name: str) -> str:
     stated = [*(facts.get_all("License-Expression") or []), *(line.rsplit(" :: ", 1)[-1] for line in classifiers)]
     first = next(iter([*stated, *(facts.get_all("License") or []), "unknown licence"])).strip().splitlines()[0]
     return re.sub(r"\s+", " ", first)[:60]
+
+
+def libraries() -> list[Check]:
+    """Libraries of the system that wheels expect; small images of containers leave them out."""
+    if sys.platform != "linux":
+        return []
+    missing = [name for name in SYSTEM_LIBRARIES if not _loads(name)]
+    return [
+        Check(
+            "system libraries",
+            not missing,
+            f"{', '.join(missing)} not found" if missing else ", ".join(SYSTEM_LIBRARIES),
+            cost="Mitsuba does not load: no pictures and no film",
+            remedy=f"sudo apt-get install {' '.join(SYSTEM_LIBRARIES[name] for name in missing)} (Fedora: dnf install libatomic)",
+        )
+    ]
+
+
+def _loads(name: str) -> bool:
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return False
+    return True
 
 
 def memory() -> list[Check]:
@@ -235,5 +273,5 @@ def ffmpeg() -> list[Check]:
     ]
 
 
-MACHINE_CHECKS = (python, packages, memory, limits, clock, temporary_files, caches, ffmpeg)
+MACHINE_CHECKS = (python, packages, libraries, memory, limits, clock, temporary_files, caches, ffmpeg)
 """In the order of the report."""

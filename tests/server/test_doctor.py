@@ -255,6 +255,12 @@ def test_low_limits_of_a_process_are_told_with_the_command_that_raises_them() ->
     assert "ulimit -n 1024" in child.stdout
 
 
+def test_a_library_that_small_images_leave_out_is_told_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert only(machine_checks.libraries()).ok
+    monkeypatch.setattr(machine_checks, "SYSTEM_LIBRARIES", {"libnowhere.so.1": "libnowhere1"})
+    assert "apt-get install libnowhere1" in failing(only(machine_checks.libraries())).remedy
+
+
 def test_a_small_container_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "memory.max"
     file.write_text("1000000000\n")

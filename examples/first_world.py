@@ -73,7 +73,7 @@ class CodexClient:
     def close(self) -> None:
         """End Codex, and with it the server; jobs live on."""
         self._process.terminate()
-        self._process.wait(10.0)
+        self._process.communicate(timeout=10.0)
 
     def _send(self, message: dict[str, Any]) -> None:
         assert self._process.stdin is not None

@@ -9,11 +9,11 @@ from __future__ import annotations
 import base64
 import html
 import json
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..worlds.quoting import visible
 from ..worlds.spec import WorldSpec
 from .report_style import STYLE
 
@@ -26,9 +26,6 @@ MAX_GROUP_ROWS = 1500
 MAX_EVIDENCE = 4000
 """Characters of evidence per row on the page; all of it is in the bundle."""
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
-_HIDDEN = re.compile(
-    "[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u00ad\u061c\u180e\u200b-\u200f\u2028-\u202f\u2060-\u206f\ufeff\ufff9-\ufffb]"
-)
 
 
 @dataclass(frozen=True)
@@ -45,7 +42,7 @@ class ReportPictures:
 
 def _e(value: Any) -> str:
     """Text as HTML, with nothing in it that acts or hides."""
-    return html.escape(_HIDDEN.sub(lambda m: f"\\u{ord(m[0]):04x}", str(value)), quote=True)
+    return html.escape(visible(str(value)), quote=True)
 
 
 def _tag(name: str, inner: str, **attributes: str) -> str:

@@ -20,11 +20,13 @@ from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, 
 
 from ..tools.context import ToolBinding, ToolContext, ToolReply
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
+from ..worlds.quoting import shown, visible
 
 __all__ = ["Progress", "error_result", "error_text", "reply_result", "result_of_reply", "run_in_thread"]
 
 HEARTBEAT_S = 10.0
 """Longest silence of a running call [s]; clients cut calls that stay silent for minutes."""
+PROGRESS_CHARACTERS = 400
 ERROR_CHARACTERS = 8000
 """Clients cut longer error texts."""
 _SHOWN_PROBLEMS = 20
@@ -60,7 +62,7 @@ class Progress:
             self._latest = (
                 float(done) if math.isfinite(done) else self._last,
                 float(total) if finite and total is not None else None,
-                str(message),
+                visible(str(message)[:PROGRESS_CHARACTERS]),
             )
             self._loop.call_soon_threadsafe(self._news.set)
 
@@ -152,13 +154,15 @@ def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
     """
     if reply.pictures and not binding.pictures:
         raise TypeError(f"tool {binding.name} returned pictures but is not declared to")
-    encoded = pydantic_core.to_json(reply.data, inf_nan_mode="null")
+    encoded = pydantic_core.to_json(shown(reply.data), inf_nan_mode="null")
     content: list[ContentBlock] = [TextContent(type="text", text=encoded.decode())]
     content += [
         ImageContent(type="image", data=base64.b64encode(picture.data).decode(), mime_type=f"image/{picture.format}")
         for picture in reply.pictures
     ]
-    content += [ResourceLink(type="resource_link", name=name, uri=uri, mime_type=kind) for name, uri, kind in reply.links]
+    content += [
+        ResourceLink(type="resource_link", name=visible(name), uri=uri, mime_type=kind) for name, uri, kind in reply.links
+    ]
     if reply.pictures:
         return CallToolResult(content=content)
     return CallToolResult(content=content, structured_content=pydantic_core.from_json(encoded))
@@ -179,7 +183,7 @@ def error_text(error: WorldAgentError) -> str:
 
 def error_result(text: str) -> CallToolResult:
     """An error that the calling model reads."""
-    return CallToolResult(content=[TextContent(type="text", text=text)], is_error=True)
+    return CallToolResult(content=[TextContent(type="text", text=visible(text))], is_error=True)
 
 
 def _unexpected(tool: str, error: BaseException) -> CallToolResult:

@@ -12,6 +12,7 @@ from typing import Any
 
 from .. import __version__
 from ..worlds.errors import InputError, WorldAgentError
+from ..worlds.quoting import visible
 from .token_commands import add_token_commands
 
 __all__ = ["BENCHMARKS", "default_workspace", "leave", "main"]
@@ -46,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return command(arguments)
     except WorldAgentError as error:
-        print(f"worldagent: {error}", file=sys.stderr)
+        print(f"worldagent: {visible(str(error))}", file=sys.stderr)
         return MISUSED
     except KeyboardInterrupt:
         return 130

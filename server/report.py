@@ -7,6 +7,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from ..worlds.folder import WorldFolder
+from ..worlds.quoting import markdown_inline
 
 if TYPE_CHECKING:
     from ..worlds.ledger import Ledger
@@ -15,12 +16,19 @@ if TYPE_CHECKING:
 __all__ = ["world_report"]
 
 _SHOWN_ROWS = 40
+PROMPT_CHARACTERS = 20_000
 
 
 def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
     """Prompt, counts of verdicts, rows that do not pass, weakenings and the latest acceptance."""
     spec = folder.read_json(folder.spec_path)
-    lines = [f"# {spec.get('title', folder.id)}", "", f"World `{folder.id}`. Prompt:", "", _quoted(str(spec.get("prompt", "")))]
+    lines = [
+        f"# {markdown_inline(spec.get('title', folder.id))}",
+        "",
+        f"World `{folder.id}`. Prompt:",
+        "",
+        _quoted(str(spec.get("prompt", ""))),
+    ]
     if ledger is None:
         return "\n".join([*lines, "", "No ledger: nothing has been checked."])
     rows = ledger.rows()
@@ -39,7 +47,8 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
     if weakenings:
         lines += ["", "## Bounds that were weakened", ""]
         lines += [
-            f"- revision {w['revision']}: {json.dumps(w['weakenings'])}; reason: {w['reason'] or 'none given'}"
+            f"- revision {w['revision']}: {markdown_inline(json.dumps(w['weakenings']))}; "
+            f"reason: {markdown_inline(w['reason'] or 'none given')}"
             for w in weakenings
         ]
     accepted = ledger.acceptance()
@@ -48,7 +57,7 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
         lines.append("Never judged as a whole.")
     else:
         lines.append(
-            f"Latest verdict: {accepted['verdict']}, revision {accepted['revision']}, candidate {accepted['freeze'][:16]}."
+            f"Latest verdict: {markdown_inline(accepted['verdict'])}, revision {accepted['revision']}, candidate {markdown_inline(accepted['freeze'][:16])}."
         )
         if accepted["revision"] != ledger.revision():
             lines.append("It is about an older revision and says nothing about the current one.")
@@ -56,14 +65,18 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
 
 
 def _quoted(text: str) -> str:
-    return "\n".join(f"> {line}" for line in text.splitlines() or [""])
+    cut, left = text[:PROMPT_CHARACTERS], len(text) - PROMPT_CHARACTERS
+    lines = [f"> {markdown_inline(line, most=PROMPT_CHARACTERS)}" for line in cut.splitlines() or [""]]
+    return "\n".join(lines + ([f"> ... ({left} more characters)"] if left > 0 else []))
 
 
 def _row(row: Row) -> str:
-    unit = "" if row.unit in ("", "1") else f" {row.unit}"
+    unit = "" if row.unit in ("", "1") else f" {markdown_inline(row.unit)}"
     measured = "not measured" if row.measured is None else f"{row.measured:.6g}{unit}"
     bound = "" if row.bound is None else f", required {row.comparison} {row.bound:.6g}{unit}"
-    where = f", first at {row.first_failing_entity}" if row.first_failing_entity else ""
+    where = f", first at {markdown_inline(row.first_failing_entity)}" if row.first_failing_entity else ""
     when = f" frame {row.first_failing_frame}" if row.first_failing_frame is not None else ""
-    action = f". Next: {row.corrections[0].action}" if row.corrections else ""
-    return f"- **{row.status}** `{row.id}`: {row.predicate}: {measured}{bound}{where}{when}{action}"
+    action = f". Next: {markdown_inline(row.corrections[0].action)}" if row.corrections else ""
+    return (
+        f"- **{row.status}** {markdown_inline(row.id)}: {markdown_inline(row.predicate)}: {measured}{bound}{where}{when}{action}"
+    )

@@ -16,6 +16,7 @@ from mcp.types import Completion, CompletionArgument, CompletionContext, PromptR
 
 from ..worlds.errors import EvidenceError, InputError, WorldAgentError
 from ..worlds.folder import WorldFolder, safe_join, world_ids
+from ..worlds.quoting import json_visible, visible
 from .completions import complete
 from .report import world_report
 from .skill_files import SKILLS, skill_files, skill_frontmatter, skill_names
@@ -93,7 +94,7 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
     )
     def spec(world: str) -> str:
         with _opened(workspace, world) as folder:
-            return folder.spec_path.read_text()
+            return json_visible(_file(folder.root, folder.spec_path.name, []).decode("utf-8", "replace"))
 
     @server.resource(
         f"{base}/matrix",
@@ -181,7 +182,7 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             films = sorted(folder.root.glob("candidates/*/final/final.*"), key=lambda p: p.stat().st_mtime)
             if not films:
                 raise ResourceNotFoundError(f"world {world!r} has no film; render_shot(kind='final') makes one after acceptance")
-            return films[-1].read_bytes()
+            return _file(folder.root, folder.relative(films[-1]), [])
 
 
 def _add_jobs(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
@@ -266,9 +267,9 @@ def _told() -> Iterator[None]:
     try:
         yield
     except (InputError, EvidenceError) as error:
-        raise ResourceNotFoundError(str(error)) from error
+        raise ResourceNotFoundError(visible(str(error))) from error
     except WorldAgentError as error:
-        raise ResourceError(str(error)) from error
+        raise ResourceError(visible(str(error))) from error
 
 
 @contextmanager
@@ -302,4 +303,4 @@ def _file(base: Path, relative: str, known: list[str]) -> bytes:
 
 
 def _json(value: Any) -> str:
-    return pydantic_core.to_json(value, inf_nan_mode="null").decode()
+    return json_visible(pydantic_core.to_json(value, inf_nan_mode="null").decode())

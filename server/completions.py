@@ -10,6 +10,7 @@ from mcp.types import Completion
 
 from ..worlds.errors import WorldAgentError
 from ..worlds.folder import WorldFolder, world_ids
+from ..worlds.quoting import quoted
 from .skill_files import skill_files, skill_names
 from .workspace_jobs import WorkspaceJobs
 
@@ -36,6 +37,7 @@ def complete(
     known = _known(workspace, jobs, argument, given, template or "")
     if known is None:
         return None
+    known = [value for value in known if quoted(value, most=len(value)) == f"'{value}'"]  # names that can be typed and seen
     low = typed.lower()
     fitting = [value for value in known if value.lower().startswith(low)]
     fitting = fitting or [value for value in known if low in value.lower()]
@@ -63,7 +65,7 @@ def _entities(workspace: Path, world: str) -> list[str]:
     try:
         folder = WorldFolder.of(workspace, world)
         return sorted(json.loads(folder.spec_path.read_text()).get("entities", {}))
-    except (WorldAgentError, OSError, ValueError):
+    except (WorldAgentError, OSError, ValueError, AttributeError, TypeError, RecursionError):
         return []
 
 

@@ -31,6 +31,7 @@ from ...execution import Job, JobStore
 from ...execution.pruning import SPARED_S
 from ...tools.context import Handover, ToolBinding
 from ...worlds.errors import InputError
+from ...worlds.quoting import visible
 from ..calls import result_of_reply
 from .inputs import give_answers, open_questions
 
@@ -40,6 +41,7 @@ TASKS: Final = "io.modelcontextprotocol/tasks"
 MODERN: Final = frozenset({"2026-07-28"})
 """Protocol versions that know extensions of results."""
 POLL_MS = 1000
+STATUS_CHARACTERS = 2000
 HANDOVER: ContextVar[Handover | None] = ContextVar("HANDOVER", default=None)
 """Set while a tool runs whose client takes a running job as a task."""
 
@@ -189,7 +191,7 @@ def _task(job: Job, status: str) -> dict[str, Any]:
         "ttlMs": round(1000 * ((job.finished or time.time()) - job.created + SPARED_S)),
         "pollIntervalMs": POLL_MS,
     }
-    message = _message(job)
+    message = visible(_message(job)[:STATUS_CHARACTERS])
     return task | {"statusMessage": message} if message else task
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import sqlite3
+import threading
 from pathlib import Path
 from typing import Any
 
 import pytest
 from mcp import Client
 from mcp.shared.exceptions import MCPError
+from mcp.types import ResourceTemplateReference
 from worldagent.rendering.report import matrix_page
 from worldagent.server.app import create_server
 from worldagent.server.cli import main
@@ -103,16 +105,27 @@ async def test_no_resource_error_lets_a_stranger_act(workspace: Path) -> None:
     assert acting(str(caught.value)) == []
 
 
+async def test_completions_offer_only_names_that_can_be_seen(workspace: Path) -> None:
+    (workspace / "copied" / "pictures" / "plan.png").write_bytes(b"\x89PNG")
+    template = ResourceTemplateReference(type="ref/resource", uri="worldagent://worlds/{world}/pictures/{name}")
+    async with Client(create_server(workspace, tools=[])) as client:
+        found = await client.complete(template, {"name": "name", "value": ""}, context_arguments={"world": "copied"})
+    assert found.completion.values == ["plan.png"]
+
+
 async def test_progress_and_links_are_quoted_and_short(tmp_path: Path, era: str) -> None:
     seen: list[str] = []
+    heard = threading.Event()
 
     def speak(context: ToolContext) -> ToolReply:
         """Report what a stranger wrote."""
         context.progress(1, 2, EVIL + "x" * 5000)
+        heard.wait(5)
         return ToolReply({EVIL: [EVIL, {"deep": (EVIL,)}]}, links=((EVIL, "worldagent://worlds", "application/json"),))
 
     async def note(done: float, total: float | None, message: str | None) -> None:
         seen.append(message or "")
+        heard.set()
 
     server = create_server(tmp_path, tools=[ToolBinding(speak, "Speak", read_only=True)])
     async with Client(server, mode=era) as client:

@@ -21,7 +21,19 @@ $(VENV)/.llvm:
 		|| echo "libatomic1 or libllvm19 not available: see worldagent doctor"; fi
 	@touch $@
 
-setup: $(VENV)/.installed $(VENV)/.llvm
+# The tests of the web page drive a browser; without one they are skipped and say so.
+$(VENV)/.chromium:
+	@if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && ! command -v chromium >/dev/null 2>&1; then \
+		(apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium) >/dev/null 2>&1 || echo "chromium not available: the page is not tested in a browser"; fi
+	@touch $@
+
+# The accessibility audit of those tests; MPL-2.0, so it is fetched for them and never shipped.
+$(VENV)/.axe:
+	@if command -v npm >/dev/null 2>&1; then \
+		npm install --silent --no-save --prefix $(VENV)/axe axe-core@4.14.1 >/dev/null 2>&1 || echo "axe-core not available: accessibility is not audited"; fi
+	@touch $@
+
+setup: $(VENV)/.installed $(VENV)/.llvm $(VENV)/.chromium $(VENV)/.axe
 
 demo: setup
 	$(BIN)/worldagent demo $(DEMO_ARGS)

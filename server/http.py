@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import socket
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,11 +9,10 @@ from pathlib import Path
 from mcp.server.transport_security import TransportSecuritySettings
 from starlette.requests import Request
 from starlette.responses import JSONResponse
-from starlette.routing import BaseRoute, Route
+from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from .. import __version__
-from ..execution import JobStore
 from ..tools.context import ToolBinding
 from ..worlds.errors import InputError
 from .app import create_server
@@ -87,6 +84,8 @@ def http_app(
         tools: Tools to serve; default all.
         conformance: Whether to serve the fixtures of the official conformance suite too.
     """
+    from .page import page_routes
+
     if tools is None:
         from ..tools import TOOLS
 
@@ -101,7 +100,7 @@ def http_app(
         transport_security=transport_security(host, allowed_hosts, allowed_origins),
     )
     app.router.routes.append(Route("/healthz", _healthz, methods=["GET"]))
-    app.router.routes.extend(_page(server.workspace, lambda: server.jobs))
+    app.router.routes.extend(page_routes(server.workspace, lambda: server.jobs))
     return Guard(StrictBodies(app, "/mcp"), GuardRules(host_names(host, allowed_hosts), allowed_origins), tokens)
 
 
@@ -160,11 +159,3 @@ def serve_http(
 
 async def _healthz(request: Request) -> JSONResponse:
     return JSONResponse({"ok": True, "version": __version__}, headers={"Cache-Control": "no-store"})
-
-
-def _page(workspace: Path, jobs: Callable[[], JobStore]) -> list[BaseRoute]:
-    """Routes of the web page, where it is installed."""
-    if importlib.util.find_spec(".page", __package__) is None:
-        return []
-    routes = importlib.import_module(f"{__package__}.page.routes")
-    return list(routes.page_routes(workspace, jobs))

@@ -309,6 +309,12 @@ class Ledger:
             row = db.execute("SELECT * FROM freezes WHERE freeze=?", (freeze,)).fetchone()
         return None if row is None else {**dict(row), "detail": json.loads(row["detail"]), "passed": bool(row["passed"])}
 
+    def freezes(self, limit: int = 50) -> list[dict[str, Any]]:
+        """Outcomes of probes, newest first."""
+        with self._open() as db:
+            rows = db.execute("SELECT * FROM freezes ORDER BY at DESC LIMIT ?", (limit,)).fetchall()
+        return [{**dict(r), "detail": json.loads(r["detail"]), "passed": bool(r["passed"])} for r in rows]
+
     def put_bake(self, freeze: str, revision: int, digest: str, detail: Mapping[str, Any]) -> None:
         """Record a complete bake."""
         with self._write() as db:

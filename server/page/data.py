@@ -109,7 +109,7 @@ class PageData:
     def worlds(self, *, query: str = "", offset: int = 0, limit: int = 50) -> dict[str, Any]:
         """Summaries of the worlds, the last changed first."""
         found = [w for w in self.ids() if query.lower() in w]
-        found.sort(key=lambda w: (-max(m for m, _ in signature(WorldFolder.of(self.workspace, w))), w))
+        found.sort(key=lambda w: (-max(m for m, _ in signature(WorldFolder(self.workspace / w))), w))
         chosen = found[offset : offset + limit]
         return {"worlds": [self.summary(w) for w in chosen], "total": len(found), "offset": offset}
 
@@ -119,21 +119,24 @@ class PageData:
         Raises:
             InputError: there is no such world.
         """
-        folder = WorldFolder.of(self.workspace, world)
-        now = signature(folder)
+        now = signature(WorldFolder(self.workspace / world))
         kept = self._summaries.get(world)
         if kept is None or kept[0] != now:
-            kept = (now, self._summarise(folder, now))
+            kept = (now, self._summarise(world, now))
             self._summaries[world] = kept
             while len(self._summaries) > KEPT_SUMMARIES:
                 self._summaries.popitem(last=False)
         return kept[1]
 
-    def _summarise(self, folder: WorldFolder, now: Signature) -> dict[str, Any]:
-        data: dict[str, Any] = {"id": folder.id, "title": folder.id, "prompt": "", "changed": max(m for m, _ in now) / 1e9}
+    def _summarise(self, world: str, now: Signature) -> dict[str, Any]:
+        data: dict[str, Any] = {"id": world, "title": world, "prompt": "", "changed": max(m for m, _ in now) / 1e9}
+        try:
+            folder = WorldFolder.of(self.workspace, world)
+        except EvidenceError as error:
+            return data | {"problem": str(error)}
         try:
             spec = folder.read_json(folder.spec_path)
-            data |= {"title": str(spec.get("title") or folder.id), "prompt": str(spec.get("prompt", ""))}
+            data |= {"title": str(spec.get("title") or world), "prompt": str(spec.get("prompt", ""))}
         except (EvidenceError, AttributeError) as error:
             data["problem"] = str(error)
         data["cut"] = len(data["prompt"]) > PROMPT_CHARACTERS

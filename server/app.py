@@ -21,6 +21,7 @@ from pydantic import AnyUrl
 from .. import __version__
 from ..execution import JobStore
 from ..tools.context import ToolBinding, ToolContext
+from ..worlds.bounds import shown
 from ..worlds.errors import InputError
 from .arguments import Arguments
 from .calls import error_result, error_text, run_in_thread
@@ -117,7 +118,7 @@ class WorldServer(MCPServer[Any]):
             known = [*self._bindings, *others]
             close = difflib.get_close_matches(name, known, n=1)
             hint = f"; did you mean {close[0]!r}?" if close else ""
-            return error_result(f"invalid: there is no tool {name!r}{hint}. Tools: {', '.join(known)}")
+            return error_result(f"invalid: there is no tool {shown(name)}{hint}. Tools: {', '.join(known)}")
         binding, accepted = self._bindings[name]
         try:
             parsed = accepted.parse(arguments)

@@ -11,6 +11,7 @@ from mcp.server.mcpserver.utilities.func_metadata import func_metadata
 from pydantic import ValidationError
 
 from ..tools.context import ToolBinding
+from ..worlds.bounds import extent, shown
 from ..worlds.errors import InputError
 
 __all__ = ["Arguments"]
@@ -39,9 +40,10 @@ class Arguments:
         Raises:
             InputError: An argument is unknown, missing or out of range.
         """
-        for name in given:
+        for name, value in given.items():
             if name not in self.names:
                 raise InputError(self._unknown(name))
+            extent(value, what=f"{self.tool}: {name}")
         try:
             return self._metadata.validate_arguments(dict(given))
         except ValidationError as error:
@@ -53,7 +55,7 @@ class Arguments:
     def _unknown(self, name: str) -> str:
         close = difflib.get_close_matches(name, self.names, n=1, cutoff=0.5)
         hint = f"; did you mean {close[0]!r}?" if close else "."
-        return f"{self.tool} has no argument {name!r}{hint} Its arguments: {', '.join(self.names) or 'none'}"
+        return f"{self.tool} has no argument {shown(name)}{hint} Its arguments: {', '.join(self.names) or 'none'}"
 
     def _problem(self, found: dict[str, Any]) -> str:
         """One validation problem: argument, value, what is wrong and what is allowed."""
@@ -64,12 +66,9 @@ class Arguments:
             described = schema.get("description")
             return f"{where} is missing" + (f" ({described})" if described else "")
         allowed = "" if inner else _allowed(schema)
-        return f"{where} = {_short(found['input'])}: {found['msg']}" + (f" (allowed: {allowed})" if allowed else "")
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
+        return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)}: {found['msg']}" + (
+            f" (allowed: {allowed})" if allowed else ""
+        )
 
 
 def _allowed(schema: Mapping[str, Any]) -> str:

@@ -34,6 +34,11 @@ def _caps(*caps: Cap) -> dict[str, Cap]:
 
 
 CAPS: dict[str, Cap] = _caps(
+    Cap("spec_values", 2_000_000, "values", "fewer entities, smaller height fields and meshes, or mesh files in assets/"),
+    Cap("spec_depth", 64, "levels", "predicates that are nested less deep"),
+    Cap("patch_operations", 2_000, "operations", "split the patch: each part is a revision of its own"),
+    Cap("patch_values", 500_000, "values added, copied or moved", "split the patch: each part is a revision of its own"),
+    Cap("entities", 20_000, "entities", "fewer entities; many pieces that move together are parts of one entity"),
     Cap("bodies", 2_000, "bodies", "fewer entities with motion dynamic or kinematic, or fewer links of a rope generator"),
     Cap("parts", 20_000, "parts", "fewer entities or fewer parts per entity"),
     Cap("frames", 20_000, "frames", "/simulation/frames, /simulation/fps or /simulation/preroll"),

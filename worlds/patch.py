@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 from pydantic import ValidationError
 
+from .bounds import check_document, extent, shown
 from .errors import SpecError
+from .limits import CAPS, check_cap
 from .predicates import PREDICATES
 from .spec import WorldSpec
 
 __all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
 
-MAX_OPERATIONS = 2000
+_ERROR_CHARACTERS = 300
+_SHOWN_PROBLEMS = 20
+_LISTED_PROBLEMS = 10_000
+_FIRST_MEMBERS = 40
 HARDER_UPWARDS = ("visible_pixels", "visible_share", "beat_seen_frames")
 """Limits that are harder to meet the larger they are."""
 
@@ -22,47 +28,88 @@ def parse_spec(document: Any) -> WorldSpec:
     """Validate a document.
 
     Raises:
+        LimitError: it is larger than any specification may be.
         SpecError: with every problem as (JSON pointer, message), at most 20 of them in the text.
     """
+    check_document(document, "the specification")
     try:
         return WorldSpec.model_validate(document)
     except ValidationError as error:
-        problems = []
-        for item in error.errors(include_url=False):
-            place = "/" + "/".join(str(p) for p in item["loc"])
-            shown = repr(item.get("input"))
-            message = f"{item['msg']} (got {shown[:80]}{'...' if len(shown) > 80 else ''})"
-            problems.append((place, message))
-        text = "\n".join(f"  {place}: {message}" for place, message in problems[:20])
-        more = f"\n  and {len(problems) - 20} more" if len(problems) > 20 else ""
-        raise SpecError(
-            f"the specification does not validate, nothing was changed:\n{text}{more}\n"
-            "Read worldagent://schema/world for fields and ranges, then send the patch again.",
-            tuple(problems),
-        ) from error
+        count, problems = error.error_count(), _problems(document, error)
+    text = "\n".join(f"  {place}: {message}" for place, message in problems[:_SHOWN_PROBLEMS])
+    more = f"\n  and {count - _SHOWN_PROBLEMS} more" if count > _SHOWN_PROBLEMS else ""
+    raise SpecError(
+        f"the specification does not validate, nothing was changed:\n{text}{more}\n"
+        "Read worldagent://schema/world for fields and ranges, then send the patch again.",
+        tuple(problems),
+    )
+
+
+def _problems(document: Any, error: ValidationError) -> list[tuple[str, str]]:
+    """(JSON pointer, message) of every problem; of very many, those in the first members of each collection.
+
+    Listing a million problems takes pydantic ten times as long as finding them.
+    """
+    if error.error_count() > _LISTED_PROBLEMS:
+        try:
+            WorldSpec.model_validate(_first_members(document))
+        except ValidationError as fewer:
+            error = fewer
+        if error.error_count() > _LISTED_PROBLEMS:
+            return [("", "hardly anything in it is as the schema has it")]
+    found = []
+    for item in error.errors(include_url=False):
+        place = "/" + "/".join(str(p) for p in item["loc"])
+        place = place if len(place) <= _ERROR_CHARACTERS else f"{place[:_ERROR_CHARACTERS]}..."
+        found.append((place, f"{item['msg'][:_ERROR_CHARACTERS]} (got {shown(item.get('input'))})"))
+    return found
+
+
+def _first_members(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _first_members(value[key]) for key in islice(value, _FIRST_MEMBERS)}
+    return [_first_members(item) for item in value[:_FIRST_MEMBERS]] if isinstance(value, list) else value
 
 
 def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> WorldSpec:
     """Apply RFC 6902 operations; the prompt cannot change.
 
     Raises:
+        LimitError: too many operations, or they add or copy too much.
         SpecError: an operation fails, the result does not validate, or the prompt would change.
     """
-    import jsonpatch
-    import jsonpointer
-
-    if len(operations) > MAX_OPERATIONS:
-        raise SpecError(f"patch has {len(operations)} operations, at most {MAX_OPERATIONS}; split it")
-    document = spec.model_dump(mode="json", exclude_none=True)
-    try:
-        changed = jsonpatch.apply_patch(document, [dict(o) for o in operations], in_place=True)
-    except (jsonpatch.JsonPatchException, jsonpointer.JsonPointerException, TypeError, KeyError) as error:
-        raise SpecError(
-            f"patch cannot be applied, nothing was changed: {error}. Paths are JSON pointers into world.json"
-        ) from error
+    check_cap("patch_operations", len(operations), what="this patch")
+    changed = spec.model_dump(mode="json", exclude_none=True)
+    added = 0
+    for number, operation in enumerate(operations):
+        changed, more = _applied(changed, operation, number)
+        added += more
+        check_cap("patch_values", added, what=f"operations 0 to {number} of this patch")
     if not isinstance(changed, dict) or changed.get("prompt") != spec.prompt:
         raise SpecError("the prompt is immutable; create another world for another prompt")
     return parse_spec(changed)
+
+
+def _applied(document: Any, operation: Mapping[str, Any], number: int) -> tuple[Any, int]:
+    """The document after one operation, and how many values that put into it: copies can double it each time."""
+    import jsonpatch
+    import jsonpointer
+
+    what = f"operation {number} of the patch"
+    try:
+        carried = operation.get("value")
+        if operation.get("op") in ("copy", "move"):
+            carried = jsonpointer.JsonPointer(operation["from"]).resolve(document)
+        size = extent(carried, most=CAPS["patch_values"].value, what=what)
+        check_cap("patch_values", size.values, what=what)
+        path = operation.get("path")
+        levels = path.count("/") if isinstance(path, str) else 0
+        check_cap("spec_depth", levels + size.depth, what=what)
+        return jsonpatch.apply_patch(document, [dict(operation)], in_place=True), size.values
+    except (jsonpatch.JsonPatchException, jsonpointer.JsonPointerException, TypeError, KeyError, AttributeError) as error:
+        raise SpecError(
+            f"{what} cannot be applied, nothing was changed: {str(error)[:_ERROR_CHARACTERS]}. Paths are JSON pointers into world.json"
+        ) from error
 
 
 def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:

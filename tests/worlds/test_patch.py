@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
-from worldagent.worlds.errors import SpecError
+from worldagent.worlds.errors import LimitError, SpecError
 from worldagent.worlds.patch import apply_patch, differences, parse_spec, weakenings
 from worldagent.worlds.spec import WorldSpec
 
@@ -222,7 +222,7 @@ def test_a_patch_is_all_or_nothing() -> None:
 
 
 def test_too_many_operations_are_refused() -> None:
-    with pytest.raises(SpecError, match="at most 2000"):
+    with pytest.raises(LimitError, match=r"2,001 operations .*cap 2,000.*split the patch"):
         apply_patch(base(), [{"op": "test", "path": "/title", "value": "Three blocks"}] * 2001)
 
 

@@ -43,7 +43,7 @@ class Arguments:
         for name, value in given.items():
             if name not in self.names:
                 raise InputError(self._unknown(name))
-            extent(value, what=f"{self.tool}: {name}")
+            extent(value, what=f"{self.tool}: {name}", finite=True)
         try:
             return self._metadata.validate_arguments(dict(given))
         except ValidationError as error:

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..worlds.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
-from ..worlds.errors import EvidenceError, RefusedError, SpecError
+from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.groups import group_of
 from ..worlds.ledger import Ledger
@@ -103,7 +103,7 @@ class Session:
                 raise EvidenceError(f"world {folder.id!r} has no revision in its ledger; create it again with edit_spec")
             try:
                 spec, damage = parse_spec(folder.read_json(folder.spec_path)), ""
-            except (EvidenceError, SpecError) as error:
+            except (EvidenceError, InputError) as error:
                 spec, damage = None, f" It cannot be read: {error}"
             if spec is not None and _same(spec, recorded[0]):
                 return cls(folder, ledger, spec, revision)

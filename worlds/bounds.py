@@ -26,8 +26,14 @@ class Extent(NamedTuple):
     """Levels of objects and arrays."""
 
 
-def extent(value: Any, *, most: float = math.inf, what: str) -> Extent:
+def extent(value: Any, *, most: float = math.inf, what: str, finite: bool = False) -> Extent:
     """Count a JSON value, not much further than `most` values.
+
+    Args:
+        value: the value.
+        most: where to stop.
+        what: what it is, for the text.
+        finite: also refuse NaN and infinities. A specification's own types tell where they stand.
 
     Raises:
         InputError: a number is no number or beyond all fields, or a text is no Unicode (a lone surrogate).
@@ -42,7 +48,7 @@ def extent(value: Any, *, most: float = math.inf, what: str) -> Extent:
         count += len(at)
         for item in () if count > most else at.values() if isinstance(at, dict) else at:
             if isinstance(item, float):
-                if not math.isfinite(item):
+                if finite and not math.isfinite(item):
                     raise InputError(f"{what} holds {item}; give finite numbers only")
             elif isinstance(item, str):
                 count += _text(item, what)

@@ -26,6 +26,7 @@ BENCHMARKS: dict[str, str] = {
     "render": "worldagent.bench.render:run",
     "defects": "worldagent.bench.defects.suites:run",
     "skills": "worldagent.bench.skills:run",
+    "result-size": "worldagent.bench.result_size:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

@@ -1,0 +1,166 @@
+"""Requirement rows for the model: in full, concise, or one line each, worst and most upstream first."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, get_args
+
+from ..worlds.requirements import Check, Row
+
+__all__ = ["Detail", "Listed", "brief", "concise", "counts", "open_rows", "ranked", "shaped", "summary"]
+
+Detail = Literal["concise", "full"]
+Listed = dict[str, Any]
+
+MAX_BRIEF_ROWS = 12
+MAX_NAMED_ROWS = 60
+EVIDENCE_CHARACTERS = 1500
+TEXT_CHARACTERS = 400
+ROWS_CHARACTERS = {"concise": 5500, "full": 15000}
+"""What the rows of one reply may take; what follows comes as single lines."""
+LINES_CHARACTERS = 1500
+_UPSTREAM: dict[str, int] = {name: k for k, name in enumerate(get_args(Check))}
+
+
+def brief(row: Row, *, corrections: int = 2) -> Listed:
+    """A row in full: no empty fields, the best corrections only."""
+    data = row.model_dump(mode="json", exclude={"recipe", "corrections", "evidence"}, exclude_none=True)
+    data = {k: v for k, v in data.items() if v not in ("", [], {})}
+    if row.status != "pass":
+        data["corrections"] = [
+            {k: v for k, v in c.model_dump(mode="json").items() if v not in ("", [], None)} for c in row.corrections[:corrections]
+        ]
+        measured = {k: v for k, v in row.evidence.items() if k not in ("diagnosis", "edit_classes")}
+        text = json.dumps(measured, default=str)
+        data["evidence"] = measured if len(text) < EVIDENCE_CHARACTERS else text[:EVIDENCE_CHARACTERS] + "..."
+        if "diagnosis" in row.evidence:
+            data["diagnosis"] = row.evidence["diagnosis"]
+    return data
+
+
+def concise(row: Mapping[str, Any]) -> Listed:
+    """What decides the next step, of a row in full: what was measured, why it fails, what to do, where to look."""
+    told = _line(row) | {"predicate": _cut(row.get("predicate", ""))}
+    if row.get("frames"):
+        told["frames"] = row["frames"]
+    why = _why(row)
+    if why:
+        told["why"] = _cut(why)
+    corrections = [_correction(c) for c in row.get("corrections", ())]
+    if corrections:
+        told["corrections"] = corrections
+    looks = [_look(p) for p in row.get("diagnosis", {}).get("cheapest_probe", ())[:1]]
+    if looks and row["status"] == "fail":
+        told["look"] = looks[0]
+    return told
+
+
+def _line(row: Mapping[str, Any]) -> Listed:
+    """A row in a line: which, and by how much it misses."""
+    told: Listed = {"id": row["id"], "check": row["check"], "status": row["status"]}
+    if not row.get("mandatory", True):
+        told["mandatory"] = False
+    if row.get("measured") is not None:
+        told["measured"] = _short(row["measured"])
+    if row.get("bound") is not None:
+        told["needs"] = f"{row.get('comparison', '')} {_short(row['bound'])} {row.get('unit', '')}".strip()
+    for key, name in (("first_failing_entity", "entity"), ("first_failing_frame", "frame")):
+        if row.get(key) is not None:
+            told[name] = row[key]
+    return told
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.6g}")
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= TEXT_CHARACTERS else f"{text[:TEXT_CHARACTERS]}... (more: inspect_world part='row')"
+
+
+def _why(row: Mapping[str, Any]) -> str:
+    evidence = row.get("evidence")
+    if not isinstance(evidence, Mapping):
+        return str(evidence or "")
+    if evidence.get("explanation"):
+        return str(evidence["explanation"])
+    stale = evidence.get("stale")
+    return "; ".join(str(p) for p in evidence.get("problems", ())[:4]) or (f"stale: {stale}" if stale else "")
+
+
+def _correction(correction: Mapping[str, Any]) -> Listed:
+    """Cause, group and action, with the patch, or else the places to look at."""
+    kept = {k: correction[k] for k in ("cause", "edit_class", "group", "action", "patch", "tried") if k in correction}
+    if kept.get("cause") == kept.get("action"):
+        kept.pop("cause", None)
+    if "patch" not in kept and "pointers" in correction:
+        kept["pointers"] = correction["pointers"]
+    if "skill" in correction:
+        kept["skill"] = correction["skill"]
+    return kept
+
+
+def _look(probe: Mapping[str, Any]) -> str:
+    """The cheapest measurement that tells the causes apart, as a call."""
+    arguments = ", ".join(f"{k}={v!r}" for k, v in probe.get("arguments", {}).items())
+    return f"{probe['tool']}({arguments}): {probe.get('look_at', '')}"
+
+
+def counts(rows: Iterable[Row]) -> dict[str, int]:
+    """Rows per status, mandatory ones that do not pass apart."""
+    found = {"pass": 0, "fail": 0, "unverified": 0, "not_applicable": 0, "mandatory_open": 0}
+    for row in rows:
+        found[row.status] += 1
+        found["mandatory_open"] += row.mandatory and row.status in ("fail", "unverified")
+    return found
+
+
+def ranked(rows: Iterable[Row], *, only: Sequence[str] = ("fail", "unverified", "pass", "not_applicable")) -> list[Row]:
+    """Rows of these statuses in their order, mandatory ones first, then upstream checks, early frames, summaries last."""
+    rank = {status: k for k, status in enumerate(only)}
+
+    def key(row: Row) -> tuple[Any, ...]:
+        start = row.frames[0] if row.frames is not None else 0
+        return (rank[row.status], not row.mandatory, _UPSTREAM[row.check], row.id.endswith(":scene"), start, row.id)
+
+    return sorted((r for r in rows if r.status in rank), key=key)
+
+
+def open_rows(rows: Iterable[Row], *, static: bool = False) -> list[Row]:
+    """Rows that do not pass, ranked; with `static` those of shots count only where they fail."""
+    return [r for r in ranked(rows, only=("fail", "unverified")) if not (static and r.check == "shots" and r.status != "fail")]
+
+
+def summary(rows: Sequence[Row], *, static: bool = False) -> Listed:
+    """Counts, and the rows that do not pass, worst first; with `static`, what only motion can tell is just counted."""
+    left = open_rows(rows, static=static)
+    data: Listed = {"counts": counts(rows), "open_rows": [brief(r) for r in left[:MAX_BRIEF_ROWS]]}
+    if len(left) > MAX_BRIEF_ROWS:
+        data["more_open_rows"] = [r.id for r in left[MAX_BRIEF_ROWS : MAX_BRIEF_ROWS + MAX_NAMED_ROWS]]
+        data["open_total"] = len(left)
+    if static:
+        data["waiting_for_motion"] = sum(r.status == "unverified" and r.check == "shots" for r in rows)
+    return data
+
+
+def shaped(rows: Sequence[Mapping[str, Any]], detail: Detail = "concise", *, room: int | None = None) -> list[Listed]:
+    """Rows in full as a reply shows them: the first ones as asked, later ones in a line where the room is used up."""
+    told: list[Listed] = []
+    left = ROWS_CHARACTERS[detail] if room is None else room
+    lines = LINES_CHARACTERS
+    for row in rows:
+        item = concise(row) if detail == "concise" else dict(row)
+        size = len(json.dumps(item, default=str))
+        if not told or size <= left:
+            told.append(item)
+            left -= size
+            continue
+        left = 0
+        line = _line(row)
+        size = len(json.dumps(line))
+        if size > lines:
+            break
+        lines -= size
+        told.append(line)
+    return told

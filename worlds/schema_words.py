@@ -1,0 +1,202 @@
+"""The schema of a specification in short lines, part by part: what a model needs to write its first world.
+
+The JSON Schema of a world is some 90 kB because every union is written out wherever it is used. Here a part is one
+type with a line for each field: `type, range; default or required; meaning`. Names that begin with a capital letter
+are parts themselves.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+from .errors import InputError
+
+__all__ = ["described", "known_parts", "overview"]
+
+UNIONS = {
+    "Predicate": "Reaches",
+    "Shape": "Box",
+    "Physics": "RigidPhysics",
+    "Region": "BoxRegion",
+    "Relation": "Supports",
+    "Joint": "HingeJoint",
+    "Driver": "MotorDriver",
+    "Robustness": "Perturbed",
+}
+"""Names for unions, each by one of its members."""
+ROOT = "World"
+NESTED = 6
+"""A part brings the parts that only it needs along, at most so many."""
+SHORT_DEFAULT = 40
+UNSAID = 1e9
+"""Bounds that only keep numbers finite are left out."""
+_ID = "^[A-Za-z][A-Za-z0-9_-]{0,63}$"
+_BOUNDS = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    from .spec import WorldSpec
+
+    return WorldSpec.model_json_schema()
+
+
+@cache
+def _members() -> dict[str, tuple[str, ...]]:
+    """Types of every named union."""
+    found = {}
+    for node in _nodes(_schema()):
+        names = tuple(_ref(o) for o in node.get("oneOf", ()) if "$ref" in o)
+        for union, member in UNIONS.items():
+            if member in names:
+                found[union] = names
+    return found
+
+
+def _nodes(node: Any) -> Iterator[dict[str, Any]]:
+    if isinstance(node, dict):
+        yield node
+        for value in node.values():
+            yield from _nodes(value)
+    elif isinstance(node, list):
+        for value in node:
+            yield from _nodes(value)
+
+
+def _ref(node: Mapping[str, Any]) -> str:
+    return str(node["$ref"]).rsplit("/", 1)[-1]
+
+
+def known_parts() -> tuple[str, ...]:
+    """Names that `described` takes."""
+    return (ROOT, *UNIONS, *sorted(_schema()["$defs"]))
+
+
+def overview() -> dict[str, Any]:
+    """The top level of a specification and where to read on."""
+    return {
+        "fields": _fields(_schema()),
+        "unions": {name: f"one of {', '.join(_kind(m) for m in members)}" for name, members in _members().items()},
+    }
+
+
+def described(part: str) -> dict[str, Any]:
+    """One part in short lines, with the parts that only it needs.
+
+    Args:
+        part: a name of `known_parts`, or a JSON pointer into a specification, such as `/simulation/solvers`.
+
+    Raises:
+        InputError: there is no such part.
+    """
+    name = _by_pointer(part) if part.startswith("/") else part
+    if name in (ROOT, ""):
+        return overview()
+    if name in _members():
+        return {"union": name, "options": {_kind(m): _type(m) for m in _members()[name]}}
+    if name not in _schema()["$defs"]:
+        folded = {k.lower(): k for k in known_parts()}
+        close = difflib.get_close_matches(name.lower(), folded, n=3, cutoff=0.5)
+        hint = f"; did you mean {' or '.join(folded[c] for c in close)}?" if close else ""
+        raise InputError(f"the schema has no part {part!r}{hint} Parts: {', '.join((ROOT, *UNIONS))}, and every name they mention")
+    found: dict[str, Any] = {"type": name, **_type(name)}
+    nested = [n for n in _mentioned(_schema()["$defs"][name]) if n not in UNIONS][:NESTED]
+    if nested:
+        found["parts"] = {n: _type(n) for n in nested}
+    return found
+
+
+def _type(name: str) -> dict[str, Any]:
+    node = _schema()["$defs"][name]
+    about = " ".join(str(node.get("description", "")).split())
+    return {**({"about": about} if about else {}), "fields": _fields(node)}
+
+
+def _fields(node: Mapping[str, Any]) -> dict[str, str]:
+    required = set(node.get("required", ()))
+    return {name: _line(field, required=name in required) for name, field in node.get("properties", {}).items()}
+
+
+def _line(field: Mapping[str, Any], *, required: bool) -> str:
+    words = [_words(field)]
+    default = json.dumps(field.get("default"), separators=(",", ":"))
+    if "const" not in field:
+        if required:
+            words.append("required")
+        elif default not in ("null", "{}", "[]", '""') and len(default) <= SHORT_DEFAULT:
+            words.append(f"default {default}")
+    about = " ".join(str(field.get("description", "")).split())
+    return "; ".join((*words, *([about] if about else [])))
+
+
+def _words(node: Mapping[str, Any]) -> str:
+    """A type with its range in a few words."""
+    if "$ref" in node:
+        return _ref(node)
+    if "const" in node:
+        return json.dumps(node["const"])
+    if "enum" in node:
+        return " | ".join(json.dumps(v) for v in node["enum"])
+    options = node.get("oneOf") or node.get("anyOf")
+    if options:
+        union = next((n for n, members in _members().items() if members == tuple(_ref(o) for o in options if "$ref" in o)), None)
+        return union or " | ".join(dict.fromkeys(_words(o) for o in options))
+    kind = node.get("type")
+    if kind == "array":
+        return _array(node)
+    if kind == "object":
+        inner = next(iter(node.get("patternProperties", {}).values()), None) or node.get("additionalProperties")
+        return f"{{id: {_words(inner)}}}" if isinstance(inner, dict) else "object"
+    bounds = " and ".join(f"{sign} {node[key]:g}" for key, sign in _BOUNDS.items() if abs(node.get(key, UNSAID)) < UNSAID)
+    plain = "id" if node.get("pattern") == _ID else {"string": "text"}.get(str(kind), str(kind))
+    return f"{plain} {bounds}".strip()
+
+
+def _array(node: Mapping[str, Any]) -> str:
+    if "prefixItems" in node:
+        parts = [_words(i) for i in node["prefixItems"]]
+        return f"[{len(parts)} x {parts[0]}]" if len(set(parts)) == 1 else f"[{', '.join(parts)}]"
+    items = _words(node.get("items", {}))
+    low, high = node.get("minItems"), node.get("maxItems")
+    many = f"{low} x " if low is not None and low == high else ""
+    return f"[{many}{items}{'' if many else ', ...'}]"
+
+
+def _kind(name: str) -> str:
+    """What a union's member is called in a specification."""
+    fields = _schema()["$defs"][name]["properties"]
+    return str(next((fields[k]["const"] for k in ("kind", "category") if "const" in fields.get(k, {})), name))
+
+
+def _mentioned(node: Mapping[str, Any]) -> list[str]:
+    """Names of types below a node, without what only unions mention."""
+    members = {m for names in _members().values() for m in names}
+    return list(dict.fromkeys(n for found in _nodes(node) if "$ref" in found and (n := _ref(found)) not in members))
+
+
+def _by_pointer(pointer: str) -> str:
+    """The part that stands at a pointer; ids of collections are skipped."""
+    node: Mapping[str, Any] = _schema()
+    name = ROOT
+    for token in [t for t in pointer.split("/") if t]:
+        inner = next(iter(node.get("patternProperties", {}).values()), None)
+        field = inner if inner is not None else node.get("properties", {}).get(token)
+        if field is None:
+            raise InputError(
+                f"the schema has nothing at {pointer!r} below {name}; it has {', '.join(node.get('properties', {})) or 'no fields'}"
+            )
+        union = _words(field)
+        if "$ref" in field:
+            name = _ref(field)
+            node = _schema()["$defs"][name]
+        elif union in UNIONS:
+            return union
+        else:
+            node = field
+    if "patternProperties" in node:
+        return _by_pointer(f"{pointer}/*")
+    return name

@@ -68,6 +68,10 @@ class Recorder:
         self.seen.append(Seen(f"{name} {what}".strip(), len(shown(result)), pictures, bool(result.is_error), links))
         return result
 
+    async def read_resource(self, uri: str) -> Any:
+        """Reading goes past the record: it is the agent's choice."""
+        return await self.client.read_resource(uri)
+
 
 async def _example(client: Any, name: str) -> None:
     """An accepted world of the skill, from prompt to acceptance."""

@@ -61,9 +61,10 @@ class Agent:
         return data, False
 
     async def spec(self) -> dict[str, Any]:
-        """The present specification."""
-        data, _ = await self.call("inspect_world", part="spec")
-        value: dict[str, Any] = data["value"]
+        """The present specification: as a resource, since a tool's reply shows a large one in pages."""
+        self.calls += 1
+        found = await self.client.read_resource(f"worldagent://worlds/{self.world}/spec")
+        value: dict[str, Any] = json.loads(found.contents[0].text)
         return value
 
     async def landing(self, body: str, ground: str) -> list[float] | None:
@@ -108,7 +109,7 @@ class Agent:
             self.say(data["refused"])
             return False
         self.clauses = data["clauses"]
-        return await self._until(lambda: self.call("run_checks", scope="audit"), "passed", "audit")
+        return await self._until(lambda: self.call("run_checks", scope="audit", detail="full"), "passed", "audit")
 
     async def _until(self, step: Any, key: str, stage: str) -> bool:
         """Repeat a step and mend what it finds until its `key` is true."""
@@ -135,9 +136,9 @@ class Agent:
         if not await self.specify(spec):
             return False
         for _ in range(MAX_EDITS):
-            if not await self._until(lambda: self.call("place_object"), "static_passed", "static"):
+            if not await self._until(lambda: self.call("place_object", detail="full"), "static_passed", "static"):
                 return False
-            data, refused = await self.call("probe_sim", wait_s=WAIT_SECONDS)
+            data, refused = await self.call("probe_sim", wait_s=WAIT_SECONDS, detail="full")
             if refused:
                 self.say(f"probe refused: {data['refused'][:600]}")
                 return False

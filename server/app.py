@@ -20,6 +20,7 @@ from pydantic import AnyUrl
 
 from .. import __version__
 from ..execution import JobStore
+from ..tools.answers import HEAD_SCHEMA
 from ..tools.context import ToolBinding, ToolContext
 from ..worlds.bounds import shown
 from ..worlds.errors import InputError
@@ -207,7 +208,7 @@ def _described(binding: ToolBinding, arguments: Arguments) -> Tool:
         title=binding.title,
         description=binding.description,
         input_schema=arguments.schema,
-        output_schema=None if binding.pictures else {"type": "object", "additionalProperties": True},
+        output_schema=None if binding.pictures else HEAD_SCHEMA,
         annotations=ToolAnnotations(
             title=binding.title,
             read_only_hint=binding.read_only,

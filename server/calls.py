@@ -18,7 +18,8 @@ import pydantic_core
 from mcp.shared.exceptions import MCPError
 from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, TextContent
 
-from ..tools.context import ToolBinding, ToolContext, ToolReply
+from ..tools.answers import fitted
+from ..tools.context import Link, ToolBinding, ToolContext, ToolReply
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
 from ..worlds.quoting import shown, visible
 
@@ -148,22 +149,21 @@ def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply]) -> Call
 
 
 def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
-    """A reply as content: compact JSON, pictures, links; structured content where there are no pictures.
+    """A reply as content: compact JSON, pictures, links; structured content unless the tool is one for pictures.
 
     NaN and infinities become null, since JSON has no such numbers.
     """
     if reply.pictures and not binding.pictures:
         raise TypeError(f"tool {binding.name} returned pictures but is not declared to")
-    encoded = pydantic_core.to_json(shown(reply.data), inf_nan_mode="null")
+    encoded = pydantic_core.to_json(shown(fitted(reply.data)), inf_nan_mode="null")
     content: list[ContentBlock] = [TextContent(type="text", text=encoded.decode())]
     content += [
         ImageContent(type="image", data=base64.b64encode(picture.data).decode(), mime_type=f"image/{picture.format}")
         for picture in reply.pictures
     ]
-    content += [
-        ResourceLink(type="resource_link", name=visible(name), uri=uri, mime_type=kind) for name, uri, kind in reply.links
-    ]
-    if reply.pictures:
+    links = [Link(*link) for link in reply.links]
+    content += [ResourceLink(type="resource_link", **link._replace(name=visible(link.name))._asdict()) for link in links]
+    if binding.pictures:
         return CallToolResult(content=content)
     return CallToolResult(content=content, structured_content=pydantic_core.from_json(encoded))
 

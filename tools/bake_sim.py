@@ -8,6 +8,7 @@ from pydantic import Field
 
 from ..worlds.errors import RefusedError
 from .context import ToolContext, ToolReply
+from .rows import Detail
 
 __all__ = ["bake_sim"]
 
@@ -18,6 +19,7 @@ def bake_sim(
     wait_s: Annotated[
         float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
     ] = 30.0,
+    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
     """Bake every frame of the frozen candidate into its own cache, in the declared solver order, and check all of it.
 
@@ -26,8 +28,9 @@ def bake_sim(
     """
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from .estimates import bake_estimate
     from .measurements import is_whole
-    from .probe_sim import picture_reply
+    from .probe_sim import told
     from .session import Session
     from .waiting import start_and_wait
 
@@ -41,5 +44,7 @@ def bake_sim(
         raise RefusedError(f"bake_sim needs a passing probe of exactly these settings{left}; call probe_sim first")
     whole = session.ledger.bake(freeze) is not None and is_whole(session, freeze, "full")
     key = f"bake:{freeze}:{session.revision}"
-    data = start_and_wait(context, session, "bake", {}, wait_s=wait_s, key=key, reuse=whole)
-    return picture_reply(world, data)
+    data = start_and_wait(context, session, "bake", {"detail": detail}, wait_s=wait_s, key=key, reuse=whole)
+    if "state" in data:
+        data["estimate_s"] = bake_estimate(session, record)
+    return told(world, "bake", data, detail)

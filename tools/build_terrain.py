@@ -39,7 +39,9 @@ def build_terrain(
     """
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
-    from .session import Session, summary
+    from .answers import answer, call, rows_answer
+    from .rows import summary
+    from .session import Session
 
     if re.match(ID_PATTERN, entity) is None:
         raise InputError(f"entity id {entity!r} must match {ID_PATTERN}, e.g. 'ground'")
@@ -80,12 +82,14 @@ def build_terrain(
         "height_range": [min(flat), max(flat)],
         "cells": [len(heights[0]) - 1, len(heights) - 1],
     }
-    if report.passed:
-        rows, changed, _ = session.check_static()
-        data |= {"changed_rows": len(changed), **summary(rows, static=True)}
-    else:
-        data |= {"audit": summary(report.rows)}
-    return ToolReply(data)
+    text = f"{entity}: {kind} ground of {size[0]:g} x {size[1]:g} m, {len(heights[0]) - 1} x {len(heights) - 1} cells"
+    if not report.passed:
+        audit = rows_answer(world, summary(report.rows), "concise", "", "")
+        data["audit"] = {k: v for k, v in audit.items() if k not in ("summary", "warnings", "next")}
+        return ToolReply(answer(data, f"{text}; the audit leaves rows open", "edit_spec: mend the audit's open rows"))
+    rows, changed, _ = session.check_static()
+    data |= {"changed_rows": len(changed), **summary(rows, static=True)}
+    return ToolReply(rows_answer(world, data, "concise", text, call("place_object", world=world)))
 
 
 def _heights(kind: str, size: tuple[float, float], cells: int, relief: float, plain: float, seed: int) -> list[list[float]]:

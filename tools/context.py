@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from ..execution import Job, JobStore
 
-__all__ = ["Handover", "Picture", "ToolBinding", "ToolContext", "ToolReply"]
+__all__ = ["Handover", "Link", "Picture", "ToolBinding", "ToolContext", "ToolReply"]
 
 
 @dataclass
@@ -47,18 +47,30 @@ class Picture:
     """`jpeg` or `png`."""
 
 
+class Link(NamedTuple):
+    """A file for the client to read as a resource."""
+
+    name: str
+    uri: str
+    """`worldagent://...`"""
+    mime_type: str
+    size: int | None = None
+    """Bytes."""
+    description: str | None = None
+
+
 @dataclass(frozen=True)
 class ToolReply:
     """Result of a tool.
 
-    A reply with pictures carries no structured content (some clients then drop the pictures): its `data` becomes
-    one compact JSON text block beside them. A reply without pictures is structured content plus the same JSON as text.
+    `data` begins with `summary`, `warnings` and `next`. A tool with pictures carries no structured content (some clients
+    then drop the pictures): its `data` becomes one compact JSON text block beside them. Any other reply is structured
+    content plus the same JSON as text.
     """
 
     data: dict[str, Any]
     pictures: tuple[Picture, ...] = ()
-    links: tuple[tuple[str, str, str], ...] = ()
-    """Resource links: (name, `worldagent://...` URI, MIME type)."""
+    links: tuple[Link | tuple[str, str, str], ...] = ()
 
 
 @dataclass(frozen=True)

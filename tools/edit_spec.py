@@ -13,6 +13,8 @@ from .context import ToolContext, ToolReply
 
 __all__ = ["edit_spec"]
 
+MAX_NAMED = 5
+
 
 def edit_spec(
     context: ToolContext,
@@ -83,30 +85,50 @@ def edit_spec(
 
 
 def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
-    from .session import summary
+    from .answers import answer, rows_answer
+    from .rows import summary
 
+    world = session.folder.id
     report = session.audit()
+    audit = rows_answer(world, summary(report.rows), "concise", "", "")
     data = {
-        "world": session.folder.id,
+        "world": world,
         **outcome,
-        "audit": {"passed": report.passed, **summary(report.rows)},
+        "audit": {"passed": report.passed, **{k: v for k, v in audit.items() if k not in ("summary", "warnings", "next")}},
         "bake_order": list(report.bake_order),
-        "coverage": {k: list(v) for k, v in report.coverage.items()},
-        "next": _next(report.passed, set(outcome.get("groups", ("shape",)))),
     }
+    uncovered = [k for k, v in report.coverage.items() if not v]
+    if uncovered:
+        data["beats_no_shot_covers"] = uncovered[:20]
     unmapped = [k for k in report.clauses if k not in session.spec.clauses]
     if unmapped:
-        data["clauses_to_map"] = {k: report.clauses[k] for k in unmapped}
-    links = ((f"{session.folder.id} specification", f"worldagent://worlds/{session.folder.id}/spec", "application/json"),)
-    return ToolReply(data, links=links)
+        data["clauses_to_map"] = {k: report.clauses[k] for k in unmapped[:40]}
+    found = audit["counts"]
+    verdict = "the audit passes" if report.passed else f"the audit leaves {found['mandatory_open']} rows open"
+    done = (
+        "created" if outcome.get("created") else "restored" if outcome.get("restored") else f"at revision {outcome['revision']}"
+    )
+    warnings = [
+        f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]
+    ]
+    then = _next(world, report.passed, set(outcome.get("groups", ("shape",))))
+    links = ((f"{world} specification", f"worldagent://worlds/{world}/spec", "application/json"),)
+    stale = outcome.get("rows_now_stale", 0)
+    text = f"{world} {done}; {verdict}" + (f"; {stale} rows are stale now" if stale else "")
+    return ToolReply(answer(data, text, then, warnings), links=links)
 
 
-def _next(passed: bool, groups: set[str]) -> str:
+def _next(world: str, passed: bool, groups: set[str]) -> str:
+    from .answers import call
+
     if not passed:
-        return "mend the audit's open rows with edit_spec"
+        return "edit_spec: mend the audit's open rows"
     if groups <= {"story", "limits", "shots", "look", "text"}:
-        return "run_checks(world, scope='probe') judges this again on the motion there is; without a probe, place_object and probe_sim"
-    return "place_object(world) builds the geometry and runs the static checks"
+        return (
+            f"{call('run_checks', world=world, scope='probe')} judges this again on the motion there is; "
+            "without a probe: place_object, then probe_sim"
+        )
+    return call("place_object", world=world)
 
 
 def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
@@ -149,7 +171,7 @@ def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
     from ..worlds.folder import world_ids
     from ..worlds.ledger import Ledger
 
-    found = []
+    failed = []
     for other in world_ids(context.workspace):
         try:
             folder = WorldFolder.of(context.workspace, other)
@@ -159,8 +181,11 @@ def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
         except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
             continue
         if same and Ledger(folder.ledger_path).ever_failed():
-            found.append(f"started anew beside world {other}, which has failed rows for this prompt")
-    return found
+            failed.append(other)
+    if len(failed) <= 1:
+        return [f"started anew beside world {other}, which has failed rows for this prompt" for other in failed]
+    names = ", ".join(failed[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
+    return [f"started anew beside {len(failed)} worlds with failed rows for this prompt: {names}"]
 
 
 def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, reason: str) -> ToolReply:

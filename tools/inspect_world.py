@@ -9,117 +9,99 @@ from pydantic import Field
 from ..worlds.errors import InputError
 from .context import ToolContext, ToolReply
 from .links import proof_links
+from .rows import Detail
 
 __all__ = ["inspect_world"]
 
 Part = Literal[
-    "overview", "spec", "matrix", "row", "revisions", "iterations", "state", "events", "records", "acceptance", "worlds"
+    "overview",
+    "schema",
+    "guide",
+    "spec",
+    "matrix",
+    "row",
+    "revisions",
+    "iterations",
+    "state",
+    "events",
+    "records",
+    "acceptance",
+    "worlds",
 ]
 
 
 def inspect_world(
     context: ToolContext,
-    world: Annotated[str | None, Field(description="World id; not needed for part='worlds'")] = None,
+    world: Annotated[str | None, Field(description="World id; not needed for worlds, schema and guide")] = None,
     part: Annotated[
         Part,
         Field(
-            description="overview: where the world stands; spec: a part of world.json; matrix: requirement rows; row: one row in full with "
-            "its history; state: poses and speeds at one frame; events: contact begins; records: energy, momentum, ... over time; "
-            "acceptance: the last verdict with its approximation register, links to its report page and bundle"
+            description="overview: where the world stands, what comes next; schema: what a specification can say, part by part; "
+            "guide: the skills, file by file; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
+            "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
+            "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
+            "acceptance: the last verdict, its approximation register, its report and bundle; worlds: all ids"
         ),
     ] = "overview",
-    pointer: Annotated[str, Field(description="For spec: JSON pointer, e.g. /entities/ball")] = "",
+    pointer: Annotated[
+        str,
+        Field(
+            description="spec: JSON pointer, e.g. /entities/ball. schema: a type (Entity, Shape, Predicate, ...), a pointer, or 'example' "
+            "for a whole small world; empty for the index. guide: a file, e.g. world-building/SKILL.md; empty for the list"
+        ),
+    ] = "",
     row: Annotated[str | None, Field(description="For row: its id")] = None,
     status: Annotated[
-        Literal["fail", "unverified", "pass", "not_applicable"] | None, Field(description="For matrix: only these")
+        Literal["open", "fail", "unverified", "pass", "not_applicable"] | None,
+        Field(description="For matrix: only these; open means fail or unverified"),
     ] = None,
     entities: Annotated[list[str] | None, Field(description="For state and events: only these entities")] = None,
     frames: Annotated[tuple[int, int] | None, Field(description="For state, events and records: [first, last]")] = None,
+    detail: Annotated[Detail, Field(description="full: rows with all evidence, edits with their patches")] = "concise",
     limit: Annotated[int, Field(ge=1, le=200, description="Most items to return")] = 40,
-    offset: Annotated[int, Field(ge=0, description="Items to skip")] = 0,
+    offset: Annotated[int, Field(ge=0, description="Items to skip: the next_offset of the last reply")] = 0,
 ) -> ToolReply:
-    """Read data of a world: specification, requirement rows, measured state, events, records, history. Changes nothing.
+    """Read data: what a world specifies, its requirement rows, measured motion, history, and the schema and guides. Changes nothing.
 
-    Poses are [x, y, z] in m and quaternions (w, x, y, z); speeds in m/s. state, events and records read the bake if there
-    is one of the present settings, else the probe. Pictures: render_shot.
+    Use it to decide by numbers: which rows fail and why, where a body is and how fast, what touched what and when. Poses are
+    [x, y, z] in m and quaternions (w, x, y, z); speeds in m/s, impulses in N s. state, events and records read the bake of the
+    present settings if there is one, else the probe, else (state only) frame 0. Lists are paged: a reply says total and
+    next_offset. Not for pictures (render_shot), nor for judging anew (run_checks). `next` names the call that usually follows.
     """
-    from ..worlds.folder import world_ids
-    from .session import Session, brief, counts
+    from . import parts
 
     if part == "worlds":
-        return ToolReply({"worlds": world_ids(context.workspace)})
+        return ToolReply(parts.worlds(context.workspace, offset=offset, limit=limit))
+    if part == "schema":
+        return ToolReply(parts.schema(pointer))
+    if part == "guide":
+        return ToolReply(parts.guide(pointer, offset=offset))
     if world is None:
+        from ..worlds.folder import world_ids
+
         raise InputError(f"part {part!r} needs world; known worlds: {world_ids(context.workspace)[:20]}")
+    from .session import Session
+
     session = Session.open(context.workspace, world)
-    ledger = session.ledger
     data: dict[str, Any]
     if part == "overview":
-        rows = ledger.rows()
-        latest = ledger.acceptance()
-        data = {
-            "title": session.spec.title,
-            "prompt": session.spec.prompt,
-            "frames": session.spec.simulation.frames,
-            "fps": session.spec.simulation.fps,
-            "entities": len(session.spec.entities),
-            "beats": {k: {"text": b.text, "frames": list(b.frames)} for k, b in session.spec.story.beats.items()},
-            "matrix": counts(rows),
-            "open_rows": [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified")][:limit],
-            "last_verdict": None if latest is None else {"verdict": latest["verdict"], "revision": latest["revision"]},
-            "jobs_running": [j.id for j in context.jobs.list(world, "running")],
-        }
+        data = parts.overview(session, jobs=[j.id for j in context.jobs.list(world, "running")], offset=offset, limit=limit)
     elif part == "spec":
-        data = {"pointer": pointer, "value": _resolve(session.spec.model_dump(mode="json", exclude_none=True), pointer)}
+        data = parts.spec(session, pointer, offset=offset, limit=limit)
     elif part == "matrix":
-        chosen = [r for r in ledger.rows() if status is None or r.status == status]
-        data = {
-            "counts": counts(chosen),
-            "rows": [brief(r, corrections=1) for r in chosen[offset : offset + limit]],
-            **_page(len(chosen), offset, limit),
-        }
+        data = parts.matrix(session, status, detail, offset=offset, limit=limit)
     elif part == "row":
-        found = next((r for r in ledger.rows() if r.id == row), None)
-        if found is None:
-            raise InputError(f"there is no row {row!r}; inspect_world(part='matrix') lists them")
-        data = {"row": found.model_dump(mode="json"), "history": ledger.history(found.id)}
+        data = parts.one_row(session, row, offset=offset, limit=limit)
     elif part == "revisions":
-        data = {"revisions": ledger.revisions(limit, offset), **_page(session.revision, offset, limit)}
+        data = parts.revisions(session, detail, offset=offset, limit=limit)
     elif part == "iterations":
-        data = {"iterations": ledger.iterations(limit)}
+        data = parts.iterations(session, detail, offset=offset, limit=limit)
     elif part == "acceptance":
-        latest = ledger.acceptance()
-        keys = ("verdict", "clauses", "approximations", "weakenings", "versions", "spec_digest", "cache_digest", "seed")
-        data = {
-            "acceptance": None
-            if latest is None
-            else {k: latest["record"].get(k) for k in keys} | {"revision": latest["revision"]}
-        }
-        if latest is not None:
-            kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
-            files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}
-            data |= {name: session.folder.relative(path) for name, path in files.items() if path.is_file()}
+        data = parts.acceptance(session, offset=offset, limit=limit)
     else:
         from .measurements import measured
 
         data = measured(session, part, entities=entities, frames=frames, limit=limit, offset=offset)
     links = proof_links(world, data) if part == "acceptance" else ()
-    return ToolReply({"world": world, "revision": session.revision, "part": part, **data}, links=links)
-
-
-def _page(total: int, offset: int, limit: int) -> dict[str, Any]:
-    left = total - offset - limit
-    return {"total": total, **({"more": f"{left} further: offset={offset + limit}"} if left > 0 else {})}
-
-
-def _resolve(document: Any, pointer: str) -> Any:
-    at = document
-    for token in [t for t in pointer.split("/") if t]:
-        key = token.replace("~1", "/").replace("~0", "~")
-        if isinstance(at, dict) and key in at:
-            at = at[key]
-        elif isinstance(at, list) and key.isdigit() and int(key) < len(at):
-            at = at[int(key)]
-        else:
-            known = list(at)[:20] if isinstance(at, dict) else f"0..{len(at) - 1}" if isinstance(at, list) else "nothing below it"
-            raise InputError(f"pointer {pointer!r} leads nowhere at {token!r}; there is {known}")
-    return at
+    head = {k: data.pop(k) for k in ("summary", "warnings", "next")}
+    return ToolReply({**head, "world": world, "revision": session.revision, "part": part, **data}, links=links)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ from ..execution import JobContext
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
-from .session import Session, summary
+from .estimates import Pace
+from .rows import summary
+from .session import Session
 
 __all__ = ["accept", "bake", "check", "final", "probe"]
 
@@ -70,7 +73,9 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
     session, freeze = _session(payload)
     total = probe_frames(session.spec)
-    candidate = run_probe(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.4, m), check=context.check)
+    started = time.monotonic()
+    pace = Pace(context.progress)
+    candidate = run_probe(session.folder, freeze, progress=lambda d, n, m: pace(d, n * 1.4, m), check=context.check)
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.35 * d / n), total * 1.4, m))
     open_rows = _failing(rows, candidate.last_frame)
     session.ledger.close_iterations(freeze[:16], open_rows, rows)
@@ -86,7 +91,13 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         freeze,
         session.revision,
         passed=not open_rows,
-        detail={"frames": total, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)},
+        detail={
+            "frames": total,
+            "failing": open_rows,
+            "digest": candidate.digest,
+            "events": _events(candidate),
+            "seconds": round(time.monotonic() - started, 2),
+        },
     )
     picture = _sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
     return {
@@ -97,9 +108,6 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "changed_rows": len(changed),
         **summary(rows),
         "picture": picture,
-        "next": "bake_sim(world)"
-        if not open_rows
-        else "repair with edit_spec (hypothesis, one parameter group), then probe_sim again",
     }
 
 
@@ -132,7 +140,8 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     total = session.spec.simulation.frames
     if refuted(session, freeze):  # a forged frame and its forged digest agree: nothing of that bake is trusted
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
-    candidate = run_bake(session.folder, freeze, progress=lambda d, n, m: context.progress(d, n * 1.5, m), check=context.check)
+    pace = Pace(context.progress)
+    candidate = run_bake(session.folder, freeze, progress=lambda d, n, m: pace(d, n * 1.5, m), check=context.check)
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(_promise_row(candidate, promised, found))
@@ -154,7 +163,6 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "changed_rows": len(changed),
         **summary(rows),
         "picture": picture,
-        "next": "run_checks(world, scope='acceptance')" if not open_rows else "repair with edit_spec, then probe_sim again",
     }
 
 
@@ -197,7 +205,10 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     )
     if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
+        known = session.ledger.freeze(freeze)
+        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k == "seconds"}
         detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
+        detail |= spent
         session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
     return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
 
@@ -233,9 +244,6 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "weakenings": record["weakenings"],
         "approximations": record["approximations"][:20],
         **proof,
-        "next": "render_shot(world, kind='final')"
-        if record["verdict"] == "accepted"
-        else "repair with edit_spec; inspect_world shows the rows",
     }
 
 
@@ -312,13 +320,14 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             )
     root = session.folder.candidate(freeze) / "final"
     width, height, samples = (payload.get(k) for k in ("width", "height", "samples"))
+    pace = Pace(context.progress)
     frames = render_sequence(
         candidate,
         root / "frames",
         width=width,
         height=height,
         samples=samples,
-        progress=context.progress,
+        progress=pace,
         cancelled=context.cancelled,
     )
     context.check()
@@ -331,5 +340,9 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "width": video.width,
         "height": video.height,
         "note": video.note,
+        "samples": samples or session.spec.look.samples,
+        "seconds_per_frame": pace.seconds_per_step and round(pace.seconds_per_step, 4),
+        "bytes": video.path.stat().st_size,
+        "duration_s": round(video.frames / session.spec.simulation.fps, 3),
         "folder": session.folder.relative(root),
     }

@@ -57,7 +57,7 @@ def report_world(root: Path, out: Path) -> dict[str, Any]:
         EvidenceError: it has no ledger.
     """
     from .bundles import judged
-    from .session import counts
+    from .rows import counts
 
     folder = WorldFolder.at(root)
     if not folder.spec_path.is_file():

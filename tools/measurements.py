@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any, Literal
 
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.records import QUANTITIES
+from .answers import answer, call, paged
 from .session import Session
 
 __all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
+
+MAX_SAMPLES = 40
+"""Frames at which one reply tells a motion."""
 
 
 def latest_candidate(session: Session, stage: str = "best") -> Candidate:
@@ -73,55 +78,106 @@ def measured(
     limit: int,
     offset: int,
 ) -> dict[str, Any]:
-    """State, events or records over frames.
+    """State, events or records over frames, as an answer.
 
     Raises:
         InputError: unknown entities or frames out of range.
         RefusedError: nothing is simulated yet.
     """
     candidate = latest_candidate(session)
+    world = session.folder.id
     if candidate.stage == "static" and part != "state":
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")
     unknown = [e for e in entities or [] if e not in session.spec.entities]
     if unknown:
-        raise InputError(f"unknown entities {unknown}; the world has {sorted(session.spec.entities)[:30]}")
+        close = [c for e in unknown for c in difflib.get_close_matches(e, session.spec.entities, n=1)]
+        hint = f"did you mean {', '.join(map(repr, close))}? " if close else ""
+        raise InputError(f"unknown entities {unknown}; {hint}the world has {sorted(session.spec.entities)[:30]}")
     first, last = frames or (0, candidate.last_frame)
     if not 0 <= first <= last <= candidate.last_frame:
-        raise InputError(f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame}")
+        raise InputError(
+            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} (of the {candidate.stage} run)"
+        )
     head = {"source": candidate.artifact, "stage": candidate.stage}
+    same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
-        return {
-            **head,
-            "frame": first,
-            "entities": _state(candidate, entities or list(session.spec.entities), first, limit, offset),
-        }
+        names = entities or list(session.spec.entities)
+        over = frames is not None and last > first
+        found, place = (_motion if over else _state)(candidate, names, first, last, limit, offset)
+        text = f"{len(found['entities'])} of {len(names)} entities at frame {first}" + (f" to {last}" if over else "")
+        then = call("inspect_world", world=world, part="state", **same, offset=place.get("next_offset"))
+        return answer({**head, **found, **place}, f"{text} of the {candidate.stage} run", then if "next_offset" in place else "")
     if part == "events":
-        found = _events(candidate, set(entities or ()), first, last)
-        return {**head, "total": len(found), "events": found[offset : offset + limit]}
-    step = max(1, (last - first + 1) // limit)
+        events = _events(candidate, set(entities or ()), first, last)
+        page, place = paged(events, offset, limit)
+        then = call("inspect_world", world=world, part="events", **same, offset=place.get("next_offset"))
+        text = f"{len(page)} of {len(events)} contact begins in frames {first} to {last}, earliest first"
+        return answer({**head, "events": page, **place}, text, then if "next_offset" in place else "")
+    return _records(candidate, first, last, limit, head)
+
+
+def _records(candidate: Candidate, first: int, last: int, limit: int, head: dict[str, Any]) -> dict[str, Any]:
+    """Quantities of all solvers together at evenly chosen frames."""
+    step = max(1, -(-(last - first + 1) // min(limit, MAX_SAMPLES)))
     chosen = list(range(first, last + 1, step))
     series = {}
     for name, quantity in QUANTITIES.items():
         total = [sum(float(c.series(f"record/{name}")[k]) for c in candidate.caches.values()) for k in chosen]
-        series[name] = {"unit": quantity.unit, "values": _rounded(total, 6)}
-    return {**head, "frames": chosen, "records": series}
+        series[name] = {"unit": quantity.unit, "values": [float(f"{v:.6g}") for v in total]}
+    text = f"{len(series)} quantities at {len(chosen)} of the frames {first} to {last}"
+    then = f"frames=[{first}, {min(last, first + MAX_SAMPLES - 1)}] shows every frame" if step > 1 else ""
+    return answer({**head, "frames": chosen, "step": step, "records": series}, text, then)
 
 
-def _state(candidate: Candidate, names: list[str], frame: int, limit: int, offset: int) -> dict[str, Any]:
-    found = {}
-    for name in names[offset : offset + limit]:
-        pose = candidate.pose(name, frame, candidate.entity(name).bodies[0].name)
+def _state(
+    candidate: Candidate, names: list[str], frame: int, last: int, limit: int, offset: int
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Pose, box and velocity of entities at one frame, a page of them."""
+
+    def told(name: str) -> dict[str, Any]:
+        body = candidate.entity(name).bodies[0].name
+        pose = candidate.pose(name, frame, body)
         vertices = candidate.vertices(name, frame)
-        found[name] = {
+        found = {
             "position": _rounded(pose.position),
             "quaternion": _rounded(pose.quaternion),
             "box_min": _rounded(vertices.min(0)),
             "box_max": _rounded(vertices.max(0)),
         }
-        place = candidate.cache_row(name, candidate.entity(name).bodies[0].name)
+        place = candidate.cache_row(name, body)
         if place is not None:
-            found[name]["velocity"] = _rounded(place[0].series("velocity")[frame, place[1]])
-    return found
+            found["velocity"] = _rounded(place[0].series("velocity")[frame, place[1]])
+        return found
+
+    page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
+    return {"frame": frame, "entities": dict(page)}, _of(place, len(names), offset + len(page))
+
+
+def _motion(
+    candidate: Candidate, names: list[str], first: int, last: int, limit: int, offset: int
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Positions and speeds of entities at evenly chosen frames, a page of entities."""
+    step = max(1, -(-(last - first + 1) // MAX_SAMPLES))
+    chosen = list(range(first, last + 1, step))
+
+    def told(name: str) -> dict[str, Any]:
+        body = candidate.entity(name).bodies[0].name
+        found: dict[str, Any] = {"position": [_rounded(candidate.pose(name, k, body).position, 4) for k in chosen]}
+        place = candidate.cache_row(name, body)
+        if place is not None:
+            velocity = place[0].series("velocity")[:, place[1]]
+            found["speed"] = [round(float((velocity[k] ** 2).sum() ** 0.5), 4) for k in chosen]
+        return found
+
+    page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
+    return {"frames": chosen, "step": step, "entities": dict(page)}, _of(place, len(names), offset + len(page))
+
+
+def _of(place: dict[str, Any], total: int, end: int) -> dict[str, Any]:
+    """The place of a page among all entities, of which only the first ones were read."""
+    return (
+        {k: v for k, v in place.items() if k != "next_offset"} | {"total": total} | ({"next_offset": end} if end < total else {})
+    )
 
 
 def _events(candidate: Candidate, names: set[str], first: int, last: int) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from ..worlds.errors import InputError, RefusedError
 from .context import ToolContext, ToolReply
+from .rows import Detail
 
 if TYPE_CHECKING:
     from ..worlds.arrays import RigidPose
@@ -34,6 +35,7 @@ def place_object(
     ] = None,
     strict: Annotated[bool, Field(description="Refuse a place that overlaps another entity")] = True,
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
+    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
     """Build the entities' render, simulation and collision shapes and run the static checks; optionally move one entity first.
 
@@ -42,7 +44,9 @@ def place_object(
     first with edit_spec. A move after a failed row is a repair and needs a hypothesis, as in edit_spec. Returns the changed rows and what was built. The support relation
     itself belongs into /graph/relations (edit_spec). Next: mend failing rows, then probe_sim; render_shot shows the scene.
     """
-    from .session import Session, summary
+    from .answers import call, rows_answer
+    from .rows import summary
+    from .session import Session
 
     session = Session.open(context.workspace, world)
     session.require_audit("place_object")
@@ -61,10 +65,13 @@ def place_object(
         "static_passed": passed,
         "changed_rows": len(changed),
         **summary(rows, static=True),
-        "next": "probe_sim(world)" if passed else "mend the open rows with edit_spec or place_object",
     }
+    moved = f"{entity} moved; " if outcome.get("moved") else f"{entity} stays where it was; " if entity is not None else ""
+    found = data["counts"]
+    verdict = "the static checks pass" if passed else f"{found['fail']} static rows fail"
+    then = call("probe_sim", world=world) if passed else "edit_spec or place_object: mend the first open row, one group at a time"
     links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)
-    return ToolReply(data, links=links)
+    return ToolReply(rows_answer(world, data, detail, f"{moved}{len(fresh)} entities built anew; {verdict}", then), links=links)
 
 
 def _move(

@@ -9,11 +9,12 @@ from pydantic import Field
 from ..worlds.errors import RefusedError
 from ..worlds.requirements import Row
 from .context import ToolContext, ToolReply
+from .rows import Detail
 
 if TYPE_CHECKING:
     from ..execution import Job
 
-__all__ = ["motion_reply", "picture_reply", "probe_sim"]
+__all__ = ["motion_reply", "probe_sim", "told"]
 
 
 def probe_sim(
@@ -22,6 +23,7 @@ def probe_sim(
     wait_s: Annotated[
         float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
     ] = 30.0,
+    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
     """Simulate to 0.75 s after the last beat with production settings, check the motion, and freeze the settings if it passes.
 
@@ -51,8 +53,8 @@ def probe_sim(
     freeze = freeze_hash(session.spec, built)
     whole = session.ledger.freeze(freeze) is not None and is_whole(session, freeze, "probe")
     key = f"probe:{freeze}:{session.revision}"
-    data = start_and_wait(context, session, "probe", {}, wait_s=wait_s, key=key, reuse=whole)
-    return picture_reply(world, data)
+    data = start_and_wait(context, session, "probe", {"detail": detail}, wait_s=wait_s, key=key, reuse=whole)
+    return told(world, "probe", data, detail)
 
 
 def _line(row: Row) -> str:
@@ -60,15 +62,31 @@ def _line(row: Row) -> str:
     return f"  {row.id}: measured {row.measured} {row.unit}, needs {row.comparison} {row.bound}. {action}"
 
 
-def picture_reply(world: str, data: dict[str, Any]) -> ToolReply:
-    """A result with a link to the contact sheet it made."""
+def told(world: str, kind: str, data: dict[str, Any], detail: Detail) -> ToolReply:
+    """Reply of a probe or a bake: its state while it runs, else its verdict with a link to its contact sheet."""
+    from .answers import call, job_answer, rows_answer
+
+    if "state" in data:
+        return ToolReply(job_answer(data))
+    open_count = data["counts"]["mandatory_open"]
+    if kind == "probe":
+        frames = f"{data['frames_probed']} frames probed"
+        passed = f"{frames}, all that can be judged yet passes; settings frozen as {data['freeze']}"
+        then = call("bake_sim", world=world)
+    else:
+        frames = f"{data['frames']} frames baked"
+        passed = f"{frames}, {data['counts']['pass']} rows pass"
+        then = call("run_checks", world=world, scope="acceptance")
+    failed = f"{frames}; {data['counts']['fail']} rows fail, {open_count} mandatory ones are open"
+    repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then probe_sim again"
+    said = rows_answer(world, data, detail, passed if data["passed"] else failed, then if data["passed"] else repair)
     name = data.get("picture")
     links = ((str(name), f"worldagent://worlds/{world}/pictures/{name}", "image/jpeg"),) if isinstance(name, str) else ()
-    return ToolReply(data, links=links)
+    return ToolReply(said, links=links)
 
 
 def motion_reply(job: Job) -> ToolReply:
     """Reply for a probe or a bake that has ended."""
     from .waiting import ended_data
 
-    return picture_reply(str(job.world), ended_data(job))
+    return told(str(job.world), job.kind, ended_data(job), job.payload.get("detail", "concise"))

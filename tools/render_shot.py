@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field
 
 from ..worlds.errors import EvidenceError, InputError
-from .context import Picture, ToolContext, ToolReply
+from .context import Link, Picture, ToolContext, ToolReply
 
 if TYPE_CHECKING:
     from ..execution import Job
@@ -20,6 +20,8 @@ __all__ = ["film_reply", "render_shot"]
 
 LEDGER_SIZE = (1200, 1000)
 """Pixels of a ledger plot: six panels with legends."""
+
+_FILM_KINDS = {"webm": "video/webm", "mp4": "video/mp4"}
 
 Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "final"]
 
@@ -75,27 +77,34 @@ def render_shot(
     if state > candidate.last_frame:
         raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
     if shot is not None and shot not in session.spec.shots:
-        raise InputError(f"unknown shot {shot!r}; the world has {sorted(session.spec.shots)}")
+        raise InputError(f"unknown shot {shot!r}; the world has {sorted(session.spec.shots)}, and camera=... needs none")
     from ..rendering import shot_of
     from ..worlds.canonical import digest_of
+    from .answers import answer
 
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
     wide, tall = LEDGER_SIZE if kind == "ledger" else (640, 360)
     image = _picture(candidate, kind, state, shot, camera, frames, width or wide, height or tall, samples, seen_from=frame)
+    warnings = []
     if state != frame:
-        data["note"] = "nothing is simulated yet: the state of frame 0, seen from this frame's camera"
+        warnings.append("nothing is simulated yet: the state of frame 0, seen from this frame's camera")
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
     name = f"{kind}_{session.revision:04d}_{frame:05d}_{view}.{'png' if image.format == 'png' else 'jpg'}"
     session.folder.pictures.mkdir(exist_ok=True)
     (session.folder.pictures / name).write_bytes(image.data)
+    at = ""
     if kind not in ("contact_sheet", "ledger"):
-        data |= {"frame": frame, "time": round(frame / session.spec.simulation.fps, 4)}
+        time = round(frame / session.spec.simulation.fps, 4)
+        data |= {"frame": frame, "time": time}
+        at = f" of frame {frame} ({time:g} s)"
     data |= {
         "file": f"pictures/{name}",
         "camera": "own" if camera is not None else shot or shot_of(session.spec, frame) or "automatic",
     }
-    links = ((name, f"worldagent://worlds/{world}/pictures/{name}", f"image/{image.format}"),)
-    return ToolReply(data, pictures=(image,), links=links)
+    link = Link(name, f"worldagent://worlds/{world}/pictures/{name}", f"image/{image.format}", len(image.data))
+    text = f"{kind}{at}, from the {candidate.stage} candidate, camera {data['camera']}"
+    then = "judge by numbers: inspect_world(part='state' or 'matrix')"
+    return ToolReply(answer(data, text, then, warnings), pictures=(image,), links=(link,))
 
 
 def _picture(
@@ -171,6 +180,7 @@ def _final(
 ) -> ToolReply:
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from .estimates import film_estimate
     from .jobs import require_acceptance
     from .waiting import start_and_wait
 
@@ -179,7 +189,18 @@ def _final(
     require_acceptance(session, freeze)
     size = {"width": width, "height": height, "samples": samples}
     key = f"final:{freeze}:{session.revision}:{width}:{height}:{samples}"
-    return _film_reply(session.folder, start_and_wait(context, session, "final", size, wait_s=wait_s, key=key))
+    look = session.spec.look
+    estimate = film_estimate(
+        context.jobs,
+        frames=session.spec.simulation.frames,
+        width=width or look.width,
+        height=height or look.height,
+        samples=samples or look.samples,
+    )
+    data = start_and_wait(context, session, "final", size, wait_s=wait_s, key=key)
+    if "state" in data:
+        data["estimate_s"] = estimate
+    return _film_reply(session.folder, data)
 
 
 def film_reply(job: Job) -> ToolReply:
@@ -193,10 +214,20 @@ def film_reply(job: Job) -> ToolReply:
 
 
 def _film_reply(folder: WorldFolder, data: dict[str, Any]) -> ToolReply:
-    name = data.get("picture")
-    if name is None:
-        return ToolReply({"world": folder.id, "kind": "final", **data})
+    from .answers import answer, job_answer
+
+    head = {"world": folder.id, "kind": "final"}
+    if "state" in data:
+        told = job_answer(data)
+        warnings = [] if data["estimate_s"] else ["how long it takes shows in the progress after the first frame"]
+        return ToolReply(answer({**told, **head}, told["summary"], told["next"], warnings))
+    name = data["picture"]
     sheet = Picture((folder.pictures / name).read_bytes(), "jpeg")
     base = f"worldagent://worlds/{folder.id}"
-    links = ((name, f"{base}/pictures/{name}", "image/jpeg"), ("film", f"{base}/film", "video/webm"))
-    return ToolReply({"world": folder.id, "kind": "final", **data}, pictures=(sheet,), links=links)
+    size, seconds = data["bytes"], data["duration_s"]
+    film = Link("film", f"{base}/film", _FILM_KINDS[data["video"].rpartition(".")[2]], size, f"{seconds:g} s, {data['codec']}")
+    text = f"film of {data['frames']} frames, {seconds:g} s, {data['width']} x {data['height']}, {size / 1e6:.1f} MB"
+    then = "the film is the delivery: read it by its link, or from the world folder"
+    notes = [data["note"]] if data["note"] else []
+    told = answer({**head, **{k: v for k, v in data.items() if k != "note"}}, text, then, notes)
+    return ToolReply(told, pictures=(sheet,), links=(Link(name, f"{base}/pictures/{name}", "image/jpeg"), film))

@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 from ..worlds.requirements import Check, Row
 
-__all__ = ["Detail", "Listed", "brief", "concise", "counts", "open_rows", "ranked", "shaped", "summary"]
+__all__ = ["Detail", "Listed", "brief", "concise", "counts", "line", "open_rows", "ranked", "shaped", "summary"]
 
 Detail = Literal["concise", "full"]
 Listed = dict[str, Any]
@@ -17,6 +17,7 @@ MAX_BRIEF_ROWS = 12
 MAX_NAMED_ROWS = 60
 EVIDENCE_CHARACTERS = 1500
 TEXT_CHARACTERS = 400
+MAX_TRIED = 3
 ROWS_CHARACTERS = {"concise": 5500, "full": 15000}
 """What the rows of one reply may take; what follows comes as single lines."""
 LINES_CHARACTERS = 1500
@@ -41,7 +42,7 @@ def brief(row: Row, *, corrections: int = 2) -> Listed:
 
 def concise(row: Mapping[str, Any]) -> Listed:
     """What decides the next step, of a row in full: what was measured, why it fails, what to do, where to look."""
-    told = _line(row) | {"predicate": _cut(row.get("predicate", ""))}
+    told = line(row) | {"predicate": _cut(row.get("predicate", ""))}
     if row.get("frames"):
         told["frames"] = row["frames"]
     why = _why(row)
@@ -50,13 +51,16 @@ def concise(row: Mapping[str, Any]) -> Listed:
     corrections = [_correction(c) for c in row.get("corrections", ())]
     if corrections:
         told["corrections"] = corrections
+    tried = row.get("diagnosis", {}).get("tried")
+    if tried:
+        told["tried"] = tried[:MAX_TRIED]
     looks = [_look(p) for p in row.get("diagnosis", {}).get("cheapest_probe", ())[:1]]
     if looks and row["status"] == "fail":
         told["look"] = looks[0]
     return told
 
 
-def _line(row: Mapping[str, Any]) -> Listed:
+def line(row: Mapping[str, Any]) -> Listed:
     """A row in a line: which, and by how much it misses."""
     told: Listed = {"id": row["id"], "check": row["check"], "status": row["status"]}
     if not row.get("mandatory", True):
@@ -157,10 +161,9 @@ def shaped(rows: Sequence[Mapping[str, Any]], detail: Detail = "concise", *, roo
             left -= size
             continue
         left = 0
-        line = _line(row)
-        size = len(json.dumps(line))
-        if size > lines:
+        item = line(row)
+        lines -= len(json.dumps(item))
+        if lines < 0:
             break
-        lines -= size
-        told.append(line)
+        told.append(item)
     return told

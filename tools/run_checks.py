@@ -9,6 +9,7 @@ from pydantic import Field
 from ..worlds.errors import InputError, RefusedError
 from .context import ToolContext, ToolReply
 from .links import proof_links
+from .rows import Detail
 
 if TYPE_CHECKING:
     from ..execution import Job
@@ -45,6 +46,7 @@ def run_checks(
     wait_s: Annotated[
         float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
     ] = 30.0,
+    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
     """Run checks and return requirement rows: what was measured, the bound, the first failing entity and frame, what to do.
 
@@ -53,7 +55,8 @@ def run_checks(
     complete bake of exactly these settings. Statuses: pass, fail, unverified (no evidence, never a pass), not_applicable.
     Next: after acceptance render_shot(kind='final'); after failures edit_spec.
     """
-    from .session import Session, summary
+    from .rows import summary
+    from .session import Session
     from .waiting import start_and_wait
 
     session = Session.open(context.workspace, world)
@@ -71,27 +74,53 @@ def run_checks(
             raise InputError("acceptance runs every check; leave only out")
         if session.ledger.bake(_freeze(session)) is None:
             raise RefusedError("acceptance needs a complete bake of exactly these settings; call probe_sim and bake_sim first")
-        judged = {"revision": session.revision}
+        judged = {"revision": session.revision, "detail": detail}
         data = start_and_wait(context, session, "accept", judged, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
     else:
         session.require_audit(f"{scope} checks")
-        payload = {"scope": scope, "only": only, "revision": session.revision}
+        payload = {"scope": scope, "only": only, "revision": session.revision, "detail": detail}
         which = "+".join(only or ("all",))
         data = start_and_wait(
             context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{which}:{session.revision}", reuse=False
         )
-    return _reply(world, session.revision, data)
+    return _reply(world, session.revision, data, detail)
 
 
 def verdict_reply(job: Job) -> ToolReply:
     """Reply for checks or an acceptance that have ended."""
     from .waiting import ended_data
 
-    return _reply(str(job.world), int(job.payload["revision"]), ended_data(job))
+    return _reply(str(job.world), int(job.payload["revision"]), ended_data(job), job.payload.get("detail", "concise"))
 
 
-def _reply(world: str, revision: int, data: dict[str, Any]) -> ToolReply:
-    return ToolReply({"world": world, "revision": revision, **data}, links=proof_links(world, data))
+def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail) -> ToolReply:
+    from .answers import answer, call, job_answer, rows_answer
+
+    place = {"world": world, "revision": revision}
+    if "state" in data:
+        told = job_answer(data)
+        return ToolReply(answer({**place, **told}, told["summary"], told["next"]))
+    found = data["counts"]
+    text = f"{found['pass']} rows pass, {found['fail']} fail, {found['unverified']} unverified"
+    if "verdict" in data:
+        text = f"{data['verdict']}: {text}"
+        then = call("render_shot", world=world, kind="final")
+        good = data["verdict"] == "accepted"
+    else:
+        text = f"{data['scope']}: {text}"
+        then = {
+            "audit": call("place_object", world=world),
+            "static": call("probe_sim", world=world),
+            "probe": call("bake_sim", world=world),
+            "full": call("run_checks", world=world, scope="acceptance"),
+        }[data["scope"]]
+        later = data.get("waiting_for_motion", 0) if data["scope"] == "static" else 0
+        good = found["mandatory_open"] <= later
+    repair = (
+        "edit_spec: mend the first open row with one hypothesis and one parameter group, then repeat from the first stale step"
+    )
+    told = rows_answer(world, {**place, **data}, detail, text, then if good else repair)
+    return ToolReply(told, links=proof_links(world, data))
 
 
 def _freeze(session: Any) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,56 +20,14 @@ from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 
-__all__ = ["CAUSAL_CLASSES", "Session", "brief", "counts"]
+__all__ = ["CAUSAL_CLASSES", "Session"]
 
 CAUSAL_CLASSES = ("scene", "solver")
-MAX_BRIEF_ROWS = 12
 MAX_CHANGES = 8
 MAX_LENGTH = 4
 """An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
 COMMIT_SECONDS = 0.3
 """Longest that a client stands between its ledger entry and its `world.json` [s]."""
-
-
-def brief(row: Row, *, corrections: int = 2) -> dict[str, Any]:
-    """A row for the model: no empty fields, the best corrections only."""
-    data = row.model_dump(mode="json", exclude={"recipe", "corrections", "evidence"}, exclude_none=True)
-    data = {k: v for k, v in data.items() if v not in ("", [], {})}
-    if row.status != "pass":
-        data["corrections"] = [
-            {k: v for k, v in c.model_dump(mode="json").items() if v not in ("", [], None)} for c in row.corrections[:corrections]
-        ]
-        measured = {k: v for k, v in row.evidence.items() if k not in ("diagnosis", "edit_classes")}
-        text = json.dumps(measured, default=str)
-        data["evidence"] = measured if len(text) < 1500 else text[:1500] + "..."
-        if "diagnosis" in row.evidence:
-            data["diagnosis"] = row.evidence["diagnosis"]
-    return data
-
-
-def counts(rows: Iterable[Row]) -> dict[str, int]:
-    """Rows per status, mandatory ones that do not pass apart."""
-    found = {"pass": 0, "fail": 0, "unverified": 0, "not_applicable": 0, "mandatory_open": 0}
-    for row in rows:
-        found[row.status] += 1
-        found["mandatory_open"] += row.mandatory and row.status in ("fail", "unverified")
-    return found
-
-
-def summary(rows: Sequence[Row], *, static: bool = False) -> dict[str, Any]:
-    """Counts, and the rows that do not pass, worst first; with `static`, what only motion can tell is just counted."""
-    rank = {"fail": 0} if static else {"fail": 0, "unverified": 1}
-    open_rows = sorted(
-        (r for r in rows if r.status in rank or (static and r.status == "unverified" and r.check != "shots")),
-        key=lambda r: (rank.get(r.status, 1), not r.mandatory, r.id),
-    )
-    data: dict[str, Any] = {"counts": counts(rows), "open_rows": [brief(r) for r in open_rows[:MAX_BRIEF_ROWS]]}
-    if len(open_rows) > MAX_BRIEF_ROWS:
-        data["more_open_rows"] = [r.id for r in open_rows[MAX_BRIEF_ROWS : MAX_BRIEF_ROWS + 60]]
-        data["note"] = f"{len(open_rows) - MAX_BRIEF_ROWS} further rows: inspect_world(part='matrix')"
-    if static:
-        data["waiting_for_motion"] = sum(r.status == "unverified" and r.check == "shots" for r in rows)
-    return data
 
 
 @dataclass

@@ -11,7 +11,8 @@ from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.requirements import Row
-from .session import Session, counts
+from .rows import counts
+from .session import Session
 from .verify_bundle import untrue_geometry
 
 __all__ = ["recompute_folder", "verify_folder"]

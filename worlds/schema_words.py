@@ -102,7 +102,9 @@ def described(part: str) -> dict[str, Any]:
         folded = {k.lower(): k for k in known_parts()}
         close = difflib.get_close_matches(name.lower(), folded, n=3, cutoff=0.5)
         hint = f"; did you mean {' or '.join(folded[c] for c in close)}?" if close else ""
-        raise InputError(f"the schema has no part {part!r}{hint} Parts: {', '.join((ROOT, *UNIONS))}, and every name they mention")
+        raise InputError(
+            f"the schema has no part {part!r}{hint} Parts: {', '.join((ROOT, *UNIONS))}, and every name they mention"
+        )
     found: dict[str, Any] = {"type": name, **_type(name)}
     nested = [n for n in _mentioned(_schema()["$defs"][name]) if n not in UNIONS][:NESTED]
     if nested:

@@ -148,7 +148,8 @@ async def test_pictures_come_without_structured_content(tmp_path: Path, fakes: M
     assert [block.type for block in shown.content] == ["text", "image"]
     assert shown.content[1].mime_type == "image/png"
     assert json.loads(text(shown)) == {"mean": 0.5}
-    assert plain.structured_content == {"mean": 0.5}
+    assert plain.structured_content is None
+    assert json.loads(text(plain)) == {"mean": 0.5}
 
 
 async def test_progress_strictly_increases(tmp_path: Path, fakes: ModuleType, era: str) -> None:

@@ -48,6 +48,21 @@ class Agent:
         assert not answer.is_error, answer.content[0].text
         return json.loads(answer.content[0].text)
 
+    def pages(self, key: str, **arguments: Any) -> list[Any]:
+        """All items of a part of the world `w`, page after page."""
+        found, offset = [], 0
+        while True:
+            page = self.call("inspect_world", world="w", offset=offset, **arguments)
+            assert page[key]
+            found += page[key]
+            assert page["total"] >= len(found)
+            if "next_offset" not in page:
+                assert page["total"] == len(found)
+                return found
+            offset = page["next_offset"]
+            assert offset == len(found)
+            assert f"offset={offset}" in page["next"]
+
     def refused(self, tool: str, **arguments: Any) -> str:
         """Text of a call that must not succeed, and that changes nothing."""
         before = self.state(arguments.get("world"))

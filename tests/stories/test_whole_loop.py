@@ -59,7 +59,7 @@ def test_a_prompt_becomes_an_accepted_world_with_rows_links_and_job_ids(loop: An
     assert len(verdict["replayed"]) >= 3
     assert any("skin" in line["what"] for line in verdict["approximations"])
 
-    rows = accepted.call("inspect_world", world="w", part="matrix", limit=200)["rows"]
+    rows = accepted.pages("rows", part="matrix", detail="full")
     assert {r["group"] for r in rows} == GROUPS
     assert {r["check"] for r in rows} >= CHECKS
     assert all(r["artifact"] for r in rows)

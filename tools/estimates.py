@@ -1,0 +1,58 @@
+"""How long work will take: from rates measured before it, and from its own pace once it runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..execution import JobStore
+    from .session import Session
+
+__all__ = ["Pace", "bake_estimate", "film_estimate"]
+
+SEEN_JOBS = 200
+
+
+class Pace:
+    """Adds the time left to progress, from the steps of this run alone: what a resumed job finds done took it no time.
+
+    Args:
+        report: takes (done, total, message).
+    """
+
+    def __init__(self, report: Callable[[float, float, str], None]) -> None:
+        self._report = report
+        self._first: tuple[float, float] | None = None
+        self.seconds_per_step: float | None = None
+        """Mean over the steps seen; None before the second report."""
+
+    def __call__(self, done: float, total: float, message: str) -> None:
+        """Pass a report on."""
+        now = time.monotonic()
+        if self._first is None:
+            self._first = (done, now)
+        elif done > self._first[0]:
+            self.seconds_per_step = (now - self._first[1]) / (done - self._first[0])
+            left = self.seconds_per_step * (total - done)
+            message = f"{message}, about {left:.0f} s left" if left >= 1 else message
+        self._report(done, total, message)
+
+
+def bake_estimate(session: Session, record: dict[str, Any]) -> float | None:
+    """Seconds that a bake with its checks will take, by the pace of its probe; None where that was not measured."""
+    spent = record["detail"].get("seconds")
+    frames = record["detail"].get("frames")
+    return None if not spent or not frames else round(spent / frames * session.spec.simulation.frames, 1)
+
+
+def film_estimate(jobs: JobStore, *, frames: int, width: int, height: int, samples: int) -> float | None:
+    """Seconds that a film will take, by the pace of the last film of this workspace for each path; None before the first."""
+    for job in jobs.list(limit=SEEN_JOBS):
+        past = job.result or {}
+        if job.kind == "final" and job.state == "done" and past.get("seconds_per_frame"):
+            paths = past["width"] * past["height"] * past["samples"]
+            rate = float(past["seconds_per_frame"]) / float(paths)
+            return round(rate * frames * width * height * samples, 1)
+    return None

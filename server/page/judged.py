@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ...tools.session import brief, counts
+from ...tools.rows import brief, counts
 from ...tools.standing import Standing
 from ...worlds.folder import WorldFolder
 from ...worlds.ledger import Ledger

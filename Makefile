@@ -1,4 +1,4 @@
-# make setup | demo | test | test-all | check | build | mcpb
+# make setup | demo | test | test-all | conformance | check | build | mcpb
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -6,7 +6,7 @@ FLOORS := worlds execution geometry construction simulation verifiers rendering 
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 
-.PHONY: setup demo test test-all check build mcpb clean
+.PHONY: setup demo conformance test test-all check build mcpb clean
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -43,6 +43,10 @@ test: setup
 
 test-all: setup
 	$(BIN)/python -m pytest -q
+
+# The official conformance suite, the Inspector and tdqs; the first two come from npm into .conformance.
+conformance: setup
+	$(BIN)/python tests/conformance/run.py $(CONFORMANCE_ARGS)
 
 check: setup
 	$(BIN)/ruff check .

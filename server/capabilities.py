@@ -8,9 +8,10 @@ from typing import Any
 
 from .. import __version__
 from ..worlds.errors import EngineError
-from ..worlds.limits import CAPS
+from ..worlds.foreign import MOST_ENTRIES
+from ..worlds.limits import CAPS, Cap
 
-__all__ = ["CATEGORIES", "PACKAGES", "capabilities", "package_version"]
+__all__ = ["CATEGORIES", "PACKAGES", "all_caps", "capabilities", "package_version"]
 
 CATEGORIES: dict[str, dict[str, Any]] = {
     "rigid": {"available": True, "engine": "mujoco", "covers": "rigid bodies, joints, ropes of links, drivers"},
@@ -37,6 +38,31 @@ def package_version(name: str) -> str | None:
         return None
 
 
+def all_caps() -> list[Cap]:
+    """Every declared cap: of worlds, of the queue of jobs, of messages and connections."""
+    from ..execution.queue import QUEUED_PER_WORKSPACE, QUEUED_PER_WORLD
+    from .connections import MOST_CONNECTIONS
+    from .http import MAX_SESSIONS
+    from .messages import MESSAGE_BYTES
+    from .resources import MAX_FILE_BYTES
+    from .tokens import MOST_TOKENS
+
+    ended = "wait for jobs to end, or cancel some with the job tool"
+    return [
+        *CAPS.values(),
+        Cap("world_files", MOST_ENTRIES, "files", "delete old candidates from the world's folder"),
+        Cap("queued_jobs_per_world", QUEUED_PER_WORLD, "jobs", ended),
+        Cap("queued_jobs", QUEUED_PER_WORKSPACE, "jobs", ended),
+        Cap(
+            "message_bytes", MESSAGE_BYTES, "bytes", "create the world with a part of the specification, add the rest by patches"
+        ),
+        Cap("resource_bytes", MAX_FILE_BYTES, "bytes", "read the file from the world folder"),
+        Cap("connections", MOST_CONNECTIONS, "connections", "close connections that are not used"),
+        Cap("sessions", MAX_SESSIONS, "sessions", "end sessions that are not used (DELETE /mcp)"),
+        Cap("tokens", MOST_TOKENS, "tokens", "revoke tokens that are not used: worldagent token revoke NAME"),
+    ]
+
+
 def capabilities() -> dict[str, Any]:
     """Everything a client should know before it writes a specification; proves the renderer's variant on first use."""
     return {
@@ -45,7 +71,7 @@ def capabilities() -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}",
         "categories": CATEGORIES,
         "renderer": _renderer(),
-        "caps": {cap.name: {"value": cap.value, "unit": cap.unit, "knob": cap.knob} for cap in CAPS.values()},
+        "caps": {cap.name: {"value": cap.value, "unit": cap.unit, "knob": cap.knob} for cap in all_caps()},
         "versions": {name: package_version(name) for name in PACKAGES},
     }
 

@@ -28,6 +28,7 @@ def bake_sim(
     """
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from ..worlds.limits import check_workspace, estimate_counts
     from .estimates import bake_estimate
     from .measurements import is_whole
     from .probe_sim import told
@@ -43,6 +44,8 @@ def bake_sim(
         left = "" if record is None else f" (the last probe left {record['detail']['failing'][:6]} open)"
         raise RefusedError(f"bake_sim needs a passing probe of exactly these settings{left}; call probe_sim first")
     whole = session.ledger.bake(freeze) is not None and is_whole(session, freeze, "full")
+    if not whole:
+        check_workspace(context.workspace, estimate_counts(session.spec)["cache_bytes"])
     key = f"bake:{freeze}:{session.revision}"
     data = start_and_wait(context, session, "bake", {"detail": detail}, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:

@@ -133,8 +133,9 @@ def _next(world: str, passed: bool, groups: set[str]) -> str:
 
 def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
     from ..worlds.canonical import spec_digest
+    from ..worlds.folder import world_ids
     from ..worlds.ledger import Ledger
-    from ..worlds.limits import check_limits
+    from ..worlds.limits import check_cap, check_limits, check_workspace
     from ..worlds.patch import parse_spec
     from .session import Session
 
@@ -146,6 +147,8 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
     document = {"title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
     parsed = parse_spec(document)
     check_limits(parsed)
+    check_cap("worlds", len(world_ids(context.workspace)) + 1, what="this workspace")
+    check_workspace(context.workspace, len(parsed.model_dump_json()))
     folder.root.mkdir(parents=True, exist_ok=True)
     folder.assets.mkdir(exist_ok=True)
     ledger = Ledger(folder.ledger_path)

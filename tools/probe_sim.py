@@ -34,6 +34,7 @@ def probe_sim(
     Next: bake_sim when it passes; render_shot(kind='contact_sheet', stage='probe') to see it.
     """
     from ..simulation.freeze import freeze_hash
+    from ..worlds.limits import check_workspace, estimate_counts
     from .measurements import is_whole
     from .session import Session
     from .waiting import start_and_wait
@@ -52,6 +53,8 @@ def probe_sim(
     built, _ = build_world(session.folder, session.spec)
     freeze = freeze_hash(session.spec, built)
     whole = session.ledger.freeze(freeze) is not None and is_whole(session, freeze, "probe")
+    if not whole:
+        check_workspace(context.workspace, estimate_counts(session.spec)["cache_bytes"])
     key = f"probe:{freeze}:{session.revision}"
     data = start_and_wait(context, session, "probe", {"detail": detail}, wait_s=wait_s, key=key, reuse=whole)
     return told(world, "probe", data, detail)

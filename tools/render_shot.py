@@ -126,6 +126,7 @@ def _picture(
 
     from .. import rendering
     from ..geometry import Camera
+    from ..worlds.limits import check_cap
 
     view = None
     if camera is not None:
@@ -156,6 +157,7 @@ def _picture(
     elif kind == "ids":
         image = rendering.id_view(candidate, frame, shot=shot, camera=view, width=width, height=height)
     elif kind == "still":
+        check_cap("still_samples", width * height * (samples or candidate.spec.look.samples), what="this picture")
         image = rendering.render_frame(candidate, frame, shot=shot, camera=view, width=width, height=height, samples=samples)
     else:
         image = rendering.preview(candidate, frame, shot=shot, camera=view, width=width, height=height)
@@ -180,6 +182,7 @@ def _final(
 ) -> ToolReply:
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from ..worlds.limits import check_film
     from .estimates import film_estimate
     from .jobs import require_acceptance
     from .waiting import start_and_wait
@@ -188,6 +191,7 @@ def _final(
     freeze = freeze_hash(session.spec, built)
     require_acceptance(session, freeze)
     size = {"width": width, "height": height, "samples": samples}
+    check_film(session.spec, context.workspace, **size)
     key = f"final:{freeze}:{session.revision}:{width}:{height}:{samples}"
     look = session.spec.look
     estimate = film_estimate(

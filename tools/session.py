@@ -15,6 +15,7 @@ from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.groups import group_of
 from ..worlds.ledger import Ledger
+from ..worlds.limits import check_cap
 from ..worlds.patch import differences, parse_spec, weakenings
 from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
@@ -97,6 +98,7 @@ class Session:
         Raises:
             RefusedError: the edit breaks R111-R113 or R157, or another revision came first.
         """
+        check_cap("text_characters", max(len(hypothesis), len(weakening_reason)), what="hypothesis or weakening_reason")
         before = self.spec
         documents = before.model_dump(mode="json"), after.model_dump(mode="json")
         places = list(differences(*documents))

@@ -6,6 +6,7 @@ import time
 from typing import Any
 
 from ..execution import Job, result_of
+from ..worlds.limits import CAPS
 from .context import ToolContext
 from .session import Session
 
@@ -79,6 +80,8 @@ def start_and_wait(
         # The stamp tells a world from an earlier one of the same name whose jobs the workspace still remembers.
         key=_turn(context, session, kind, f"{key}:{session.stamp()}", reuse=reuse),
         exclusive=True,
+        wall_s=CAPS["job_seconds"].value,
+        memory_bytes=CAPS["job_memory_bytes"].value,
     )
     if context.handover is not None:
         wait_s = min(wait_s, context.handover.patience_s)

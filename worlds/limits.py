@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +12,18 @@ from .errors import LimitError
 
 if TYPE_CHECKING:
     from .spec import Entity, WorldSpec
+    from .spec.shapes import Shape
 
-__all__ = ["CAPS", "Cap", "check_cap", "check_limits", "check_workspace", "estimate_counts", "workspace_bytes"]
+__all__ = ["CAPS", "Cap", "check_cap", "check_film", "check_limits", "check_workspace", "estimate_counts", "workspace_bytes"]
 
 CACHE_BYTES_PER_BODY_FRAME = 160
 """Pose and velocity in float64 (13 numbers), and as much again of records and index, halved by compression [bytes]."""
+
+
+FILM_BYTES_PER_PIXEL = 3.5
+"""A picture file whose noise cannot be compressed, and its share of the film [bytes]."""
+SMOOTH_TRIANGLES = {"box": 12, "sphere": 5120, "cylinder": 256, "capsule": 3072, "wedge": 8}
+"""Triangles of shapes without a resolution of their own, as construction makes them."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +66,17 @@ CAPS: dict[str, Cap] = _caps(
     Cap("cache_bytes", 20_000_000_000, "bytes", "fewer bodies or frames"),
     Cap("bundle_bytes", 4_000_000_000, "bytes", "write the bundle without caches (worldagent bundle --no-caches)"),
     Cap("bundle_members", 200_000, "members", "write the bundle without caches (worldagent bundle --no-caches)"),
-    Cap("running_jobs", 16, "jobs", "wait for running jobs or cancel some with the job tool"),
+    Cap(
+        "still_samples",
+        250_000_000,
+        "samples of pixels",
+        "smaller width, height or samples; kind='preview' is quick, and kind='final' renders in a job",
+    ),
+    Cap("film_samples", 1_000_000_000_000, "samples of pixels", "smaller width, height or samples, or fewer frames"),
+    Cap("text_characters", 4_000, "characters", "a shorter hypothesis or weakening_reason"),
+    Cap("worlds", 1_000, "worlds", "another --workspace, or delete worlds from the workspace folder"),
+    Cap("job_seconds", 172_800, "s", "fewer bodies, frames or samples, or a larger step"),
+    Cap("job_memory_bytes", 64_000_000_000, "bytes", "fewer bodies, triangles or pixels"),
     Cap("workspace_bytes", 100_000_000_000, "bytes", "delete old candidates or worlds from the workspace folder"),
 )
 """All caps by name."""
@@ -103,6 +121,8 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
         "height": look.height,
         "samples": look.samples,
         "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME,
+        "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values()),
+        "triangles": sum(_triangles(entity) for entity in spec.entities.values()),
     }
     return counts
 
@@ -119,6 +139,17 @@ def check_limits(spec: WorldSpec) -> dict[str, float]:
     return counts
 
 
+def check_film(spec: WorldSpec, workspace: Path, *, width: int | None, height: int | None, samples: int | None) -> None:
+    """Refuse a final sequence that would take too long or not fit on the disk.
+
+    Raises:
+        LimitError: Names the cap, the estimate and the knob to turn.
+    """
+    pixels = float((width or spec.look.width) * (height or spec.look.height) * spec.simulation.frames)
+    check_cap("film_samples", pixels * (samples or spec.look.samples), what=f"a film of {spec.simulation.frames} frames")
+    check_workspace(workspace, pixels * FILM_BYTES_PER_PIXEL)
+
+
 def workspace_bytes(workspace: Path) -> int:
     """Bytes of all files under a workspace, links not followed."""
     total, folders = 0, [workspace]
@@ -131,7 +162,8 @@ def workspace_bytes(workspace: Path) -> int:
             if entry.is_dir(follow_symlinks=False):
                 folders.append(Path(entry.path))
             else:
-                total += entry.stat(follow_symlinks=False).st_size
+                with contextlib.suppress(OSError):  # a temporary file that is gone by now
+                    total += entry.stat(follow_symlinks=False).st_size
     return total
 
 
@@ -162,6 +194,29 @@ def _rerun_seconds(spec: WorldSpec) -> float:
         runs = item.samples if item.kind == "perturbed" else item.factor
         frames += runs * (last + plan.preroll * plan.fps)
     return frames / plan.fps
+
+
+def _cells(shape: Shape) -> int:
+    return (len(shape.heights) - 1) * (len(shape.heights[0]) - 1) if shape.kind == "heightfield" else 0
+
+
+def _triangles(entity: Entity) -> int:
+    """Triangles of an entity's visible surfaces; those of mesh files are counted when the file is read."""
+    total = SMOOTH_TRIANGLES["capsule"] * entity.generator.segments if entity.generator is not None else 0
+    for part in entity.parts.values():
+        shape = part.shape
+        if shape.kind == "heightfield":
+            rows, columns = len(shape.heights), len(shape.heights[0])
+            total += 4 * (rows - 1) * (columns - 1) + 4 * (rows + columns)
+        elif shape.kind == "mesh":
+            total += len(shape.faces or ())
+        elif shape.kind == "extrusion":
+            total += 4 * len(shape.polygon)
+        elif shape.kind == "revolution":
+            total += 2 * len(shape.profile) * shape.segments
+        else:
+            total += SMOOTH_TRIANGLES[shape.kind]
+    return total
 
 
 def _bodies(entity: Entity) -> int:

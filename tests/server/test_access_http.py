@@ -146,6 +146,22 @@ def test_every_tool_is_sorted_into_reading_and_writing() -> None:
     assert not reads_only(job, {})
 
 
+def test_sessions_are_counted(tmp_path: Path, fake_process: list[str]) -> None:
+    script = tmp_path / "few.py"
+    script.write_text(
+        "import runpy, sys\nfrom worldagent.server import http\nhttp.MAX_SESSIONS = 2\n"
+        f"sys.argv = sys.argv[1:]\nrunpy.run_path({fake_process[1]!r}, run_name='__main__')\n"
+    )
+    headers = {"Accept": "application/json, text/event-stream", "Content-Type": "application/json"}
+    command = [fake_process[0], str(script), fake_process[1], "http", str(tmp_path / "ws")]
+    with served(command, tmp_path / "log") as (url, _), httpx2.Client(timeout=20) as http:
+        answers = [http.post(url, json=INITIALIZE, headers=headers) for _ in range(3)]
+        assert [answer.status_code for answer in answers] == [200, 200, 503]
+        session = {"Mcp-Session-Id": answers[0].headers["mcp-session-id"], "Mcp-Protocol-Version": "2025-11-25"}
+        assert http.delete(url, headers=headers | session).status_code == 200
+        assert http.post(url, json=INITIALIZE, headers=headers).status_code == 200
+
+
 def test_health_tells_nothing_but_that_it_lives(server: tuple[str, Any]) -> None:
     url, _ = server
     status, headers, body = get(url, "/healthz")

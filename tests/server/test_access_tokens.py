@@ -9,13 +9,16 @@ import threading
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from worldagent.server.cli import main
 from worldagent.server.tokens import TokenBook, token_table
 from worldagent.worlds.errors import EvidenceError, InputError
 
 GIVEN = "a-token-of-32-characters-or-more"
+
+QUIET = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+"""A busy machine is no finding."""
 
 
 def test_a_token_is_shown_once_and_kept_only_as_a_salted_hash(tmp_path: Path) -> None:
@@ -100,6 +103,7 @@ def test_last_use_is_kept_apart_and_shown(tmp_path: Path) -> None:
     assert token not in token_table(book)
 
 
+@QUIET
 @given(st.text(max_size=80) | st.from_regex(r"wa_[0-9a-f]{8}_[A-Za-z0-9_-]{43}", fullmatch=True))
 def test_nothing_else_is_a_token(token: str) -> None:
     assert TokenBook(Path("/nonexistent"), given=GIVEN).check(token) is None
@@ -159,12 +163,18 @@ def test_bad_issues_are_told(tmp_path: Path) -> None:
         TokenBook(tmp_path, given="short")
 
 
+def test_tokens_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("worldagent.server.tokens.MOST_TOKENS", 2)
+    book = TokenBook(tmp_path)
+    for name in ("a", "b"):
+        book.add(name, "read")
+    with pytest.raises(InputError, match="at most 2"):
+        book.add("c", "read")
+
+
 def test_tokens_issued_at_once_are_all_kept(tmp_path: Path) -> None:
     issued: list[str] = []
-    threads = [
-        threading.Thread(target=lambda k=k: issued.append(TokenBook(tmp_path).add(f"t{k}", "read")))  # type: ignore[misc]
-        for k in range(8)
-    ]
+    threads = [threading.Thread(target=lambda k=k: issued.append(TokenBook(tmp_path).add(f"t{k}", "read"))) for k in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -7,7 +7,7 @@ import unicodedata
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from worldagent.worlds.quoting import SHOWN_CHARACTERS, json_visible, markdown_inline, quoted, shown, visible
 
@@ -17,6 +17,9 @@ JSON_VALUES = st.recursive(
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
     max_leaves=20,
 )
+
+QUIET = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+"""A busy machine is no finding."""
 
 
 def hidden(text: str) -> list[str]:
@@ -31,6 +34,7 @@ MARKED = {c for c in map(chr, range(0x110000)) if unicodedata.category(c) == "Cf
 MARKED = {c for c in MARKED if not ("\u202a" <= c <= "\u206f" or c >= "\U0001bca0")}
 
 
+@QUIET
 @given(st.text())
 def test_nothing_stays_hidden(text: str) -> None:
     assert [c for c in hidden(visible(text)) if c not in MARKED] == []
@@ -47,6 +51,7 @@ def test_every_known_trick_is_spelled_out(code: int) -> None:
         assert f"{code:x}" in json.dumps(made).lower()
 
 
+@QUIET
 @given(
     st.text(
         st.characters(
@@ -58,11 +63,13 @@ def test_what_can_be_seen_stays_as_it_is(text: str) -> None:
     assert visible(text) == text
 
 
+@QUIET
 @given(st.text())
 def test_spelling_out_twice_changes_nothing(text: str) -> None:
     assert visible(visible(text)) == visible(text)
 
 
+@QUIET
 @given(st.text(max_size=400))
 def test_a_quoted_text_is_one_line_that_ends_where_it_seems_to(text: str) -> None:
     made = quoted(text, most=100)
@@ -73,6 +80,7 @@ def test_a_quoted_text_is_one_line_that_ends_where_it_seems_to(text: str) -> Non
     assert "'" not in inner
 
 
+@QUIET
 @given(st.text(max_size=400))
 def test_markdown_from_a_stranger_has_no_structure(text: str) -> None:
     made = markdown_inline(text)
@@ -82,6 +90,7 @@ def test_markdown_from_a_stranger_has_no_structure(text: str) -> None:
         assert mark not in bare.replace(f"\\{mark}", "")
 
 
+@QUIET
 @given(JSON_VALUES)
 def test_json_keeps_its_meaning_and_hides_nothing(value: Any) -> None:
     document = json.dumps(value, ensure_ascii=False)

@@ -73,7 +73,7 @@ def paged(items: Sequence[Any], offset: int, limit: int, *, room: int = PAGE_CHA
 def rows_answer(world: str, data: Mapping[str, Any], detail: Detail, summary: str, next_call: str) -> dict[str, Any]:
     """An answer whose `open_rows` are said as asked for, with how to read what is left out."""
     found = list(data.get("open_rows", ()))
-    told = shaped(found, detail)
+    told = shaped(found, detail, world=world)
     total = int(data.get("open_total", len(found)))
     rest = {k: v for k, v in data.items() if k not in ("open_rows", "open_total", "more_open_rows")}
     said = {**rest, "open_rows": told}

@@ -214,7 +214,7 @@ def matrix(session: Session, status: str | None, detail: Detail, *, offset: int,
     only = {None: ("fail", "unverified", "pass", "not_applicable"), "open": OPEN}.get(status, (str(status),))
     chosen = ranked(rows, only=only)
     full = [brief(r) for r in chosen]
-    items = full if detail == "full" else [concise(r) if r["status"] in OPEN else line(r) for r in full]
+    items = full if detail == "full" else [concise(r, world) if r["status"] in OPEN else line(r) for r in full]
     page, place = paged(items, offset, limit, room=PAGE_CHARACTERS if detail == "concise" else 2 * PAGE_CHARACTERS)
     first = next((r["id"] for r in page if r["status"] in OPEN), None)
     then = call("inspect_world", world=world, part="row", row=first) if first else call("inspect_world", world=world)

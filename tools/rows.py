@@ -21,7 +21,11 @@ MAX_TRIED = 3
 ROWS_CHARACTERS = {"concise": 5500, "full": 15000}
 """What the rows of one reply may take; what follows comes as single lines."""
 LINES_CHARACTERS = 1500
-_UPSTREAM: dict[str, int] = {name: k for k, name in enumerate(get_args(Check))}
+_LATE: dict[str, int] = {"causal": 1, "robustness": 2, "shots": 3, "delivery": 4}
+_UPSTREAM: dict[str, tuple[int, int]] = {name: (_LATE.get(name, 0), k) for k, name in enumerate(get_args(Check))}
+"""Checks in causal order: a beat that never came explains a broken cause."""
+_SUMS = (":scene", "probe:phases")
+"""Rows that follow from others end so."""
 
 
 def brief(row: Row, *, corrections: int = 2) -> Listed:
@@ -40,7 +44,7 @@ def brief(row: Row, *, corrections: int = 2) -> Listed:
     return data
 
 
-def concise(row: Mapping[str, Any]) -> Listed:
+def concise(row: Mapping[str, Any], world: str = "") -> Listed:
     """What decides the next step, of a row in full: what was measured, why it fails, what to do, where to look."""
     told = line(row) | {"predicate": _cut(row.get("predicate", ""))}
     if row.get("frames"):
@@ -54,7 +58,7 @@ def concise(row: Mapping[str, Any]) -> Listed:
     tried = row.get("diagnosis", {}).get("tried")
     if tried:
         told["tried"] = tried[:MAX_TRIED]
-    looks = [_look(p) for p in row.get("diagnosis", {}).get("cheapest_probe", ())[:1]]
+    looks = [_look(p, world) for p in row.get("diagnosis", {}).get("cheapest_probe", ())[:1]]
     if looks and row["status"] == "fail":
         told["look"] = looks[0]
     return told
@@ -68,7 +72,8 @@ def line(row: Mapping[str, Any]) -> Listed:
     if row.get("measured") is not None:
         told["measured"] = _short(row["measured"])
     if row.get("bound") is not None:
-        told["needs"] = f"{row.get('comparison', '')} {_short(row['bound'])} {row.get('unit', '')}".strip()
+        unit = row.get("unit", "")
+        told["needs"] = f"{row.get('comparison', '')} {_short(row['bound']):g} {'' if unit == '1' else unit}".strip()
     for key, name in (("first_failing_entity", "entity"), ("first_failing_frame", "frame")):
         if row.get(key) is not None:
             told[name] = row[key]
@@ -105,9 +110,10 @@ def _correction(correction: Mapping[str, Any]) -> Listed:
     return kept
 
 
-def _look(probe: Mapping[str, Any]) -> str:
+def _look(probe: Mapping[str, Any], world: str) -> str:
     """The cheapest measurement that tells the causes apart, as a call."""
-    arguments = ", ".join(f"{k}={v!r}" for k, v in probe.get("arguments", {}).items())
+    given = ({"world": world} if world else {}) | dict(probe.get("arguments", {}))
+    arguments = ", ".join(f"{k}={v!r}" for k, v in given.items())
     return f"{probe['tool']}({arguments}): {probe.get('look_at', '')}"
 
 
@@ -126,7 +132,7 @@ def ranked(rows: Iterable[Row], *, only: Sequence[str] = ("fail", "unverified", 
 
     def key(row: Row) -> tuple[Any, ...]:
         start = row.frames[0] if row.frames is not None else 0
-        return (rank[row.status], not row.mandatory, _UPSTREAM[row.check], row.id.endswith(":scene"), start, row.id)
+        return (rank[row.status], not row.mandatory, _UPSTREAM[row.check], row.id.endswith(_SUMS), start, row.id)
 
     return sorted((r for r in rows if r.status in rank), key=key)
 
@@ -148,13 +154,15 @@ def summary(rows: Sequence[Row], *, static: bool = False) -> Listed:
     return data
 
 
-def shaped(rows: Sequence[Mapping[str, Any]], detail: Detail = "concise", *, room: int | None = None) -> list[Listed]:
+def shaped(
+    rows: Sequence[Mapping[str, Any]], detail: Detail = "concise", *, world: str = "", room: int | None = None
+) -> list[Listed]:
     """Rows in full as a reply shows them: the first ones as asked, later ones in a line where the room is used up."""
     told: list[Listed] = []
     left = ROWS_CHARACTERS[detail] if room is None else room
     lines = LINES_CHARACTERS
     for row in rows:
-        item = concise(row) if detail == "concise" else dict(row)
+        item = concise(row, world) if detail == "concise" else dict(row)
         size = len(json.dumps(item, default=str))
         if not told or size <= left:
             told.append(item)

@@ -411,7 +411,11 @@ def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str,
         correction(
             "start conditions do not bring it about",
             "initial_state",
-            f"change {entity}'s start speed or what drives it; measured {outcome.value} against {outcome.bound} {outcome.unit}",
+            f"change {entity}'s start speed or what drives it; measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}",
             pointers=(speed, start),
         )
     ]
+
+
+def _number(value: float | None) -> str:
+    return "nothing" if value is None else f"{value:.4g}"

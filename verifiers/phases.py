@@ -3,16 +3,19 @@
 - preroll: the scene before anything acts. Covered by `simulation.preroll`, or by a frame 0 at which nothing moves but
   what the specification sets in motion there (a start velocity, a driver).
 - activation: the first frame at which a driver acts or a body is faster than the scene's start speed.
-- first contact: the first new contact after activation between entities that did not touch before.
-- peak response: frame of the largest kinetic energy from the first contact on.
+- first contact: the first new contact after activation between entities that did not touch before. Where there is none
+  and the specification asks for none (no contact predicate, no `interacts` relation, no cause between different
+  subjects), it does not apply.
+- peak response: frame of the largest kinetic energy from the first contact on; from activation where no contact applies.
 - early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
   frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -57,10 +60,16 @@ class Phases:
     """Who marks each phase."""
     start_speed: float = 0.0
     """[m/s] above which a body counts as active."""
+    touchless: bool = False
+    """Whether first contact does not apply: nothing new touches, and nothing in the specification asks for it."""
+
+    def applicable(self) -> tuple[str, ...]:
+        """Phases that such a run has, in order."""
+        return tuple(p for p in PHASES if p != "first_contact" or not self.touchless)
 
     def missing(self) -> tuple[str, ...]:
         """Phases that the run does not cover, in order."""
-        return tuple(p for p in PHASES if getattr(self, p) is None)
+        return tuple(p for p in self.applicable() if getattr(self, p) is None)
 
 
 def find_phases(candidate: Candidate) -> Phases:
@@ -82,16 +91,43 @@ def find_phases(candidate: Candidate) -> Phases:
     preroll = _preroll(candidate, names, activation, threshold, notes)
     contact = _first_contact(candidate, activation, who, notes) if activation is not None else None
     energy = _kinetic(candidate)
+    touchless = activation is not None and contact is None and not _asks_for_contact(candidate)
+    if touchless:
+        notes["first_contact"] += ", and no beat, relation or cause asks for one"
     peak = settling = None
-    if contact is not None:
-        peak = contact + int(np.argmax(energy[contact : last + 1]))
+    start = activation if touchless else contact
+    if start is not None:
+        peak = start + int(np.argmax(energy[start : last + 1]))
         notes["peak_response"] = f"kinetic energy {energy[peak]:.3g} J"
         if peak == last:
             notes["peak_response"] = f"kinetic energy is largest at the last frame {last}"
             peak = None
     if peak is not None:
         settling = _settling(candidate, energy, peak, notes)
-    return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold)
+    return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold, touchless)
+
+
+def _asks_for_contact(candidate: Candidate) -> bool:
+    """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats."""
+    spec = candidate.spec
+    beats, relations = spec.story.beats, spec.graph.relations.values()
+    passed_on = any(beats[c].subject != b.subject for b in beats.values() for c in b.causes if c in beats)
+    if not beats or passed_on or any(r.kind == "interacts" for r in relations):
+        return True
+    carried = {(r.b, r.a) for r in relations if r.kind == "supports" and (r.frames is None or r.frames[0] == 0)}
+    predicates = [b.predicate for b in beats.values()] + [r.predicate for r in spec.story.requirements.values()]
+    parts = [part for p in predicates for part in _parts_of(p.model_dump(mode="json"))]
+    return any(
+        p["kind"] == "contact" or (p["kind"] == "rests_on" and (p["entity"], p["on"]) not in carried) for p in parts if "kind" in p
+    )
+
+
+def _parts_of(node: Any) -> Iterator[dict[str, Any]]:
+    """A predicate and all predicates in it, as plain data."""
+    if isinstance(node, dict):
+        yield node
+    for child in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        yield from _parts_of(child)
 
 
 def _start_speed(candidate: Candidate) -> float:
@@ -222,7 +258,9 @@ def check(candidate: Candidate) -> list[Row]:
     frames = {p: getattr(phases, p) for p in PHASES}
     evidence = {"phases": frames, "notes": phases.notes, "entities": phases.entities, "start_speed": phases.start_speed}
     if not missing:
-        text = ", ".join(f"{p.replace('_', ' ')} at frame {k}" for p, k in frames.items())
+        text = ", ".join(f"{p.replace('_', ' ')} at frame {frames[p]}" for p in phases.applicable())
+        if phases.touchless:
+            text += f"; {phases.notes['first_contact']}"
     else:
         why = phases.notes.get(missing[0], "the phase before it is missing")
         text = f"no {missing[0].replace('_', ' ')} within frames 0..{phases.last_frame}: {why}"
@@ -234,8 +272,8 @@ def check(candidate: Candidate) -> list[Row]:
             status="fail" if missing else "pass",
             explanation=text,
             frames=(0, phases.last_frame),
-            measured=float(len(PHASES) - len(missing)),
-            bound=float(len(PHASES)),
+            measured=float(len(phases.applicable()) - len(missing)),
+            bound=float(len(phases.applicable())),
             comparison=">=",
             unit="phases",
             entities=tuple(phases.entities.values()),

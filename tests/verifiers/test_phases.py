@@ -11,8 +11,8 @@ import pytest
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.phases import check, find_phases
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Contact, RestsOn
-from worldagent.worlds.spec import Beat, ReleaseDriver
+from worldagent.worlds.predicates import And, Contact, Displacement, RestsOn
+from worldagent.worlds.spec import Beat, Interacts, ReleaseDriver
 
 FPS = 24
 G = 9.81
@@ -94,6 +94,43 @@ def test_a_world_that_is_meant_to_rest_has_no_phases_to_cover(tmp_path: Path) ->
     )
     row = check(make_candidate(tmp_path, world(entities, beats={"rests": rests}), tracks={}))[0]
     assert row.status == "not_applicable"
+
+
+def swung(tmp_path: Path, predicate: Any, **more: Any) -> Candidate:
+    """A ball that is thrown sideways in the air, slows down and touches nothing."""
+    frames = 49
+    time = np.arange(frames) / FPS
+    speed = np.exp(-4 * time)
+    velocity = np.zeros((frames, 1, 3))
+    velocity[:, 0, 0] = speed
+    beat = Beat(text="it flies", owner="rigid", subject="ball", frames=(0, 40), predicate=predicate)
+    thrown = ball(0.1, motion="dynamic", at=(0, 0, 1))
+    thrown = thrown.model_copy(update={"physics": thrown.physics.model_copy(update={"linear_velocity": (1.0, 0.0, 0.0)})})
+    spec = world({"floor": ground(4.0), "ball": thrown}, frames=frames, beats={"fly": beat}, **more)
+    tracks = {"ball": (np.stack([(1 - speed) / 4, 0 * time, 0 * time + 1], axis=1), IDENTITY)}
+    return make_candidate(tmp_path, spec, tracks=tracks, channels={"velocity": velocity, "angular_velocity": np.zeros((frames, 1, 3))})
+
+
+def test_first_contact_does_not_apply_where_nothing_meets_and_nothing_asks_for_it(tmp_path: Path) -> None:
+    flight = Displacement(entity="ball", axis=(1, 0, 0), min=0.1)
+    phases = find_phases(swung(tmp_path / "a", flight))
+    assert phases.touchless
+    assert phases.first_contact is None
+    assert (phases.peak_response, phases.early_settling) == (0, 5)  # exp(-8 t) < 0.2 from 0.2 s on
+    (row,) = check(swung(tmp_path / "b", flight))
+    assert (row.status, row.measured, row.bound) == ("pass", 4.0, 4.0)
+    assert "no beat, relation or cause asks for one" in row.evidence["explanation"]
+
+
+def test_first_contact_applies_as_soon_as_anything_asks_for_it(tmp_path: Path) -> None:
+    flight = Displacement(entity="ball", axis=(1, 0, 0), min=0.1)
+    asked = And(of=[flight, Contact(a="ball", b="floor")])
+    landed = RestsOn(entity="ball", on="floor")
+    met = {"relations": {"meet": Interacts(a="ball", b="floor")}}
+    for name, (predicate, more) in {"a": (asked, {}), "b": (landed, {}), "c": (flight, met)}.items():
+        (row,) = check(swung(tmp_path / name, predicate, **more))
+        assert (row.status, row.bound) == ("fail", 5.0)
+        assert row.evidence["missing"][0] == "first_contact"
 
 
 def test_bodies_in_touch_from_the_start_are_no_first_contact(tmp_path: Path) -> None:

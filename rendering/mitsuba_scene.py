@@ -8,15 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..geometry.camera import Camera
-from ..worlds.arrays import RigidPose, pose_of, rotation_matrix
-from ..worlds.built import BuiltPart
+from ..worlds.arrays import rotation_matrix
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Appearance
 from .lights import light_dicts
 from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
 from .variant import load_mitsuba
-from .views import active
+from .views import active, part_frame
 
 __all__ = ["Features", "SceneRenderer"]
 
@@ -67,12 +66,6 @@ def _joined(surfaces: list[Surface]) -> Surface:
     )
 
 
-def _part_frame(candidate: Candidate, entity: str, part: BuiltPart) -> RigidPose:
-    """The part's own frame in its body's frame; identity for generated parts."""
-    declared = candidate.spec.entities[entity].parts.get(part.part)
-    return RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0])) if declared is None else pose_of(declared.pose)
-
-
 def _batches(candidate: Candidate, tiles: dict[str, dict[str, Tile]]) -> dict[tuple[str, str, bool], _Batch]:
     """Batches by (material, layer, moving)."""
     found: dict[tuple[str, str, bool], list[tuple[str, str, Surface]]] = {}
@@ -86,7 +79,7 @@ def _batches(candidate: Candidate, tiles: dict[str, dict[str, Tile]]) -> dict[tu
                 tiles=tiles[part.material],
                 pattern=look.pattern,
                 scale=look.pattern_scale,
-                frame=_part_frame(candidate, entity, part),
+                frame=part_frame(candidate, entity, part),
                 key=f"{entity}/{part.part}",
             )
             for layer, surface in layers.items():

@@ -9,12 +9,13 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster, IdImage
-from ..worlds.arrays import F64
+from ..worlds.arrays import F64, compose
 from ..worlds.candidate import Candidate
 from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
+from .shades import pattern_shade
 from .textures import F32
-from .views import active, camera_for, focus_bounds
+from .views import active, camera_for, focus_bounds, part_frame
 
 __all__ = ["PreviewRenderer", "id_view", "preview"]
 
@@ -38,6 +39,8 @@ class PreviewRenderer:
         self._entity_of = np.array([index[name] for name, _ in self.parts], dtype=np.int32)
         looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
         self._colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
+        self._looks = looks
+        self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
 
     def cast(self, frame: int, camera: Camera) -> IdImage:
         """Ids of parts, depth and normals; entities that do not exist at the frame are left out."""
@@ -100,12 +103,27 @@ class PreviewRenderer:
         half /= np.linalg.norm(half, axis=1, keepdims=True)
         gloss = 0.10 * np.maximum((normals * half).sum(1), 0.0) ** 40 * (lambert > 0)
         light = 0.95 * lambert[:, None] * np.array([1.0, 0.95, 0.86]) + _mix((0.17, 0.16, 0.15), (0.36, 0.42, 0.50), sky[:, None])
-        picture[hit] = self._colors[image.ids[hit]] * light + gloss[:, None]
+        shade = self._shade(frame, image.ids[hit], points, normals)
+        picture[hit] = self._colors[image.ids[hit]] * shade[:, None] * light + gloss[:, None]
         shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
         edges = region_edges(self.entity_ids(image))
         shown[edges] = (shown[edges] * 0.45).astype(np.uint8)
         caption(shown, self._label(frame))
         return shown
+
+    def _shade(self, frame: int, ids: Any, points: F64, normals: F64) -> F64:
+        """Share of the material's colour at points of parts, by their patterns; shape (n,)."""
+        found = np.ones(len(points))
+        for k in np.unique(ids):
+            look, (name, part) = self._looks[k], self.parts[k]
+            if look.pattern in ("plain", "concrete"):
+                continue
+            own = ids == k
+            back = compose(self.candidate.pose(name, frame, part.body), self._frames[k]).inverse()
+            turned = back.apply(points[own] + normals[own]) - back.apply(points[own])
+            extent = np.ptp(self._frames[k].inverse().apply(part.render.vertices), axis=0)
+            found[own] = pattern_shade(look.pattern, back.apply(points[own]), turned, scale=look.pattern_scale, extent=extent)
+        return found
 
     def id_view(self, frame: int, camera: Camera) -> U8:
         """One colour per entity, shaded by slope, with ids written on the larger regions."""

@@ -16,6 +16,8 @@ __all__ = ["Encoded", "contact_sheet", "encode"]
 
 MAX_BYTES = 700_000
 """What today's MCP clients take as one picture without trouble."""
+MAX_EDGE = 1568
+"""Longest side of a picture for a model [pixels]: larger ones are shrunk by its client anyway."""
 GAP = 6
 
 
@@ -35,13 +37,23 @@ def _jpeg(image: U8, quality: int) -> bytes:
     return bytes(data.tobytes())
 
 
-def _fit_jpeg(image: U8, max_bytes: int) -> bytes:
-    """Lower the quality first, then the size, until the file fits."""
+def _shrunk(image: U8, edge: int) -> U8:
+    """The picture with its longer side at most `edge` pixels."""
     import cv2
 
+    height, width = image.shape[:2]
+    scale = edge / max(height, width)
+    if scale >= 1:
+        return image
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def _fit_jpeg(image: U8, max_bytes: int) -> bytes:
+    """Lower the quality first, then the size, until the file fits."""
     if max_bytes < 2000:
         raise InputError(f"max_bytes is {max_bytes}; it must be >= 2000 for a picture to show anything")
-    current = image
+    current = _shrunk(image, MAX_EDGE)
     while True:
         for quality in (92, 85, 75, 60):
             data = _jpeg(current, quality)
@@ -50,20 +62,18 @@ def _fit_jpeg(image: U8, max_bytes: int) -> bytes:
         height, width = current.shape[:2]
         if min(height, width) < 16:
             raise InputError(f"a picture of shape {image.shape} does not fit in {max_bytes} bytes; allow more bytes")
-        current = np.asarray(
-            cv2.resize(current, (max(1, round(width * 0.8)), max(1, round(height * 0.8))), interpolation=cv2.INTER_AREA),
-            dtype=np.uint8,
-        )
+        current = _shrunk(current, round(0.8 * max(height, width)))
 
 
 def encode(image: U8, max_bytes: int = MAX_BYTES) -> Encoded:
-    """PNG where it fits in `max_bytes`, else JPEG of falling quality and size.
+    """PNG where it fits in `max_bytes`, else JPEG of falling quality and size; at most `MAX_EDGE` pixels along a side.
 
     Raises:
         InputError: `max_bytes` is below 2000.
     """
     import cv2
 
+    image = _shrunk(image, MAX_EDGE)
     good, data = cv2.imencode(".png", image[..., ::-1])
     if good and len(data) <= max_bytes:
         return Encoded(bytes(data.tobytes()), "png")
@@ -91,7 +101,7 @@ def contact_sheet(
     across = columns or max(1, math.ceil(math.sqrt(len(images))))
     down = math.ceil(len(images) / across)
     full_height, full_width = images[0].shape[:2]
-    scale = min(1.0, 1920 / (across * full_width))
+    scale = min(1.0, MAX_EDGE / (across * full_width))
     width, height = max(1, round(full_width * scale)), max(1, round(full_height * scale))
     strip = 20
     sheet = np.full((down * (height + strip + GAP) + GAP, across * (width + GAP) + GAP, 3), 250, dtype=np.uint8)

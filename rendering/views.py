@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry.camera import Camera, camera_at
-from ..worlds.arrays import F64
+from ..worlds.arrays import F64, RigidPose, pose_of
+from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec import Shot
@@ -155,3 +156,9 @@ def camera_for(candidate: Candidate, frame: int, *, shot: str | None = None, wid
         return automatic_camera(candidate, width, height)
     plan = spec.shots[name]
     return camera_at(plan, frame, width, height, _follow_offset(candidate, plan, frame))
+
+
+def part_frame(candidate: Candidate, entity: str, part: BuiltPart) -> RigidPose:
+    """The part's own frame in its body's frame; identity for generated parts."""
+    declared = candidate.spec.entities[entity].parts.get(part.part)
+    return RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0])) if declared is None else pose_of(declared.pose)

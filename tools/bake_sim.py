@@ -21,10 +21,12 @@ def bake_sim(
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
-    """Bake every frame of the frozen candidate into its own cache, in the declared solver order, and check all of it.
+    """Simulate every frame of the frozen candidate, in the declared solver order, and check all of it.
 
-    Resumes a bake that was interrupted. Refused without a passing probe of exactly these settings. Takes about as long
-    as the sequence itself for scenes of some dozens of bodies. Next: run_checks(scope='acceptance').
+    Use it after a passing probe of exactly these settings; it is refused without one. An interrupted bake is resumed, a
+    complete one is given back. Takes about as long for each frame as the probe did; the reply estimates it.
+    Returns: frames, rows that do not pass, a link to a contact sheet; or a job_id when it takes longer than wait_s.
+    Not for: trying settings (probe_sim is shorter). Next: run_checks(scope='acceptance').
     """
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash

@@ -31,11 +31,13 @@ def build_terrain(
     ] = None,
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
 ) -> ToolReply:
-    """Make the ground: a static height field, as a new revision, then check it.
+    """Make the ground of an outdoor world: a static height field, as a new revision, and check it.
 
-    flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is spectral noise that fades to z = 0 inside plain_radius. The ground
-    becomes a member of the first solver instance. Indoors, or for a plain floor, a static box entity is enough.
-    Rivers, erosion, materials by rule and vegetation are not in this build. Next: place_object.
+    flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside plain_radius.
+    The ground becomes a member of the first solver instance. Lengths in m. Needs a solver instance and a material.
+    Not for: floors, tables and other flat things, which a static box does better (edit_spec); rivers, erosion and
+    vegetation are not in this build. Repeating it with the same entity replaces that ground.
+    Returns: revision, height range, static rows that fail. Next: place_object.
     """
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch

@@ -25,7 +25,7 @@ def edit_spec(
     spec: Annotated[
         dict[str, Any] | None,
         Field(
-            description="Only to create a world: the specification without `prompt` (see worldagent://schema/world); may be partial"
+            description="Only to create a world: the specification without `prompt`; may be partial. inspect_world(part='schema', pointer='example') shows a whole one"
         ),
     ] = None,
     patch: Annotated[
@@ -52,11 +52,14 @@ def edit_spec(
 ) -> ToolReply:
     """Create a world from a prompt, or apply a JSON Patch to its specification as a new revision.
 
-    Creating: give `world`, `prompt` and (now or by patches) `spec`. The answer lists the prompt's clauses; map each in
-    /clauses (met_by pointers, or an unmet reason). Editing: give `world` and `patch`. Every call returns the audit, what
-    became stale, and open problems. Units are SI (m, kg, s, rad), Z is up, frame k is at k/fps seconds.
-    Read skill://world-building/SKILL.md first. Next: place_object to build and check geometry, then probe_sim.
-    Not for: moving an entity onto another one by contact (place_object does that exactly).
+    Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches); edit with `world` and `patch`. Learn the
+    fields from inspect_world(part='schema') or worldagent://schema/world, the procedure from inspect_world(part='guide').
+    Units are SI (m, kg, s, rad), Z is up, frame k is the state at k / fps seconds.
+    Returns: revision, the prompt's clauses (map each in /clauses: met_by pointers, or an unmet reason), the audit's open rows,
+    what became stale. Refused: another prompt; a patch that does not validate; after failed rows an edit without hypothesis
+    or of several parameter groups at once. Nothing changes when it is refused.
+    Not for: putting an entity onto another one by contact (place_object finds the height), ground (build_terrain).
+    Next: the reply's `next`; usually place_object, after story or shot edits run_checks.
     """
     if prompt is not None:
         if patch is not None:

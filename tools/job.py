@@ -26,8 +26,11 @@ def job(
 ) -> ToolReply:
     """Ask about, wait for, cancel or list the jobs that probe_sim, bake_sim, run_checks and render_shot started.
 
-    Jobs live on when the client goes away. wait answers when the job ends or after wait_s; then call it again. A done
-    job's result is what the tool would have returned. Cancel takes effect within 2 s; a cancelled bake can be resumed.
+    Use wait with the job_id of a reply that was not finished; it answers when the job ends or after wait_s, then call it again.
+    Jobs live on when the client goes away. A done job's `result` is what the tool would have returned. cancel takes effect
+    within 2 s; the same tool call resumes a cancelled bake or film. Returns: state (queued, running, done, failed,
+    cancelled, lost), progress 0 to 1, seconds so far, what it is doing and how long it still takes.
+    Not for: starting work. Next: the reply's `next`.
     """
     import time
 

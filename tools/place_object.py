@@ -37,12 +37,15 @@ def place_object(
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
-    """Build the entities' render, simulation and collision shapes and run the static checks; optionally move one entity first.
+    """Build the shapes of all entities and run the static checks; with `entity`, move that one first.
 
-    With `on`, the entity is lowered onto that support (level support or slope) until it rests with a gap of two collision
-    skins, and a new revision with the pose is made. Its orientation stays as specified (or turns by yaw_deg): on a slope, turn it
-    first with edit_spec. A move after a failed row is a repair and needs a hypothesis, as in edit_spec. Returns the changed rows and what was built. The support relation
-    itself belongs into /graph/relations (edit_spec). Next: mend failing rows, then probe_sim; render_shot shows the scene.
+    Call it without `entity` after every edit of geometry. With `entity` and `on`, the entity is lowered along z onto that
+    support until it rests with a gap of two collision skins; `at` and `yaw_deg` choose where and how. Its tilt stays as
+    specified: on a slope, turn it first with edit_spec. A move is a new revision; after a failed row it needs a hypothesis.
+    Returns: what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
+    Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).
+    Refused: while the audit fails; a place that overlaps (`strict`); an entity that is not above `on`.
+    Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
     from .answers import call, rows_answer
     from .rows import summary

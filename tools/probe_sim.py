@@ -25,13 +25,14 @@ def probe_sim(
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
-    """Simulate to 0.75 s after the last beat with production settings, check the motion, and freeze the settings if it passes.
+    """Simulate to 0.75 s after the last beat with production settings, judge the motion, and freeze the settings if it passes.
 
-    Covers preroll, activation, first contact, peak response and early settling (a world that is meant to rest has none of them).
-    What can only be judged later waits for the bake. Returns the failing rows with measured
-    values, first failing entity and frame, ranked causes and suggested edits, plus a contact sheet. Refused while the
-    audit or a static row fails. After a failure: one edit_spec with a hypothesis and one parameter group, then probe again.
-    Next: bake_sim when it passes; render_shot(kind='contact_sheet', stage='probe') to see it.
+    Use it when the static rows pass, and again after every repair. It covers preroll, activation, first contact, peak response
+    and early settling (a world that is meant to rest has none of them). Refused while the audit or a static row fails.
+    Returns: passed, phases (frames), open rows with measured value, bound, first failing entity and frame, ranked causes and
+    suggested patches, and a link to a contact sheet; or a job_id when it takes longer than wait_s.
+    Not for: looking only (render_shot), nor for judging changed beats or shots on unchanged motion (run_checks(scope='probe')).
+    Next: bake_sim when passed; else one edit_spec with a hypothesis and one parameter group, then probe again.
     """
     from ..simulation.freeze import freeze_hash
     from ..worlds.limits import check_workspace, estimate_counts

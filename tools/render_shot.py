@@ -55,11 +55,14 @@ def render_shot(
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
     wait_s: Annotated[float, Field(ge=0, le=240, description="For final: seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
-    """Look at the world. Every kind but final works as soon as the audit passes; pictures come back inline.
+    """Look at the world: a picture comes back inline, beside a line of JSON; or make the final film.
 
-    Numbers beat pictures for judging geometry: use run_checks and inspect_world for measurements, this for composition,
-    light and understanding what happened. final is refused without acceptance of this very candidate; it renders the whole
-    sequence to a video in a job, resumable.
+    Every kind but final works as soon as the audit passes and takes seconds. Frames are indices (frame k at k / fps s); own
+    cameras in m. Use it for composition, light and understanding what happened.
+    Not for judging geometry or motion: numbers do that better (run_checks, inspect_world). final renders every frame into a
+    video, as a resumable job with an estimate; refused without acceptance of this very candidate.
+    Returns: JSON text (summary, file, frame, camera), the picture (JPEG or PNG, at most 700 kB) and a link to it; for final
+    also a link to the film with its size and length, or a job_id when it takes longer than wait_s. Next: inspect_world.
     """
     from .session import Session
 

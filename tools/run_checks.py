@@ -48,12 +48,16 @@ def run_checks(
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
-    """Run checks and return requirement rows: what was measured, the bound, the first failing entity and frame, what to do.
+    """Judge again and return requirement rows, or ask for acceptance.
 
-    Every tool that changes or simulates something runs the checks it affects already; use this to ask again, after
-    editing the story or the shots (no new simulation is needed then), or for acceptance. Acceptance is refused without a
-    complete bake of exactly these settings. Statuses: pass, fail, unverified (no evidence, never a pass), not_applicable.
-    Next: after acceptance render_shot(kind='final'); after failures edit_spec.
+    Every tool that changes or simulates something runs the checks it affects already. Use this after editing the story or
+    the shots (no new simulation is needed: scope probe or full), and for acceptance: a fresh read-only process judges the
+    whole candidate and replays random intervals of its bake. Refused without a complete bake of exactly these settings.
+    Returns: counts and the open rows: measured value, bound, first failing entity and frame, what to do; for acceptance the
+    verdict, the approximation register, and links to a report and a bundle. Statuses: pass, fail, unverified (no evidence,
+    never a pass), not_applicable (proven). No call can set one.
+    Not for: reading known rows (inspect_world(part='matrix')). Next: after acceptance render_shot(kind='final'); after
+    failures edit_spec.
     """
     from .rows import summary
     from .session import Session

@@ -118,7 +118,9 @@ def _asks_for_contact(candidate: Candidate) -> bool:
     predicates = [b.predicate for b in beats.values()] + [r.predicate for r in spec.story.requirements.values()]
     parts = [part for p in predicates for part in _parts_of(p.model_dump(mode="json"))]
     return any(
-        p["kind"] == "contact" or (p["kind"] == "rests_on" and (p["entity"], p["on"]) not in carried) for p in parts if "kind" in p
+        p["kind"] == "contact" or (p["kind"] == "rests_on" and (p["entity"], p["on"]) not in carried)
+        for p in parts
+        if "kind" in p
     )
 
 

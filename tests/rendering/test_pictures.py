@@ -23,6 +23,7 @@ from worldagent.rendering import (
     section_view,
     write_video,
 )
+from worldagent.rendering.shades import pattern_shade
 from worldagent.worlds.accounts import Account, Mark
 from worldagent.worlds.errors import EvidenceError, InputError
 
@@ -40,6 +41,51 @@ def test_preview_shows_the_red_ball_where_the_camera_projects_it(candidate):
         rows, columns = np.nonzero(red)
         expected = camera.project(candidate.center("ball", frame)[None])[0][0]
         assert np.hypot(columns.mean() - expected[0], rows.mean() - expected[1]) < 2.5
+
+
+def test_preview_shows_the_pattern_of_a_material(candidate):
+    """A checker of 0.2 m on the table: as many dark as light squares."""
+    looks = candidate.spec.materials
+    name = next(part.material for part in candidate.built["table"].parts)
+    plain = Camera(np.array([-0.4, -0.01, 2.4]), np.array([-0.4, 0.0, 0.0]), 20.0, 200, 200)
+    even = preview(candidate, 0, camera=plain).astype(float)
+    checked = looks[name].appearance.model_copy(update={"pattern": "checker", "pattern_scale": 0.2})
+    spec = candidate.spec.model_copy(
+        update={"materials": {**looks, name: looks[name].model_copy(update={"appearance": checked})}}
+    )
+    image = preview(dataclasses.replace(candidate, spec=spec), 0, camera=plain).astype(float)
+    changed = np.abs(image - even).max(-1) > 20
+    assert 0.3 < changed.mean() < 0.6
+    lines = np.abs(np.diff(changed.astype(int), axis=1)).sum(1)
+    assert np.median(lines) >= 6
+
+
+def test_pattern_shade_alternates_and_keeps_plain_colours():
+    points = np.array([[0.01, 0.01, 0.5], [0.06, 0.01, 0.5], [0.06, 0.06, 0.5], [0.01, 0.01, 0.9]])
+    up = np.tile([0.0, 0.0, 1.0], (4, 1))
+    shade = pattern_shade("checker", points, up, scale=0.1, extent=np.ones(3))
+    assert shade.tolist() == [0.25, 1.0, 0.25, 0.25]
+    assert pattern_shade("plain", points, up, scale=0.1, extent=np.ones(3)).tolist() == [1.0] * 4
+    wood = pattern_shade("wood", points, up, scale=0.1, extent=np.array([2.0, 1.0, 1.0]))
+    assert wood[0] == wood[1]  # along the grain
+    assert wood[1] != wood[2]
+
+
+@pytest.mark.parametrize("size", [(1080, 1920), (3000, 400), (1200, 1000)])
+def test_no_picture_is_too_large_for_a_client(size):
+    """Noise is the worst that an encoder can get."""
+    data, kind = encode(_noise(*size))
+    assert len(data) <= 700_000
+    shape = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape
+    assert max(shape[:2]) <= 1568
+    assert shape[0] / shape[1] == pytest.approx(size[0] / size[1], rel=0.01)
+    assert kind == "jpeg"
+
+
+def test_a_contact_sheet_of_noise_is_not_too_large():
+    data = contact_sheet([_noise(270, 480)] * 25, ["frame"] * 25)
+    assert len(data) <= 700_000
+    assert max(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape[:2]) <= 1568
 
 
 def test_preview_has_shadows(candidate):

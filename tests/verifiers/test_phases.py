@@ -108,7 +108,9 @@ def swung(tmp_path: Path, predicate: Any, **more: Any) -> Candidate:
     thrown = thrown.model_copy(update={"physics": thrown.physics.model_copy(update={"linear_velocity": (1.0, 0.0, 0.0)})})
     spec = world({"floor": ground(4.0), "ball": thrown}, frames=frames, beats={"fly": beat}, **more)
     tracks = {"ball": (np.stack([(1 - speed) / 4, 0 * time, 0 * time + 1], axis=1), IDENTITY)}
-    return make_candidate(tmp_path, spec, tracks=tracks, channels={"velocity": velocity, "angular_velocity": np.zeros((frames, 1, 3))})
+    return make_candidate(
+        tmp_path, spec, tracks=tracks, channels={"velocity": velocity, "angular_velocity": np.zeros((frames, 1, 3))}
+    )
 
 
 def test_first_contact_does_not_apply_where_nothing_meets_and_nothing_asks_for_it(tmp_path: Path) -> None:

@@ -1,0 +1,43 @@
+"""Patterns of materials for previews: how much of its colour a surface point shows."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from ..worlds.arrays import F64
+
+__all__ = ["pattern_shade"]
+
+DARK = 0.25
+"""Share of the colour in a checker's dark squares, as in the rendered tile."""
+GRAIN = 8.0
+"""Lines of wood grain across one period."""
+
+
+def pattern_shade(
+    pattern: Literal["plain", "wood", "checker", "concrete"], points: F64, normals: F64, *, scale: float, extent: F64
+) -> F64:
+    """Share of the material's colour at points of one part, shape (n,): squares for a checker, lines along the grain for wood.
+
+    Args:
+        pattern: name of the pattern; plain and concrete are even.
+        points: in the part's own frame [m], shape (n, 3).
+        normals: there, shape (n, 3); the pattern is seen along the axis that is nearest to them.
+        scale: size of one pattern period [m].
+        extent: size of the part [m], shape (3,); a period is never larger than it still reads on the part.
+    """
+    if pattern not in ("checker", "wood") or not len(points):
+        return np.ones(len(points))
+    period = min(scale, 1.2 * max(float(np.sort(extent)[1]), 1e-4))
+    axis = np.abs(normals).argmax(1)
+    if pattern == "checker":
+        cells = np.floor(2 * points / period + 1e-6).astype(np.int64)
+        cells[np.arange(len(points)), axis] = 0
+        return np.where(cells.sum(1) % 2 == 0, DARK, 1.0)
+    grain = int(np.argmax(extent))
+    across = [k for k in range(3) if k != grain]
+    seen = np.where(axis == across[0], across[1], across[0])
+    phase = GRAIN * points[np.arange(len(points)), seen] / period
+    return np.asarray(0.86 + 0.14 * np.cos(2 * np.pi * phase))

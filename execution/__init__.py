@@ -5,6 +5,7 @@ Knows nothing of what worlds contain. Importing it is cheap: no numpy, no pydant
 
 from __future__ import annotations
 
+from .caps import memory_cap, wall_cap
 from .context import JobContext
 from .executor import Executor, ExecutorLocal
 from .inline import run_inline
@@ -29,6 +30,8 @@ __all__ = [
     "Progress",
     "Standing",
     "machine_memory",
+    "memory_cap",
     "result_of",
     "run_inline",
+    "wall_cap",
 ]

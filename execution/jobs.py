@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..worlds.errors import InputError
+from ..worlds.limits import CAPS
 from .entries import as_json, check_entry
 from .job import Job, JobState
 from .launch import pump, start, warm_up
@@ -33,10 +34,11 @@ class JobStore:
     """
 
     def __init__(self, workspace: Path, *, slots: int | None = None) -> None:
-        """`slots` caps how many jobs of the workspace run at a time; default: the cores of this process."""
+        """`slots` caps how many jobs of the workspace run at a time; default: the cores of this process, at
+        most the cap `running_jobs`; an interactive job may run beside them."""
         if slots is not None and slots < 1:
             raise InputError(f"slots {slots} must be >= 1")
-        self.slots = core_count() if slots is None else slots
+        self.slots = min(core_count(), CAPS["running_jobs"].value) if slots is None else slots
         self._table = JobTable(workspace)
 
     @property
@@ -132,6 +134,11 @@ class JobStore:
         """Jobs in one of these states (default: any), the newest first."""
         self.pump()
         return self._table.read_all(world=world, state=state, limit=limit, offset=offset)
+
+    def latest(self, kind: str, world: str | None, key_start: str) -> Job | None:
+        """The newest job of this kind and world whose key starts so, as it stands."""
+        job = self._table.read_latest(kind, world, key_start)
+        return None if job is None else self._settled(job)
 
     def count(self, world: str | None = None, state: JobState | Sequence[JobState] | None = None) -> int:
         """How many jobs `list` has to give in all."""

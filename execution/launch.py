@@ -13,6 +13,7 @@ import threading
 from pathlib import Path
 
 from ..worlds.errors import EngineError
+from ..worlds.limits import CAPS
 from .job import Job
 from .processes import core_count
 from .queue import claim
@@ -26,7 +27,7 @@ _starting_lock = threading.Lock()
 
 def pump(table: JobTable, *, slots: int | None = None) -> int:
     """Start queued jobs up to `slots` running ones (default: cores); how many were started."""
-    slots = core_count() if slots is None else slots
+    slots = min(core_count(), CAPS["running_jobs"].value) if slots is None else slots
     _reap()
     claimed = claim(table, slots)
     for job_id in claimed:
@@ -48,13 +49,17 @@ def warm_up(workspace: Path, module: str) -> bool:
     """Have a nursery with this module's engines loaded wait for jobs; whether one waits or loads now."""
     if sys.platform != "linux":
         return False
-    from .warm import is_there, start_nursery
+    from .warm import is_on, is_there, keep, start_nursery
 
+    if not is_on():
+        return False
+    if is_there(workspace):
+        keep(workspace, module)
+        return True
     process = start_nursery(workspace, module)
-    if process is not None:
-        with _starting_lock:
-            _starting.append(process)
-    return process is not None or is_there(workspace)
+    with _starting_lock:
+        _starting.append(process)
+    return True
 
 
 def _spawn(table: JobTable, job_id: str, slots: int) -> None:

@@ -41,6 +41,7 @@ IDLE_S = 300.0
 LOOK_S = 10.0
 """How often it looks whether it should end [s]."""
 READ_S = 1.0
+LOCK_TRIES = 5
 REQUEST_BYTES_MAX = 1 << 20
 
 
@@ -145,7 +146,7 @@ class Nursery:
             if reason is None and request["do"] == "start":
                 self._fork(request, line)
             self._idle_since = time.monotonic()
-            line.sendall(json.dumps({"started": reason is None, "reason": reason}).encode())
+            line.sendall(json.dumps({"served": reason is None, "reason": reason}).encode())
 
     def _objection(self, request: dict[str, Any]) -> str | None:
         if request["module"] != self._module:
@@ -193,6 +194,18 @@ def _read(line: socket.socket) -> bytes:
     return data
 
 
+def _is_first(lock: IO[bytes]) -> bool:
+    """Take the lock, unless another nursery has it. Whoever looks whether there is one holds it for a moment, too."""
+    for _ in range(LOCK_TRIES):
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.02)
+        else:
+            return True
+    return False
+
+
 def main(arguments: list[str]) -> None:
     """Detach, take the lock, load, serve."""
     workspace, module = Path(arguments[0]), arguments[1]
@@ -201,10 +214,8 @@ def main(arguments: list[str]) -> None:
     os.setsid()
     call_myself(OWN_NAMES[1])
     lock = (workspace / FOLDER / LOCK).open("ab")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return  # another one was first
+    if not _is_first(lock):
+        return
     (workspace / FOLDER / LOG).open("w").close()
     try:
         nursery = Nursery(workspace, module, lock)

@@ -92,7 +92,8 @@ class JobFile:
     def __init__(self, workspace: Path) -> None:
         self.workspace = workspace.resolve()
         self.path = self.workspace / FOLDER / "jobs.db"
-        (self.path.parent / "logs").mkdir(mode=0o700, parents=True, exist_ok=True)
+        for folder in (self.path.parent, self.path.parent / "logs"):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         with contextlib.closing(sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)) as connection:
             if _version(connection) != VERSION:
                 connection.execute("BEGIN IMMEDIATE")

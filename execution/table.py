@@ -81,6 +81,15 @@ class JobTable(JobFile):
             values = {"world": world, "states": _states(state), "limit": limit, "offset": offset}
             return tuple(job_of(row) for row in connection.execute(statement, values))
 
+    def read_latest(self, kind: str, world: str | None, key_start: str) -> Job | None:
+        """The newest row of this kind and world whose key starts so."""
+        statement = """
+            SELECT * FROM jobs WHERE kind = :kind AND world IS :world AND substr(key, 1, length(:start)) = :start
+            ORDER BY number DESC LIMIT 1"""
+        with self.open() as connection:
+            row = connection.execute(statement, {"kind": kind, "world": world, "start": key_start}).fetchone()
+        return None if row is None else job_of(row)
+
     def count(self, *, world: str | None = None, state: JobState | Sequence[JobState] | None = None) -> int:
         """How many rows `read_all` has to give."""
         with self.open() as connection:

@@ -20,7 +20,7 @@ from .entries import check_module
 from .fingerprint import surroundings
 from .schema import FOLDER
 
-__all__ = ["ENV_WARM", "LOCK", "LOG", "SOCKET", "ask", "is_on", "is_there", "listening_socket", "send", "start_nursery"]
+__all__ = ["ENV_WARM", "LOCK", "LOG", "SOCKET", "ask", "is_on", "is_there", "keep", "listening_socket", "send", "start_nursery"]
 
 ENV_WARM = "WORLDAGENT_WARM"
 """`0` switches warm workers off."""
@@ -46,7 +46,7 @@ def _short_path(workspace: Path) -> Iterator[str]:
 
 
 def listening_socket(workspace: Path) -> socket.socket:
-    """The nursery's end. The folder is open to its owner only, and so is the socket."""
+    """The nursery's end; open to the user of this process only."""
     listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     with _short_path(workspace) as path:
         Path(path).unlink(missing_ok=True)
@@ -74,16 +74,14 @@ def send(workspace: Path, request: dict[str, Any]) -> dict[str, Any] | None:
 
 def ask(workspace: Path, module: str, job_id: str, slots: int) -> bool:
     """Have the nursery fork a worker for a job; False if there is none that is as good as a new process."""
-    request = {
-        "do": "start",
-        "module": module,
-        "job": job_id,
-        "slots": slots,
-        "surroundings": surroundings(),
-        "environment": dict(os.environ),
-    }
-    answer = send(workspace, request)
-    return answer is not None and answer.get("started") is True
+    request = {"do": "start", "module": module, "job": job_id, "slots": slots, "environment": dict(os.environ)}
+    answer = send(workspace, {**request, "surroundings": surroundings()})
+    return answer is not None and answer["served"] is True
+
+
+def keep(workspace: Path, module: str) -> None:
+    """Tell the nursery that jobs may follow: its idle time starts anew."""
+    send(workspace, {"do": "keep", "module": module, "surroundings": surroundings()})
 
 
 def is_there(workspace: Path) -> bool:
@@ -96,11 +94,9 @@ def is_there(workspace: Path) -> bool:
     return False
 
 
-def start_nursery(workspace: Path, module: str) -> subprocess.Popen[bytes] | None:
-    """Start one unless there is one; the process that forks it and ends at once."""
+def start_nursery(workspace: Path, module: str) -> subprocess.Popen[bytes]:
+    """Start one; the process that forks it and ends at once. Of several that start only one stays."""
     check_module(module)
-    if not is_on() or is_there(workspace):
-        return None
     command = [sys.executable, "-P", "-m", f"{__package__}.nursery", str(workspace), module]
     with (workspace / FOLDER / LOG).open("ab") as log:
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd=workspace, start_new_session=True)

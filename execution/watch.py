@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar
 
 from ..worlds.errors import EngineError, LimitError
+from .caps import ENV_MEMORY, ENV_WALL
 from .context import Board
 from .estimate import Estimate
 from .job import Job, JobState, Progress, Usage
@@ -62,7 +63,8 @@ class Watch:
         self._table, self._job, self._board, self._pipe, self._task = table, job, board, pipe, task
         self._worker = os.getpid()
         self._output = b""
-        self._started = self._written = self._reached = time.monotonic()
+        self._started = self._reached = time.monotonic()
+        self._written = self._started - HEARTBEAT_S
         self._progress: Progress | None = None
         self._estimate = Estimate()
         self._meter = Meter(self._worker, task)
@@ -165,7 +167,10 @@ class Watch:
                 self._stop(Ending("cancelled"), since=now - min(max(time.time() - asked, 0.0), TICK_S))
         cap = self._job.wall_s
         if cap is not None and now - self._started > cap:
-            text = f"the job ran {now - self._started:.1f} s, its cap is wall_s = {cap:g} s; raise it or ask for less"
+            text = (
+                f"the job ran {now - self._started:.1f} s, its cap is wall_s = {cap:g} s. Knob: {ENV_WALL}_{self._job.kind.upper()} "
+                "in the server's environment, or ask for less"
+            )
             self._stop(failed(LimitError, text), since=now)
         self._look_at_memory(now)
         if self._told:
@@ -179,7 +184,7 @@ class Watch:
         if cap is not None and held is not None and held > cap:
             text = (
                 f"the job held {held / 1e9:.2f} GB of memory, its cap is memory_bytes = {cap / 1e9:.2f} GB; it was ended "
-                "before the machine ran out. Raise the cap or ask for less"
+                f"before the machine ran out. Knob: {ENV_MEMORY} in the server's environment, or ask for less"
             )
             self._stop(failed(LimitError, text), since=now - KILL_S)  # a moment later there may be nothing left to save
 

@@ -19,6 +19,7 @@ __all__ = ["BENCHMARKS", "default_workspace", "leave", "main"]
 
 BENCHMARKS: dict[str, str] = {
     "startup": "worldagent.bench.startup:run",
+    "job-start": "worldagent.bench.job_start:run",
     "edit-latency": "worldagent.bench.edit_latency:run",
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
     "clearance": "worldagent.bench.clearance:run",

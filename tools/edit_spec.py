@@ -67,11 +67,13 @@ def edit_spec(
         return _create(context, world, prompt, spec or {})
     if spec is not None:
         raise InputError("spec is only for creating a world, together with prompt; use patch to edit")
+    from .job_kinds import ENTRIES
     from .session import Session
 
     if on_hand_edit != "refuse":
         return _hand_edit(context, world, on_hand_edit, hypothesis, weakening_reason)
     session = Session.open(context.workspace, world)
+    context.jobs.warm_up(ENTRIES)
     if expected_revision is not None and expected_revision != session.revision:
         raise RefusedError(
             f"world {world!r} is at revision {session.revision}, not {expected_revision}; read it again before editing"

@@ -16,6 +16,32 @@ from .session import Session
 
 __all__ = ["accept", "bake", "check", "final", "probe"]
 
+WARM = (
+    "cv2",
+    "fcl",
+    "mujoco",
+    "scipy.interpolate",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "scipy.sparse.csgraph",
+    "scipy.spatial.transform",
+    "scipy.stats",
+    "warp",
+    "worldagent.construction",
+    "worldagent.geometry.batch",
+    "worldagent.rendering",
+    "worldagent.simulation.bake",
+    "worldagent.simulation.probe",
+    "worldagent.simulation.rigid.solver",
+    "worldagent.tools",
+    "worldagent.tools.measurements",
+    "worldagent.verifiers.acceptance",
+    "worldagent.verifiers.checks",
+    "worldagent.verifiers.phases",
+    "worldagent.worlds.candidate",
+)
+"""What a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
+no Mitsuba (Dr.Jit starts a thread)."""
 SHEET_FRAMES = 9
 
 

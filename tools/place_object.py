@@ -48,10 +48,12 @@ def place_object(
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
     from .answers import call, rows_answer
+    from .job_kinds import ENTRIES
     from .rows import summary
     from .session import Session
 
     session = Session.open(context.workspace, world)
+    context.jobs.warm_up(ENTRIES)
     session.require_audit("place_object")
     outcome: dict[str, Any] = {}
     if entity is None and (on is not None or at is not None or yaw_deg is not None):

@@ -10,7 +10,7 @@ HERE = Path(__file__).parent
 
 @pytest.fixture(autouse=True)
 def _entries(monkeypatch):
-    monkeypatch.setenv("WORLDAGENT_TEST_ENTRIES", "execution_entries")
+    monkeypatch.setenv("WORLDAGENT_TEST_ENTRIES", "execution_entries,engine_entries")
     path = os.environ.get("PYTHONPATH")
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(HERE), *([path] if path else [])]))
     monkeypatch.syspath_prepend(str(HERE))

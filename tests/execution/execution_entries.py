@@ -110,3 +110,47 @@ def crash(item):
 
 def reflect(item):
     return item
+
+
+WARM = ("fractions",)
+"""What a nursery of these entries has loaded."""
+
+
+def surroundings(payload, context):
+    """What an entry can see of the process it runs in."""
+    import sys
+
+    return {
+        "nursery": sys.modules["__main__"].__spec__.name == "worldagent.execution.nursery",
+        "device": os.environ.get("WORLDAGENT_DEVICE"),
+        "cwd": str(Path.cwd()),
+        "open": sorted(entry.name for entry in Path("/proc/self/fd").iterdir()),
+        "threads": len(list(Path("/proc/self/task").iterdir())),
+    }
+
+
+def leaves_children(payload, context):
+    """A child that ignores SIGTERM, a grandchild in a session of its own, both in native loops."""
+    import subprocess
+    import sys
+
+    loop = "import signal, os, sys; signal.signal(signal.SIGTERM, signal.SIG_IGN); open(sys.argv[1], 'w').write(str(os.getpid())); sum(range(10**13))"
+    with_child = (
+        f"import subprocess, sys; subprocess.Popen([sys.executable, '-c', {loop!r}, sys.argv[2]], start_new_session=True); {loop}"
+    )
+    subprocess.Popen([sys.executable, "-c", with_child, payload["child"], payload["grandchild"]])
+    _wait_for(payload["child"])
+    _wait_for(payload["grandchild"])
+    context.progress(1)
+    if payload.get("returns"):
+        return {}
+    return {"sum": sum(range(10**13))}
+
+
+def chatty(payload, context):
+    """Print more than a log may hold."""
+    line = "x" * 999 + "\n"
+    for k in range(payload["lines"]):
+        os.write(1, f"{k} {line}".encode())
+    os.write(1, b"the last word\n")
+    return {}

@@ -3,10 +3,11 @@
 import os
 import signal
 import sqlite3
+import time
 from contextlib import closing
 
 import pytest
-from worldagent.execution import Cancelled, result_of
+from worldagent.execution import Cancelled, machine_memory, memory_cap, result_of, wall_cap
 from worldagent.execution.processes import is_alive, start_time
 from worldagent.execution.table import JobTable
 from worldagent.worlds.errors import EngineError, InputError, LimitError
@@ -41,6 +42,40 @@ def test_cancel_ends_native_code_within_two_seconds(store, until, deaf):
     assert ended.state == "cancelled"
     assert ended.finished - ended.cancel_requested < 2.0
     assert not is_alive(job.task_pid, job.task_started)
+
+
+def _children(tmp_path):
+    return {name: str(tmp_path / name) for name in ("child", "grandchild")}
+
+
+def _pids(tmp_path):
+    return [int((tmp_path / name).read_text()) for name in ("child", "grandchild")]
+
+
+def test_cancel_ends_children_that_ignore_sigterm_and_grandchildren_in_their_own_session(store, until, tmp_path):
+    job = _running(store, until, "leaves_children", _children(tmp_path), at=1)
+    pids = _pids(tmp_path)
+    assert all(start_time(pid) for pid in pids)
+    assert os.getsid(pids[1]) == pids[1]
+    store.request_cancel(job.id)
+    ended = store.wait(job.id, 10)
+    assert ended.state == "cancelled"
+    assert ended.finished - ended.cancel_requested < 2.0
+    assert [start_time(pid) for pid in pids] == [None, None]
+
+
+def test_a_job_that_ends_leaves_no_process_behind(store, tmp_path):
+    job = store.submit("task", None, {**_children(tmp_path), "returns": True}, entry=E + "leaves_children")
+    assert store.wait(job.id, 20).state == "done"
+    assert [start_time(pid) for pid in _pids(tmp_path)] == [None, None]
+
+
+def test_a_killed_worker_leaves_no_process_of_its_task_behind(store, until, tmp_path):
+    job = _running(store, until, "leaves_children", _children(tmp_path), at=1)
+    os.kill(job.pid, signal.SIGKILL)
+    until(lambda: start_time(job.pid) is None)
+    assert store.get(job.id).state == "lost"
+    until(lambda: [start_time(pid) for pid in _pids(tmp_path)] == [None, None])
 
 
 def test_a_queued_job_is_cancelled_at_once_and_an_ended_one_stays(store, tmp_path):
@@ -139,7 +174,7 @@ def test_only_one_of_two_ends_counts(store, until):
 def test_the_wall_time_cap_ends_a_job_and_names_the_cap(store):
     job = store.wait(store.submit("n", None, {}, entry=E + "native_loop", wall_s=0.5).id, 15)
     assert job.state == "failed"
-    with pytest.raises(LimitError, match=r"wall_s = 0\.5 s"):
+    with pytest.raises(LimitError, match=r"wall_s = 0\.5 s\. Knob: WORLDAGENT_JOB_WALL_S_N "):
         result_of(job)
 
 
@@ -149,7 +184,34 @@ def test_the_memory_cap_ends_a_job_and_names_cap_and_peak(store):
     assert ended.state == "failed"
     with pytest.raises(LimitError, match=r"held 0\.\d\d GB of memory, its cap is memory_bytes = 0\.13 GB"):
         result_of(ended)
+    assert "WORLDAGENT_JOB_MEMORY_GB" in ended.error["message"]
     assert ended.peak_bytes > 2**27
+
+
+def test_what_a_job_used_is_recorded(store, until):
+    start = time.monotonic()
+    job = _running(store, until, "native_loop", {}, at=2)
+    seen = until(lambda: (row := store.get(job.id)).peak_bytes and row)
+    assert seen.peak_bytes > 2**20
+    until(lambda: time.monotonic() - start > 0.3)
+    store.request_cancel(job.id)
+    ended = store.wait(job.id, 10)
+    assert 0.1 < ended.cpu_s < 60
+    assert ended.peak_bytes >= seen.peak_bytes
+
+
+def test_caps_come_from_the_environment(monkeypatch):
+    assert memory_cap() == int(0.85 * machine_memory()) == memory_cap(2**60)
+    assert memory_cap(2**30) == 2**30
+    assert wall_cap("bake", 7.0) == 7.0
+    monkeypatch.setenv("WORLDAGENT_JOB_MEMORY_GB", "2.5")
+    monkeypatch.setenv("WORLDAGENT_JOB_WALL_S", "60")
+    monkeypatch.setenv("WORLDAGENT_JOB_WALL_S_BAKE", "120")
+    assert memory_cap() == 2_500_000_000
+    assert (wall_cap("bake", 7.0), wall_cap("probe", 7.0)) == (120, 60)
+    monkeypatch.setenv("WORLDAGENT_JOB_MEMORY_GB", "much")
+    with pytest.raises(InputError, match="'much'"):
+        memory_cap()
 
 
 def test_the_file_of_another_layout_is_refused(store):

@@ -247,9 +247,11 @@ def test_arguments_out_of_range_are_named(store, change):
 
 
 def test_ids_that_are_none_are_refused(store):
+    known = store.submit("echo", None, {}, entry=E + "echo")
     for job_id in ("job_000000000000", "../jobs", ""):
-        with pytest.raises(InputError, match="no job"):
+        with pytest.raises(InputError, match=rf"no job .*; the newest are {known.id} \(echo"):
             store.get(job_id)
+    assert store.wait(known.id, 15).state == "done"
 
 
 def test_a_large_payload_is_refused_with_cap_and_size(store):

@@ -1,0 +1,140 @@
+"""What stays on disk: rows of older layouts, old jobs, logs."""
+
+import sqlite3
+import time
+from contextlib import closing
+
+import pytest
+from worldagent.execution import JobStore, pruning, result_of
+from worldagent.execution.logs import KEPT_HEAD, KEPT_TAIL, LOG_BYTES_MAX, trim_log
+from worldagent.execution.schema import _COLUMNS_OF_2, VERSION, JobFile
+from worldagent.execution.table import JobTable
+
+E = "execution_entries:"
+
+
+def _older_layout(path):
+    """The file as the version before wrote it: layout 1."""
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("DROP INDEX jobs_served")
+        connection.execute("DROP INDEX jobs_ended")
+        for column in _COLUMNS_OF_2:
+            connection.execute(f"ALTER TABLE jobs DROP COLUMN {column.split()[0]}")
+        connection.execute("PRAGMA user_version = 1")
+
+
+def test_rows_of_the_layout_before_stay_and_go_on(tmp_path):
+    store = JobStore(tmp_path, slots=1)
+    gate = {"gate": str(tmp_path / "gate")}
+    (tmp_path / "gate").touch()
+    done = store.wait(store.submit("g", "w", gate, entry=E + "gated", key="k").id, 15)
+    waiting = JobTable(tmp_path)
+    _older_layout(waiting.path)
+    with closing(sqlite3.connect(waiting.path)) as connection, connection:
+        connection.execute(
+            "INSERT INTO jobs (id, kind, world, entry, payload, state, exclusive, priority, created, log)"
+            " VALUES ('job_0123456789ab', 'echo', 'w', ?, '{}', 'queued', 0, 0, ?, '.worldagent/logs/job_0123456789ab.log')",
+            (E + "echo", time.time()),
+        )
+    again = JobStore(tmp_path, slots=1)
+    with closing(sqlite3.connect(waiting.path)) as connection:
+        assert connection.execute("PRAGMA user_version").fetchone() == (VERSION,)
+    found = again.get(done.id)
+    assert (found.state, found.result, found.peak_bytes, found.warm) == ("done", {"through": True}, None, False)
+    assert again.submit("g", "w", gate, entry=E + "gated", key="k").id == done.id
+    ended = again.wait("job_0123456789ab", 15)
+    assert result_of(ended)["job"] == "job_0123456789ab"
+    assert ended.cpu_s is not None
+
+
+def _ended(file, number, *, days, world="w", kind="bake", state="done"):
+    job_id = f"job_{number:012x}"
+    log = f".worldagent/logs/{job_id}.log"
+    (file.workspace / log).touch()
+    finished = time.time() - days * 86400.0
+    with file.open() as connection:
+        connection.execute(
+            "INSERT INTO jobs (number, id, kind, world, entry, payload, state, exclusive, priority, created, finished, log)"
+            " VALUES (?, ?, ?, ?, 'x:f', '{}', ?, 1, 0, 0, ?, ?)",
+            (number, job_id, kind, world, state, finished, log),
+        )
+    return job_id
+
+
+@pytest.fixture
+def small(monkeypatch):
+    monkeypatch.setattr(pruning, "KEPT_MAX", 6)
+    monkeypatch.setattr(pruning, "KEPT_MIN", 3)
+    monkeypatch.setattr(pruning, "EVERY", 1)
+
+
+def _left(file):
+    with file.open() as connection:
+        return [row["id"] for row in connection.execute("SELECT id FROM jobs ORDER BY number")]
+
+
+def test_old_jobs_go_with_their_logs_and_the_newest_stay(tmp_path, small):
+    file = JobFile(tmp_path)
+    ids = [_ended(file, k, days=90 - k, state="failed") for k in range(1, 11)]
+    assert pruning.prune(file) == 7
+    assert _left(file) == ids[-3:]
+    assert sorted(p.stem for p in (tmp_path / ".worldagent" / "logs").iterdir()) == ids[-3:]
+
+
+def test_beyond_the_count_jobs_go_before_their_age_unless_they_just_ended(tmp_path, small):
+    file = JobFile(tmp_path)
+    ids = [_ended(file, k, days=1.0, state="cancelled") for k in range(1, 9)] + [_ended(file, 9, days=0.0, state="failed")]
+    fresh = [_ended(file, k, days=0.001, state="failed") for k in range(10, 18)]
+    assert pruning.prune(file) == 8
+    assert _left(file) == [ids[-1], *fresh]
+
+
+def test_the_newest_done_job_of_each_kind_and_world_and_unended_ones_stay(tmp_path, small):
+    file = JobFile(tmp_path)
+    kept = [
+        _ended(file, 1, days=900, kind="bake"),
+        _ended(file, 2, days=900, kind="probe"),
+        _ended(file, 3, days=900, world="v"),
+        _ended(file, 4, days=900, state="queued", kind="final"),
+        _ended(file, 5, days=900, state="running", kind="final"),
+    ]
+    gone = _ended(file, 6, days=900, state="lost")
+    new = [_ended(file, k, days=0, state="failed", kind="check") for k in range(7, 11)]
+    pruning.prune(file)
+    assert _left(file) == [*kept, *new]
+    assert gone not in _left(file)
+
+
+def test_a_clock_that_jumps_ahead_empties_nothing(tmp_path, small):
+    file = JobFile(tmp_path)
+    ids = [_ended(file, k, days=0, state="failed") for k in range(1, 4)]
+    assert pruning.prune(file, now=time.time() + 1e9) == 0
+    assert _left(file) == ids
+
+
+def test_a_log_that_grew_too_large_keeps_its_beginning_and_end(store):
+    lines = LOG_BYTES_MAX // 1000 + 2000
+    job = store.wait(store.submit("chat", None, {"lines": lines}, entry=E + "chatty").id, 30)
+    assert job.state == "done"
+    log = store.log_path(job)
+    assert log.stat().st_size <= LOG_BYTES_MAX
+    text = log.read_text()
+    assert text.startswith("0 xxx")
+    assert "bytes cut" in text
+    assert text.endswith("the last word\n")
+
+
+def test_a_small_log_is_left_alone_and_a_large_one_goes_on_behind_its_end(tmp_path):
+    log = tmp_path / "log"
+    log.write_bytes(b"short")
+    assert not trim_log(log)
+    assert not trim_log(tmp_path / "none")
+    with log.open("ab") as writer:
+        writer.write(b"y" * (LOG_BYTES_MAX + 1))
+        writer.flush()
+        assert trim_log(log)
+        size = log.stat().st_size
+        assert KEPT_HEAD + KEPT_TAIL < size < KEPT_HEAD + KEPT_TAIL + 200
+        writer.write(b"more")
+        writer.flush()
+        assert log.stat().st_size == size + 4

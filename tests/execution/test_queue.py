@@ -1,0 +1,148 @@
+"""Whose turn it is: priorities, turns between worlds, caps of the queue, what a queued job waits for."""
+
+import sqlite3
+from contextlib import closing
+
+import pytest
+from worldagent.execution import BULK, INTERACTIVE, NORMAL, JobStore, queue
+from worldagent.execution.queue import AGE_S, claim, insert
+from worldagent.execution.table import JobTable
+from worldagent.worlds.errors import LimitError
+from worldagent.worlds.limits import CAPS, Cap
+
+
+@pytest.fixture
+def table(tmp_path):
+    return JobTable(tmp_path)
+
+
+def add(table, world, *, priority=NORMAL, exclusive=True, kind="task"):
+    return insert(
+        table,
+        key=None,
+        kind=kind,
+        world=world,
+        entry="worldagent.x:f",
+        payload="{}",
+        exclusive=exclusive,
+        priority=priority,
+        warm=False,
+        wall_s=None,
+        memory_bytes=None,
+    )
+
+
+def served(table, slots=1):
+    """Worlds in the order in which their jobs are claimed, each ended before the next claim."""
+    order = []
+    while claimed := claim(table, slots):
+        for job_id in claimed:
+            order.append(table.read(job_id).world)
+            assert table.finish(job_id, None, "done", result="{}")
+    return order
+
+
+def test_worlds_take_turns_however_many_jobs_one_of_them_has(table):
+    for _ in range(5):
+        add(table, "flood")
+    first, second = add(table, "calm"), add(table, "other")
+    order = served(table)
+    assert set(order[:3]) == {"flood", "calm", "other"}
+    assert order[3:] == ["flood"] * 4
+    assert table.read(first).state == table.read(second).state == "done"
+
+
+def test_a_world_with_fewer_running_jobs_goes_first(table):
+    for _ in range(3):
+        add(table, "flood", exclusive=False)
+    add(table, "calm", exclusive=False)
+    claimed = [table.read(job_id).world for job_id in claim(table, 2)]
+    assert claimed == ["flood", "calm"]
+
+
+def test_priority_comes_before_turns(table):
+    add(table, "calm", priority=BULK)
+    add(table, "flood", priority=NORMAL)
+    add(table, "flood", priority=NORMAL)
+    assert served(table) == ["flood", "flood", "calm"]
+
+
+def test_a_world_that_waits_unserved_passes_urgent_work_of_others(table):
+    """Own choice: nothing starves, whatever the others' priority."""
+    bake = add(table, "calm", priority=BULK)
+    with closing(sqlite3.connect(table.path)) as connection, connection:
+        connection.execute("UPDATE jobs SET created = created - ?", (AGE_S * (NORMAL + 1),))
+    add(table, "flood", priority=NORMAL)
+    assert claim(table, 1) == (bake,)
+
+
+def test_a_clock_that_fell_ages_nobody(table):
+    add(table, "calm", priority=BULK)
+    with closing(sqlite3.connect(table.path)) as connection, connection:
+        connection.execute("UPDATE jobs SET created = created + 1e6")
+    urgent = add(table, "flood", priority=NORMAL)
+    assert claim(table, 1) == (urgent,)
+
+
+def test_interactive_work_runs_beside_full_slots_but_only_one_more(table):
+    add(table, "a", priority=BULK)
+    assert len(claim(table, 1)) == 1
+    add(table, "b", priority=BULK)
+    looks = [add(table, world, priority=INTERACTIVE) for world in ("c", "d")]
+    assert claim(table, 1) == (looks[0],)
+    assert claim(table, 1) == ()
+
+
+def test_the_queue_of_a_world_and_of_a_workspace_is_capped(table, monkeypatch):
+    monkeypatch.setitem(CAPS, "queued_jobs_per_world", Cap("queued_jobs_per_world", 2, "jobs", "-"))
+    monkeypatch.setitem(CAPS, "queued_jobs", Cap("queued_jobs", 3, "jobs", "-"))
+    newest = [add(table, "w") for _ in range(2)][-1]
+    with pytest.raises(LimitError, match=rf"queued_jobs_per_world: 2 jobs of world 'w' wait already, the cap is 2.*{newest}"):
+        add(table, "w")
+    add(table, "v")
+    with pytest.raises(LimitError, match=r"queued_jobs: 3 jobs of this workspace wait already, the cap is 3\."):
+        add(table, "u")
+    assert len(table.read_all(state="queued")) == 3
+
+
+def test_a_client_of_a_full_world_leaves_room_for_others_and_can_still_join(tmp_path, monkeypatch):
+    monkeypatch.setitem(CAPS, "queued_jobs_per_world", Cap("queued_jobs_per_world", 1, "jobs", "-"))
+    store = JobStore(tmp_path, slots=1)
+    options = {"entry": "execution_entries:gated", "exclusive": True}
+    gate = {"gate": str(tmp_path / "gate")}
+    running, queued = (store.submit("g", "w", gate, key=key, **options) for key in "ab")
+    assert store.submit("g", "w", gate, key="b", **options).id == queued.id
+    with pytest.raises(LimitError, match="Nothing was queued"):
+        store.submit("g", "w", gate, key="c", **options)
+    other = store.submit("g", "v", gate, **options)
+    assert other.state == "queued"
+    (tmp_path / "gate").touch()
+    for job in (running, queued, other):
+        assert store.wait(job.id, 20).state == "done"
+
+
+def test_a_queued_job_tells_what_it_waits_for(tmp_path):
+    store = JobStore(tmp_path, slots=1)
+    gate = {"gate": str(tmp_path / "gate")}
+    options = {"entry": "execution_entries:gated", "exclusive": True}
+    running = store.submit("bake", "w", gate, **options)
+    same, other = store.submit("check", "w", gate, **options), store.submit("check", "v", gate, **options)
+    assert store.standing(running) is None
+    assert store.standing(same).waits_for == f"world busy with bake {running.id}"
+    standing = store.standing(other)
+    assert standing.waits_for == f"1 running: bake {running.id} of 'w'"
+    assert standing.ahead == 0  # the world that is not served yet comes first
+    assert store.standing(same).ahead == 1
+    (tmp_path / "gate").touch()
+    for job in (running, same, other):
+        assert store.wait(job.id, 20).state == "done"
+
+
+def test_the_order_is_found_by_indexes(table):
+    """A workspace remembers a thousand jobs: a look at all of them for every queued one would hold the file for seconds."""
+    with table.open() as connection:
+        plan = connection.execute(f"EXPLAIN QUERY PLAN {queue._QUEUED}", {"now": 0, "age_s": AGE_S}).fetchall()
+    steps = [str(row["detail"]) for row in plan]
+    assert not [step for step in steps if step.startswith("SCAN")]
+    assert any("jobs_served" in step for step in steps)
+    assert any("jobs_ended" in step for step in steps)

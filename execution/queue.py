@@ -13,13 +13,15 @@ import time
 from typing import Any, NamedTuple
 
 from ..worlds.errors import LimitError
-from ..worlds.limits import CAPS
 from .job import INTERACTIVE, Job
 from .processes import host_id
 from .schema import FOLDER, JobFile, job_of
 
-__all__ = ["Standing", "claim", "insert", "standing"]
+__all__ = ["QUEUED_PER_WORKSPACE", "QUEUED_PER_WORLD", "Standing", "claim", "insert", "standing"]
 
+QUEUED_PER_WORLD = 16
+"""Jobs of one world that may wait. Own choice: an agent has one or two; more is a loop gone wrong."""
+QUEUED_PER_WORKSPACE = 128
 AGE_S = 30.0
 """A job of a world that waits unserved gains one level of priority in so long [s]: after ten minutes a bake passes even
 fresh interactive work of other worlds."""
@@ -110,11 +112,10 @@ def insert(
 def _check_room(connection: sqlite3.Connection, world: str | None) -> None:
     rows = connection.execute("SELECT id, world FROM jobs WHERE state = 'queued' ORDER BY number DESC").fetchall()
     same = [row for row in rows if row["world"] == world]
-    for name, of, found in (
-        ("queued_jobs_per_world", "without a world" if world is None else f"of world {world!r}", same),
-        ("queued_jobs", "of this workspace", rows),
+    for name, of, found, cap in (
+        ("queued_jobs_per_world", "without a world" if world is None else f"of world {world!r}", same, QUEUED_PER_WORLD),
+        ("queued_jobs", "of this workspace", rows, QUEUED_PER_WORKSPACE),
     ):
-        cap = CAPS[name].value
         if len(found) >= cap:
             newest = ", ".join(row["id"] for row in found[:3])
             raise LimitError(

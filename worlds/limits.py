@@ -78,8 +78,6 @@ CAPS: dict[str, Cap] = _caps(
     Cap("job_seconds", 172_800, "s", "fewer bodies, frames or samples, or a larger step"),
     Cap("job_memory_bytes", 64_000_000_000, "bytes", "fewer bodies, triangles or pixels"),
     Cap("running_jobs", 16, "jobs", "wait for running jobs or cancel some with the job tool"),
-    Cap("queued_jobs_per_world", 16, "jobs", "wait for queued jobs of the world or cancel some with the job tool"),
-    Cap("queued_jobs", 128, "jobs", "wait for queued jobs of the workspace or cancel some with the job tool"),
     Cap("workspace_bytes", 100_000_000_000, "bytes", "delete old candidates or worlds from the workspace folder"),
 )
 """All caps by name."""

@@ -8,7 +8,6 @@ from worldagent.execution import BULK, INTERACTIVE, NORMAL, JobStore, queue
 from worldagent.execution.queue import AGE_S, claim, insert
 from worldagent.execution.table import JobTable
 from worldagent.worlds.errors import LimitError
-from worldagent.worlds.limits import CAPS, Cap
 
 
 @pytest.fixture
@@ -94,8 +93,8 @@ def test_interactive_work_runs_beside_full_slots_but_only_one_more(table):
 
 
 def test_the_queue_of_a_world_and_of_a_workspace_is_capped(table, monkeypatch):
-    monkeypatch.setitem(CAPS, "queued_jobs_per_world", Cap("queued_jobs_per_world", 2, "jobs", "-"))
-    monkeypatch.setitem(CAPS, "queued_jobs", Cap("queued_jobs", 3, "jobs", "-"))
+    monkeypatch.setattr(queue, "QUEUED_PER_WORLD", 2)
+    monkeypatch.setattr(queue, "QUEUED_PER_WORKSPACE", 3)
     newest = [add(table, "w") for _ in range(2)][-1]
     with pytest.raises(LimitError, match=rf"queued_jobs_per_world: 2 jobs of world 'w' wait already, the cap is 2.*{newest}"):
         add(table, "w")
@@ -106,7 +105,7 @@ def test_the_queue_of_a_world_and_of_a_workspace_is_capped(table, monkeypatch):
 
 
 def test_a_client_of_a_full_world_leaves_room_for_others_and_can_still_join(tmp_path, monkeypatch):
-    monkeypatch.setitem(CAPS, "queued_jobs_per_world", Cap("queued_jobs_per_world", 1, "jobs", "-"))
+    monkeypatch.setattr(queue, "QUEUED_PER_WORLD", 1)
     store = JobStore(tmp_path, slots=1)
     options = {"entry": "execution_entries:gated", "exclusive": True}
     gate = {"gate": str(tmp_path / "gate")}

@@ -133,7 +133,8 @@ def test_a_job_carries_its_caps_of_time_and_memory(client: tuple[Client, Path], 
     job_id = json.loads(started.content[0].text)["job_id"]
     store = JobStore(workspace)
     job = store.get(job_id)
-    assert (job.wall_s, job.memory_bytes) == (CAPS["job_seconds"].value, CAPS["job_memory_bytes"].value)
+    assert 0 < job.wall_s <= CAPS["job_seconds"].value
+    assert 0 < job.memory_bytes <= CAPS["job_memory_bytes"].value
     portal.call(connected.call_tool, "job", {"action": "cancel", "job_id": job_id})
     assert store.wait(job_id, 5).ended
 

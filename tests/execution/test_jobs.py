@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from worldagent.execution import Cancelled, JobStore, result_of, run_inline
 from worldagent.worlds.errors import EngineError, InputError, LimitError, RefusedError, SpecError
+from worldagent.worlds.limits import CAPS
 
 E = "execution_entries:"
 
@@ -155,6 +156,13 @@ def test_no_more_jobs_run_than_there_are_slots_and_priority_goes_first(tmp_path)
     first, low, high = (store.wait(job.id, 15) for job in (first, low, high))
     assert first.finished <= high.started
     assert high.finished <= low.started
+
+
+def test_many_cores_do_not_mean_as_many_jobs(tmp_path, monkeypatch):
+    monkeypatch.setattr("worldagent.execution.jobs.core_count", lambda: 3)
+    assert JobStore(tmp_path).slots == 3
+    monkeypatch.setattr("worldagent.execution.jobs.core_count", lambda: 128)
+    assert JobStore(tmp_path).slots == CAPS["running_jobs"].value == 16
 
 
 def test_a_worker_that_ends_starts_the_next_job_without_any_server(tmp_path, until):

@@ -48,6 +48,7 @@ ELSEWHERE = {
     "bundle_members": "tests/server/test_access_caps.py::test_a_bundle_of_too_many_members_is_neither_written_nor_opened",
     "world_files": "tests/worlds/test_foreign.py::test_a_folder_of_very_many_files_is_refused",
     "queued_jobs": "tests/server/test_access_caps.py::test_jobs_that_wait_are_counted",
+    "running_jobs": "tests/execution/test_jobs.py::test_many_cores_do_not_mean_as_many_jobs",
     "queued_jobs_per_world": "tests/server/test_access_caps.py::test_jobs_that_wait_are_counted",
     "message_bytes": "tests/hostile/test_messages.py::test_http_survives_a_thousand_malformed_messages",
     "resource_bytes": "tests/server/test_access_caps.py::test_a_large_file_is_not_sent",

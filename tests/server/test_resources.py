@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from mcp import Client, MCPError
 from mcp.types import PromptReference, ResourceTemplateReference
+from worldagent.execution import JobStore
 from worldagent.server.app import create_server
 from worldagent.server.skill_files import skill_files, skill_names
 from worldagent.worlds.ledger import Ledger
@@ -237,3 +238,56 @@ async def test_worlds_skills_and_pictures_are_completed(workspace: Path, era: st
     assert skills.completion.values == skill_names()
     assert pictures.completion.values == ["sheet.jpg"]
     assert escaped.completion.values == []
+
+
+async def test_jobs_can_be_read_and_reading_makes_none(workspace: Path, era: str) -> None:
+    async with Client(create_server(workspace, tools=[]), mode=era) as client:
+        assert json.loads((await read(client, "worldagent://jobs")).text) == {"jobs": []}
+        with pytest.raises(MCPError, match="has had none"):
+            await read(client, "worldagent://jobs/job_000000000000")
+        assert not (workspace / ".worldagent").exists()
+        job = JobStore(workspace).submit(
+            "bake", "tiny", {"seconds": 0, "label": "x"}, entry="worldagent.server.conformance.jobs:sleep"
+        )
+        JobStore(workspace).wait(job.id, 30)
+        found = json.loads((await read(client, f"worldagent://jobs/{job.id}")).text)
+        listed = json.loads((await read(client, "worldagent://jobs")).text)["jobs"]
+        of_world = json.loads((await read(client, "worldagent://worlds/tiny/jobs")).text)["jobs"]
+        of_other = json.loads((await read(client, "worldagent://worlds/other/jobs")).text)["jobs"]
+        with pytest.raises(MCPError, match="no job"):
+            await read(client, "worldagent://jobs/job_000000000000")
+    assert (found["state"], found["result"]) == ("done", {"label": "x", "seconds": 0.0})
+    assert [entry["job_id"] for entry in listed] == [entry["job_id"] for entry in of_world] == [job.id]
+    assert of_other == []
+
+
+async def test_an_entity_can_be_read(workspace: Path, era: str) -> None:
+    (workspace / "other" / "world.json").write_text(json.dumps(SPEC | {"entities": {"ball_1": {"role": "ball"}, "floor": {}}}))
+    async with Client(create_server(workspace, tools=[]), mode=era) as client:
+        found = json.loads((await read(client, "worldagent://worlds/other/entities/ball_1")).text)
+        with pytest.raises(MCPError, match="ball_1"):
+            await read(client, "worldagent://worlds/other/entities/ball_2")
+    assert found == {"world": "other", "entity": "ball_1", "contract": {"role": "ball"}}
+
+
+async def test_entities_jobs_and_files_of_skills_are_completed(workspace: Path, era: str) -> None:
+    (workspace / "other" / "world.json").write_text(json.dumps(SPEC | {"entities": {"ball_1": {}, "ball_2": {}, "floor": {}}}))
+    store = JobStore(workspace)
+    ids = [store.submit("bake", world, {"seconds": 0, "label": "x"}, entry="worldagent.server.conformance.jobs:sleep").id
+           for world in ("tiny", "other")]  # fmt: skip
+    async with Client(create_server(workspace, tools=[], store=store), mode=era) as client:
+
+        async def values(uri: str, argument: str, value: str, **given: str) -> list[str]:
+            reference = ResourceTemplateReference(type="ref/resource", uri=uri)
+            found = await client.complete(reference, {"name": argument, "value": value}, context_arguments=given)
+            return found.completion.values
+
+        entity = "worldagent://worlds/{world}/entities/{entity}"
+        assert await values(entity, "entity", "ball", world="other") == ["ball_1", "ball_2"]
+        assert await values(entity, "entity", "_2", world="other") == ["ball_2"], "what contains it, where nothing begins so"
+        assert await values(entity, "entity", "", world="../other") == []
+        assert await values("worldagent://jobs/{job_id}", "job_id", "job_") == ids[::-1]
+        assert await values("skill://{name}/{+path}", "path", "SK", name="repair") == ["SKILL.md"]
+        assert await values("skill://{name}/{+path}", "path", "", name="../server") == []
+        assert await values("worldagent://worlds/{world}/acceptance/{name}", "name", "", world="tiny") != []
+        assert await values("worldagent://worlds/{world}/pictures/{name}", "other", "") == []

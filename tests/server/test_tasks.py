@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 import anyio
 import pytest
-from mcp import Client, MCPError
+from mcp import Client, MCPError, StdioServerParameters
 from mcp.client.extension import ClaimContext, ClientExtension, ResultClaim
 from mcp.types import CallToolResult, Request, Result
 from pydantic import TypeAdapter
@@ -214,3 +216,38 @@ def test_the_kinds_of_jobs_are_the_entries_of_the_workers() -> None:
         "require_acceptance",
         "require_true_geometry",
     }
+
+
+@pytest.fixture(params=["stdio", "http"])
+def process(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Any]:
+    """A server process with the fixtures: what to give to `Client`."""
+    command = [sys.executable, "-m", "worldagent.server", "serve", "--workspace", str(tmp_path), "--conformance"]
+    if request.param == "stdio":
+        yield StdioServerParameters(command=command[0], args=command[1:])
+        return
+    with subprocess.Popen([*command, "--transport", "http", "--port", "0"], stderr=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stderr is not None
+            yield child.stderr.readline().rpartition(" ")[2].strip()
+        finally:
+            child.terminate()
+
+
+async def test_tasks_work_over_both_transports(process: Any) -> None:
+    with anyio.fail_after(60):
+        async with Client(process, extensions=[Polling()]) as client:
+            task = await call(client, "slow_compute", {"seconds": 1, "label": "far"})
+            assert isinstance(task, Task)
+            done = await until(client, task.taskId, "completed")
+            assert done["result"]["structuredContent"]["label"] == "far"
+            if isinstance(process, str):
+                with pytest.raises(MCPError, match="Mcp-Name") as caught:
+                    await client.session.send_request(Nameless(params={"taskId": task.taskId}), TypeAdapter(dict[str, Any]))
+                assert caught.value.code == -32020
+
+
+class Nameless(Request[dict[str, Any], Literal["tasks/get"]]):
+    """A request without the header that names its task."""
+
+    method: Literal["tasks/get"] = "tasks/get"
+    params: dict[str, Any]

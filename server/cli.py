@@ -175,6 +175,9 @@ def _serve(arguments: argparse.Namespace) -> int:
     import logging
 
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    from .quiet import silence_telemetry
+
+    silence_telemetry()
     # Workers inherit the environment; the token is none of their business.
     token = os.environ.pop(ENV_TOKEN, None) or None
     workspace: Path = (arguments.workspace or default_workspace()).expanduser().absolute()

@@ -23,6 +23,7 @@ from ...tools.standing import film_of
 from ...worlds.errors import EvidenceError, InputError, LimitError, WorldAgentError
 from ...worlds.folder import WorldFolder, safe_join
 from ...worlds.ledger import Ledger
+from ...worlds.quoting import shown
 from .charts import ledger_charts
 from .data import MAX_PAGE, PageData, QueryError, job_view
 from .events import MOST_LISTENERS, EventHub
@@ -252,9 +253,9 @@ def _word(request: Request, name: str) -> str:
 
 
 def _json(value: Any) -> Response:
-    return Response(pydantic_core.to_json(value, inf_nan_mode="null"), media_type="application/json", headers=FRESH)
+    return Response(pydantic_core.to_json(shown(value), inf_nan_mode="null"), media_type="application/json", headers=FRESH)
 
 
 def _problem(status: int, text: str, headers: dict[str, str] | None = None) -> Response:
-    body = pydantic_core.to_json({"error": text})
+    body = pydantic_core.to_json({"error": shown(text)})
     return Response(body, status, media_type="application/json", headers=FRESH | (headers or {}))

@@ -24,6 +24,8 @@ MOST_CONNECTIONS = 256
 """Open connections and running requests; more are answered 503."""
 SHUTDOWN_SECONDS = 2
 """Patience with open streams when the server ends [s]."""
+ENDLESS = frozenset({"/api/events"})
+"""Paths whose responses end only with their client."""
 ACCEPTED_BEYOND = 64
 """Connections above the limit that are held long enough to be told 503; still more are closed at once."""
 
@@ -56,6 +58,12 @@ class StrictConnection(H11Protocol):
         """Forget the clock."""
         self._disarm()
         super().connection_lost(exc)
+
+    def shutdown(self) -> None:
+        """Wait for what is under way, but not for a stream that never ends by itself."""
+        super().shutdown()
+        if self.cycle is not None and self.cycle.scope["path"] in ENDLESS:
+            self.transport.close()
 
     def _arm(self) -> None:
         self._deadline = self.loop.call_later(HEAD_SECONDS, self._late)

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from worldagent.execution import JobStore
+from worldagent.tests.page.browser import Served, Tab, chromium
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools.context import ToolContext
 from worldagent.tools.edit_spec import edit_spec
@@ -83,3 +84,27 @@ def made(tmp_path: Path) -> Iterator[Made]:
     for job in workspace.jobs.list(state=("queued", "running")):
         workspace.jobs.request_cancel(job.id)
         assert workspace.jobs.wait(job.id, 10).ended
+
+
+@pytest.fixture
+def served(made: Made) -> Iterator[Served]:
+    """The server of the workspace, running."""
+    server = Served(made.root)
+    server.start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def tab(browser: Any, served: Served) -> Iterator[Tab]:
+    """A tab on the server, in which nothing may have gone wrong at the end."""
+    found = Tab(browser, served.url)
+    yield found
+    found.close()
+    assert found.troubles == []

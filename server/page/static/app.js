@@ -40,6 +40,7 @@ export class App {
 
   async load({ moved = false } = {}) {
     const mine = ++this.load_number;
+    this.moved ||= moved;
     const { route, query } = this.state;
     let found;
     try {
@@ -53,7 +54,8 @@ export class App {
     this.found = { ...found, route };
     this.state.refused = "";
     this.render();
-    if (moved) this.arrived();
+    if (this.moved || !this.started) this.arrived();
+    this.moved = false;
     return undefined;
   }
 

@@ -190,7 +190,7 @@ def _add_jobs(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
         from ..tools.waiting import job_data
 
         store = jobs.present()
-        return _json({"jobs": [] if store is None else [job_data(job) for job in store.list(world, limit=50)]})
+        return _json({"jobs": [] if store is None else [job_data(job, store) for job in store.list(world, limit=50)]})
 
     @server.resource(
         "worldagent://jobs",
@@ -217,7 +217,7 @@ def _add_jobs(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
             if store is None:
                 raise InputError(f"there is no job {job_id!r}: this workspace has had none")
             found = store.get(job_id)
-            return _json(job_data(found) | ({"result": found.result} if found.state == "done" else {}))
+            return _json(job_data(found, store) | ({"result": found.result} if found.state == "done" else {}))
 
     @server.resource(
         "worldagent://worlds/{world}/jobs",

@@ -13,20 +13,72 @@ from .run_checks import run_checks, verdict_reply
 
 __all__ = ["TOOLS", "Handover", "Picture", "ToolBinding", "ToolContext", "ToolReply"]
 
+
+def _found_by(words: str) -> dict[str, str]:
+    """`_meta` of a tool: words by which Claude Code's search for tools finds it."""
+    return {"anthropic/searchHint": words}
+
+
 TOOLS: tuple[ToolBinding, ...] = (
-    ToolBinding(edit_spec, "Create or edit a world", read_only=False),
-    ToolBinding(build_terrain, "Make the ground", read_only=False),
-    ToolBinding(place_object, "Build, place and check objects", read_only=False, idempotent=True),
-    ToolBinding(probe_sim, "Probe the simulation", read_only=False, idempotent=True, jobs={"probe": motion_reply}),
-    ToolBinding(bake_sim, "Bake the simulation", read_only=False, idempotent=True, jobs={"bake": motion_reply}),
+    ToolBinding(
+        edit_spec,
+        "Create or edit a world",
+        read_only=False,
+        meta=_found_by("create a physics world, scene or simulation from a prompt; edit its specification"),
+    ),
+    ToolBinding(build_terrain, "Make the ground", read_only=False, meta=_found_by("terrain, ground, hills, height field")),
+    ToolBinding(
+        place_object,
+        "Build, place and check objects",
+        read_only=False,
+        idempotent=True,
+        meta=_found_by("place, build or move objects; check overlap and support"),
+    ),
+    ToolBinding(
+        probe_sim,
+        "Probe the simulation",
+        read_only=False,
+        idempotent=True,
+        jobs={"probe": motion_reply},
+        meta=_found_by("short test run of a rigid-body simulation"),
+    ),
+    ToolBinding(
+        bake_sim,
+        "Bake the simulation",
+        read_only=False,
+        idempotent=True,
+        jobs={"bake": motion_reply},
+        meta=_found_by("run the whole physics simulation"),
+    ),
     ToolBinding(
         run_checks,
         "Run checks and acceptance",
         read_only=False,
         idempotent=True,
         jobs={"check": verdict_reply, "accept": verdict_reply},
+        meta=_found_by("verify a world, acceptance, requirements matrix"),
     ),
-    ToolBinding(render_shot, "Look at the world", read_only=False, idempotent=True, pictures=True, jobs={"final": film_reply}),
-    ToolBinding(inspect_world, "Read a world's data", read_only=True, idempotent=True),
-    ToolBinding(job, "Look after jobs", read_only=False, idempotent=True),
+    ToolBinding(
+        render_shot,
+        "Look at the world",
+        read_only=False,
+        idempotent=True,
+        pictures=True,
+        jobs={"final": film_reply},
+        meta=_found_by("render pictures, contact sheet, plots, final video of a world"),
+    ),
+    ToolBinding(
+        inspect_world,
+        "Read a world's data",
+        read_only=True,
+        idempotent=True,
+        meta=_found_by("read a world's specification, rows, measurements, states, records"),
+    ),
+    ToolBinding(
+        job,
+        "Look after jobs",
+        read_only=False,
+        idempotent=True,
+        meta=_found_by("progress, wait for or cancel a probe, bake, check or rendering"),
+    ),
 )

@@ -106,8 +106,7 @@ class Tasks(Extension):
             HANDOVER.reset(token)
         if handover.job_id is None:
             return result
-        job = await anyio.to_thread.run_sync(self._job, handover.job_id)
-        return {"resultType": "task", **_task(job, "working")}
+        return {"resultType": "task", **await anyio.to_thread.run_sync(self._created, handover.job_id)}
 
     async def _get(self, ctx: ServerRequestContext[Any, Any], params: TaskParams) -> HandlerResult:
         _check(ctx, params)
@@ -145,19 +144,23 @@ class Tasks(Extension):
             raise MCPError(INVALID_PARAMS, f"unknown task: job {task_id!r} of kind {job.kind!r} was not started by a tool")
         return job
 
+    def _created(self, task_id: str) -> dict[str, Any]:
+        return _task(self._job(task_id), "working", self._jobs())
+
     def _detailed(self, task_id: str) -> dict[str, Any]:
-        job = self._job(task_id)
+        job, store = self._job(task_id), self._jobs()
         if job.state == "cancelled":
-            return _task(job, "cancelled")
+            return _task(job, "cancelled", store)
         if not job.ended:
-            questions = open_questions(self._jobs().workspace, job.id)
-            return _task(job, "input_required") | {"inputRequests": questions} if questions else _task(job, "working")
+            questions = open_questions(store.workspace, job.id)
+            asks = {"inputRequests": questions} if questions else {}
+            return _task(job, "input_required" if asks else "working", store) | asks
         binding = self._bindings[job.kind]
         try:
             result = result_of_reply(binding, lambda: binding.jobs[job.kind](job))
         except MCPError as error:
-            return _task(job, "failed") | {"error": error.error.model_dump(mode="json", exclude_none=True)}
-        return _task(job, "completed") | {"result": _plain(result)}
+            return _task(job, "failed", store) | {"error": error.error.model_dump(mode="json", exclude_none=True)}
+        return _task(job, "completed", store) | {"result": _plain(result)}
 
 
 def _declared(ctx: ServerRequestContext[Any, Any]) -> bool:
@@ -181,7 +184,7 @@ def _check(ctx: ServerRequestContext[Any, Any], params: TaskParams) -> None:
         raise MCPError(HEADER_MISMATCH, f"header Mcp-Name must name the task of the body, {params.task_id!r}; it is {named!r}")
 
 
-def _task(job: Job, status: str) -> dict[str, Any]:
+def _task(job: Job, status: str, store: JobStore) -> dict[str, Any]:
     """The fields that every answer about a task has. An ended job is kept for an hour at least, a running one for good."""
     task: dict[str, Any] = {
         "taskId": job.id,
@@ -191,18 +194,18 @@ def _task(job: Job, status: str) -> dict[str, Any]:
         "ttlMs": round(1000 * ((job.finished or time.time()) - job.created + SPARED_S)),
         "pollIntervalMs": POLL_MS,
     }
-    message = visible(_message(job)[:STATUS_CHARACTERS])
+    message = visible(_message(job, store)[:STATUS_CHARACTERS])
     return task | {"statusMessage": message} if message else task
 
 
-def _message(job: Job) -> str:
-    """What the user reads while the task goes on."""
-    if job.state == "queued":
-        return f"{job.kind}: waiting for its turn"
+def _message(job: Job, store: JobStore) -> str:
+    """What the user reads while the task goes on: how far it is, what it does, how long it will take."""
+    from ...tools.waiting import progress_text
+
     if job.ended:
         return job.error["message"] if job.error else ""
-    part = f" ({min(1.0, job.progress_done / job.progress_total):.0%})" if job.progress_total else ""
-    return f"{job.message or f'{job.kind} is running'}{part}"
+    part = f"{min(1.0, job.progress_done / job.progress_total):.0%}, " if job.progress_total else ""
+    return f"{part}{progress_text(job, store) or job.state}"
 
 
 def _iso(seconds: float) -> str:

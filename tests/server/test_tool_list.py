@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from mcp import Client
@@ -64,14 +66,23 @@ async def test_tools_are_as_the_snapshot_says(tmp_path: Path, era: str) -> None:
 async def test_every_tool_is_described_within_what_clients_show(tmp_path: Path) -> None:
     async with Client(create_server(tmp_path)) as client:
         tools = (await client.list_tools()).tools
+    icons: set[str] = set()
     for tool in tools:
         assert tool.title
         assert tool.description
         assert len(tool.description.encode()) < 2048
+        assert tool.meta is not None
+        assert 10 < len(tool.meta["anthropic/searchHint"]) < 120
+        assert tool.icons is not None
+        assert tool.icons[0].src.startswith("data:image/svg+xml;base64,")
+        drawing = ElementTree.fromstring(base64.b64decode(tool.icons[0].src.partition(",")[2]))
+        assert [child.tag.rpartition("}")[2] for child in drawing] == ["path"], "a drawing, nothing that could run"
+        icons.add(tool.icons[0].src)
         for name, schema in tool.input_schema["properties"].items():
             assert schema.get("description"), f"{tool.name}.{name}"
         for node in _nodes(tool.input_schema):
             assert node.get("type") != "array" or "items" in node, f"{tool.name}: some APIs refuse arrays without items"
+    assert len(icons) == len(tools)
 
 
 def test_instructions_and_prompts_name_only_tools_that_exist() -> None:

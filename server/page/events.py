@@ -16,6 +16,7 @@ import anyio.to_thread
 
 from ...worlds.errors import WorldAgentError
 from ...worlds.folder import WorldFolder
+from ...worlds.quoting import shown
 from .data import PageData, signature
 
 __all__ = ["MOST_LISTENERS", "EventHub"]
@@ -137,7 +138,7 @@ class EventHub:
                 queue.put_nowait(event)
 
     def _encoded(self, kind: str, data: dict[str, Any], number: int) -> bytes:
-        return f"id: {self._boot}-{number}\nevent: {kind}\ndata: {json.dumps(data)}\n\n".encode()
+        return f"id: {self._boot}-{number}\nevent: {kind}\ndata: {json.dumps(shown(data))}\n\n".encode()
 
 
 def _changes(before: Snapshot, after: Snapshot) -> list[tuple[str, dict[str, Any]]]:

@@ -13,9 +13,9 @@ from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matr
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import InputError
-from ..worlds.folder import safe_join
 from ..worlds.provenance import geometry_slice
 from ..worlds.spec import Entity, Part, RigidPhysics, Rope, WorldSpec
+from .imports import mesh_digest
 from .primitives import ShapeGeometry, build_shape
 from .ropes import rope_segments
 
@@ -39,8 +39,7 @@ def entity_recipe(spec: WorldSpec, name: str, assets: Path) -> str:
     files = {}
     for part in entity.parts.values():
         if part.shape.kind == "mesh" and part.shape.file is not None:
-            path = safe_join(assets, part.shape.file)
-            files[part.shape.file] = digest_of(path.read_bytes().hex()) if path.is_file() else "missing"
+            files[part.shape.file] = mesh_digest(assets, part.shape.file)
     return digest_of(spec.spec_version, geometry_slice(spec, name), files, source_digest(Path(__file__).parent))
 
 

@@ -168,6 +168,8 @@ def load_built(path: Path) -> BuiltEntity:
     """
     try:
         with zipfile.ZipFile(path) as archive:
+            if archive.getinfo("meta.json").compress_type != zipfile.ZIP_STORED:
+                raise ValueError("it is compressed, which no built entity is")
             meta = json.loads(archive.read("meta.json"))
 
             def array(name: str) -> Any:
@@ -189,12 +191,13 @@ def load_built(path: Path) -> BuiltEntity:
                 )
                 for i, p in enumerate(meta["parts"])
             )
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+            bodies = tuple(
+                BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
+                for b in meta["bodies"]
+            )
+            found = BuiltEntity(meta["entity"], bodies, parts, meta["recipe"])
+    except (OSError, LookupError, TypeError, ValueError, RecursionError, zipfile.BadZipFile) as error:
         raise EvidenceError(
             f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again"
         ) from error
-    bodies = tuple(
-        BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
-        for b in meta["bodies"]
-    )
-    return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"])
+    return found

@@ -148,7 +148,7 @@ class Cache:
             for name in ("bodies", "colliders", "joints", "drivers"):
                 data[name] = tuple(data[name])
             return CacheIndex(**data)
-        except (OSError, ValueError, TypeError, KeyError) as error:
+        except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
             raise EvidenceError(f"cache {self.folder.name!r} has no readable index.json ({error}); bake again") from error
 
     def write_index(self, index: CacheIndex) -> None:

@@ -34,9 +34,12 @@ def safe_join(base: Path, relative: str) -> Path:
         InputError: the path is absolute, climbs out, or leads out through a link.
     """
     root = base.resolve()
-    joined = (root / relative).resolve()
+    try:
+        joined = (root / relative).resolve()
+    except (ValueError, OSError, RuntimeError) as error:  # NUL, too long, links in a circle
+        raise InputError(f"path {relative[:200]!r} is none: {error}; give a relative path inside {base.name!r}") from error
     if Path(relative).is_absolute() or (joined != root and root not in joined.parents):
-        raise InputError(f"path {relative!r} leads out of {base.name!r}; give a relative path inside it")
+        raise InputError(f"path {relative[:200]!r} leads out of {base.name!r}; give a relative path inside it")
     return joined
 
 
@@ -52,7 +55,7 @@ def world_ids(workspace: Path) -> list[str]:
     """Ids of the worlds in a workspace, sorted."""
     if not workspace.is_dir():
         return []
-    return sorted(p.name for p in workspace.iterdir() if WORLD_ID.match(p.name) and (p / "world.json").is_file())
+    return sorted(p.name for p in workspace.iterdir() if WORLD_ID.fullmatch(p.name) and (p / "world.json").is_file())
 
 
 @dataclass(frozen=True)
@@ -69,8 +72,8 @@ class WorldFolder:
             InputError: the id is malformed, or there is no such world.
             EvidenceError: the folder holds links out of it, pipes or devices.
         """
-        if not WORLD_ID.match(world):
-            raise InputError(f"world id {world!r} must match {WORLD_ID.pattern}, e.g. 'domino_run'")
+        if not WORLD_ID.fullmatch(world):
+            raise InputError(f"world id {world[:100]!r} must match {WORLD_ID.pattern}, e.g. 'domino_run'")
         root = safe_join(workspace, world)
         if not create and not (root / "world.json").is_file():
             known = world_ids(workspace)
@@ -138,5 +141,5 @@ class WorldFolder:
         """
         try:
             return json.loads(path.read_text())
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise EvidenceError(f"{self.relative(path)} is missing or damaged: {error}") from error

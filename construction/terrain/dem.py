@@ -9,16 +9,12 @@ from scipy import ndimage
 
 from ...worlds.arrays import F64
 from ...worlds.errors import InputError
-from ...worlds.folder import safe_join
 from ...worlds.limits import check_cap
 from ...worlds.spec.terrain import Dem
+from ..outside import arrays_of
 from .grid import Grid
 
 __all__ = ["read_dem"]
-
-MAX_FILE_BYTES = 600_000_000
-TAG_PIXEL_SCALE, TAG_NO_DATA = 33550, 42113
-"""GeoTIFF ModelPixelScale and GDAL_NODATA."""
 
 
 def read_dem(grid: Grid, layer: Dem, assets: Path) -> F64:
@@ -27,12 +23,10 @@ def read_dem(grid: Grid, layer: Dem, assets: Path) -> F64:
     Raises:
         InputError: there is no such file, it cannot be read, is no single band, or has holes.
     """
-    path = safe_join(assets, layer.file)
-    if not path.is_file():
-        raise InputError(f"there is no file {layer.file!r} in the world's assets/ folder; put it there first")
-    if path.stat().st_size > MAX_FILE_BYTES:
-        raise InputError(f"{layer.file!r} has {path.stat().st_size:,} bytes, at most {MAX_FILE_BYTES:,}; crop it first")
-    raw, cell = _read(path)
+    found = arrays_of("dem", assets, layer.file, "dem_bytes")
+    raw, cell = found["values"], float(found["cell"]) if "cell" in found else None
+    if raw.dtype.kind not in "iuf":
+        raise InputError(f"{layer.file!r} holds {raw.dtype} values; a DEM holds numbers")
     if raw.ndim != 2 or min(raw.shape) < 2:
         raise InputError(f"{layer.file!r} has shape {raw.shape}; a DEM is one band of at least 2 x 2 cells")
     check_cap("cells", raw.size, what=f"the file {layer.file}")
@@ -52,42 +46,6 @@ def read_dem(grid: Grid, layer: Dem, assets: Path) -> F64:
         nearest = ndimage.distance_transform_edt(missing, return_distances=False, return_indices=True)
         values = values[tuple(nearest)]
     return _resampled(grid, values, missing, layer.cell or cell, keep=layer.holes == "keep")
-
-
-def _read(path: Path) -> tuple[F64, float | None]:
-    """Values, NaN where the file says no data, and the side of a cell [m] where it says so."""
-    try:
-        if path.suffix == ".npy":
-            return np.load(path, allow_pickle=False), None
-        if path.suffix == ".npz":
-            with np.load(path, allow_pickle=False) as found:
-                name = "elevation" if "elevation" in found else found.files[0]
-                return found[name], None
-        import cv2
-
-        image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-        if image is None:
-            raise ValueError("no picture in it")
-        return _geotiff(path, image) if path.suffix in (".tif", ".tiff") else (image, None)
-    except (ValueError, OSError, KeyError, IndexError, EOFError) as error:
-        raise InputError(
-            f"{path.name!r} cannot be read as a DEM: {error}; use a single-band GeoTIFF, 16-bit PNG or npy"
-        ) from error
-
-
-def _geotiff(path: Path, image: F64) -> tuple[F64, float | None]:
-    import tifffile
-
-    with tifffile.TiffFile(path) as file:
-        tags = file.pages.first.tags
-        scale = tags.get(TAG_PIXEL_SCALE)
-        empty = tags.get(TAG_NO_DATA)
-        values = image.astype(np.float64)
-        if empty is not None:
-            values[values == float(str(empty.value).strip("\x00 "))] = np.nan
-        size = None if scale is None else float(scale.value[0])
-    # Degrees, not metres: a geographic file says nothing usable about cell size.
-    return values, size if size is not None and size > 0.05 else None
 
 
 def _resampled(grid: Grid, values: F64, missing: np.ndarray, cell: float | None, *, keep: bool) -> F64:

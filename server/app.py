@@ -192,7 +192,9 @@ def create_server(
 
         tools, required = (*tools, *FIXTURE_TOOLS), REQUIRE_TASKS
     jobs = WorkspaceJobs(workspace.expanduser().absolute(), store)
-    server = WorldServer(jobs, tools, extensions=(Tasks(jobs, tools, required=required), Skills(), *extensions))
+    tasks = Tasks(jobs, tools, required=required)
+    server = WorldServer(jobs, tools, extensions=(tasks, Skills(), *extensions))
+    server.middleware.append(tasks.check_listening)
     add_resources(server, server.workspace, jobs)
     add_prompts(server)
     if conformance:

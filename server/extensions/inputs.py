@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import secrets
 import shutil
 import time
 from collections.abc import Mapping
@@ -21,12 +22,12 @@ from ...worlds.folder import write_atomically
 
 __all__ = ["ask", "give_answers", "open_questions"]
 
-_ID = re.compile(r"[a-z][a-z0-9_]{0,63}")
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _POLL_S = 0.05
 
 
 def ask(context: JobContext, questions: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """From inside a job: park until the client has answered every question; the answers by the questions' ids.
+    """From inside a job: park until the client has answered every question; the answers by the questions' names.
 
     Args:
         context: The job's own context, which knows its workspace.
@@ -34,20 +35,23 @@ def ask(context: JobContext, questions: Mapping[str, Mapping[str, Any]]) -> dict
 
     Raises:
         Cancelled: The job was cancelled meanwhile.
-        InputError: An id is malformed, or the job has no workspace.
+        InputError: A name is malformed, or the job has no workspace.
     """
     if context.workspace is None:
         raise InputError("a job without a workspace cannot ask its client")
-    bad = [name for name in questions if not _ID.fullmatch(name)]
+    bad = [name for name in questions if not _NAME.fullmatch(name)]
     if bad or not questions:
-        raise InputError(f"ids of questions must match {_ID.pattern}, got {bad or 'none'}")
+        raise InputError(f"names of questions must match {_NAME.pattern}, got {bad or 'none'}")
+    # An id never comes twice in a job's life, so that a late answer meets no other question.
+    ids = {name: f"{name}-{secrets.token_hex(4)}" for name in questions}
     folder = _folder(Path(context.workspace), context.job_id)
     try:
-        write_atomically(folder / "questions.json", json.dumps(questions).encode())
+        asked = {ids[name]: request for name, request in questions.items()}
+        write_atomically(folder / "questions.json", json.dumps(asked).encode())
         while open_questions(Path(context.workspace), context.job_id):
             context.check()
             time.sleep(_POLL_S)
-        return {name: json.loads((folder / f"{name}.json").read_bytes()) for name in questions}
+        return {name: json.loads((folder / f"{ids[name]}.json").read_bytes()) for name in questions}
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

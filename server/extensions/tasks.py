@@ -108,6 +108,13 @@ class Tasks(Extension):
             return result
         return {"resultType": "task", **await anyio.to_thread.run_sync(self._created, handover.job_id)}
 
+    async def check_listening(self, ctx: ServerRequestContext[Any, Any], call_next: CallNext) -> HandlerResult:
+        """Server middleware: who asks for news of tasks must have declared the extension. None are sent: clients poll."""
+        notifications = (ctx.params or {}).get("notifications") if ctx.method == "subscriptions/listen" else None
+        if isinstance(notifications, Mapping) and notifications.get("taskIds"):
+            require_client_extension(ctx, TASKS)
+        return await call_next(ctx)
+
     async def _get(self, ctx: ServerRequestContext[Any, Any], params: TaskParams) -> HandlerResult:
         _check(ctx, params)
         return await anyio.to_thread.run_sync(self._detailed, params.task_id)
@@ -159,7 +166,8 @@ class Tasks(Extension):
         try:
             result = result_of_reply(binding, lambda: binding.jobs[job.kind](job))
         except MCPError as error:
-            return _task(job, "failed", store) | {"error": error.error.model_dump(mode="json", exclude_none=True)}
+            described = error.error.model_dump(mode="json", exclude_none=True)
+            return _task(job, "failed", store) | {"statusMessage": described["message"], "error": described}
         return _task(job, "completed", store) | {"result": _plain(result)}
 
 

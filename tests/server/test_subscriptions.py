@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -130,3 +132,17 @@ async def test_more_than_a_few_hundred_resources_are_not_watched(server: WorldSe
             async with client.listen(resource_subscriptions=uris):
                 pass
     assert not server.watch.running
+
+
+async def test_a_server_process_tells_over_http_what_this_process_changed(server: WorldServer) -> None:
+    command = [sys.executable, "-m", "worldagent.server", "serve", "--transport", "http", "--port", "0"]
+    with subprocess.Popen([*command, "--workspace", str(server.workspace)], stderr=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stderr is not None
+            url = child.stderr.readline().rpartition(" ")[2].strip()
+            with anyio.fail_after(60):
+                async with Client(url) as client, client.listen(resource_subscriptions=[MATRIX]) as stream:
+                    await anyio.to_thread.run_sync(judge, server)
+                    assert await anext(aiter(stream)) == ResourceUpdated(uri=MATRIX)
+        finally:
+            child.terminate()

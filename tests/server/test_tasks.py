@@ -148,6 +148,7 @@ async def test_an_error_of_the_protocol_fails_its_task(tmp_path: Path) -> None:
         done = await until(client, task.taskId, "completed", "failed")
     assert done["status"] == "failed"
     assert done["error"]["code"] == -32603
+    assert done["statusMessage"] == done["error"]["message"]
     assert "result" not in done
 
 
@@ -165,14 +166,15 @@ async def test_a_task_asks_and_goes_on_when_it_is_answered_even_by_another_serve
     async with Client(serving(tmp_path), extensions=[Polling()]) as client:
         task = await call(client, "multi_input", {})
         asked = await until(client, task.taskId, "input_required", "completed")
-        assert set(asked["inputRequests"]) == {"first", "second"}
-        assert asked["inputRequests"]["first"]["method"] == "elicitation/create"
+        first, second = sorted(asked["inputRequests"])
+        assert (first.partition("-")[0], second.partition("-")[0]) == ("first", "second")
+        assert asked["inputRequests"][first]["method"] == "elicitation/create"
         answer = {"action": "accept", "content": {"name": "Ada"}}
-        await about(client, "tasks/update", task.taskId, inputResponses={"first": answer, "unknown": {}})
-        assert set((await about(client, "tasks/get", task.taskId))["inputRequests"]) == {"second"}
+        await about(client, "tasks/update", task.taskId, inputResponses={first: answer, "unknown": {}})
+        assert set((await about(client, "tasks/get", task.taskId))["inputRequests"]) == {second}
     async with Client(serving(tmp_path), extensions=[Polling()]) as other:
         answer = {"action": "accept", "content": {"name": "Bob"}}
-        await about(other, "tasks/update", task.taskId, inputResponses={"second": answer})
+        await about(other, "tasks/update", task.taskId, inputResponses={second: answer})
         done = await until(other, task.taskId, "completed")
     assert done["result"]["structuredContent"] == {"names": ["Ada", "Bob"]}
     assert not list((tmp_path / ".worldagent" / "inputs").iterdir())
@@ -200,6 +202,22 @@ async def test_a_tool_that_needs_tasks_refuses_clients_without_them(tmp_path: Pa
         with pytest.raises(MCPError) as caught:
             await client.call_tool("failing_job", {})
     assert caught.value.code == -32021
+
+
+async def test_news_of_tasks_are_refused_to_clients_without_tasks_and_promised_to_none(tmp_path: Path) -> None:
+    class Listen(Request[dict[str, Any], Literal["subscriptions/listen"]]):
+        method: Literal["subscriptions/listen"] = "subscriptions/listen"
+        params: dict[str, Any]
+
+    asked = Listen(params={"notifications": {"taskIds": ["job_000000000000"]}})
+    async with Client(serving(tmp_path)) as client:
+        with pytest.raises(MCPError) as caught:
+            await client.session.send_request(asked, TypeAdapter(dict[str, Any]))
+    assert caught.value.code == -32021
+    async with Client(serving(tmp_path), extensions=[Polling()]) as client:
+        with anyio.move_on_after(0.3) as waited:
+            await client.session.send_request(asked, TypeAdapter(dict[str, Any]))
+    assert waited.cancelled_caught, "the stream is open"
 
 
 def test_every_job_of_a_tool_belongs_to_one_tool(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import sqlite3
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -134,6 +135,33 @@ def test_a_cancelled_bake_resumes_to_the_same_bytes(
         while len(list(workspace.glob("w/candidates/*/bake/rigid/frame_*.npz"))) < LONG:
             time.sleep(0.02)
         agent.call("job", action="cancel", job_id=again)
+    _bake_only(workspace)
+    assert _content(_bake(workspace)) == unbroken
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="warm workers are for Linux")
+def test_a_bake_in_a_warm_worker_gives_the_same_bytes(
+    long_probed: Path, unbroken: dict[str, bytes], tmp_path: Path, agent_of: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Forked by a process that has loaded the engines, against one that loads them itself."""
+    monkeypatch.setenv("WORLDAGENT_WARM", "1")
+    workspace = shutil.copytree(long_probed, tmp_path / "ws")
+    store = JobStore(workspace)
+    assert store.warm_up("worldagent.tools.jobs")
+    folder = workspace / ".worldagent"
+    deadline = time.monotonic() + 60
+    while not (folder / "warm.sock").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    nursery = int((folder / "warm.log").read_text().split(" nursery ")[1].split(":")[0])
+    try:
+        with agent_of(workspace) as agent:
+            job = _started(agent, workspace, LONG)
+            ancestors = Path(f"/proc/{store.get(job).pid}/cmdline").read_bytes()
+            assert b"execution.nursery" in ancestors
+            agent.call("job", action="cancel", job_id=job)
+    finally:
+        os.kill(nursery, signal.SIGKILL)
     _bake_only(workspace)
     assert _content(_bake(workspace)) == unbroken
 

@@ -16,6 +16,7 @@ from types import FunctionType
 from typing import Any
 
 from ..worlds.errors import EngineError, InputError, LimitError, RefusedError, WorldAgentError
+from ..worlds.storage import storage_failure
 
 __all__ = ["JSON_BYTES_MAX", "as_json", "check_entry", "check_module", "checked_result", "error_of", "load_entry"]
 
@@ -111,6 +112,7 @@ def error_of(error: BaseException) -> dict[str, str]:
 
     A subclass that a floor above made of one of worldagent's errors is named by that error.
     """
+    error = storage_failure(error) or error
     name = type(error).__name__
     if isinstance(error, WorldAgentError):
         name = next((kind.__name__ for kind in type(error).__mro__ if kind.__module__ == WorldAgentError.__module__), name)

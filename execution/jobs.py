@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -39,12 +40,13 @@ class JobStore:
         if slots is not None and slots < 1:
             raise InputError(f"slots {slots} must be >= 1")
         self.slots = min(core_count(), CAPS["running_jobs"].value) if slots is None else slots
-        self._table = JobTable(workspace)
-
-    @property
-    def workspace(self) -> Path:
+        self.workspace = workspace.resolve()
         """Absolute path of the workspace."""
-        return self._table.workspace
+
+    @cached_property
+    def _table(self) -> JobTable:
+        """Opened at the first need, so that what only reads worlds works where nothing can be written."""
+        return JobTable(self.workspace)
 
     def submit(
         self,

@@ -30,6 +30,9 @@ START_S = 30.0
 KNOWN_IDS = 5
 """Ids that the error about an unknown one names."""
 
+AHEAD_S = 3600.0
+"""Further than this [s] no clock of another host runs ahead."""
+
 _ID = re.compile(r"job_[0-9a-f]{12}")
 _CHOSEN = """
     (:world IS NULL OR world = :world) AND (:states IS NULL OR state IN (SELECT value FROM json_each(:states)))"""
@@ -200,6 +203,8 @@ def _loss(job: Job) -> str | None:
         return None
     if job.host != host_id():
         silent = time.time() - job.heartbeat
+        if silent < -AHEAD_S:
+            return f"the worker on another host or boot spoke last {-silent:.0f} s in the future: a clock was set back since"
         return f"the worker on another host or boot is silent for {silent:.0f} s" if silent > START_S else None
     silent = time.monotonic() - job.heartbeat_clock
     if job.pid is None:

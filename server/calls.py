@@ -22,6 +22,7 @@ from ..tools.answers import fitted
 from ..tools.context import Link, ToolBinding, ToolContext, ToolReply
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
 from ..worlds.quoting import shown, visible
+from ..worlds.storage import storage_failure
 
 __all__ = ["Progress", "error_result", "error_text", "reply_result", "result_of_reply", "run_in_thread"]
 
@@ -145,7 +146,8 @@ def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply]) -> Call
     except WorldAgentError as error:
         return error_result(error_text(error))
     except (Exception, SystemExit) as error:
-        return _unexpected(binding.name, error)
+        told = storage_failure(error)
+        return _unexpected(binding.name, error) if told is None else error_result(error_text(told))
 
 
 def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -17,6 +18,7 @@ from mcp.types import Completion, CompletionArgument, CompletionContext, PromptR
 from ..worlds.errors import EvidenceError, InputError, WorldAgentError
 from ..worlds.folder import WorldFolder, safe_join, world_ids
 from ..worlds.quoting import json_visible, visible
+from ..worlds.storage import storage_failure
 from .completions import complete
 from .report import world_report
 from .skill_files import SKILLS, skill_files, skill_frontmatter, skill_names
@@ -270,6 +272,8 @@ def _told() -> Iterator[None]:
         raise ResourceNotFoundError(visible(str(error))) from error
     except WorldAgentError as error:
         raise ResourceError(visible(str(error))) from error
+    except (OSError, ValueError, sqlite3.Error) as error:
+        raise ResourceError(visible(str(storage_failure(error) or f"it is damaged: {error}"))) from error
 
 
 @contextmanager

@@ -12,8 +12,8 @@ import numpy as np
 from ..worlds.built import BuiltEntity, load_built
 from ..worlds.cache import Cache, digest_arrays
 from ..worlds.candidate import Candidate, open_candidate
-from ..worlds.errors import EvidenceError
-from ..worlds.folder import WorldFolder
+from ..worlds.errors import EngineError, EvidenceError, SpecError
+from ..worlds.folder import WorldFolder, safe_join
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
 from .protocol import Solver
@@ -52,7 +52,11 @@ def run_probe(
 def recorded_inputs(folder: WorldFolder, freeze: str) -> tuple[WorldSpec, dict[str, BuiltEntity]]:
     """Specification and geometry that a freeze recorded."""
     record = folder.read_json(folder.candidate(freeze) / "candidate.json")
-    return parse_spec(record["spec"]), {name: load_built(folder.root / file) for name, (file, _) in record["built"].items()}
+    try:
+        spec, files = parse_spec(record["spec"]), {name: str(file) for name, (file, _) in record["built"].items()}
+    except (SpecError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise EvidenceError(f"candidate.json of {freeze[:16]!r} is damaged ({error}); call probe_sim again") from error
+    return spec, {name: load_built(safe_join(folder.root, file)) for name, file in files.items()}
 
 
 def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str, object]]:
@@ -114,7 +118,17 @@ def _apart(cache: Cache, frame: int, data: Mapping[str, Any]) -> float | None:
 
 
 def _replay_interval(solver: Solver, cache: Cache, start: int, end: int, marks: set[int]) -> dict[str, object]:
-    solver.restore(_checkpoint(cache, start), start)
+    try:
+        solver.restore(_checkpoint(cache, start), start)
+    except EngineError as error:
+        return {
+            "solver": cache.index.solver,
+            "frames": [start, end],
+            "identical": False,
+            "first_different_frame": start,
+            "largest_difference_m": None,
+            "reason": str(error),
+        }
     first_bad = None
     apart: list[float | None] = []
     for frame in range(start + 1, end + 1):

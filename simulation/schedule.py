@@ -9,7 +9,8 @@ from pathlib import Path
 from ..worlds.audit import audit
 from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, write_container
-from ..worlds.errors import EvidenceError, InputError
+from ..worlds.errors import EngineError, EvidenceError, InputError
+from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from .protocol import Intervention, Solver
 
@@ -68,6 +69,17 @@ def _trusted_frames(cache: Cache, frames: int) -> int:
     return min(len(digests), frames)
 
 
+def _resume(solver: Solver, cache: Cache, marks: list[int]) -> int:
+    """Continue from the first of some checkpoints that is whole; its frame, or -1."""
+    for mark in marks:
+        try:
+            solver.restore(checkpoint_path(cache.folder, mark).read_bytes(), mark)
+        except (OSError, EngineError):
+            continue
+        return mark
+    return -1
+
+
 def run_frames(
     spec: WorldSpec,
     built: Mapping[str, BuiltEntity],
@@ -97,28 +109,24 @@ def run_frames(
     for rank, name in enumerate(order):
         cache = caches[name] = Cache(folder / name)
         trusted = _trusted_frames(cache, frames)
-        if trusted >= frames:
-            continue
         solver = make_solver(spec, built, name)
         solver.prepare()
-        index = dataclasses.replace(solver.index(), frames=frames)
-        cache.write_index(index)
+        cache.write_index(dataclasses.replace(solver.index(), frames=frames))
+        if trusted >= frames:
+            continue
         marks = set(checkpoint_frames(spec, frames))
-        start = max((k for k in marks if k < trusted and checkpoint_path(cache.folder, k).exists()), default=-1)
+        start = _resume(solver, cache, [k for k in sorted(marks, reverse=True) if k < trusted])
+        if start < 0 and trusted > 0:
+            solver = make_solver(spec, built, name)
+            solver.prepare()
         digests = cache.digests()[: start + 1] if start >= 0 else []
-        if start >= 0:
-            solver.restore(checkpoint_path(cache.folder, start).read_bytes(), start)
         for frame in range(start + 1, frames):
             if frame > 0:
                 solver.advance(frame)
             digests.append(write_container(cache.path(frame), solver.frame_data()))
-            (cache.folder / "digests.txt").write_text("\n".join(digests) + "\n")
+            write_atomically(cache.folder / "digests.txt", ("\n".join(digests) + "\n").encode())
             if frame in marks:
-                state = solver.checkpoint()
-                path = checkpoint_path(cache.folder, frame)
-                path.parent.mkdir(exist_ok=True)
-                path.with_suffix(".tmp").write_bytes(state)
-                path.with_suffix(".tmp").replace(path)
+                write_atomically(checkpoint_path(cache.folder, frame), solver.checkpoint())
             if progress is not None:
                 progress(rank * frames + frame + 1, total, f"{name}: frame {frame + 1} of {frames}")
             if check is not None:

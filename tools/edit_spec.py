@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from ..worlds.clauses import clauses_of
-from ..worlds.errors import InputError, RefusedError, WorldAgentError
+from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
 from ..worlds.folder import WorldFolder
 from .context import ToolContext, ToolReply
 
@@ -166,6 +166,11 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
         reason="a new world for a prompt whose earlier world has failed rows",
     )
     if number is None:
+        if not folder.spec_path.exists():
+            raise RefusedError(
+                f"world {world!r} has a ledger but no world.json (its creation was cut short, or the file was deleted); "
+                "call edit_spec with on_hand_edit='restore', then edit it with patch"
+            )
         raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
     session = Session(folder, ledger, parsed, number)
     session.write_spec()
@@ -188,8 +193,13 @@ def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
             same = json.loads(folder.spec_path.read_text()).get("prompt") == prompt
         except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
             continue
-        if same and Ledger(folder.ledger_path).ever_failed():
-            failed.append(other)
+        if not same:
+            continue
+        try:
+            if Ledger(folder.ledger_path).ever_failed():
+                failed.append(other)
+        except EvidenceError:
+            failed.append(f"{other} (its ledger is damaged)")
     if len(failed) <= 1:
         return [f"started anew beside world {other}, which has failed rows for this prompt" for other in failed]
     names = ", ".join(failed[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
@@ -203,7 +213,7 @@ def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, r
     from ..worlds.ledger import Ledger
     from ..worlds.limits import check_limits
     from ..worlds.patch import parse_spec
-    from .session import Session
+    from .session import Session, no_revision
 
     # world.json itself may be what was deleted.
     folder = WorldFolder.of(context.workspace, world, create=True)
@@ -212,7 +222,7 @@ def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, r
     ledger = Ledger(folder.ledger_path)
     recorded = ledger.revision_spec(ledger.revision())
     if recorded is None:
-        raise InputError(f"world {world!r} has no revision to compare with")
+        raise EvidenceError(no_revision(folder))
     before = parse_spec(json.loads(recorded[0]))
     session = Session(folder, ledger, before, ledger.revision())
     if action == "restore":

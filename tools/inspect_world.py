@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sqlite3
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from ..worlds.errors import InputError
+from ..worlds.errors import InputError, WorldAgentError
+from ..worlds.storage import storage_failure
 from .context import ToolContext, ToolReply
 from .links import proof_links
 from .rows import Detail
@@ -85,7 +87,9 @@ def inspect_world(
     session = Session.open(context.workspace, world)
     data: dict[str, Any]
     if part == "overview":
-        data = parts.overview(session, jobs=[j.id for j in context.jobs.list(world, "running")], offset=offset, limit=limit)
+        jobs, unknown = _running(context, world)
+        data = parts.overview(session, jobs=jobs, offset=offset, limit=limit)
+        data["warnings"] = [*data["warnings"], *unknown]
     elif part == "spec":
         data = parts.spec(session, pointer, offset=offset, limit=limit)
     elif part == "matrix":
@@ -105,3 +109,11 @@ def inspect_world(
     links = proof_links(world, data) if part == "acceptance" else ()
     head = {k: data.pop(k) for k in ("summary", "warnings", "next")}
     return ToolReply({**head, "world": world, "revision": session.revision, "part": part, **data}, links=links)
+
+
+def _running(context: ToolContext, world: str) -> tuple[list[str], list[str]]:
+    """Jobs of the world that run; and where their list cannot be opened, why: the world can be read all the same."""
+    try:
+        return [j.id for j in context.jobs.list(world, "running")], []
+    except (WorldAgentError, OSError, sqlite3.Error) as error:
+        return [], [f"running jobs are unknown: {storage_failure(error) or error}"]

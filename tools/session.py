@@ -21,7 +21,7 @@ from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 
-__all__ = ["CAUSAL_CLASSES", "Session"]
+__all__ = ["CAUSAL_CLASSES", "Session", "no_revision"]
 
 CAUSAL_CLASSES = ("scene", "solver")
 MAX_CHANGES = 8
@@ -59,7 +59,7 @@ class Session:
             revision = ledger.revision()
             recorded = ledger.revision_spec(revision)
             if recorded is None:
-                raise EvidenceError(f"world {folder.id!r} has no revision in its ledger; create it again with edit_spec")
+                raise EvidenceError(no_revision(folder))
             try:
                 spec, damage = parse_spec(folder.read_json(folder.spec_path)), ""
             except (EvidenceError, InputError) as error:
@@ -71,7 +71,7 @@ class Session:
                 break
             time.sleep(COMMIT_SECONDS / 5)
         raise RefusedError(
-            f"world.json of {folder.id!r} was edited outside the server since revision {revision}. "
+            f"world.json of {folder.id!r} was edited outside the server since revision {revision}, or its writing was cut short. "
             f"Call edit_spec with on_hand_edit='adopt' to take it as a new revision, or 'restore' to undo it.{damage}"
         )
 
@@ -235,6 +235,14 @@ class Session:
     def _static_only(self, iteration: Mapping[str, Any]) -> bool:
         stages = self.ledger.stages()
         return all(stages.get(r, "static") in ("static", "audit", "stale") for r in json.loads(str(iteration["failing_before"])))
+
+
+def no_revision(folder: WorldFolder) -> str:
+    """What to tell of a world whose ledger holds nothing."""
+    return (
+        f"the ledger of world {folder.id!r} holds no revision (ledger.sqlite is empty, cut off, or new): put back a copy of it, or "
+        f"create another world with edit_spec from what the resource worldagent://worlds/{folder.id}/spec holds"
+    )
 
 
 def _value(document: Any, pointer: str) -> Any:

@@ -10,8 +10,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import os
-import threading
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from .arrays import F64, I32, RigidPose
-from .cache import read_array
+from .cache import DAMAGE, read_array
 from .errors import EvidenceError
+from .folder import write_atomically
 
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
 
@@ -154,10 +153,7 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
 
 def save_built(built: BuiltEntity, path: Path) -> None:
     """Write to `path` through a temporary name."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.tmp")
-    temporary.write_bytes(_encode(built, with_recipe=True))
-    temporary.replace(path)
+    write_atomically(path, _encode(built, with_recipe=True))
 
 
 def load_built(path: Path) -> BuiltEntity:
@@ -195,9 +191,8 @@ def load_built(path: Path) -> BuiltEntity:
                 BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
                 for b in meta["bodies"]
             )
-            found = BuiltEntity(meta["entity"], bodies, parts, meta["recipe"])
-    except (OSError, LookupError, TypeError, ValueError, RecursionError, zipfile.BadZipFile) as error:
+            return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"])
+    except DAMAGE as error:
         raise EvidenceError(
             f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again"
         ) from error
-    return found

@@ -32,7 +32,9 @@ import hashlib
 import io
 import json
 import math
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
@@ -43,10 +45,16 @@ import numpy as np
 
 from .arrays import F64, RigidPose
 from .errors import EvidenceError
+from .folder import write_atomically
 
-__all__ = ["Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
+__all__ = ["DAMAGE", "Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
 
 
+DAMAGE = (
+    *(OSError, EOFError, KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError, RuntimeError),
+    *(zipfile.BadZipFile, zlib.error, struct.error),
+)
+"""What reading a damaged zip file of arrays may raise."""
 KEPT_BYTES = 256_000_000
 """Caches up to this size are kept in memory while a verification reads them."""
 
@@ -73,14 +81,13 @@ class CacheIndex:
 
 def write_container(path: Path, channels: Mapping[str, Any]) -> str:
     """Write named arrays to `path` (temporary name, then rename); returns their digest."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".tmp")
-    with zipfile.ZipFile(temporary, "w") as archive:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
         for name in sorted(channels):
             raw = io.BytesIO()
             np.lib.format.write_array(raw, np.asarray(channels[name]), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(name + ".npy"), raw.getvalue())
-    temporary.replace(path)
+    write_atomically(path, buffer.getvalue())
     return digest_arrays(channels)
 
 
@@ -126,7 +133,7 @@ def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, 
         with zipfile.ZipFile(path) as archive:
             wanted = [n.removesuffix(".npy") for n in archive.namelist()] if names is None else list(names)
             return {n: read_array(archive, n + ".npy") for n in wanted}
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+    except DAMAGE as error:
         raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
 
 
@@ -148,20 +155,19 @@ class Cache:
             for name in ("bodies", "colliders", "joints", "drivers"):
                 data[name] = tuple(data[name])
             return CacheIndex(**data)
-        except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+        except DAMAGE as error:
             raise EvidenceError(f"cache {self.folder.name!r} has no readable index.json ({error}); bake again") from error
 
     def write_index(self, index: CacheIndex) -> None:
         """Write `index.json`."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        (self.folder / "index.json").write_text(json.dumps(asdict(index), indent=1, sort_keys=True))
+        write_atomically(self.folder / "index.json", json.dumps(asdict(index), indent=1, sort_keys=True).encode())
 
     def digests(self) -> list[str]:
         """Digest of every frame written so far, in order, as recorded when it was written."""
         try:
             lines = (self.folder / "digests.txt").read_text().split()
-        except OSError as error:
-            raise EvidenceError(f"cache {self.folder.name!r} has no digests.txt ({error}); bake again") from error
+        except (OSError, ValueError) as error:
+            raise EvidenceError(f"cache {self.folder.name!r} has no readable digests.txt ({error}); bake again") from error
         return lines
 
     def path(self, frame: int) -> Path:

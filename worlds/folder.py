@@ -47,8 +47,12 @@ def write_atomically(path: Path, data: bytes) -> None:
     """Write to a temporary name beside `path`, then rename."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.tmp")
-    temporary.write_bytes(data)
-    temporary.replace(path)
+    try:
+        temporary.write_bytes(data)
+        temporary.replace(path)
+    except OSError:  # half a file would keep the space that a full disk lacks
+        temporary.unlink(missing_ok=True)
+        raise
 
 
 def world_ids(workspace: Path) -> list[str]:
@@ -76,6 +80,11 @@ class WorldFolder:
             raise InputError(f"world id {world[:100]!r} must match {WORLD_ID.pattern}, e.g. 'domino_run'")
         root = safe_join(workspace, world)
         if not create and not (root / "world.json").is_file():
+            if (root / "ledger.sqlite").is_file():
+                raise InputError(
+                    f"world.json of {world!r} is missing, its ledger is there (a write was cut short, or the file was deleted); "
+                    "edit_spec with on_hand_edit='restore' writes it again"
+                )
             known = world_ids(workspace)
             raise InputError(f"there is no world {world!r}; known worlds: {known[:20]}. Create one with edit_spec")
         refuse_foreign(root)

@@ -5,68 +5,20 @@ from __future__ import annotations
 import json
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+from .ledger_file import LedgerFile, check_seal, matrix_texts, put_seal
 from .requirements import Attempt, Outcome, Row, fail_closed, outcome_of
 
 __all__ = ["Ledger"]
-
-_SCHEMA = """
-CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS revisions (
-    n INTEGER PRIMARY KEY, created REAL NOT NULL, digest TEXT NOT NULL, spec TEXT NOT NULL, patch TEXT NOT NULL,
-    hypothesis TEXT NOT NULL, groups TEXT NOT NULL, weakenings TEXT NOT NULL, reason TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS matrix (
-    id TEXT PRIMARY KEY, revision INTEGER NOT NULL, stage TEXT NOT NULL, status TEXT NOT NULL, row TEXT NOT NULL, updated REAL NOT NULL);
-CREATE TABLE IF NOT EXISTS history (
-    seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL, revision INTEGER NOT NULL, stage TEXT NOT NULL, status TEXT NOT NULL,
-    measured REAL, bound REAL, entity TEXT, frame INTEGER, at REAL NOT NULL);
-CREATE TABLE IF NOT EXISTS iterations (
-    n INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, hypothesis TEXT NOT NULL, grp TEXT NOT NULL,
-    failing_before TEXT NOT NULL, probe TEXT, failing_after TEXT, at REAL NOT NULL, changes TEXT, before TEXT, after TEXT);
-CREATE TABLE IF NOT EXISTS freezes (
-    freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, passed INTEGER NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL);
-CREATE TABLE IF NOT EXISTS bakes (freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL);
-CREATE TABLE IF NOT EXISTS acceptances (
-    n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL, verdict TEXT NOT NULL,
-    record TEXT NOT NULL, at REAL NOT NULL);
-"""
 
 _LATER_COLUMNS = {"iterations": ("changes", "before", "after")}
 """Columns that ledgers of older worlds lack; they are added at the first write that needs them."""
 
 
-class Ledger:
+class Ledger(LedgerFile):
     """Outcomes of one world. Append-only but for the matrix, whose changes are kept in `history`."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        with self._open() as db:
-            db.executescript(_SCHEMA)
-
-    @contextmanager
-    def _open(self) -> Iterator[sqlite3.Connection]:
-        db = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
-        try:
-            db.row_factory = sqlite3.Row
-            db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
-            yield db
-        finally:
-            db.close()
-
-    @contextmanager
-    def _write(self) -> Iterator[sqlite3.Connection]:
-        with self._open() as db:
-            db.execute("BEGIN IMMEDIATE")
-            try:
-                yield db
-            except BaseException:
-                db.execute("ROLLBACK")
-                raise
-            db.execute("COMMIT")
 
     # ---------------------------------------------------------------- revisions
 
@@ -101,6 +53,7 @@ class Ledger:
                     reason,
                 ),
             )
+            put_seal(db, f"revision:{latest + 1}", digest, spec_json)
             return int(latest) + 1
 
     def revision(self) -> int:
@@ -112,7 +65,10 @@ class Ledger:
         """(spec JSON, digest) of a revision."""
         with self._open() as db:
             row = db.execute("SELECT spec, digest FROM revisions WHERE n=?", (n,)).fetchone()
-        return None if row is None else (row["spec"], row["digest"])
+            if row is None:
+                return None
+            check_seal(db, f"revision:{n}", row["digest"], row["spec"])
+            return row["spec"], row["digest"]
 
     def revisions(self, limit: int = 50, offset: int = 0) -> list[dict[str, Any]]:
         """Revisions, newest first, without their specs."""
@@ -121,14 +77,14 @@ class Ledger:
                 "SELECT n, created, digest, patch, hypothesis, groups, weakenings, reason FROM revisions ORDER BY n DESC LIMIT ? OFFSET ?",
                 (limit, offset),
             ).fetchall()
-        parsed = ("patch", "groups", "weakenings")
-        return [{k: json.loads(r[k]) if k in parsed else r[k] for k in r.keys()} for r in rows]  # noqa: SIM118
+            parsed = ("patch", "groups", "weakenings")
+            return [{k: json.loads(r[k]) if k in parsed else r[k] for k in r.keys()} for r in rows]  # noqa: SIM118
 
     def weakenings(self) -> list[dict[str, Any]]:
         """All weakening edits with their reasons, oldest first (R157)."""
         with self._open() as db:
             rows = db.execute("SELECT n, weakenings, reason FROM revisions WHERE weakenings != '[]' ORDER BY n").fetchall()
-        return [{"revision": r["n"], "weakenings": json.loads(r["weakenings"]), "reason": r["reason"]} for r in rows]
+            return [{"revision": r["n"], "weakenings": json.loads(r["weakenings"]), "reason": r["reason"]} for r in rows]
 
     # ---------------------------------------------------------------- matrix
 
@@ -173,6 +129,9 @@ class Ledger:
                         ),
                     )
                 db.execute("INSERT OR REPLACE INTO matrix VALUES (?,?,?,?,?,?)", (row.id, revision, stage, row.status, text, now))
+            if stage != "audit" and any(row.status == "fail" for row in closed):
+                db.execute("INSERT OR REPLACE INTO meta VALUES ('ever_failed', '1')")
+            put_seal(db, "matrix", *matrix_texts(db))
         return changed
 
     def mark_stale(self, stale: Mapping[str, str], revision: int) -> int:
@@ -194,24 +153,31 @@ class Ledger:
                     (row_id, revision, "stale", "unverified", time.time()),
                 )
                 count += 1
+            if count:
+                put_seal(db, "matrix", *matrix_texts(db))
         return count
 
     def rows(self) -> list[Row]:
         """The matrix: failing rows first, then unverified, then the rest, each by id."""
         with self._open() as db:
-            found = [Row.model_validate_json(r["row"]) for r in db.execute("SELECT row FROM matrix").fetchall()]
+            check_seal(db, "matrix", *(texts := matrix_texts(db)))
+            found = [Row.model_validate_json(text) for text in texts[2::3]]
         rank = {"fail": 0, "unverified": 1, "pass": 2, "not_applicable": 3}
         return sorted(found, key=lambda r: (rank[r.status], not r.mandatory, r.id))
 
     def stages(self) -> dict[str, str]:
         """Stage each row of the matrix was judged at."""
         with self._open() as db:
-            return {r["id"]: r["stage"] for r in db.execute("SELECT id, stage FROM matrix").fetchall()}
+            check_seal(db, "matrix", *(texts := matrix_texts(db)))
+            return dict(zip(texts[::3], texts[1::3], strict=True))
 
     def ever_failed(self) -> bool:
         """Whether any row other than of the audit ever failed."""
         with self._open() as db:
-            return db.execute("SELECT 1 FROM history WHERE status='fail' AND stage != 'audit' LIMIT 1").fetchone() is not None
+            failure = """
+                SELECT 1 FROM meta WHERE key='ever_failed'
+                UNION ALL SELECT 1 FROM history WHERE status='fail' AND stage != 'audit' LIMIT 1"""
+            return db.execute(failure).fetchone() is not None
 
     def history(self, row_id: str, limit: int = 20) -> list[dict[str, Any]]:
         """Past verdicts of one row, newest first."""
@@ -274,8 +240,8 @@ class Ledger:
         """Iterations, newest first, with what the rows that failed measured before and after."""
         with self._open() as db:
             rows = db.execute("SELECT * FROM iterations ORDER BY n DESC LIMIT ?", (limit,)).fetchall()
-        parsed = ("failing_before", "failing_after", "changes", "before", "after")
-        return [{**dict(r), **{k: json.loads((k in r.keys() and r[k]) or "null") for k in parsed}} for r in rows]  # noqa: SIM118
+            parsed = ("failing_before", "failing_after", "changes", "before", "after")
+            return [{**dict(r), **{k: json.loads((k in r.keys() and r[k]) or "null") for k in parsed}} for r in rows]  # noqa: SIM118
 
     def attempts(self, limit: int = 50) -> dict[str, list[Attempt]]:
         """Past attempts at repair per row that failed then, newest first."""
@@ -297,17 +263,19 @@ class Ledger:
 
     def put_freeze(self, freeze: str, revision: int, *, passed: bool, detail: Mapping[str, Any]) -> None:
         """Record a probe's outcome for these settings; only a passed one is a freeze."""
+        text = json.dumps(detail, sort_keys=True)
         with self._write() as db:
-            db.execute(
-                "INSERT OR REPLACE INTO freezes VALUES (?,?,?,?,?)",
-                (freeze, revision, int(passed), json.dumps(detail, sort_keys=True), time.time()),
-            )
+            db.execute("INSERT OR REPLACE INTO freezes VALUES (?,?,?,?,?)", (freeze, revision, int(passed), text, time.time()))
+            put_seal(db, f"freeze:{freeze}", str(int(passed)), text)
 
     def freeze(self, freeze: str) -> dict[str, Any] | None:
         """The probe's record for these settings."""
         with self._open() as db:
             row = db.execute("SELECT * FROM freezes WHERE freeze=?", (freeze,)).fetchone()
-        return None if row is None else {**dict(row), "detail": json.loads(row["detail"]), "passed": bool(row["passed"])}
+            if row is None:
+                return None
+            check_seal(db, f"freeze:{freeze}", str(row["passed"]), row["detail"])
+            return {**dict(row), "detail": json.loads(row["detail"]), "passed": bool(row["passed"])}
 
     def freezes(self, limit: int = 50) -> list[dict[str, Any]]:
         """Outcomes of probes, newest first."""
@@ -317,32 +285,39 @@ class Ledger:
 
     def put_bake(self, freeze: str, revision: int, digest: str, detail: Mapping[str, Any]) -> None:
         """Record a complete bake."""
+        text = json.dumps(detail, sort_keys=True)
         with self._write() as db:
-            db.execute(
-                "INSERT OR REPLACE INTO bakes VALUES (?,?,?,?,?)",
-                (freeze, revision, digest, json.dumps(detail, sort_keys=True), time.time()),
-            )
+            db.execute("INSERT OR REPLACE INTO bakes VALUES (?,?,?,?,?)", (freeze, revision, digest, text, time.time()))
+            put_seal(db, f"bake:{freeze}", digest, text)
 
     def bake(self, freeze: str) -> dict[str, Any] | None:
         """The record of a complete bake."""
         with self._open() as db:
             row = db.execute("SELECT * FROM bakes WHERE freeze=?", (freeze,)).fetchone()
-        return None if row is None else {**dict(row), "detail": json.loads(row["detail"])}
+            if row is None:
+                return None
+            check_seal(db, f"bake:{freeze}", row["digest"], row["detail"])
+            return {**dict(row), "detail": json.loads(row["detail"])}
 
     def add_acceptance(self, freeze: str, revision: int, subject: str, verdict: str, record: Mapping[str, Any]) -> None:
         """Record the verdict of a fresh process about one candidate; `subject` hashes all it depends on."""
+        text = json.dumps(record, sort_keys=True)
         with self._write() as db:
-            db.execute(
+            number = db.execute(
                 "INSERT INTO acceptances (freeze, revision, subject, verdict, record, at) VALUES (?,?,?,?,?,?)",
-                (freeze, revision, subject, verdict, json.dumps(record, sort_keys=True), time.time()),
-            )
+                (freeze, revision, subject, verdict, text, time.time()),
+            ).lastrowid
+            put_seal(db, f"acceptance:{number}", freeze, subject, verdict, text)
 
     def acceptance(self, subject: str | None = None) -> dict[str, Any] | None:
         """The latest verdict, or the latest about `subject`."""
         where, values = ("", ()) if subject is None else (" WHERE subject=?", (subject,))
         with self._open() as db:
             row = db.execute(f"SELECT * FROM acceptances{where} ORDER BY n DESC LIMIT 1", values).fetchone()  # noqa: S608 - fixed text
-        return None if row is None else {**dict(row), "record": json.loads(row["record"])}
+            if row is None:
+                return None
+            check_seal(db, f"acceptance:{row['n']}", row["freeze"], row["subject"], row["verdict"], row["record"])
+            return {**dict(row), "record": json.loads(row["record"])}
 
 
 def _add_columns(db: sqlite3.Connection, table: str) -> None:

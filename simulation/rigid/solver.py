@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import itertools
 import json
@@ -35,7 +36,9 @@ GUARD = 2e-4
 """Listed contacts closer than this [m] are measured again before a frame is accepted."""
 CLEAR = 1e-7
 """Least accepted distance of visible surfaces at a frame [m]: covers the tolerance of GJK (1e-6 of it matters nowhere)."""
-MAGIC = b"WARS2"
+MAGIC = b"WARS3"
+SEAL_BYTES = 32
+"""A checkpoint is MAGIC, the SHA-256 of what follows, and that."""
 CHANNELS = (
     Channel("position", "f8", "m", ("bodies", "3"), "body"),
     Channel("quaternion", "f8", "1", ("bodies", "4"), "body"),
@@ -270,7 +273,8 @@ class SolverRigid:
         head = {"work": self._work, "overflows": self._overflows, "relaxation": self.relaxation}
         memory, front = self.monitor.memory(), json.dumps(head).encode()
         sizes = len(front).to_bytes(4, "little"), len(memory).to_bytes(4, "little")
-        return b"".join((MAGIC, sizes[0], front, sizes[1], memory, buffer.getvalue()))
+        held = b"".join((sizes[0], front, sizes[1], memory, buffer.getvalue()))
+        return b"".join((MAGIC, hashlib.sha256(held).digest(), held))
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes (all bodies awake)."""
@@ -282,14 +286,17 @@ class SolverRigid:
         """Continue from a checkpoint taken at `frame`.
 
         Raises:
-            EngineError: the bytes are not a checkpoint of this model.
+            EngineError: the bytes are damaged, or not a checkpoint of this model.
         """
         mujoco = self._mj
-        if state[:5] != MAGIC:
+        if state[: len(MAGIC)] != MAGIC:
             raise EngineError("not a checkpoint of a rigid instance; delete the candidate's checkpoints and bake again")
-        size = int.from_bytes(state[5:9], "little")
-        head = json.loads(state[9 : 9 + size])
-        at = 9 + size
+        start = len(MAGIC) + SEAL_BYTES
+        if hashlib.sha256(state[start:]).digest() != state[len(MAGIC) : start]:
+            raise EngineError(f"the checkpoint of frame {frame} is damaged; delete it and bake again")
+        size = int.from_bytes(state[start : start + 4], "little")
+        at = start + 4 + size
+        head = json.loads(state[start + 4 : at])
         length = int.from_bytes(state[at : at + 4], "little")
         memory = state[at + 4 : at + 4 + length]
         values = np.lib.format.read_array(io.BytesIO(state[at + 4 + length :]), allow_pickle=False)

@@ -215,6 +215,7 @@ def test_caps_come_from_the_environment(monkeypatch):
 
 
 def test_the_file_of_another_layout_is_refused(store):
+    store.list()
     with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db")) as connection:
         connection.execute("PRAGMA user_version = 99")
     with pytest.raises(InputError, match="layout 99"):

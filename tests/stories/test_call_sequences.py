@@ -164,6 +164,8 @@ def _forge(rng: random.Random, folder: Path, donor: Path) -> str:
     if choice == "ledger":
         with sqlite3.connect(folder / "ledger.sqlite") as db:
             db.execute(rng.choice(statements))
+            if rng.random() < 0.5:
+                db.execute("DELETE FROM meta")
         db.close()
     elif choice == "swap" and len(frames) > 1:
         first, second = rng.sample(frames, 2)

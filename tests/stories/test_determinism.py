@@ -42,6 +42,7 @@ def long_probed(tmp_path_factory: pytest.TempPathFactory, agent_of: Any) -> Path
         agent.call("probe_sim", world="w")
     with sqlite3.connect(workspace / "w" / "ledger.sqlite") as db:
         db.execute("UPDATE freezes SET passed=1")  # whether it passes is not what these tests are about
+        db.execute("DELETE FROM meta")
     db.close()
     return workspace
 

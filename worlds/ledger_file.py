@@ -1,0 +1,128 @@
+"""The file of a ledger: tables, transactions, and seals that tell a flipped bit from what was written."""
+
+from __future__ import annotations
+
+import hashlib
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from .errors import EvidenceError
+from .storage import storage_failure
+
+__all__ = ["LedgerFile", "check_seal", "matrix_texts", "put_seal"]
+
+_TABLES = {
+    "meta": "key TEXT PRIMARY KEY, value TEXT NOT NULL",
+    "revisions": """
+        n INTEGER PRIMARY KEY, created REAL NOT NULL, digest TEXT NOT NULL, spec TEXT NOT NULL, patch TEXT NOT NULL,
+        hypothesis TEXT NOT NULL, groups TEXT NOT NULL, weakenings TEXT NOT NULL, reason TEXT NOT NULL""",
+    "matrix": """
+        id TEXT PRIMARY KEY, revision INTEGER NOT NULL, stage TEXT NOT NULL, status TEXT NOT NULL, row TEXT NOT NULL,
+        updated REAL NOT NULL""",
+    "history": """
+        seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL, revision INTEGER NOT NULL, stage TEXT NOT NULL,
+        status TEXT NOT NULL, measured REAL, bound REAL, entity TEXT, frame INTEGER, at REAL NOT NULL""",
+    "iterations": """
+        n INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, hypothesis TEXT NOT NULL, grp TEXT NOT NULL,
+        failing_before TEXT NOT NULL, probe TEXT, failing_after TEXT, at REAL NOT NULL, changes TEXT, before TEXT, after TEXT""",
+    "freezes": """
+        freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, passed INTEGER NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL""",
+    "bakes": "freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL",
+    "acceptances": """
+        n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL,
+        verdict TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL""",
+}
+_BUSY_S = 10.0
+
+
+class LedgerFile:
+    """A SQLite file with a rollback journal. Every call opens its own connection, so that any thread may call."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with self._open() as db:
+            known = {r["name"] for r in db.execute("SELECT name FROM sqlite_master WHERE type='table'")}
+            if not known >= _TABLES.keys():
+                db.executescript("".join(f"CREATE TABLE IF NOT EXISTS {name} ({columns});" for name, columns in _TABLES.items()))
+
+    @contextmanager
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        """A connection for reading; what cannot be read or understood is told as damage."""
+        try:
+            db = sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)
+            try:
+                db.row_factory = sqlite3.Row
+                db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
+                yield db
+            finally:
+                db.close()
+        except (sqlite3.DatabaseError, ValueError, KeyError) as error:
+            raise self._failure(error) from error
+
+    @contextmanager
+    def _write(self) -> Iterator[sqlite3.Connection]:
+        """A transaction: all of it or nothing."""
+        try:
+            db = sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)
+            try:
+                db.row_factory = sqlite3.Row
+                db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
+                db.execute("BEGIN IMMEDIATE")
+                try:
+                    yield db
+                    db.execute("COMMIT")
+                except BaseException:
+                    if db.in_transaction:
+                        db.execute("ROLLBACK")
+                    raise
+            finally:
+                db.close()
+        except (sqlite3.DatabaseError, ValueError, KeyError) as error:
+            raise self._failure(error) from error
+
+    def _failure(self, error: Exception) -> Exception:
+        if isinstance(error, sqlite3.ProgrammingError | sqlite3.InterfaceError):
+            return error
+        world = self.path.parent.name
+        told = storage_failure(error, f"{self.path.name} of world {world!r}")
+        if told is not None and not isinstance(told, EvidenceError):
+            return told
+        return EvidenceError(
+            f"{self.path.name} of world {world!r} is damaged ({error}); nothing in it counts and nothing was written. "
+            f"The specification and the caches beside it are untouched: put back a copy of {self.path.name}, or create "
+            f"another world with edit_spec from what the resource worldagent://worlds/{world}/spec holds"
+        )
+
+
+def _sealed(texts: tuple[str, ...]) -> str:
+    state = hashlib.sha256()
+    for text in texts:
+        state.update(text.encode())
+        state.update(b"\x00")
+    return state.hexdigest()
+
+
+def put_seal(db: sqlite3.Connection, place: str, *texts: str) -> None:
+    """Record a digest of what a place of the ledger holds, within the transaction that writes it."""
+    db.execute("INSERT OR REPLACE INTO meta VALUES (?,?)", (f"seal:{place}", _sealed(texts)))
+
+
+def check_seal(db: sqlite3.Connection, place: str, *texts: str) -> None:
+    """Compare a place with its digest; a place without one is of an older ledger.
+
+    A seal finds accidents. It keeps nobody from writing both: what counts against that is the acceptance process.
+
+    Raises:
+        ValueError: they differ, so that the file was damaged.
+    """
+    found = db.execute("SELECT value FROM meta WHERE key=?", (f"seal:{place}",)).fetchone()
+    if found is not None and found["value"] != _sealed(texts):
+        raise ValueError(f"the record {place!r} is not what was written")
+
+
+def matrix_texts(db: sqlite3.Connection) -> tuple[str, ...]:
+    """All that the matrix holds, in the order of its ids."""
+    found = db.execute("SELECT id, stage, row FROM matrix ORDER BY id").fetchall()
+    return tuple(text for r in found for text in (r["id"], r["stage"], r["row"]))

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from worldagent.execution import Cancelled, Job, run_inline
+from worldagent.execution.queue import claim
 from worldagent.execution.table import JobTable
 from worldagent.verifiers import acceptance
 from worldagent.worlds.errors import WorldAgentError
@@ -18,7 +19,7 @@ __all__ = ["run_jobs_inline"]
 
 def _pump(table: JobTable, *, slots: int | None = None) -> int:
     done = 0
-    while claimed := table.claim(slots or 1):
+    while claimed := claim(table, slots or 1):
         for job_id in claimed:
             table.register(job_id, os.getpid())
             job, done = table.read(job_id), done + 1

@@ -43,7 +43,7 @@ def test_a_bake_whose_processes_are_killed_is_told_and_resumed(
         assert told["error"]["type"] == "EngineError"
         assert ("gone" if victim == "worker" else "SIGKILL") in told["error"]["message"]
         written = len(list(bake_folder(bakeable).glob("rigid/frame_*.npz")))
-        assert FRAMES <= written
+        assert written >= FRAMES
         assert "complete bake" in agent.refused("run_checks", world="w", scope="acceptance")
         again = agent.call("bake_sim", world="w")
         assert again["passed"]

@@ -20,11 +20,18 @@ __all__ = ["source_stamp", "surroundings"]
 _READ_WHILE_LOADING = re.compile(
     r"""PYTHON | LD_ | DYLD_ | GLIBC_ | MALLOC_ | OMP_ | KMP_ | GOMP_ | OPENBLAS_ | GOTO_ | MKL_ | BLIS_ | ATLAS_ | NPY_ | NUMPY_
     | SCIPY_ | NUMBA_ | CUDA | NVIDIA_ | WARP_ | MUJOCO_ | MITSUBA_ | MI_ | DRJIT_ | OIDN_ | EMBREE_ | OPENCV_ | OPENEXR_ | TBB_
-    | EGL_ | MESA_ | LIBGL_ | GALLIUM_ | VK_ | LC_ | LANG | TZ$ | HOME$ | PATH$ | TMPDIR$ | XDG_CACHE_HOME$ | VIRTUAL_ENV$""",
+    | EGL_ | MESA_ | PYOPENGL_ | LIBGL_ | GALLIUM_ | VK_ | LC_ | LANG | TZ$ | HOME$ | PATH$ | TMPDIR$ | XDG_CACHE_HOME$ | VIRTUAL_ENV$""",
     re.VERBOSE,
 )
 """Environment variables that an engine or the interpreter may read while it loads. All others are handed over."""
 _KERNEL_FACTS = ("Umask", "Cpus_allowed_list", "Mems_allowed_list", "Uid", "Gid", "Groups", "Seccomp", "CapEff", "NoNewPrivs")
+
+
+def _text(path: str) -> str:
+    try:
+        return Path(path).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
 
 
 def surroundings(environment: Mapping[str, str] | None = None) -> str:
@@ -32,15 +39,14 @@ def surroundings(environment: Mapping[str, str] | None = None) -> str:
     import resource
 
     environment = os.environ if environment is None else environment
-    status = Path("/proc/self/status").read_text(encoding="utf-8", errors="replace")
-    rows = (line.partition(":") for line in status.splitlines())
+    rows = (line.partition(":") for line in _text("/proc/self/status").splitlines())
     facts = {
         "python": [sys.executable, sys.version, str(Path(__file__).parent.parent)],
         "environment": sorted((k, v) for k, v in environment.items() if _READ_WHILE_LOADING.match(k)),
         "kernel": [(name, value.strip()) for name, _, value in rows if name in _KERNEL_FACTS],
         "limits": [resource.getrlimit(kind) for name, kind in sorted(vars(resource).items()) if name.startswith("RLIMIT_")],
         "nice": os.getpriority(os.PRIO_PROCESS, 0),
-        "cgroup": Path("/proc/self/cgroup").read_text(encoding="utf-8"),
+        "cgroup": _text("/proc/self/cgroup"),
     }
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()
 

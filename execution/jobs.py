@@ -11,7 +11,7 @@ from typing import Any
 
 from ..worlds.errors import InputError
 from ..worlds.limits import CAPS
-from .entries import as_json, check_entry
+from .entries import as_json, check_entry, check_module
 from .job import Job, JobState
 from .launch import pump, start, warm_up
 from .processes import core_count
@@ -155,8 +155,11 @@ class JobStore:
 
         Returns at once; True if one waits or loads now. It ends after some idle minutes. Without one (not Linux,
         switched off by WORLDAGENT_WARM=0, or it failed) jobs start cold.
+
+        Raises:
+            RefusedError: The module lies outside `worldagent.`.
         """
-        return warm_up(self._table.workspace, module)
+        return warm_up(self._table.workspace, check_module(module))
 
     def request_cancel(self, job_id: str) -> Job:
         """Ask a job to end; at once if it is queued, within 2 s if it runs. An ended job stays as it is.

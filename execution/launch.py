@@ -53,10 +53,13 @@ def warm_up(workspace: Path, module: str) -> bool:
 
     if not is_on():
         return False
-    if is_there(workspace):
-        keep(workspace, module)
-        return True
-    process = start_nursery(workspace, module)
+    try:
+        if is_there(workspace):
+            keep(workspace, module)
+            return True
+        process = start_nursery(workspace, module)
+    except OSError:  # jobs start cold
+        return False
     with _starting_lock:
         _starting.append(process)
     return True
@@ -85,7 +88,10 @@ def _spawn_warm(table: JobTable, job_id: str, module: str, slots: int) -> bool:
         return False
     from .warm import ask, is_on
 
-    return is_on() and ask(table.workspace, module, job_id, slots)
+    try:
+        return is_on() and ask(table.workspace, module, job_id, slots)
+    except OSError:
+        return False
 
 
 def _reap() -> None:

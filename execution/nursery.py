@@ -136,7 +136,7 @@ class Nursery:
             return False
 
     def _answer(self, line: socket.socket) -> None:
-        with contextlib.suppress(OSError, ValueError):  # whoever asks badly gets no answer, and starts cold
+        with contextlib.suppress(OSError, ValueError, KeyError, TypeError):  # whoever asks badly gets no answer, and starts cold
             line.settimeout(READ_S)
             _, user, _ = struct.unpack("3i", line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i")))
             if user != os.getuid():

@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .entries import check_module
 from .fingerprint import surroundings
 from .schema import FOLDER
 
@@ -96,7 +95,6 @@ def is_there(workspace: Path) -> bool:
 
 def start_nursery(workspace: Path, module: str) -> subprocess.Popen[bytes]:
     """Start one; the process that forks it and ends at once. Of several that start only one stays."""
-    check_module(module)
     command = [sys.executable, "-P", "-m", f"{__package__}.nursery", str(workspace), module]
     with (workspace / FOLDER / LOG).open("ab") as log:
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd=workspace, start_new_session=True)

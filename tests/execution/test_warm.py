@@ -5,8 +5,10 @@ import os
 import re
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -185,6 +187,23 @@ def test_a_nursery_loads_code_of_this_package_only(store, switched_on):
             store.warm_up(module)
     with pytest.raises(nursery.Unfit, match="WARM"):
         nursery.load("worldagent.execution.job")
+
+
+def test_senseless_requests_leave_the_nursery_alone(nursed):
+    for request in ({}, [], {"do": "start"}, {"do": "start", "module": 3, "surroundings": None}, "x" * 10_000):
+        answer = warm.send(nursed.workspace, request)
+        assert answer is None or answer["served"] is False
+    assert _see(nursed)["nursery"] is True
+
+
+def test_a_row_that_names_foreign_code_is_not_run_warm_either(nursed):
+    """The worker checks for itself; and one such row stands in nobody's way."""
+    done = nursed.wait(nursed.submit("echo", None, {}, entry=E + "echo", warm=True).id, 15)
+    with closing(sqlite3.connect(nursed.workspace / FOLDER / "jobs.db")) as connection, connection:
+        connection.execute("UPDATE jobs SET entry = 'os:abort', state = 'queued', pid = NULL, finished = NULL")
+    ended = nursed.wait(done.id, 15)
+    assert (ended.state, ended.error["type"]) == ("failed", "RefusedError")
+    assert _see(nursed)["nursery"] is True
 
 
 def test_off_means_cold(store, monkeypatch):

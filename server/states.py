@@ -6,6 +6,7 @@ import re
 from collections.abc import Hashable
 from pathlib import Path
 
+from ..worlds.errors import InputError
 from ..worlds.folder import WORLD_ID, WorldFolder, world_ids
 from .workspace_jobs import WorkspaceJobs
 
@@ -57,7 +58,10 @@ class ResourceStates:
         store = self._jobs.present()
         if store is None:
             return None
-        job = store.get(job_id)
+        try:
+            job = store.get(job_id)
+        except InputError:
+            return None
         return (job.state, job.progress_done, job.message)
 
 

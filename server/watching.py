@@ -132,14 +132,14 @@ class ResourceWatch:
                     logger.debug("a subscriber of %s could not be told", uri, exc_info=True)
 
     def _states(self, uris: Iterable[str]) -> dict[str, Hashable]:
-        return {uri: self._state(uri) for uri in uris}
-
-    def _state(self, uri: str) -> Hashable:
-        try:
-            return self._state_of(uri)
-        except Exception:
-            logger.debug("the state of %s could not be read", uri, exc_info=True)
-            return None
+        """States by URI; what cannot be read now (a busy database, a full disk) is left out and counts as unchanged."""
+        found: dict[str, Hashable] = {}
+        for uri in uris:
+            try:
+                found[uri] = self._state_of(uri)
+            except Exception:
+                logger.debug("the state of %s could not be read", uri, exc_info=True)
+        return found
 
 
 def _listened(ctx: ServerRequestContext[Any, Any]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -146,3 +147,26 @@ async def test_a_server_process_tells_over_http_what_this_process_changed(server
                     assert await anext(aiter(stream)) == ResourceUpdated(uri=MATRIX)
         finally:
             child.terminate()
+
+
+async def test_what_cannot_be_read_for_a_while_has_not_changed(server: WorldServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    broken, real = threading.Event(), server.watch._state_of
+    looked = threading.Event()
+
+    def state_of(uri: str) -> Any:
+        if broken.is_set():
+            looked.set()
+            raise OSError(28, "No space left on device")
+        return real(uri)
+
+    monkeypatch.setattr(server.watch, "_state_of", state_of)
+    async with Client(server) as client, client.listen(resource_subscriptions=[MATRIX]) as stream:
+        broken.set()
+        assert await anyio.to_thread.run_sync(looked.wait, PATIENCE_S)
+        broken.clear()
+        with anyio.move_on_after(0.3) as waited:
+            await anext(aiter(stream))
+        assert waited.cancelled_caught
+        await anyio.to_thread.run_sync(judge, server)
+        with anyio.fail_after(PATIENCE_S):
+            assert await anext(aiter(stream)) == ResourceUpdated(uri=MATRIX)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..worlds.errors import InputError, WorldAgentError
+from ..worlds.errors import EngineError, InputError, WorldAgentError
 from ..worlds.quoting import visible
 from .token_commands import add_token_commands
 
@@ -34,6 +34,8 @@ BENCHMARKS: dict[str, str] = {
 ENV_WORKSPACE = "WORLDAGENT_WORKSPACE"
 ENV_TOKEN = "WORLDAGENT_TOKEN"  # noqa: S105 - name of a variable
 OK, FAILED, MISUSED = 0, 1, 2
+NEED_POSIX = ("_serve", "_demo", "_recompute")
+"""Commands that start jobs."""
 
 
 def default_workspace() -> Path:
@@ -47,6 +49,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command
     try:
+        if sys.platform == "win32" and command.__name__ in NEED_POSIX:
+            raise EngineError(
+                "jobs need the process groups of Linux and macOS, which Windows does not have. Run worldagent inside WSL2 "
+                "(wsl --install, then there: uv tool install worldagent) or in its container; `worldagent setup CLIENT "
+                "--through wsl` (in WSL) or `--through docker` gives the entry for a client on Windows"
+            )
         return command(arguments)
     except WorldAgentError as error:
         print(f"worldagent: {visible(str(error))}", file=sys.stderr)

@@ -9,7 +9,8 @@ from typing import Any
 
 import anyio
 import pytest
-from worldagent.examples.first_world import CodexClient, first_world, main, two_blocks
+from worldagent.examples.first_world import first_world, main, two_blocks
+from worldagent.examples.real_clients import ClaudeClient, CodexClient
 from worldagent.worlds.errors import EngineError
 
 CODEX = """#!{python}
@@ -30,6 +31,39 @@ for line in sys.stdin:
             answer = {{"content": [{{"type": "text", "text": json.dumps({{"tool": p["tool"]}})}}], "isError": False}}
         print(json.dumps({{"id": ask["id"], "result": answer}}), flush=True)
 """
+CLAUDE = """#!{python}
+import json, os, urllib.request
+def ask(messages):
+    body = json.dumps({{"model": "m", "tools": [{{}}], "messages": messages}}).encode()
+    with urllib.request.urlopen(os.environ["ANTHROPIC_BASE_URL"] + "/v1/messages?beta=true", data=body) as answer:
+        events = [json.loads(line[6:]) for line in answer.read().decode().splitlines() if line.startswith("data: ")]
+    block = next(e["content_block"] for e in events if e["type"] == "content_block_start")
+    if block["type"] == "tool_use":
+        block["input"] = json.loads(next(e["delta"]["partial_json"] for e in events if e["type"] == "content_block_delta"))
+    return block
+messages = [{{"role": "user", "content": "go"}}]
+ask(messages)
+while (block := ask(messages))["type"] == "tool_use":
+    texts = ["[Resource from worldagent]", json.dumps({{"tool": block["name"], "world": block["input"]["world"]}})]
+    content = [{{"type": "text", "text": t}} for t in texts] + [{{"type": "image"}}]
+    result = {{"type": "tool_result", "tool_use_id": block["id"], "content": content, "is_error": False}}
+    messages += [{{"role": "assistant", "content": [block]}}, {{"role": "user", "content": [result]}}]
+"""
+
+
+def test_claude_code_is_given_the_calls_of_the_script_and_brings_the_results(tmp_path: Path) -> None:
+    program = tmp_path / "claude"
+    program.write_text(CLAUDE.format(python=sys.executable))
+    program.chmod(0o755)
+    client = ClaudeClient(str(program))
+    try:
+        for world in ("a", "b"):
+            assert anyio.run(client.call, "edit_spec", {"world": world}) == (
+                {"tool": "mcp__worldagent__edit_spec", "world": world},
+                1,
+            )
+    finally:
+        client.close()
 
 
 @pytest.fixture

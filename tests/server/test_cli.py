@@ -114,6 +114,17 @@ def test_misuse_exits_with_two(arguments: list[str]) -> None:
     assert caught.value.code == 2
 
 
+@pytest.mark.parametrize("command", [["serve"], ["demo"], ["recompute", "w"]])
+def test_windows_is_told_where_the_server_runs_instead(
+    command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert main(command) == 2
+    told = capsys.readouterr().err
+    assert "WSL2" in told
+    assert "--through docker" in told
+
+
 def test_a_workspace_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
     assert main(["serve", "--workspace", str(tmp_path / "file")]) == 2

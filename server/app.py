@@ -29,6 +29,7 @@ from .calls import error_result, error_text, run_in_thread
 from .extensions.skills import Skills
 from .extensions.tasks import HANDOVER, Tasks
 from .icons import SERVER_ICON, icon_of
+from .page.mcp_app import add_world_page, world_app
 from .prompts import add_prompts
 from .resources import add_resources
 from .states import ResourceStates
@@ -193,9 +194,10 @@ def create_server(
         tools, required = (*tools, *FIXTURE_TOOLS), REQUIRE_TASKS
     jobs = WorkspaceJobs(workspace.expanduser().absolute(), store)
     tasks = Tasks(jobs, tools, required=required)
-    server = WorldServer(jobs, tools, extensions=(tasks, Skills(), *extensions))
+    server = WorldServer(jobs, tools, extensions=(tasks, Skills(), world_app(), *extensions))
     server.middleware.append(tasks.check_listening)
     add_resources(server, server.workspace, jobs)
+    add_world_page(server, jobs)
     add_prompts(server)
     if conformance:
         from .conformance.fixtures import add_fixtures

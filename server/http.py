@@ -84,7 +84,7 @@ def http_app(
         tools: Tools to serve; default all.
         conformance: Whether to serve the fixtures of the official conformance suite too.
     """
-    from .page import page_routes
+    from .page.routes import page_routes
 
     if tools is None:
         from ..tools import TOOLS

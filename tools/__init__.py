@@ -6,12 +6,17 @@ from .context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from .edit_spec import edit_spec
 from .inspect_world import inspect_world
 from .job import job
+from .links import WORLD_VIEW
 from .place_object import place_object
 from .probe_sim import motion_reply, probe_sim
 from .render_shot import film_reply, render_shot
 from .run_checks import run_checks, verdict_reply
 
 __all__ = ["TOOLS", "Handover", "Picture", "ToolBinding", "ToolContext", "ToolReply"]
+
+
+_SEEN = {"ui": {"resourceUri": WORLD_VIEW}}
+"""Beside the long wait and the verdict, hosts of MCP Apps show the world itself; other tools are called too often for that."""
 
 
 def _found_by(words: str) -> dict[str, str]:
@@ -48,7 +53,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         read_only=False,
         idempotent=True,
         jobs={"bake": motion_reply},
-        meta=_found_by("run the whole physics simulation"),
+        meta={**_found_by("run the whole physics simulation"), **_SEEN},
     ),
     ToolBinding(
         run_checks,
@@ -56,7 +61,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         read_only=False,
         idempotent=True,
         jobs={"check": verdict_reply, "accept": verdict_reply},
-        meta=_found_by("verify a world, acceptance, requirements matrix"),
+        meta={**_found_by("verify a world, acceptance, requirements matrix"), **_SEEN},
     ),
     ToolBinding(
         render_shot,

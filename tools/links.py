@@ -1,11 +1,14 @@
-"""Resource links to what acceptance wrote."""
+"""Resource links to what acceptance wrote, and to the view of a world."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["proof_links"]
+__all__ = ["WORLD_VIEW", "proof_links"]
+
+WORLD_VIEW = "ui://worldagent/world"
+"""What hosts of MCP Apps show beside a tool that names it."""
 
 _KINDS = {"report": "text/html", "bundle": "application/zip"}
 

@@ -18,6 +18,7 @@ from ...worlds.errors import EvidenceError, InputError
 from ...worlds.folder import WorldFolder, world_ids
 from ...worlds.ledger import Ledger
 from ...worlds.requirements import Row
+from .charts import ledger_charts
 from .judged import OPEN_ROWS, latest_acceptance, latest_verdict, row_counts, row_line, row_status, row_text
 from .pictures import SHEETS, picture_list
 
@@ -286,6 +287,17 @@ class PageData:
         folder = WorldFolder.of(self.workspace, world)
         found = picture_list(folder, self._revisions(folder))
         return {"pictures": found[offset : offset + limit], "total": len(found), "offset": offset}
+
+    def charts(self, world: str) -> dict[str, Any]:
+        """Recorded quantities over time.
+
+        Raises:
+            InputError: there is no such world.
+            EvidenceError: nothing was simulated.
+        """
+        folder = WorldFolder.of(self.workspace, world)
+        with self._ledger(folder) as ledger:
+            return ledger_charts(folder, ledger)
 
     def _revisions(self, folder: WorldFolder) -> tuple[int, dict[str, int]]:
         """The present revision, and the revision of each freeze by the first letters of its hash."""

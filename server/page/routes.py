@@ -22,9 +22,7 @@ from ...execution import JobStore
 from ...tools.standing import film_of
 from ...worlds.errors import EvidenceError, InputError, LimitError, WorldAgentError
 from ...worlds.folder import WorldFolder, safe_join
-from ...worlds.ledger import Ledger
 from ...worlds.quoting import shown
-from .charts import ledger_charts
 from .data import MAX_PAGE, PageData, QueryError, job_view
 from .events import MOST_LISTENERS, EventHub
 from .pictures import PICTURE_TYPES, picture_path, thumbnail
@@ -129,13 +127,6 @@ class Page:
         saved = f"{folder.id}_{path.name}" if path.suffix == ".zip" else None
         return FileResponse(path, media_type=PROOF_TYPES[path.suffix], headers=headers, filename=saved)
 
-    def charts(self, request: Request) -> dict[str, Any]:
-        """Recorded quantities over time."""
-        folder = self._folder(request)
-        if not folder.ledger_path.is_file():
-            raise EvidenceError("nothing is simulated yet")
-        return ledger_charts(folder, Ledger(folder.ledger_path))
-
     def _folder(self, request: Request) -> WorldFolder:
         return WorldFolder.of(self.data.workspace, request.path_params["world"])
 
@@ -176,7 +167,7 @@ def page_routes(workspace: Path, jobs: Callable[[], JobStore]) -> list[BaseRoute
         get(f"{world}/row", lambda r: data.row(name(r), r.query_params.get("id", ""))),
         get(f"{world}/revisions", lambda r: data.revisions(name(r), **_slice(r, 25))),
         get(f"{world}/pictures", lambda r: data.pictures(name(r), **_slice(r, 24))),
-        get(f"{world}/charts", page.charts),
+        get(f"{world}/charts", lambda r: data.charts(name(r))),
         Route(f"{world}/pictures/{{name}}", _told(page.picture), methods=["GET"]),
         Route(f"{world}/film", _told(page.film), methods=["GET"]),
         Route(f"{world}/proof/{{name}}", _told(page.proof), methods=["GET"]),

@@ -73,7 +73,9 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
     assert uris == [
         f"worldagent://worlds/{{world}}/{part}"
         for part in ("spec", "matrix", "revisions", "report", "entities/{entity}", "pictures/{name}", "acceptance/{name}", "film")
-    ] + ["worldagent://jobs/{job_id}", "worldagent://worlds/{world}/jobs", "skill://{name}/{+path}"]
+    ] + ["worldagent://jobs/{job_id}", "worldagent://worlds/{world}/jobs", "skill://{name}/{+path}"] + [
+        "worldagent://worlds/{world}/page{?view,status,group,q,row,offset,limit}"
+    ]
     for thing in (*resources, *templates):
         assert thing.description
         assert thing.title

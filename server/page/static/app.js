@@ -138,7 +138,7 @@ export class App {
 
   bar() {
     const { bar } = this.places;
-    if (!bar) return;
+    if (this.source.embedded) return;
     const at = this.state.locked ? "" : this.state.route.name;
     const active = [...this.state.jobs.values()].filter((j) => !j.ended).length;
     const words = { live: "live", away: "not connected, trying again" }[this.connection] ?? "";
@@ -191,8 +191,10 @@ export class App {
   arrived() {
     const title = this.places.main.querySelector("h1");
     document.title = title ? `${title.textContent} – worldagent` : "worldagent";
-    if (this.started) title?.focus({ preventScroll: true });
-    if (this.started) window.scrollTo(0, 0);
+    if (this.started) {
+      title?.focus({ preventScroll: true });
+      window.scrollTo(0, 0);
+    }
     this.started = true;
   }
 
@@ -218,6 +220,15 @@ export class App {
   // ------------------------------------------------------------ what the person does
 
   clicked(event) {
+    if (this.source.embedded) {
+      // A host may show the view in a document whose address is not its own: links are followed here.
+      const anchor = event.target.closest?.('a[href^="#/"]');
+      if (anchor) {
+        event.preventDefault();
+        this.go(anchor.getAttribute("href"));
+        return;
+      }
+    }
     const target = event.target.closest?.("[data-action]");
     if (!target || target.tagName === "FORM") return;
     const { action, id } = target.dataset;
@@ -249,6 +260,10 @@ export class App {
 
   async open(target, action) {
     try {
+      if (this.source.save) {
+        await this.source.save(target.dataset.path, target.dataset.name);
+        return;
+      }
       const url = await this.source.address(target.dataset.path);
       const anchor = h("a", action === "save" ? { href: url, download: target.dataset.name } : { href: url, target: "_blank", rel: "noopener" });
       anchor.click();

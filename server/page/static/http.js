@@ -85,7 +85,7 @@ export class HttpSource {
     return small ? `${path}&thumbnail` : path;
   }
 
-  filmPath = (world) => `/api/worlds/${encodeURIComponent(world)}/film`;
+  filmPath = (world, at) => `/api/worlds/${encodeURIComponent(world)}/film?v=${Math.round(at)}`;
   proofPath = (world, name) => `/api/worlds/${encodeURIComponent(world)}/proof/${encodeURIComponent(name)}`;
 
   // An address that an element can load: the path itself, or a copy in memory where a token has to be sent.

@@ -1,7 +1,7 @@
 // Pieces that several views share.
 
 import { h } from "./dom.js";
-import { clock, count, duration, number, quantity, required, status, where, words } from "./format.js";
+import { clock, duration, quantity, required, status, where, words } from "./format.js";
 
 export const link = (path, ...children) => h("a", { href: `#${path}` }, ...children);
 export const worldPath = (id, view = "") => `/w/${encodeURIComponent(id)}${view ? `/${view}` : ""}`;
@@ -107,5 +107,3 @@ export function caption(shown) {
   return h("figcaption", null, shown.alt, shown.older ? [" ", status("stale", "of an earlier revision")] : null, " ", h("span", { class: "quiet" }, clock(shown.at)));
 }
 
-export const summaryOf = (rows) => count(rows, "row");
-export { number };

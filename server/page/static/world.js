@@ -104,25 +104,25 @@ export function weakenings(list) {
 }
 
 function proofs(state, world, files) {
-  if (!files?.report && !files?.bundle) return null;
+  if ((!files?.report && !files?.bundle) || state.source.keepsFiles) return null;
   const item = (name, text) => h("a", { class: "file", href: state.source.direct ? state.source.proofPath(world.id, name) : "#", "data-action": state.source.direct ? null : "save", "data-path": state.source.proofPath(world.id, name), "data-name": `${world.id}_${name}`, download: state.source.direct && !name.endsWith(".zip") ? null : `${world.id}_${name}` }, text);
   return h("p", { class: "files" }, files.report ? item(files.report, "Matrix report") : null, files.bundle ? item(files.bundle, "Bundle (zip)") : null, h("span", { class: "quiet" }, " A verdict is worth what can be checked: ", h("code", null, "worldagent verify BUNDLE.zip")));
 }
 
 function latest(state, world) {
   const shown = world.latest;
-  if (!shown || !state.source.picturePath) return null;
+  if (!shown) return null;
   return section("latest", "Latest picture", h("figure", null, link(worldPath(world.id, "pictures"), picture(world.id, shown, state, { small: false, lazy: false })), caption(shown)));
 }
 
 function film(state, world) {
   const found = world.film;
-  if (!found || !state.source.filmPath) return null;
+  if (!found) return null;
   return section(
     "film",
     "Film",
     found.state === "done" ? null : h("p", null, status("stale"), `: ${found.note || words(found.state)}`),
-    h("video", { controls: true, preload: "metadata", playsinline: true, "data-src": `${state.source.filmPath(world.id)}?v=${Math.round(found.at)}`, "aria-label": `Film of ${world.title}` }),
+    h("video", { controls: true, preload: "metadata", playsinline: true, "data-src": state.source.filmPath(world.id, found.at), "aria-label": `Film of ${world.title}` }),
     h("p", { class: "quiet facts" }, `${bytes(found.bytes)}, rendered `, clock(found.at)),
   );
 }

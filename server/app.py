@@ -119,8 +119,8 @@ class WorldServer(MCPServer[Any]):
                 return await super().call_tool(name, arguments, context)
             known = [*self._bindings, *others]
             close = difflib.get_close_matches(name, known, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else ""
-            return error_result(f"invalid: there is no tool {shown(name)}{hint}. Tools: {', '.join(known)}")
+            hint = f"; did you mean {close[0]!r}?" if close else "."
+            return error_result(f"invalid: there is no tool {shown(name)}{hint} Tools: {', '.join(known)}")
         binding, accepted = self._bindings[name]
         try:
             parsed = accepted.parse(arguments)

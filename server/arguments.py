@@ -48,6 +48,7 @@ class Arguments:
             return self._metadata.validate_arguments(dict(given))
         except ValidationError as error:
             problems = [self._problem(dict(found)) for found in error.errors(include_url=False)]
+        problems = list(dict.fromkeys(problems))
         more = len(problems) - _SHOWN_PROBLEMS
         shown = problems[:_SHOWN_PROBLEMS] + ([f"... and {more} more"] if more > 0 else [])
         raise InputError(f"arguments of {self.tool}: " + "; ".join(shown))
@@ -66,9 +67,34 @@ class Arguments:
             described = schema.get("description")
             return f"{where} is missing" + (f" ({described})" if described else "")
         allowed = "" if inner else _allowed(schema)
+        options = _options(schema)
+        if found["type"] in ("literal_error", "enum") and not inner and options:
+            close = difflib.get_close_matches(str(found["input"])[:100], options, n=1, cutoff=0.4)
+            hint = f"; did you mean {close[0]!r}?" if close else ";"
+            return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)} is not allowed{hint} one of {', '.join(map(repr, options))}"
+        length = _length(schema)
+        if length is not None and isinstance(found["input"], list | tuple) and len(found["input"]) != length:
+            about = f" ({schema['description']})" if "description" in schema else ""
+            return f"{argument} = {shown(found['input'], _SHOWN_CHARACTERS)} has {len(found['input'])} items, it needs {length}{about}"
+        if found["type"] == "list_type" and not inner:
+            return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)} must be a list: put it in brackets"
         return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)}: {found['msg']}" + (
             f" (allowed: {allowed})" if allowed else ""
         )
+
+
+def _options(schema: Mapping[str, Any]) -> list[str]:
+    """Words that a value may be, where those are all it may be."""
+    found = [value for option in schema.get("anyOf", [schema]) for value in option.get("enum", ())]
+    return [value for value in found if isinstance(value, str)]
+
+
+def _length(schema: Mapping[str, Any]) -> int | None:
+    """Number of items of a vector."""
+    for option in schema.get("anyOf", [schema]):
+        if "minItems" in option and option["minItems"] == option.get("maxItems"):
+            return int(option["minItems"])
+    return None
 
 
 def _allowed(schema: Mapping[str, Any]) -> str:

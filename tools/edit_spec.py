@@ -119,6 +119,8 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     then = _next(world, report.passed, set(outcome.get("groups", ("shape",))))
     links = ((f"{world} specification", f"worldagent://worlds/{world}/spec", "application/json"),)
     stale = outcome.get("rows_now_stale", 0)
+    if outcome.get("changed") == []:
+        done += ", though nothing changed"
     text = f"{world} {done}; {verdict}" + (f"; {stale} rows are stale now" if stale else "")
     return ToolReply(answer(data, text, then, warnings), links=links)
 

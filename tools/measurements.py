@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import Any, Literal
 
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.errors import EvidenceError, InputError, RefusedError
+from ..worlds.hints import did_you_mean
 from ..worlds.records import QUANTITIES
 from .answers import answer, call, paged
 from .session import Session
@@ -41,7 +41,7 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
     if stage == "best":
         return static
     raise RefusedError(
-        f"there is no {stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} first"
+        f"there is no {'bake' if stage == 'full' else stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} first"
     )
 
 
@@ -90,13 +90,13 @@ def measured(
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")
     unknown = [e for e in entities or [] if e not in session.spec.entities]
     if unknown:
-        close = [c for e in unknown for c in difflib.get_close_matches(e, session.spec.entities, n=1)]
-        hint = f"did you mean {', '.join(map(repr, close))}? " if close else ""
-        raise InputError(f"unknown entities {unknown}; {hint}the world has {sorted(session.spec.entities)[:30]}")
+        hint = did_you_mean(unknown[0], session.spec.entities) or ";"
+        raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
     first, last = frames or (0, candidate.last_frame)
     if not 0 <= first <= last <= candidate.last_frame:
+        more = "; probe_sim gives motion" if candidate.stage == "static" else ""
         raise InputError(
-            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} (of the {candidate.stage} run)"
+            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {candidate.stage} run{more}"
         )
     head = {"source": candidate.artifact, "stage": candidate.stage}
     same = {"entities": entities, "frames": None if frames is None else [first, last]}

@@ -94,12 +94,14 @@ def _move(
     import numpy as np
 
     from ..worlds.arrays import RigidPose, euler_to_quaternion, pose_of
+    from ..worlds.hints import did_you_mean
     from ..worlds.patch import apply_patch
 
     spec = session.spec
     for name in (entity, on):
         if name is not None and name not in spec.entities:
-            raise InputError(f"unknown entity {name!r}; the world has {sorted(spec.entities)[:30]}")
+            hint = did_you_mean(name, spec.entities) or ";"
+            raise InputError(f"unknown entity {name!r}{hint} the world has {sorted(spec.entities)[:30]}")
     if entity == on:
         raise InputError(f"{entity!r} cannot rest on itself")
     pose = pose_of(spec.entities[entity].pose)

@@ -79,8 +79,12 @@ def render_shot(
         state = 0
     if state > candidate.last_frame:
         raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
+    from ..worlds.hints import did_you_mean
+
     if shot is not None and shot not in session.spec.shots:
-        raise InputError(f"unknown shot {shot!r}; the world has {sorted(session.spec.shots)}, and camera=... needs none")
+        raise InputError(
+            f"unknown shot {shot!r}{did_you_mean(shot, session.spec.shots) or ';'} the world has {sorted(session.spec.shots)}"
+        )
     from ..rendering import shot_of
     from ..worlds.canonical import digest_of
     from .answers import answer

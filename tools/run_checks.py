@@ -59,6 +59,7 @@ def run_checks(
     Not for: reading known rows (inspect_world(part='matrix')). Next: after acceptance render_shot(kind='final'); after
     failures edit_spec.
     """
+    from .measurements import latest_candidate
     from .rows import summary
     from .session import Session
     from .waiting import start_and_wait
@@ -82,6 +83,7 @@ def run_checks(
         data = start_and_wait(context, session, "accept", judged, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
     else:
         session.require_audit(f"{scope} checks")
+        latest_candidate(session, scope)
         payload = {"scope": scope, "only": only, "revision": session.revision, "detail": detail}
         which = "+".join(only or ("all",))
         data = start_and_wait(

@@ -21,6 +21,7 @@ from typing import Any
 
 from .errors import EvidenceError, InputError
 from .foreign import refuse_foreign
+from .hints import did_you_mean
 
 __all__ = ["WorldFolder", "safe_join", "world_ids", "write_atomically"]
 
@@ -77,7 +78,7 @@ class WorldFolder:
             EvidenceError: the folder holds links out of it, pipes or devices.
         """
         if not WORLD_ID.fullmatch(world):
-            raise InputError(f"world id {world[:100]!r} must match {WORLD_ID.pattern}, e.g. 'domino_run'")
+            raise InputError(f"world id {world[:100]!r} must match {WORLD_ID.pattern}, e.g. {_as_id(world)!r}")
         root = safe_join(workspace, world)
         if not create and not (root / "world.json").is_file():
             if (root / "ledger.sqlite").is_file():
@@ -86,7 +87,8 @@ class WorldFolder:
                     "edit_spec with on_hand_edit='restore' writes it again"
                 )
             known = world_ids(workspace)
-            raise InputError(f"there is no world {world!r}; known worlds: {known[:20]}. Create one with edit_spec")
+            hint = did_you_mean(world, known)
+            raise InputError(f"there is no world {world!r}{hint or ';'} known worlds: {known[:20]}. Create one with edit_spec")
         refuse_foreign(root)
         return cls(root)
 
@@ -152,3 +154,9 @@ class WorldFolder:
             return json.loads(path.read_text())
         except (OSError, ValueError, RecursionError) as error:
             raise EvidenceError(f"{self.relative(path)} is missing or damaged: {error}") from error
+
+
+def _as_id(world: str) -> str:
+    """An id that comes near to a malformed one."""
+    near = re.sub(r"[^a-z0-9_-]+", "_", str(world)[:64].lower()).strip("_-")
+    return near if WORLD_ID.fullmatch(near) else "domino_run"

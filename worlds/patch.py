@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from .bounds import check_document, extent, shown
 from .errors import SpecError
+from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
 from .predicates import PREDICATES
 from .spec import WorldSpec
@@ -39,8 +40,7 @@ def parse_spec(document: Any) -> WorldSpec:
     text = "\n".join(f"  {place}: {message}" for place, message in problems[:_SHOWN_PROBLEMS])
     more = f"\n  and {count - _SHOWN_PROBLEMS} more" if count > _SHOWN_PROBLEMS else ""
     raise SpecError(
-        f"the specification does not validate, nothing was changed:\n{text}{more}\n"
-        "Read worldagent://schema/world for fields and ranges, then send the patch again.",
+        f"the specification does not validate, nothing was changed:\n{text}{more}\n{_advice(problems)}, then send it again.",
         tuple(problems),
     )
 
@@ -57,12 +57,21 @@ def _problems(document: Any, error: ValidationError) -> list[tuple[str, str]]:
             error = fewer
         if error.error_count() > _LISTED_PROBLEMS:
             return [("", "hardly anything in it is as the schema has it")]
-    found = []
+    found: list[tuple[str, str]] = []
     for item in error.errors(include_url=False):
-        place = "/" + "/".join(str(p) for p in item["loc"])
+        if len(found) < _SHOWN_PROBLEMS:
+            place, message = spec_problem(document, dict(item))
+        else:
+            place, message = "/" + "/".join(str(p) for p in item["loc"]), f"{item['msg']} (got {shown(item.get('input'))})"
         place = place if len(place) <= _ERROR_CHARACTERS else f"{place[:_ERROR_CHARACTERS]}..."
-        found.append((place, f"{item['msg'][:_ERROR_CHARACTERS]} (got {shown(item.get('input'))})"))
+        found.append((place, message[: 3 * _ERROR_CHARACTERS]))
     return found
+
+
+def _advice(problems: Sequence[tuple[str, str]]) -> str:
+    place = problems[0][0].rpartition("/")[0] if problems else ""
+    asked = f"inspect_world(part='schema', pointer={place or '/'!r})"
+    return f"{asked} tells the fields and ranges there, worldagent://schema/world all of them"
 
 
 def _first_members(value: Any) -> Any:
@@ -108,7 +117,8 @@ def _applied(document: Any, operation: Mapping[str, Any], number: int) -> tuple[
         return jsonpatch.apply_patch(document, [dict(operation)], in_place=True), size.values
     except (jsonpatch.JsonPatchException, jsonpointer.JsonPointerException, TypeError, KeyError, AttributeError) as error:
         raise SpecError(
-            f"{what} cannot be applied, nothing was changed: {str(error)[:_ERROR_CHARACTERS]}. Paths are JSON pointers into world.json"
+            f"{what} cannot be applied, nothing was changed: {patch_problem(document, operation, error)}. "
+            "Paths are JSON pointers into world.json"
         ) from error
 
 

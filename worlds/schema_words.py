@@ -93,7 +93,7 @@ def described(part: str) -> dict[str, Any]:
     Raises:
         InputError: there is no such part.
     """
-    name = _by_pointer(part) if part.startswith("/") else part
+    name = _by_pointer(part) if part.startswith("/") else {k.lower(): k for k in known_parts()}.get(part.lower(), part)
     if name in (ROOT, ""):
         return overview()
     if name in _members():

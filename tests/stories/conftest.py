@@ -48,6 +48,11 @@ class Agent:
         assert not answer.is_error, answer.content[0].text
         return json.loads(answer.content[0].text)
 
+    def read(self, uri: str) -> Any:
+        """The one content of a resource."""
+        (content,) = self._portal.call(self._client.read_resource, uri).contents
+        return content
+
     def pages(self, key: str, **arguments: Any) -> list[Any]:
         """All items of a part of the world `w`, page after page."""
         found, offset = [], 0

@@ -1,0 +1,62 @@
+"""The schema in short lines: every part can be asked for, and none is long."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from worldagent.worlds.errors import InputError
+from worldagent.worlds.schema_words import described, known_parts
+from worldagent.worlds.spec import WorldSpec
+
+
+def test_every_part_is_described_in_a_few_kilobytes() -> None:
+    for part in known_parts():
+        assert len(json.dumps(described(part))) < 7000, part
+
+
+def test_the_index_names_every_field_of_a_world() -> None:
+    assert set(described("World")["fields"]) == set(WorldSpec.model_fields)
+    assert described("") == described("/") == described("World")
+
+
+def test_every_name_in_capitals_can_be_asked_for() -> None:
+    known = set(known_parts())
+    for part in known:
+        text = json.dumps(described(part))
+        for word in ("Shape", "Predicate", "Pose", "Dimensions", "RigidSettings", "Limits"):
+            assert word not in text or word in known
+
+
+@pytest.mark.parametrize(
+    ("pointer", "name"),
+    [
+        ("/entities", "Entity"),
+        ("/entities/ball/parts/body", "Part"),
+        ("/simulation/solvers/rigid/settings", "RigidSettings"),
+        ("/story/beats/hit", "Beat"),
+        ("/look", "Look"),
+    ],
+)
+def test_a_pointer_leads_to_its_part(pointer: str, name: str) -> None:
+    assert described(pointer)["type"] == name
+
+
+def test_a_union_lists_its_options_with_ranges() -> None:
+    shapes = described("/entities/ball/parts/body/shape")
+    assert shapes["union"] == "Shape"
+    assert shapes["options"]["sphere"]["fields"]["radius"].startswith("number > 0; required")
+    assert set(described("Predicate")["options"]) >= {"contact", "rests_on", "until"}
+
+
+def test_ranges_and_defaults_are_told() -> None:
+    fields = described("SimulationPlan")["fields"]
+    assert fields["fps"].startswith("integer >= 1 and <= 240; default 24")
+    assert fields["solvers"] == "{id: SolverInstance}"
+    assert "required" in fields["frames"]
+
+
+@pytest.mark.parametrize("part", ["Boxx", "/entities/a/b", "nothing"])
+def test_what_is_no_part_is_refused_with_what_there_is(part: str) -> None:
+    with pytest.raises(InputError, match="schema has no"):
+        described(part)

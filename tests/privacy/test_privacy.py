@@ -26,7 +26,12 @@ NETWORK = (
     "socket.sendto", "socket.sendmsg", "socket.getaddrinfo", "socket.gethostbyname", "ftplib.connect", "http.client.connect",
     "urllib.Request", "smtplib.connect", "webbrowser.open",
 )  # fmt: skip
-OWN = ("worldagent.execution.worker", "worldagent.execution.nursery", "worldagent.verifiers.acceptance")
+OWN = (
+    "worldagent.execution.worker",
+    "worldagent.execution.nursery",
+    "worldagent.verifiers.acceptance",
+    "worldagent.construction.file_worker",
+)
 """Modules that the package starts as processes."""
 
 

@@ -46,6 +46,9 @@ ELSEWHERE = {
     "job_memory_bytes": "tests/server/test_access_caps.py::test_a_job_carries_its_caps_of_time_and_memory",
     "bundle_bytes": "tests/worlds/test_bundle.py::test_a_bundle_above_its_caps_is_not_written",
     "bundle_members": "tests/server/test_access_caps.py::test_a_bundle_of_too_many_members_is_neither_written_nor_opened",
+    **dict.fromkeys(
+        ["mesh_bytes", "mesh_triangles", "dem_bytes"], "tests/server/test_access_caps.py::test_files_of_assets_are_capped"
+    ),
     "world_files": "tests/worlds/test_foreign.py::test_a_folder_of_very_many_files_is_refused",
     "queued_jobs": "tests/server/test_access_caps.py::test_jobs_that_wait_are_counted",
     "running_jobs": "tests/execution/test_jobs.py::test_many_cores_do_not_mean_as_many_jobs",
@@ -138,6 +141,21 @@ def test_a_job_carries_its_caps_of_time_and_memory(client: tuple[Client, Path], 
     assert 0 < job.memory_bytes <= CAPS["job_memory_bytes"].value
     portal.call(connected.call_tool, "job", {"action": "cancel", "job_id": job_id})
     assert store.wait(job_id, 5).ended
+
+
+@pytest.mark.parametrize("name", ["mesh_bytes", "mesh_triangles", "dem_bytes"])
+def test_files_of_assets_are_capped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    import trimesh
+    from worldagent.construction.imports import load_mesh
+    from worldagent.construction.outside import arrays_of
+    from worldagent.worlds.spec.shapes import Mesh
+
+    trimesh.creation.box().export(tmp_path / "box.stl")
+    shape = Mesh(file="box.stl", collision="hull")
+    load_mesh(shape, tmp_path)
+    monkeypatch.setitem(CAPS, name, replace(CAPS[name], value=11))
+    with pytest.raises(LimitError, match=f"{name}: estimated .* cap 11. Knob: "):
+        arrays_of("dem", tmp_path, "box.stl", "dem_bytes") if name == "dem_bytes" else load_mesh(shape, tmp_path)
 
 
 def test_jobs_that_wait_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

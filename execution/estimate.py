@@ -1,8 +1,9 @@
-"""How long a job will still take, from the rate of progress measured so far."""
+"""How long a job will still take: from the progress measured so far, and from the pace of an earlier run like it."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 
 __all__ = ["Estimate"]
 
@@ -10,8 +11,9 @@ __all__ = ["Estimate"]
 class Estimate:
     """Time left [s]. Steady: it counts down, and rises only when the work has clearly become slower.
 
-    The rate is that of the later half of the run, at least WINDOW_S: phases differ in pace. The time before the first
-    report, when engines load, does not count.
+    Phases differ in pace: frames may be quick and checks slow. The pace of an earlier run says how; how much faster or
+    slower this one is, is measured. Without one the rate is that of the later half of the run, at least WINDOW_S. The
+    time before the first report, when engines load, does not count.
     """
 
     WINDOW_S = 5.0
@@ -21,12 +23,19 @@ class Estimate:
     """By what factor, or by how many seconds (SLACK_S), the time left must grow until it is told."""
     SLACK_S = 3.0
     SAMPLES_MAX = 128
+    STEPS = 20
+    """A pace holds the times at so many equal steps of the work."""
+    MIDWAY = 0.1
+    """A run whose first report lies beyond this part of the work began midway."""
+    TRUST = 0.1
+    """The part of an earlier run as which its total counts against what is measured now."""
 
-    def __init__(self) -> None:
+    def __init__(self, pace: Sequence[float] | None = None) -> None:
         self._times: list[float] = []
         self._done: list[float] = []
         self._total: float | None = None
         self._end: float | None = None
+        self._pace = list(pace) if pace is not None and len(pace) == self.STEPS + 1 and pace[-1] > 0 else None
 
     def add(self, now: float, done: float, total: float | None) -> None:
         """Take a report; `now` [s] on any clock that does not fall."""
@@ -40,7 +49,19 @@ class Estimate:
 
     def left(self, now: float) -> float | None:
         """Time left at `now` [s]; None where it cannot be told."""
-        if self._total is None or not self._times or now - self._times[0] < self.EARLIEST_S:
+        if not self._total or not self._times or self._done[-1] > self._total:
+            return None
+        left = self._by_pace(now, self._total) if self._pace is not None else self._by_rate(now, self._total)
+        if left is None:
+            return None
+        told = None if self._end is None else self._end - now
+        if told is None or left < told or left > max(self.SLOWER * told, told + self.SLACK_S):
+            self._end = now + left
+            told = left
+        return max(0.0, told)
+
+    def _by_rate(self, now: float, total: float) -> float | None:
+        if now - self._times[0] < self.EARLIEST_S:
             return None
         done = self._done[-1]
         since = max(self._times[0], min(now - self.WINDOW_S, (self._times[0] + now) / 2))
@@ -48,13 +69,33 @@ class Estimate:
         if done <= self._done[first]:  # nothing moved in the window: the pace of the whole run
             first = 0
         gained = done - self._done[first]
-        if gained <= 0 or done > self._total:
+        return (total - done) * (now - self._times[first]) / gained if gained > 0 else None
+
+    def _by_pace(self, now: float, total: float) -> float:
+        assert self._pace is not None
+        whole = self._pace[-1]
+        then_first, then = (_between(self._pace, done / total) for done in (self._done[0], self._done[-1]))
+        slower = (now - self._times[0] + self.TRUST * whole) / (then - then_first + self.TRUST * whole)
+        return slower * (whole - then)
+
+    def pace(self, now: float) -> list[float] | None:
+        """Times since the first report [s] at equal steps of work that is done `now`; None of a run that began midway."""
+        if not self._total or len(self._times) < 3 or self._done[0] > self.MIDWAY * self._total:
             return None
-        end = now + (self._total - done) * (now - self._times[first]) / gained
-        if (
-            self._end is None
-            or end < self._end
-            or end - now > max(self.SLOWER * (self._end - now), self._end - now + self.SLACK_S)
-        ):
-            self._end = end
-        return max(0.0, self._end - now)
+        start, found = self._times[0], []
+        points = [*zip(self._done, self._times, strict=True), (max(self._total, self._done[-1]), now)]
+        for step in range(self.STEPS + 1):
+            wanted = self._total * step / self.STEPS
+            after = next(k for k, (done, _) in enumerate(points) if done >= wanted or k == len(points) - 1)
+            done, time = points[after]
+            before_done, before = points[max(0, after - 1)]
+            part = (wanted - before_done) / (done - before_done) if done > before_done else 1.0
+            found.append(round(before + max(0.0, part) * (time - before) - start, 3))
+        return [*found[:-1], round(now - start, 3)]
+
+
+def _between(pace: Sequence[float], part: float) -> float:
+    """Time at a part of the work in [0, 1], interpolated."""
+    place = min(max(part, 0.0), 1.0) * (len(pace) - 1)
+    low = min(int(place), len(pace) - 2)
+    return pace[low] + (place - low) * (pace[low + 1] - pace[low])

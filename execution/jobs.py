@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+import sqlite3
 import time
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..worlds.errors import InputError
+from ..worlds.errors import EngineError, InputError
 from ..worlds.limits import CAPS
 from .entries import as_json, check_entry, check_module
 from .job import Job, JobState
@@ -159,7 +160,11 @@ class JobStore:
         Raises:
             RefusedError: The module lies outside `worldagent.`.
         """
-        return warm_up(self._table.workspace, check_module(module))
+        check_module(module)
+        try:
+            return warm_up(self._table.workspace, module)
+        except (OSError, sqlite3.Error, EngineError):  # nothing can be written here: whoever needs a job will be told
+            return False
 
     def request_cancel(self, job_id: str) -> Job:
         """Ask a job to end; at once if it is queued, within 2 s if it runs. An ended job stays as it is.

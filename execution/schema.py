@@ -21,7 +21,7 @@ __all__ = ["FOLDER", "JobFile", "job_of"]
 
 FOLDER = ".worldagent"
 """Folder of a workspace that holds `jobs.db` and `logs/`."""
-VERSION = 2
+VERSION = 3
 
 _BUSY_S = 3.0
 _COLUMNS_OF_2 = (
@@ -30,6 +30,7 @@ _COLUMNS_OF_2 = (
     "peak_bytes INTEGER",
     "cpu_s REAL",
 )
+_COLUMNS_OF_3 = ("pace TEXT",)
 _SCHEMA = f"""
 CREATE TABLE IF NOT EXISTS jobs (
     number INTEGER PRIMARY KEY,
@@ -61,7 +62,7 @@ CREATE TABLE IF NOT EXISTS jobs (
     wall_s REAL,
     memory_bytes INTEGER,
     log TEXT NOT NULL,
-    {", ".join(_COLUMNS_OF_2)}
+    {", ".join(_COLUMNS_OF_2 + _COLUMNS_OF_3)}
 )
 """
 _INDEXES = (
@@ -72,14 +73,16 @@ _INDEXES = (
 )
 _MIGRATIONS: dict[int, tuple[str, ...]] = {
     0: (_SCHEMA, *_INDEXES),
-    1: (*(f"ALTER TABLE jobs ADD COLUMN {column}" for column in _COLUMNS_OF_2), *_INDEXES),
+    1: (*(f"ALTER TABLE jobs ADD COLUMN {column}" for column in _COLUMNS_OF_2 + _COLUMNS_OF_3), *_INDEXES),
+    2: tuple(f"ALTER TABLE jobs ADD COLUMN {column}" for column in _COLUMNS_OF_3),
 }
 """What brings a layout to the present one; rows stay."""
 
 
 def job_of(row: sqlite3.Row) -> Job:
     """A row as data."""
-    values: dict[str, Any] = {name: row[name] for name in row.keys() if name != "number"}  # noqa: SIM118 - a Row iterates values
+    names = (name for name in row.keys() if name not in ("number", "pace"))  # noqa: SIM118 - a Row iterates values
+    values: dict[str, Any] = {name: row[name] for name in names}
     for name in ("payload", "result", "error"):
         values[name] = json.loads(values[name]) if values[name] is not None else None
     for name in ("exclusive", "warm"):

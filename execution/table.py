@@ -162,16 +162,27 @@ class JobTable(JobFile):
         result: str | None = None,
         error: dict[str, str] | None = None,
         usage: Usage | None = None,
+        pace: list[float] | None = None,
     ) -> bool:
         """running -> `state`. A cancel that was requested before this moment wins over any other end."""
         statement = """
             UPDATE jobs SET finished = :now, left_s = NULL, result = IIF(cancel_requested IS NULL, :result, NULL),
             error = IIF(cancel_requested IS NULL, :error, NULL), state = IIF(cancel_requested IS NULL, :state, 'cancelled'),
-            peak_bytes = COALESCE(:peak_bytes, peak_bytes), cpu_s = COALESCE(:cpu_s, cpu_s)
+            peak_bytes = COALESCE(:peak_bytes, peak_bytes), cpu_s = COALESCE(:cpu_s, cpu_s), pace = :pace
             WHERE id = :id AND state = 'running' AND pid IS :pid"""
         text = json.dumps(error) if error is not None else None
         values = {"id": job_id, "pid": pid, "state": state, "result": result, "error": text, "now": time.time()}
+        values["pace"] = json.dumps(pace) if pace is not None else None
         return self.change(statement, values | (usage or Usage(None, None))._asdict())
+
+    def latest_pace(self, job: Job) -> list[float] | None:
+        """How the last done job of this kind went on in time, best in the same world; see `Estimate`."""
+        statement = """
+            SELECT pace FROM jobs WHERE kind = :kind AND state = 'done' AND pace IS NOT NULL
+            ORDER BY world IS :world DESC, number DESC LIMIT 1"""
+        with self.open() as connection:
+            row = connection.execute(statement, {"kind": job.kind, "world": job.world}).fetchone()
+        return None if row is None else json.loads(row["pace"])
 
     # Recovery
 

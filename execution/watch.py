@@ -49,6 +49,7 @@ class Ending(NamedTuple):
     result: dict[str, Any] | None = None
     error: dict[str, str] | None = None
     usage: Usage = Usage(None, None)
+    pace: list[float] | None = None
 
 
 def failed(kind: type[Exception], message: str, *, state: JobState = "failed") -> Ending:
@@ -66,7 +67,7 @@ class Watch:
         self._started = self._reached = time.monotonic()
         self._written = self._started - HEARTBEAT_S
         self._progress: Progress | None = None
-        self._estimate = Estimate()
+        self._estimate = Estimate(self._reach(lambda: table.latest_pace(job)))
         self._meter = Meter(self._worker, task)
         self._stop_since: float | None = None
         self._stop_ending: Ending | None = None
@@ -97,7 +98,8 @@ class Watch:
         self._take_progress()
         if mine and self._progress is not None:
             self._reach(lambda: self._table.beat(self._job.id, self._worker, self._progress))
-        return self._ending(status, peak)._replace(usage=usage) if mine else None
+        pace = self._estimate.pace(time.monotonic())
+        return self._ending(status, peak)._replace(usage=usage, pace=pace) if mine else None
 
     def _task_ended(self) -> bool:
         if not hasattr(os, "waitid"):  # macOS before Python 3.13
@@ -145,9 +147,9 @@ class Watch:
     def _write(self) -> bool:
         """Heartbeat and progress; False if the job was taken away."""
         now = time.monotonic()
+        self._take_progress()
         if now - self._written < PROGRESS_S:
             return True
-        self._take_progress()
         if self._progress is None and now - self._written < HEARTBEAT_S:
             return True
         trim_log(self._table.log_path(self._job))

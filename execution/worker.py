@@ -34,7 +34,9 @@ def _finish(table: JobTable, job: Job, ending: Ending) -> None:
     deadline = time.monotonic() + UNREACHABLE_S
     while True:
         try:
-            table.finish(job.id, os.getpid(), ending.state, result=result, error=ending.error, usage=ending.usage)
+            table.finish(
+                job.id, os.getpid(), ending.state, result=result, error=ending.error, usage=ending.usage, pace=ending.pace
+            )
         except sqlite3.OperationalError as error:
             sys.stderr.write(f"worker: jobs.db: {error}\n")
             if time.monotonic() > deadline:

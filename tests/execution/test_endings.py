@@ -9,6 +9,7 @@ from contextlib import closing
 import pytest
 from worldagent.execution import Cancelled, machine_memory, memory_cap, result_of, wall_cap
 from worldagent.execution.processes import is_alive, start_time
+from worldagent.execution.schema import VERSION
 from worldagent.execution.table import JobTable
 from worldagent.worlds.errors import EngineError, InputError, LimitError
 
@@ -221,4 +222,4 @@ def test_the_file_of_another_layout_is_refused(store):
     with pytest.raises(InputError, match="layout 99"):
         JobTable(store.workspace)
     with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db")) as connection:
-        connection.execute("PRAGMA user_version = 2")
+        connection.execute(f"PRAGMA user_version = {VERSION}")

@@ -64,3 +64,69 @@ def test_a_long_run_keeps_few_samples():
         estimate.add(k * 0.25, float(k), 200_000.0)
     assert len(estimate._times) <= Estimate.SAMPLES_MAX + 1
     assert estimate.left(25_000.0) == pytest.approx(25_000.0, rel=0.01)
+
+
+TWO_PHASES = [(10.0, 8), (0.4, 50)]
+"""Eighty frames in 8 s, then checks for 50 s."""
+
+
+def pace_of(rates):
+    estimate, now, done = Estimate(), 0.0, 0.0
+    for rate, seconds in rates:
+        for _ in range(round(seconds / 0.5)):
+            estimate.add(now, done, 100.0)
+            now, done = now + 0.5, min(100.0, done + rate * 0.5)
+    return estimate.pace(now)
+
+
+def told_by(pace, rates, *, step=0.5):
+    estimate, now, done, seen = Estimate(pace), 0.0, 0.0, []
+    for rate, seconds in rates:
+        for _ in range(round(seconds / step)):
+            estimate.add(now, done, 100.0)
+            seen.append((now, estimate.left(now)))
+            now, done = now + step, min(100.0, done + rate * step)
+    return seen
+
+
+def test_a_pace_says_when_which_part_was_done():
+    pace = pace_of(TWO_PHASES)
+    assert pace[0] == 0
+    assert pace[8] == pytest.approx(4.0, abs=0.5)
+    assert pace[16] == pytest.approx(8.0, abs=0.6)
+    assert pace[-1] == pytest.approx(58.0, abs=0.6)
+    assert pace == sorted(pace)
+
+
+def test_the_pace_of_an_earlier_run_tells_of_phases_to_come():
+    """By the rate alone the frames promise an end after ten seconds."""
+    by_rate = dict(told_by(None, TWO_PHASES))
+    assert by_rate[6.0] == pytest.approx(4.0, abs=0.5)
+    by_pace = dict(told_by(pace_of(TWO_PHASES), TWO_PHASES))
+    for now, left in by_pace.items():
+        assert left == pytest.approx(58.0 - now, abs=1.5)
+
+
+def test_a_run_that_is_slower_than_the_earlier_one_is_told_so():
+    slow = [(rate / 2, 2 * seconds) for rate, seconds in TWO_PHASES]
+    seen = dict(told_by(pace_of(TWO_PHASES), slow))
+    assert seen[0.0] == pytest.approx(58.0, abs=1)
+    assert seen[60.0] == pytest.approx(56.0, rel=0.2)
+    assert seen[100.0] == pytest.approx(16.0, rel=0.2)
+
+
+def test_a_run_that_goes_on_midway_uses_the_rest_of_the_pace_and_leaves_none():
+    pace = pace_of(TWO_PHASES)
+    estimate = Estimate(pace)
+    for k in range(21):
+        estimate.add(k * 0.5, 80.0 + 0.2 * k, 100.0)
+    assert estimate.left(10.0) == pytest.approx(40.0, rel=0.1)
+    assert estimate.pace(10.0) is None
+
+
+def test_a_pace_of_another_form_is_not_used():
+    for pace in ([], [1.0], [0.0] * 21):
+        estimate = Estimate(pace)
+        estimate.add(0.0, 0.0, 10.0)
+        estimate.add(5.0, 5.0, 10.0)
+        assert estimate.left(5.0) == pytest.approx(5.0)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.execution import Cancelled, JobStore, result_of, run_inline
+from worldagent.execution.table import JobTable
 from worldagent.worlds.errors import EngineError, InputError, LimitError, RefusedError, SpecError
 from worldagent.worlds.limits import CAPS
 
@@ -123,6 +124,22 @@ def test_progress_is_visible_and_never_falls(store):
     assert len(set(numbers)) >= 4
     assert seen[-1].progress_done == seen[-1].progress_total == 40
     assert seen[-1].message == "a step back"
+
+
+def test_a_job_knows_how_long_one_like_it_took(store):
+    payload = {"steps": 60, "pause_s": 0.02}
+    options = {"entry": E + "counting"}
+    first = store.wait(store.submit("count", "w", payload, **options).id, 15)
+    table = JobTable(store.workspace)
+    pace = table.latest_pace(first)
+    assert len(pace) == 21
+    assert pace == sorted(pace)
+    second = store.submit("count", "w", payload, **options)
+    seen = []
+    while not (row := store.get(second.id)).ended:
+        seen.append(row.left_s)
+    assert any(left is not None and 0 <= left < 30 for left in seen)  # the second job is too short for an estimate by rate
+    assert store.wait(second.id, 15).state == "done"
 
 
 def test_progress_inline_goes_to_the_caller_and_cancel_comes_from_it(tmp_path):

@@ -7,29 +7,32 @@ from contextlib import closing
 import pytest
 from worldagent.execution import JobStore, pruning, result_of
 from worldagent.execution.logs import KEPT_HEAD, KEPT_TAIL, LOG_BYTES_MAX, trim_log
-from worldagent.execution.schema import _COLUMNS_OF_2, VERSION, JobFile
+from worldagent.execution.schema import _COLUMNS_OF_2, _COLUMNS_OF_3, VERSION, JobFile
 from worldagent.execution.table import JobTable
 
 E = "execution_entries:"
 
 
-def _older_layout(path):
-    """The file as the version before wrote it: layout 1."""
+def _older_layout(path, version):
+    """The file as an earlier version wrote it."""
+    dropped = _COLUMNS_OF_3 if version == 2 else _COLUMNS_OF_2 + _COLUMNS_OF_3
     with closing(sqlite3.connect(path)) as connection, connection:
-        connection.execute("DROP INDEX jobs_served")
-        connection.execute("DROP INDEX jobs_ended")
-        for column in _COLUMNS_OF_2:
+        if version == 1:
+            connection.execute("DROP INDEX jobs_served")
+            connection.execute("DROP INDEX jobs_ended")
+        for column in dropped:
             connection.execute(f"ALTER TABLE jobs DROP COLUMN {column.split()[0]}")
-        connection.execute("PRAGMA user_version = 1")
+        connection.execute(f"PRAGMA user_version = {version}")
 
 
-def test_rows_of_the_layout_before_stay_and_go_on(tmp_path):
+@pytest.mark.parametrize("version", [1, 2])
+def test_rows_of_layouts_before_stay_and_go_on(tmp_path, version):
     store = JobStore(tmp_path, slots=1)
     gate = {"gate": str(tmp_path / "gate")}
     (tmp_path / "gate").touch()
     done = store.wait(store.submit("g", "w", gate, entry=E + "gated", key="k").id, 15)
     waiting = JobTable(tmp_path)
-    _older_layout(waiting.path)
+    _older_layout(waiting.path, version)
     with closing(sqlite3.connect(waiting.path)) as connection, connection:
         connection.execute(
             "INSERT INTO jobs (id, kind, world, entry, payload, state, exclusive, priority, created, log)"
@@ -37,10 +40,11 @@ def test_rows_of_the_layout_before_stay_and_go_on(tmp_path):
             (E + "echo", time.time()),
         )
     again = JobStore(tmp_path, slots=1)
+    found = again.get(done.id)
     with closing(sqlite3.connect(waiting.path)) as connection:
         assert connection.execute("PRAGMA user_version").fetchone() == (VERSION,)
-    found = again.get(done.id)
-    assert (found.state, found.result, found.peak_bytes, found.warm) == ("done", {"through": True}, None, False)
+    assert (found.state, found.result, found.warm) == ("done", {"through": True}, False)
+    assert (found.peak_bytes is None) == (version == 1)
     assert again.submit("g", "w", gate, entry=E + "gated", key="k").id == done.id
     ended = again.wait("job_0123456789ab", 15)
     assert result_of(ended)["job"] == "job_0123456789ab"

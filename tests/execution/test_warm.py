@@ -12,10 +12,11 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from worldagent.execution import JobStore, nursery, result_of, warm
+from worldagent.execution import nursery, result_of, warm
 from worldagent.execution.fingerprint import source_stamp, surroundings
 from worldagent.execution.processes import start_time
 from worldagent.execution.schema import FOLDER
+from worldagent.execution.table import JobTable
 from worldagent.worlds.errors import RefusedError
 
 E = "execution_entries:"
@@ -153,7 +154,7 @@ def test_a_worker_does_not_hold_the_lock_of_a_nursery_that_ended(nursed, until, 
 
 def test_an_idle_nursery_and_one_whose_workspace_is_gone_end(monkeypatch, tmp_path):
     monkeypatch.setattr(nursery, "LOOK_S", 0.01)
-    JobStore(tmp_path)
+    JobTable(tmp_path)
     with (tmp_path / FOLDER / warm.LOCK).open("ab") as lock:
         monkeypatch.setattr(nursery, "make_sure", lambda: None)
         made = nursery.Nursery(tmp_path, "execution_entries", lock)

@@ -1,4 +1,4 @@
-# make setup | demo | test | test-all | conformance | check | build | mcpb
+# make setup | demo | test | test-all | conformance | clients | check | build | mcpb
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -6,7 +6,7 @@ FLOORS := worlds execution geometry construction simulation verifiers rendering 
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 
-.PHONY: setup demo conformance test test-all check build mcpb clean
+.PHONY: setup demo conformance clients test test-all check build mcpb clean
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -48,6 +48,11 @@ test-all: setup
 conformance: setup
 	$(BIN)/python tests/conformance/run.py $(CONFORMANCE_ARGS)
 
+# Claude Code and Codex from npm, without an account, into .clients.
+clients: setup
+	npm install --silent --no-fund --no-audit --prefix .clients @anthropic-ai/claude-code@2.1.330 @openai/codex@0.169.0
+	$(BIN)/python -m pytest -q tests/clients
+
 check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -62,4 +67,4 @@ mcpb: build
 	$(BIN)/python packaging/build_mcpb.py "$$(ls -t dist/worldagent-*.whl | head -1)" dist
 
 clean:
-	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache
+	rm -rf $(VENV) build dist demo-out .clients .mypy_cache .ruff_cache .pytest_cache

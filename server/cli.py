@@ -34,8 +34,8 @@ BENCHMARKS: dict[str, str] = {
 ENV_WORKSPACE = "WORLDAGENT_WORKSPACE"
 ENV_TOKEN = "WORLDAGENT_TOKEN"  # noqa: S105 - name of a variable
 OK, FAILED, MISUSED = 0, 1, 2
-NEED_POSIX = ("_serve", "_demo", "_recompute")
-"""Commands that start jobs."""
+ON_WINDOWS = ("_setup", "_add", "_list", "_revoke")
+"""Commands that work without the processes, locks and limits of POSIX: lists of clients and of tokens."""
 
 
 def default_workspace() -> Path:
@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command
     try:
-        if sys.platform == "win32" and command.__name__ in NEED_POSIX:
+        if sys.platform == "win32" and command.__name__ not in ON_WINDOWS:
             raise EngineError(
                 "jobs need the process groups of Linux and macOS, which Windows does not have. Run worldagent inside WSL2 "
                 "(wsl --install, then there: uv tool install worldagent) or in its container; `worldagent setup CLIENT "

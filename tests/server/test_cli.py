@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -114,15 +115,31 @@ def test_misuse_exits_with_two(arguments: list[str]) -> None:
     assert caught.value.code == 2
 
 
-@pytest.mark.parametrize("command", [["serve"], ["demo"], ["recompute", "w"]])
-def test_windows_is_told_where_the_server_runs_instead(
-    command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(sys, "platform", "win32")
-    assert main(command) == 2
-    told = capsys.readouterr().err
-    assert "WSL2" in told
-    assert "--through docker" in told
+WINDOWS = """
+import sys
+for name in ("fcntl", "resource", "pwd", "grp", "termios"):
+    sys.modules[name] = None
+from worldagent.server.cli import main
+sys.platform = "win32"
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("command", [["serve"], ["demo"], ["recompute", "w"], ["doctor"], ["warm"], ["verify", "w"]])
+def test_windows_is_told_where_the_server_runs_instead(command: list[str]) -> None:
+    child = subprocess.run([sys.executable, "-c", WINDOWS, *command], capture_output=True, text=True, timeout=30, check=False)
+    assert child.returncode == 2
+    assert "WSL2" in child.stderr
+    assert "--through docker" in child.stderr
+    assert "Traceback" not in child.stderr
+
+
+def test_windows_gets_the_entries_for_its_clients(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", WINDOWS, "setup", "claude-desktop", "--through", "docker", "--write"]
+    environment = {**os.environ, "APPDATA": str(tmp_path)}
+    subprocess.run(command, env=environment, timeout=30, check=True)
+    written = json.loads((tmp_path / "Claude" / "claude_desktop_config.json").read_text())
+    assert "exec" in written["mcpServers"]["worldagent"]["args"]
 
 
 def test_a_workspace_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,188 @@
+"""Fuzzing of specifications, patches, arguments and messages through the real server: `make fuzz`.
+
+    python -m worldagent.tests.hostile.fuzz [--seconds 600] [--seed N]
+
+One half of the time goes to a server in memory, one to a stdio process. What counts as a find: an answer that speaks of an
+internal error, a call that takes longer than `SLOW_SECONDS` of processor time, a server that dies, an answer with another
+id, a file opened outside the workspace, or an accepted revision that cannot be read back. Every find is printed with the
+call that made it; the exit code is 1 if there was one. The same seed draws the same calls.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import random
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from worldagent.tests.hostile.messages import malformed
+from worldagent.tests.hostile.specs import NUMBERS, PATHS, broken, full_spec, patch, sentence
+from worldagent.tests.hostile.watch import Watch
+from worldagent.tests.hostile.wire import ERAS, Stdio, request
+from worldagent.tests.stories.small_run import PROMPT
+
+__all__ = ["fuzz_calls", "fuzz_messages", "main"]
+
+SLOW_SECONDS = 5.0
+"""Longest that a cheap call may take [s]."""
+CHEAP = ("edit_spec", "inspect_world", "job", "place_object", "run_checks", "build_terrain")
+"""Tools that are called; those that start processes get no time for it."""
+SHOWN = 1500
+
+
+class Finds:
+    """What went wrong, by what it looks like."""
+
+    def __init__(self) -> None:
+        self.examples: Counter[str] = Counter()
+        self.kinds: dict[str, str] = {}
+
+    def add(self, kind: str, call: Any, text: str) -> None:
+        """Keep the first example of each kind."""
+        if kind not in self.kinds:
+            self.kinds[kind] = f"{json.dumps(call, default=str)[:SHOWN]}\n    -> {text[:SHOWN]}"
+            print(f"FOUND {kind}: {self.kinds[kind]}", flush=True)  # noqa: T201
+
+
+def draw_call(draw: random.Random, world: str, document: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """A tool and its arguments."""
+    whole = {k: v for k, v in document.items() if k != "prompt"}
+    makers: list[Callable[[], tuple[str, dict[str, Any]]]] = [
+        lambda: ("edit_spec", {"world": f"n{draw.randrange(10**9)}", "prompt": PROMPT, "spec": broken(draw, whole)}),
+        lambda: ("edit_spec", {"world": f"n{draw.randrange(10**9)}", "prompt": PROMPT, "spec": sentence(draw)}),
+        lambda: ("edit_spec", {"world": world, "patch": patch(draw, document), "hypothesis": "because it may be so", "weakening_reason": "fuzzing needs no reason"}),
+        lambda: ("edit_spec", broken(draw, {"world": world, "patch": patch(draw, document), "expected_revision": 1, "on_hand_edit": "restore"})),
+        lambda: ("place_object", broken(draw, {"world": world, "entity": "b1", "on": "shelf", "at": [0.1, 0.2], "yaw_deg": 5, "strict": False})),
+        lambda: ("place_object", {"world": world}),
+        lambda: ("inspect_world", broken(draw, {"world": world, "part": draw.choice(["matrix", "spec", "revisions", "costs", "measurements"]), "limit": 5})),
+        lambda: ("job", broken(draw, {"action": draw.choice(["status", "wait", "cancel", "list"]), "job_id": "x", "wait_s": 0.0})),
+        lambda: ("run_checks", broken(draw, {"world": world, "scope": draw.choice(["audit", "static"])})),
+    ]  # fmt: skip
+    weights = [6, 3, 8, 2, 2, 0.3, 2, 2, 0.5]
+    return draw.choices(makers, weights)[0]()
+
+
+async def fuzz_calls(workspace: Path, seed: int, seconds: float, finds: Finds) -> int:
+    """Calls of a server in memory; returns how many."""
+    from mcp import Client
+    from mcp.shared.exceptions import MCPError
+    from worldagent.server.app import create_server
+
+    draw, end, count, world, document = random.Random(seed), time.monotonic() + seconds, 0, "", {}
+    watch: Watch | None = None
+    async with Client(create_server(workspace)) as client:
+
+        async def attempt(tool: str, arguments: dict[str, Any]) -> Any:
+            nonlocal count
+            count += 1
+            start = time.process_time()
+            try:
+                answer = await client.call_tool(tool, arguments)
+                text = answer.content[0].text if answer.content else ""
+                if answer.is_error and text.startswith("internal error"):
+                    finds.add(f"internal error in {tool}", arguments, text)
+            except MCPError as error:
+                answer, text = None, str(error)
+                if "nternal" in text:
+                    finds.add(f"protocol error of {tool}: {text[:80]}", arguments, text)
+            except Exception as error:
+                answer, text = None, repr(error)
+                finds.add(f"client error of {tool}: {text[:80]}", arguments, text)
+            if time.process_time() - start > SLOW_SECONDS:
+                finds.add(f"slow {tool}", arguments, f"{time.process_time() - start:.1f} s")
+            if watch is not None and watch.outside:
+                finds.add(f"opened {watch.outside[0]}", arguments, text)
+                watch.outside.clear()
+            return answer
+
+        while time.monotonic() < end:
+            if count % 200 == 0 or not document:
+                world, document = f"w{count}", full_spec()
+                whole = {k: v for k, v in document.items() if k != "prompt"}
+                await attempt("edit_spec", {"world": world, "prompt": PROMPT, "spec": whole})
+                if watch is None:
+                    await attempt("inspect_world", {"world": world, "part": "matrix"})
+                    watch = Watch(workspace)
+            tool, arguments = draw_call(draw, world, document)
+            answer = await attempt(tool, arguments)
+            if answer is not None and not answer.is_error and tool == "edit_spec" and arguments.get("world") == world:
+                document = json.loads((workspace / world / "world.json").read_text())
+            if draw.random() < 0.05:
+                uri = f"worldagent://worlds/{draw.choice([world, draw.choice(PATHS)])}/{draw.choice(['spec', 'matrix', 'report', 'revisions'])}"
+                try:
+                    await client.read_resource(uri)
+                except Exception as error:
+                    if "nternal" in str(error):
+                        finds.add(f"resource {str(error)[:80]}", uri, str(error))
+    return count
+
+
+def fuzz_messages(workspace: Path, seed: int, seconds: float, finds: Finds) -> int:
+    """Messages to stdio processes of both eras; returns how many."""
+    end, count, era_at = time.monotonic() + seconds, 0, 0
+    while time.monotonic() < end:
+        era, era_at = ERAS[era_at % 2], era_at + 1
+        draw = random.Random(seed + era_at)
+        with Stdio(workspace, era) as server:
+            server.open()
+            stop = min(end, time.monotonic() + seconds / 4)
+            try:
+                while time.monotonic() < stop:
+                    cases = malformed(era, draw.randrange(2**31))
+                    draw.shuffle(cases)
+                    for case in cases[:200]:
+                        line = bytearray(case.line)
+                        for _ in range(draw.choice([0, 1, 1, 4]) if len(line) < 10**5 else 0):
+                            at = draw.randrange(len(line) + 1)
+                            line[at : at + draw.choice([0, 1, 3])] = draw.choice(
+                                [b'"', b"{", b"\\u", b"9" * 30, b"null", bytes([draw.randrange(256)])]
+                            )
+                        server.write(bytes(line).replace(b"\n", b" "))
+                        count += 1
+                        if time.monotonic() > stop:
+                            break
+                    arguments: dict[str, Any] = {"world": draw.choice(PATHS), "at": [draw.choice(NUMBERS), draw.choice(NUMBERS)]}
+                    server.write(
+                        json.dumps(
+                            request(era, f"c{count}", "tools/call", {"name": "place_object", "arguments": arguments})
+                        ).encode()
+                    )
+                    for answer in server.until_good():
+                        text = json.dumps(answer)
+                        if "nternal" in text:
+                            finds.add(f"message: {text[-200:]}", era, text)
+            except AssertionError as error:
+                finds.add(
+                    f"{era} server: {str(error)[:80]}",
+                    [case.line[:200].decode(errors="replace") for case in cases[:3]],
+                    str(error),
+                )
+    return count
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Fuzz for so long; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=600.0)
+    parser.add_argument("--seed", type=int, default=None)
+    options = parser.parse_args(arguments)
+    seed = random.SystemRandom().randrange(2**31) if options.seed is None else options.seed
+    finds = Finds()
+    with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
+        messages = fuzz_messages(Path(first), seed, options.seconds / 2, finds)
+        calls = asyncio.run(fuzz_calls(Path(second), seed, options.seconds / 2, finds))
+    print(
+        json.dumps({"seed": seed, "seconds": options.seconds, "messages": messages, "calls": calls, "finds": sorted(finds.kinds)})
+    )
+    return 1 if finds.kinds else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -76,7 +76,7 @@ class Recorder:
 async def _example(client: Any, name: str) -> None:
     """An accepted world of the skill, from prompt to acceptance."""
     from ..examples.domino_run import Agent
-    from ..server.resources import SKILLS
+    from ..server.skill_files import SKILLS
 
     spec = json.loads((SKILLS / "world-building" / "examples" / f"{name}.json").read_text())
     agent = Agent(client, name, time.monotonic())

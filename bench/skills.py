@@ -10,7 +10,7 @@ import random
 from collections.abc import Callable
 from typing import Any
 
-from . import skill_building, skill_repair, skill_settings
+from . import skill_building, skill_repair, skill_settings, skill_terrain
 
 __all__ = ["run"]
 
@@ -34,6 +34,7 @@ def run(*, variants: int | None = None, seed: int | None = None, checks: tuple[s
         flaws = tuple(random.Random(first).sample(sorted(skill_repair.cases()["flaws"]), FEW_FLAWS))
         arms = ("with", "without")
     evals: dict[str, Callable[[], dict[str, Any]]] = {
+        "outdoor-terrain": lambda: skill_terrain.measure(seeds),
         "repair": lambda: skill_repair.measure(seeds, flaws, arms),
         "rigid-bodies": lambda: skill_settings.measure(seeds),
         "world-building": lambda: skill_building.measure(seeds),

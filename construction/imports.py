@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +13,14 @@ import numpy.typing as npt
 from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
-from ..worlds.limits import check_cap
-from ..worlds.spec import Mesh
+from ..worlds.folder import safe_join
+from ..worlds.limits import HEIGHT_ROWS, check_cap
+from ..worlds.spec import HeightField, Mesh
 from .outside import arrays_of, decomposed, file_digest
 
-__all__ = ["load_mesh", "mesh_digest"]
+__all__ = ["load_heights", "load_mesh", "mesh_digest"]
 
+MAX_HEIGHT_BYTES = 8 * HEIGHT_ROWS**2 + 4096
 FLAT = 1e-15
 """Least volume of a solid [m^3]."""
 
@@ -24,6 +28,34 @@ FLAT = 1e-15
 def mesh_digest(assets: Path, name: str) -> str:
     """SHA-256 of a mesh file, hex; `missing` where there is none to read."""
     return file_digest(assets, name, "mesh_bytes")
+
+
+def load_heights(shape: HeightField, assets: Path) -> F64:
+    """Heights of a height field [m], shape (rows, cols), row 0 south.
+
+    Raises:
+        InputError: the file is missing, is another one than the specification names, or holds no grid of numbers.
+    """
+    if shape.file is None:
+        return np.array(shape.heights, dtype=np.float64)
+    path = safe_join(assets, shape.file)
+    if not path.is_file() or path.stat().st_size > MAX_HEIGHT_BYTES:
+        raise InputError(f"height file {shape.file!r} is missing or above {MAX_HEIGHT_BYTES:,} bytes; call build_terrain again")
+    data = path.read_bytes()
+    found = hashlib.sha256(data).hexdigest()
+    if found != shape.digest:
+        raise InputError(
+            f"height file {shape.file!r} has digest {found[:12]}..., the specification names {str(shape.digest)[:12]}...; call build_terrain again"
+        )
+    try:
+        heights = np.load(io.BytesIO(data), allow_pickle=False).astype(np.float64)
+    except (ValueError, EOFError) as error:
+        raise InputError(f"height file {shape.file!r} is no array: {error}; call build_terrain again") from error
+    if heights.ndim != 2 or not all(2 <= n <= HEIGHT_ROWS for n in heights.shape) or not np.isfinite(heights).all():
+        raise InputError(
+            f"height file {shape.file!r} has shape {heights.shape}; it must be 2 to {HEIGHT_ROWS} rows and columns of finite numbers"
+        )
+    return np.asarray(heights, dtype=np.float64)
 
 
 def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ...]]:

@@ -14,7 +14,7 @@ from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
 from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Shape, Sphere, Wedge
-from .imports import load_mesh
+from .imports import load_heights, load_mesh
 from .polygons import convex_partition, signed_area, triangulate
 
 __all__ = ["ShapeGeometry", "build_shape"]
@@ -226,8 +226,8 @@ def _revolution(shape: Revolution) -> ShapeGeometry:
     return ShapeGeometry(mesh, tuple(pieces), True, 0.0, None)
 
 
-def _heightfield(shape: HeightField) -> ShapeGeometry:
-    z = np.array(shape.heights, dtype=np.float64)
+def _heightfield(shape: HeightField, assets: Path) -> ShapeGeometry:
+    z = load_heights(shape, assets)
     rows, cols = z.shape
     x = np.linspace(-shape.size[0] / 2, shape.size[0] / 2, cols)
     y = np.linspace(-shape.size[1] / 2, shape.size[1] / 2, rows)
@@ -236,20 +236,19 @@ def _heightfield(shape: HeightField) -> ShapeGeometry:
     top = np.stack([xx, yy, z], axis=-1).reshape(-1, 3)
     bottom = top * [1, 1, 0] + [0, 0, floor]
     count = rows * cols
-    faces: list[tuple[int, int, int]] = []
-    for r in range(rows - 1):
-        for c in range(cols - 1):
-            a, b, d, e = r * cols + c, r * cols + c + 1, (r + 1) * cols + c, (r + 1) * cols + c + 1
-            faces += [(a, b, e), (a, e, d), (a + count, e + count, b + count), (a + count, d + count, e + count)]
+    index = np.arange(count).reshape(rows, cols)
+    a, b, d, e = (index[r, c].ravel() for r in (np.s_[:-1], np.s_[1:]) for c in (np.s_[:-1], np.s_[1:]))
+    above = np.stack([a, b, e, a, e, d], axis=1).reshape(-1, 2, 3)
+    below = np.stack([a, e, b, a, d, e], axis=1).reshape(-1, 2, 3) + count
+    faces = np.concatenate([above, below], axis=1).reshape(-1, 3)
     south = [(c, c + 1) for c in range(cols - 1)]
     north = [((rows - 1) * cols + c + 1, (rows - 1) * cols + c) for c in range(cols - 1)]
     west = [((r + 1) * cols, r * cols) for r in range(rows - 1)]
     east = [(r * cols + cols - 1, (r + 1) * cols + cols - 1) for r in range(rows - 1)]
-    for a, b in [*south, *north, *west, *east]:
-        faces += [(a + count, b + count, b), (a + count, b, a)]
+    walls = [t for p, q in [*south, *north, *west, *east] for t in ((p + count, q + count, q), (p + count, q, p))]
     piece = Convex("heightfield", (shape.size[0] / 2, shape.size[1] / 2, shape.base), IDENTITY, z)
     # The engine cuts each cell along the same diagonal, from south-west to north-east, so nothing deviates.
-    return ShapeGeometry(_mesh(np.concatenate([top, bottom]), faces), (piece,), True, 0.0, None)
+    return ShapeGeometry(_mesh(np.concatenate([top, bottom]), np.concatenate([faces, walls])), (piece,), True, 0.0, None)
 
 
 def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
@@ -278,7 +277,7 @@ def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
         case Revolution():
             return _revolution(shape)
         case HeightField():
-            return _heightfield(shape)
+            return _heightfield(shape, assets)
         case Mesh():
             mesh, pieces = load_mesh(shape, assets)
             return ShapeGeometry(mesh, pieces, False, 0.0, None)

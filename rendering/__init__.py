@@ -2,6 +2,7 @@
 
 from .account_plot import plot_account
 from .denoise import denoise, meter, tonemap
+from .field_map import field_map, hillshade
 from .frames import FrameRenderer, frame_path, frame_recipe, render_frame, render_sequence
 from .highlight import highlight
 from .plan import plan_view, section_view
@@ -27,10 +28,12 @@ __all__ = [
     "contact_sheet",
     "denoise",
     "encode",
+    "field_map",
     "focus_bounds",
     "frame_path",
     "frame_recipe",
     "highlight",
+    "hillshade",
     "id_view",
     "ledger_series",
     "matrix_page",

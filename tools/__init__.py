@@ -1,7 +1,7 @@
 """Floor 6: the MCP tools. One tool, one file, one typed function; listed here explicitly, in the order of the loop."""
 
 from .bake_sim import bake_sim
-from .build_terrain import build_terrain
+from .build_terrain import build_terrain, landscape_reply
 from .context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from .edit_spec import edit_spec
 from .inspect_world import inspect_world
@@ -31,7 +31,13 @@ TOOLS: tuple[ToolBinding, ...] = (
         read_only=False,
         meta=_found_by("create a physics world, scene or simulation from a prompt; edit its specification"),
     ),
-    ToolBinding(build_terrain, "Make the ground", read_only=False, meta=_found_by("terrain, ground, hills, height field")),
+    ToolBinding(
+        build_terrain,
+        "Make the ground",
+        read_only=False,
+        jobs={"terrain": landscape_reply},
+        meta=_found_by("terrain, landscape, ground, hills, rivers, lakes, erosion, plants, height field"),
+    ),
     ToolBinding(
         place_object,
         "Build, place and check objects",

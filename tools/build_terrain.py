@@ -1,9 +1,9 @@
-"""Tool build_terrain: ground as a static height field."""
+"""Tool build_terrain: the ground, as a plain height field or cut from a landscape of the specification."""
 
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -11,16 +11,32 @@ from ..worlds.errors import InputError
 from ..worlds.vocabulary import ID_PATTERN
 from .context import ToolContext, ToolReply
 
-__all__ = ["build_terrain"]
+if TYPE_CHECKING:
+    from ..execution import Job
+    from .session import Session
+
+__all__ = ["build_terrain", "landscape_reply"]
 
 
 def build_terrain(
     context: ToolContext,
     world: Annotated[str, Field(description="World id")],
     entity: Annotated[str, Field(description="Entity id of the ground; replaced if it is a terrain already")] = "ground",
-    kind: Annotated[Literal["flat", "slope", "hills"], Field(description="Shape of the land")] = "flat",
-    size: Annotated[tuple[float, float], Field(description="Extent x, y [m], 0.5 to 2000")] = (20.0, 20.0),
-    cells: Annotated[int, Field(ge=2, le=200, description="Cells along the longer side")] = 48,
+    terrain: Annotated[
+        str | None,
+        Field(description="Id under /terrains: build that landscape and cut the ground from it; kind, relief, ... are not used"),
+    ] = None,
+    kind: Annotated[Literal["flat", "slope", "hills"], Field(description="Without terrain: shape of the land")] = "flat",
+    size: Annotated[
+        tuple[float, float] | None,
+        Field(description="Extent of the ground x, y [m], 0.5 to 2000; default 20 x 20, of a landscape up to 256 x 256"),
+    ] = None,
+    center: Annotated[
+        tuple[float, float] | None, Field(description="With terrain: where the ground is cut out, x, y [m]")
+    ] = None,
+    cells: Annotated[
+        int | None, Field(ge=2, le=512, description="Cells along the longer side; default 48, of a landscape 256")
+    ] = None,
     relief: Annotated[float, Field(ge=0, le=200, description="slope: rise from -x to +x [m]; hills: height range [m]")] = 0.0,
     plain_radius: Annotated[
         float, Field(ge=0, le=2000, description="hills: level circle around the origin for things to stand on [m]")
@@ -30,36 +46,108 @@ def build_terrain(
         str | None, Field(description="Material id; default: the first stone, concrete or other material")
     ] = None,
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
+    wait_s: Annotated[float, Field(ge=0, le=240, description="With terrain: seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
     """Make the ground of an outdoor world: a static height field, as a new revision, and check it.
 
-    flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside plain_radius.
-    The ground becomes a member of the first solver instance. Lengths in m. Needs a solver instance and a material.
-    Not for: floors, tables and other flat things, which a static box does better (edit_spec); rivers, erosion and
-    vegetation are not in this build. Repeating it with the same entity replaces that ground.
-    Returns: revision, height range, static rows that fail. Next: place_object.
+    With terrain: builds the landscape declared under /terrains/<id> (height layers, erosion, lakes, rivers, ground materials,
+    plants), checks it, and cuts the ground that bodies stand on from it, in world coordinates. Declare it first with
+    edit_spec: skill://outdoor-terrain/SKILL.md. See it with render_shot(kind='field').
+    Without: flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside
+    plain_radius. The ground becomes a member of the first solver instance. Lengths in m. Needs a material.
+    Not for: floors, tables and other flat things, which a static box does better (edit_spec). Repeating it with the same
+    entity replaces that ground. Returns: revision, heights, water, static rows that fail. Next: place_object.
     """
-    from ..worlds.limits import check_limits
-    from ..worlds.patch import apply_patch
-    from .answers import answer, call, rows_answer
-    from .rows import summary
     from .session import Session
 
     if re.match(ID_PATTERN, entity) is None:
         raise InputError(f"entity id {entity!r} must match {ID_PATTERN}, e.g. 'ground'")
-    if not all(0.5 <= s <= 2000 for s in size):
+    if size is not None and not all(0.5 <= s <= 2000 for s in size):
         raise InputError(f"size {size} m is out of range; allowed 0.5 to 2000 m along each side")
     session = Session.open(context.workspace, world)
-    spec = session.spec
-    known = spec.entities.get(entity)
+    known = session.spec.entities.get(entity)
     if known is not None and not any(p.shape.kind == "heightfield" for p in known.parts.values()):
         raise InputError(f"entity {entity!r} exists and is no terrain; choose another id")
-    if not spec.simulation.solvers:
-        raise InputError("the world has no solver instance yet; add /simulation/solvers/rigid with edit_spec first")
-    ground = material or next((k for k, m in spec.materials.items() if m.substance in ("stone", "concrete", "other")), None)
-    if ground is None or ground not in spec.materials:
-        raise InputError(f"material {ground!r} is not declared; the world has {sorted(spec.materials)}. Add one with edit_spec")
-    heights = _heights(kind, size, cells, relief, plain_radius, seed)
+    if terrain is not None:
+        asked = {
+            "terrain": terrain,
+            "entity": entity,
+            "center": center,
+            "size": size,
+            "cells": cells or 256,
+            "material": material,
+        }
+        return _landscape(context, session, {**asked, "hypothesis": hypothesis}, wait_s)
+    if cells is not None and cells > 200:
+        raise InputError(f"cells {cells} is out of range without terrain; allowed 2 to 200")
+    return _plain(session, entity, kind, size or (20.0, 20.0), cells or 48, (relief, plain_radius, seed), material, hypothesis)
+
+
+def _landscape(context: ToolContext, session: Session, payload: dict[str, Any], wait_s: float) -> ToolReply:
+    from ..worlds.canonical import digest_of
+    from .landscapes import ground_material
+    from .waiting import start_and_wait
+
+    name = payload["terrain"]
+    if name not in session.spec.terrains:
+        raise InputError(
+            f"there is no terrain {name!r}; the world has {sorted(session.spec.terrains)}. Add /terrains/{name} with edit_spec"
+        )
+    ground_material(session.spec, payload["material"])
+    key = f"terrain:{digest_of(payload)}:{session.revision}"
+    return _landscape_told(
+        session.folder.id, name, start_and_wait(context, session, "terrain", payload, wait_s=wait_s, key=key, reuse=False)
+    )
+
+
+def landscape_reply(job: Job) -> ToolReply:
+    """Reply for a landscape whose job has ended."""
+    from .waiting import ended_data
+
+    return _landscape_told(str(job.world), job.payload["terrain"], ended_data(job))
+
+
+def _landscape_told(world: str, name: str, data: dict[str, Any]) -> ToolReply:
+    from .answers import call, job_answer, rows_answer
+
+    if "state" in data:
+        return ToolReply(job_answer(data))
+    counts = data["features"]
+    text = (
+        f"landscape {name!r}: {data['cells'][0]} x {data['cells'][1]} cells, {counts['lakes']} lakes, {counts['rivers']} rivers, "
+        f"{counts['streams']} streams, {counts['plants']} plants"
+    )
+    picture = data["picture"]
+    links = ((picture, f"worldagent://worlds/{world}/pictures/{picture}", "image/jpeg"),)
+    if "audit" in data:
+        told = rows_answer(
+            world, data.pop("audit"), "concise", f"{text}; the audit leaves rows open", "edit_spec: mend the audit's open rows"
+        )
+        return ToolReply({**told, **data}, links=links)
+    return ToolReply(
+        rows_answer(world, data, "concise", text, call("render_shot", world=world, kind="field", field="hillshade")), links=links
+    )
+
+
+def _plain(
+    session: Session,
+    entity: str,
+    kind: str,
+    size: tuple[float, float],
+    cells: int,
+    form: tuple[float, float, int],
+    material: str | None,
+    hypothesis: str,
+) -> ToolReply:
+    from ..worlds.limits import check_limits
+    from ..worlds.patch import apply_patch
+    from .answers import answer, call, rows_answer
+    from .landscapes import ground_material, membership
+    from .rows import summary
+
+    spec, world = session.spec, session.folder.id
+    ground = ground_material(spec, material)
+    heights = _heights(kind, size, cells, *form)
     flat = [v for row in heights for v in row]
     base = 0.5
     contract = {
@@ -70,10 +158,7 @@ def build_terrain(
         "parts": {"land": {"shape": {"kind": "heightfield", "size": list(size), "heights": heights, "base": base}}},
     }
     patch: list[dict[str, Any]] = [{"op": "add", "path": f"/entities/{entity}", "value": contract}]
-    solver = next((k for k, s in spec.simulation.solvers.items() if entity in s.members), None)
-    if solver is None:
-        solver = next(iter(spec.simulation.solvers))
-        patch.append({"op": "add", "path": f"/simulation/solvers/{solver}/members/-", "value": entity})
+    patch += membership(spec, entity)
     after = apply_patch(spec, patch)
     check_limits(after)
     outcome = session.commit(after, patch=patch, hypothesis=hypothesis)

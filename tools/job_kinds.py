@@ -35,6 +35,13 @@ class JobKind:
 
 KINDS: dict[str, JobKind] = {
     "check": JobKind(INTERACTIVE, 6 * HOUR_S, "run_checks", ("scope", "only")),
+    "terrain": JobKind(
+        NORMAL,
+        6 * HOUR_S,
+        "build_terrain",
+        ("terrain", "entity", "size", "center", "cells", "material"),
+        keeps="keeps a landscape that is built",
+    ),
     "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim"),
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),

@@ -11,10 +11,11 @@ from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
 from .estimates import Pace
+from .landscapes import terrain
 from .rows import summary
 from .session import Session
 
-__all__ = ["accept", "bake", "check", "final", "probe"]
+__all__ = ["accept", "bake", "check", "final", "probe", "terrain"]
 
 WARM = (
     "cv2",

@@ -23,7 +23,7 @@ LEDGER_SIZE = (1200, 1000)
 
 _FILM_KINDS = {"webm": "video/webm", "mp4": "video/mp4"}
 
-Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "final"]
+Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "field", "final"]
 
 
 def render_shot(
@@ -33,7 +33,7 @@ def render_shot(
         Kind,
         Field(
             description="preview: quick shaded frame; still: path-traced frame; contact_sheet: frames over time; ids: frame coloured and "
-            "labelled by entity; ledger: plots of energy, momentum, ...; plan / section: measured drawings; final: path-traced video"
+            "labelled by entity; ledger: plots of energy, momentum, ...; plan / section: measured drawings; field: map of a landscape; final: path-traced video"
         ),
     ] = "preview",
     frame: Annotated[int, Field(ge=0, description="Frame index, for single pictures")] = 0,
@@ -43,6 +43,13 @@ def render_shot(
         Field(description="Own camera instead: position x, y, z and target x, y, z [m] (40 degrees)"),
     ] = None,
     frames: Annotated[list[int] | None, Field(description="For contact_sheet: which frames", max_length=25)] = None,
+    field: Annotated[
+        str | None,
+        Field(
+            description="For field: hillshade, height, slope, basin_depth, accumulation, moisture, cover, ...; unknown ones list all"
+        ),
+    ] = None,
+    terrain: Annotated[str | None, Field(description="For field: id under /terrains; default the only one")] = None,
     stage: Annotated[
         Literal["best", "static", "probe", "full"],
         Field(description="What to show: default the bake, else the probe, else frame 0"),
@@ -69,6 +76,8 @@ def render_shot(
     session = Session.open(context.workspace, world)
     if kind == "final":
         return _final(context, session, width, height, samples, wait_s)
+    if kind == "field":
+        return _field(session, terrain, field or "hillshade", width, height)
     from .measurements import latest_candidate
 
     session.require_audit("rendering")
@@ -112,6 +121,31 @@ def render_shot(
     text = f"{kind}{at}, from the {candidate.stage} candidate, camera {data['camera']}"
     then = "judge by numbers: inspect_world(part='state' or 'matrix')"
     return ToolReply(answer(data, text, then, warnings), pictures=(image,), links=(link,))
+
+
+def _field(session: Session, terrain: str | None, field: str, width: int | None, height: int | None) -> ToolReply:
+    from ..rendering import encode, field_map
+    from ..verifiers.landscapes import open_landscape
+    from .answers import answer
+
+    known = sorted(session.spec.terrains)
+    name = terrain or (known[0] if len(known) == 1 else None)
+    if name not in session.spec.terrains:
+        raise InputError(
+            f"terrain {name!r}: the world has {known}; kind='field' needs one that build_terrain(terrain=...) has built"
+        )
+    land = open_landscape(session.folder.root, session.spec, name)
+    image = encode(field_map(land, field, width=width or 900, height=height or 700))
+    file = f"field_{name}_{field}.{'png' if image.format == 'png' else 'jpg'}"
+    session.folder.pictures.mkdir(exist_ok=True)
+    (session.folder.pictures / file).write_bytes(image.data)
+    world = session.folder.id
+    data = {"world": world, "kind": "field", "field": field, "terrain": name, "file": f"pictures/{file}"}
+    link = Link(file, f"worldagent://worlds/{world}/pictures/{file}", f"image/{image.format}", len(image.data))
+    told = answer(
+        data, f"{field} of the landscape {name!r}, north up", "numbers: build_terrain's reply, inspect_world(part='matrix')"
+    )
+    return ToolReply(told, pictures=(Picture(image.data, image.format),), links=(link,))
 
 
 def _picture(

@@ -24,6 +24,7 @@ from . import (
     scale,
     shots,
     support,
+    terrain,
 )
 from .diagnosis import diagnose
 
@@ -42,6 +43,7 @@ class CheckBinding:
 
 
 CHECKS: tuple[CheckBinding, ...] = (
+    CheckBinding("terrain", terrain.check, ("static", "full")),
     CheckBinding("scale", scale.check, ("static", "full")),
     CheckBinding("interpenetration", interpenetration.check, ("static", "full")),
     CheckBinding("relations", relations.check, ("static", "probe", "full")),

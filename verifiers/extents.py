@@ -58,6 +58,8 @@ def specified_extent(part: Part) -> Extent | None:
             return None
         vertices = np.array(shape.vertices, dtype=np.float64) * shape.scale
         return _extent(pose.apply(vertices)[np.array(shape.faces, dtype=np.intp)])
+    elif isinstance(shape, HeightField) and shape.heights is None:
+        return None
     else:
         placed = pose.apply(_corners(shape))
         return Extent(placed.min(axis=0), placed.max(axis=0))

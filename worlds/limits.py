@@ -14,8 +14,20 @@ if TYPE_CHECKING:
     from .spec import Entity, WorldSpec
     from .spec.shapes import Shape
 
-__all__ = ["CAPS", "Cap", "check_cap", "check_film", "check_limits", "check_workspace", "estimate_counts", "workspace_bytes"]
+__all__ = [
+    "CAPS",
+    "HEIGHT_ROWS",
+    "Cap",
+    "check_cap",
+    "check_film",
+    "check_limits",
+    "check_workspace",
+    "estimate_counts",
+    "workspace_bytes",
+]
 
+HEIGHT_ROWS = 513
+"""Rows and columns of a height file at most: half a million triangles."""
 CACHE_BYTES_PER_BODY_FRAME = 160
 """Pose and velocity in float64 (13 numbers), and as much again of records and index, halved by compression [bytes]."""
 
@@ -125,7 +137,8 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
         "height": look.height,
         "samples": look.samples,
         "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME,
-        "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values()),
+        "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values())
+        + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values()),
         "triangles": sum(_triangles(entity) for entity in spec.entities.values()),
     }
     return counts
@@ -201,7 +214,15 @@ def _rerun_seconds(spec: WorldSpec) -> float:
 
 
 def _cells(shape: Shape) -> int:
-    return (len(shape.heights) - 1) * (len(shape.heights[0]) - 1) if shape.kind == "heightfield" else 0
+    rows, columns = _grid(shape)
+    return (rows - 1) * (columns - 1)
+
+
+def _grid(shape: Shape) -> tuple[int, int]:
+    """Rows and columns of a height field; the most that a height file may have; 1 x 1 for other shapes."""
+    if shape.kind != "heightfield":
+        return 1, 1
+    return (HEIGHT_ROWS, HEIGHT_ROWS) if shape.heights is None else (len(shape.heights), len(shape.heights[0]))
 
 
 def _triangles(entity: Entity) -> int:
@@ -210,7 +231,7 @@ def _triangles(entity: Entity) -> int:
     for part in entity.parts.values():
         shape = part.shape
         if shape.kind == "heightfield":
-            rows, columns = len(shape.heights), len(shape.heights[0])
+            rows, columns = _grid(shape)
             total += 4 * (rows - 1) * (columns - 1) + 4 * (rows + columns)
         elif shape.kind == "mesh":
             total += len(shape.faces or ())

@@ -1,6 +1,6 @@
 """What depends on what: recipes of all artifacts of a world, and exactly which are stale after an edit (R115, R116).
 
-Artifacts: `built:<entity>`, `static:<entity>` (evidence at frame 0), `motion` (probe, bake and every verdict over
+Artifacts: `terrain:<id>`, `built:<entity>`, `static:<entity>` (evidence at frame 0), `motion` (probe, bake and every verdict over
 them), `contact` and `category` (verdicts over the motion against bounds), `story` and `shots` (verdicts that read
 the story and the shot plan over the same motion), `acceptance`, `final`.
 """
@@ -79,6 +79,8 @@ def recipes(spec: WorldSpec) -> dict[str, str]:
             by_entity.get(name, []),
             limits,
         )
+    for name, terrain in spec.terrains.items():
+        found[f"terrain:{name}"] = digest_of(terrain)
     motion = digest_of(motion_slice(spec))
     graph = digest_of(relations, {k: r.model_dump(mode="json") for k, r in spec.graph.regions.items()})
     found["motion"] = motion
@@ -99,7 +101,10 @@ def recipes(spec: WorldSpec) -> dict[str, str]:
         spec.prompt,
     )
     found["final"] = digest_of(
-        found["acceptance"], spec.look, {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()}
+        found["acceptance"],
+        {k: v for k, v in found.items() if k.startswith("terrain:")},
+        spec.look,
+        {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()},
     )
     return found
 
@@ -138,6 +143,8 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
         if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
+        if row.check == "terrain":
+            wanted |= {f"terrain:{row.id.split(':')[1]}"}
         hit = sorted(wanted & changed)
         if hit:
             found[row.id] = hit[0]

@@ -12,6 +12,7 @@ Status = Literal["pass", "fail", "unverified", "not_applicable"]
 Group = Literal["spatial", "physical", "temporal", "observational", "delivery"]
 Check = Literal[
     "audit",
+    "terrain",
     "scale",
     "interpenetration",
     "support",

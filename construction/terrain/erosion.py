@@ -59,18 +59,32 @@ class Ground:
     """Removed so far, >= 0."""
     deposit: F64
     """Laid down so far, >= 0."""
+    uplift: F64
+    """Raised so far, >= 0."""
+    earthworks: F64
+    """Raised (positive) or cut by late layers."""
 
     @classmethod
     def bare(cls, grid: Grid, height: F64, *, soil: F64 | float = 0.0) -> Ground:
         """Rock with a layer of soil [m] below the given surface [m]."""
         loose = np.broadcast_to(np.asarray(soil, dtype=np.float64), grid.shape).copy()
         none = np.zeros(grid.shape)
-        return cls(grid, height - loose, loose, none, none)
+        return cls(grid, height - loose, loose, none, none, none, none)
 
     @property
     def height(self) -> F64:
         """Surface of the ground [m]."""
         return self.bedrock + self.sediment
+
+    def reshaped(self, change: F64) -> Ground:
+        """After people or late layers raised or cut the surface by `change` [m]: cuts take loose matter first."""
+        loose = np.minimum(np.maximum(-change, 0.0), self.sediment)
+        return replace(
+            self,
+            bedrock=self.bedrock + change + loose,
+            sediment=self.sediment - loose,
+            earthworks=self.earthworks + change,
+        )
 
     def moved(self, change: F64) -> Ground:
         """After the surface rose or fell by `change` [m]: loose matter goes first, then rock wears."""
@@ -127,7 +141,7 @@ def erode_rivers(
     rise = np.where(fixed, 0.0, np.broadcast_to(np.asarray(uplift, dtype=np.float64), grid.shape) * dt)
     worn = laid = gone = raised = 0.0
     for _ in range(steps):
-        ground = replace(ground, bedrock=ground.bedrock + rise)
+        ground = replace(ground, bedrock=ground.bedrock + rise, uplift=ground.uplift + rise)
         raised += float(rise.sum()) * grid.cell_area
         drainage = drain(grid, ground.height, valid=known)
         receiver = drainage.receiver.ravel()

@@ -93,16 +93,20 @@ def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, t
     biome = BIOMES[terrain.climate.biome]
     say(0.02, "shaping the land")
     raw = shape_land(grid, terrain, assets)
+    if not terrain.layers:
+        raise InputError("the terrain has no layers: it is a plain. Add layers, or call build_terrain without terrain")
     valid = np.isfinite(raw)
     figures: dict[str, Any] = {}
     ground = _eroded(grid, terrain, raw, valid, figures, say)
+    worked = shape_land(grid, terrain, assets, after=ground.height) - ground.height
+    ground = ground.reshaped(np.where(valid, worked, 0.0))
     say(0.5, "routing the water")
     drainage = drain(grid, ground.height, valid=valid)
     rain = _rain(grid, terrain, biome, drainage.filled)
     water = _water(grid, terrain, biome, drainage, rain)
     channels = carve(drainage, water) if terrain.hydrology.carve else _uncut(grid, water)
     say(0.6, "sun, wind and moisture")
-    fields = _fields(grid, terrain, biome, ground, drainage, water, channels, rain)
+    fields = _fields(grid, terrain, biome, raw, ground, drainage, water, channels, rain)
     say(0.8, "covering the ground")
     covered = cover(grid, terrain, fields, bed=channels.bed)
     fields["moisture"] = _moisture(fields, covered.retention, rain)
@@ -225,6 +229,7 @@ def _fields(
     grid: Grid,
     terrain: Terrain,
     biome: Biome,
+    raw: F64,
     ground: Ground,
     drainage: Drainage,
     water: WaterBodies,
@@ -245,6 +250,9 @@ def _fields(
     fields: dict[str, F64] = {
         "height": height,
         "ground": ground.height,
+        "start": raw,
+        "uplift": ground.uplift,
+        "earthworks": ground.earthworks,
         "bedrock": ground.bedrock,
         "sediment": ground.sediment,
         "wear": ground.wear,

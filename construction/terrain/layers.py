@@ -17,26 +17,35 @@ from .dem import read_dem
 from .grid import Grid
 from .zones import along, inside_weight, zone_distance
 
-__all__ = ["shape_land"]
+__all__ = ["is_late", "shape_land"]
 
 STOSS_SHARE = 0.75
 """Windward part of a dune's length: with it the lee side of a usual dune (height : spacing = 1 : 10) stands at 22 to 33 deg."""
 
 
-def shape_land(grid: Grid, terrain: spec.Terrain, assets: Path) -> F64:
-    """Height of the land before erosion [m], shape (rows, cols); NaN where a DEM has no data.
+def shape_land(grid: Grid, terrain: spec.Terrain, assets: Path, *, after: F64 | None = None) -> F64:
+    """Height of the land [m], shape (rows, cols); NaN where a DEM has no data.
+
+    Before erosion: of all layers that are not late. With `after`, the eroded land: with the late layers worked into it.
 
     Raises:
         InputError: a layer names an unknown zone or a file that cannot be used.
     """
-    height = np.full(grid.shape, float(terrain.datum))
+    height = np.full(grid.shape, float(terrain.datum)) if after is None else after
     for name, layer in sorted(terrain.layers.items(), key=lambda item: (item[1].order, item[0])):
+        if is_late(layer) != (after is not None):
+            continue
         try:
-            after = _LAYERS[layer.kind](grid, height, layer, terrain, assets)
-            height = _blend(grid, height, after, layer, terrain)
+            made = _LAYERS[layer.kind](grid, height, layer, terrain, assets)
+            height = _blend(grid, height, made, layer, terrain)
         except InputError as error:
             raise InputError(f"layer {name!r}: {error}") from error
     return height
+
+
+def is_late(layer: spec.Layer) -> bool:
+    """Whether a layer is worked into the land after erosion."""
+    return layer.kind in ("flatten", "road") if layer.late is None else layer.late
 
 
 def _zone(terrain: spec.Terrain, name: str) -> spec.Zone:
@@ -112,7 +121,7 @@ def _crater(grid: Grid, height: F64, layer: spec.Crater, terrain: spec.Terrain, 
 
 def _mesa(grid: Grid, height: F64, layer: spec.Mesa, terrain: spec.Terrain, assets: Path) -> F64:
     if layer.zone is None:
-        raise InputError("a mesa needs the zone of its top; add one to /terrain/<id>/zones")
+        raise InputError("a mesa needs the zone of its top; add one to /terrains/<id>/zones")
     distance = zone_distance(grid, _zone(terrain, layer.zone))
     weight = inside_weight(distance, layer.cliff)
     level = float(np.nanmean(height[distance <= 0])) if (distance <= 0).any() else 0.0
@@ -153,7 +162,7 @@ def _valley(grid: Grid, height: F64, layer: spec.Valley, terrain: spec.Terrain, 
 
 def _coast(grid: Grid, height: F64, layer: spec.Coast, terrain: spec.Terrain, assets: Path) -> F64:
     if terrain.sea_level is None:
-        raise InputError("a coast needs /terrain/<id>/sea_level")
+        raise InputError("a coast needs /terrains/<id>/sea_level")
     away, _, side = along(grid, np.array(layer.line))
     offshore = np.clip(-side * away / layer.shelf, 0.0, 1.0)
     bottom = terrain.sea_level - layer.depth * offshore
@@ -163,7 +172,7 @@ def _coast(grid: Grid, height: F64, layer: spec.Coast, terrain: spec.Terrain, as
 
 def _flatten(grid: Grid, height: F64, layer: spec.Flatten, terrain: spec.Terrain, assets: Path) -> F64:
     if layer.zone is None:
-        raise InputError("flatten needs a zone; add one to /terrain/<id>/zones")
+        raise InputError("flatten needs a zone; add one to /terrains/<id>/zones")
     distance = zone_distance(grid, _zone(terrain, layer.zone))
     if not (distance <= 0).any():
         raise InputError(

@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 import pytest
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
+from worldagent.verifiers.diagnosis_table import TABLES
 from worldagent.worlds.audit import DENSITY_RANGES, audit
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec
@@ -21,7 +22,7 @@ from worldagent.worlds.spec.story import Relation
 
 BUILDING = SKILLS / "world-building"
 EXAMPLES = sorted((BUILDING / "examples").glob("*.json"))
-DIAGNOSIS: list[dict[str, Any]] = json.loads((SKILLS / "rigid-bodies" / "diagnosis.json").read_text())
+DIAGNOSIS: list[dict[str, Any]] = [e for name in TABLES for e in json.loads((SKILLS / name / "diagnosis.json").read_text())]
 MAX_LINES = 500
 
 
@@ -131,6 +132,10 @@ def test_every_check_has_a_diagnosis(check: str) -> None:
 
 ROWS = {
     "audit": ["audit:ownership", "audit:clauses", "audit:bounds", "audit:density:wood", "audit:engine:cloud"],
+    "terrain": [
+        "terrain:land",
+        *(f"terrain:land:{n}" for n in ("fill", "drainage", "water", "ledger", "plants", "ground:floor")),
+    ],
     "scale": ["scale:scene", "scale:ball", "scale:nominal:ball", "scale:relation:on"],
     "interpenetration": ["interpenetration:a:b", "interpenetration:self:a", "interpenetration:scene"],
     "support": ["support:scene", "support:on:cup", "support:balance:cup", "support:derived:cup"],

@@ -12,6 +12,8 @@ CASES = {
     "dimensions": ["/entities/a/dimensions/size/0", "/entities/a/nominal_diagonal"],
     "shape": ["/entities/a", "/entities/a/parts/b/shape/size", "/entities/a/generator/segments", "/entities/a/motion",
               "/entities/a/parts/b/collides", "/entities/a/active", "/simulation/solvers/s/members/0"],
+    "terrain": ["/terrains/land/layers/hill/height", "/terrains/land", "/terrains/land/erosion/years"],
+    "cover": ["/terrains/land/ground/sand/order", "/terrains/land/vegetation", "/terrains/land/vegetation/density"],
     "joints": ["/simulation/joints/h", "/simulation/joints/h/range"],
     "relations": ["/graph/relations/r", "/graph/regions/r/radius"],
     "material": ["/materials/m/friction", "/materials/m", "/entities/a/material", "/entities/a/parts/b/material"],
@@ -29,10 +31,10 @@ CASES = {
     "text": ["/title", "/clauses/c1/met_by", "/entities/a/role", "/entities/a/inputs/0", "/story/semantics", "/spec_version"],
 }  # fmt: skip
 CLASSES = {
-    "scene": {"placement", "dimensions", "shape", "joints", "relations"},
+    "scene": {"placement", "dimensions", "shape", "joints", "relations", "terrain"},
     "solver": {"material", "mass", "initial_state", "contact", "step", "drivers", "interval"},
     "story": {"story", "limits"},
-    "shot": {"shots", "look"},
+    "shot": {"shots", "look", "cover"},
     "text": {"text"},
 }
 

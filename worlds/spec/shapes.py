@@ -129,16 +129,26 @@ class Mesh(SpecModel):
 
 
 class HeightField(SpecModel):
-    """Regular grid of heights over a rectangle centred at the origin; row 0 is south (-y), column 0 west (-x)."""
+    """Regular grid of heights over a rectangle centred at the origin; row 0 is south (-y), column 0 west (-x).
+
+    The heights stand here, or in a file of the world's `assets/` folder that build_terrain writes; then `digest` is the
+    SHA-256 of that file, and another file of the same name is refused.
+    """
 
     kind: Literal["heightfield"] = "heightfield"
     size: tuple[Positive, Positive] = Field(description="extent x, y [m]")
-    heights: Annotated[list[Annotated[list[Finite], Field(min_length=2, max_length=512)]], Field(min_length=2, max_length=512)]
+    heights: (
+        Annotated[list[Annotated[list[Finite], Field(min_length=2, max_length=512)]], Field(min_length=2, max_length=512)] | None
+    ) = None
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.npy$")] | None = None
+    digest: Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")] | None = None
     base: Positive = Field(default=0.1, description="thickness below the lowest height [m]")
 
     @model_validator(mode="after")
-    def _rectangular(self) -> HeightField:
-        if len({len(row) for row in self.heights}) != 1:
+    def _one_source(self) -> HeightField:
+        if (self.heights is None) == (self.file is None) or (self.file is None) != (self.digest is None):
+            raise ValueError("give either heights, or file and digest")
+        if self.heights is not None and len({len(row) for row in self.heights}) != 1:
             raise ValueError("all rows of heights must have the same length")
         return self
 

@@ -65,6 +65,9 @@ class _Layered(SpecModel):
     order: int = Field(default=0, ge=0, le=999, description="layers apply from low to high; equal ones by id")
     zone: Id | None = Field(default=None, description="only inside this zone")
     falloff: NonNegative = Field(default=0.0, description="width over which the layer fades at the edge of its zone [m]")
+    late: bool | None = Field(
+        default=None, description="applied when erosion is done, so that it keeps its form; default: flatten and road only"
+    )
 
 
 class Noise(_Layered):

@@ -11,6 +11,7 @@ from ..vocabulary import Id, NonNegative, Positive, SpecModel, Text, Vec3
 from .entities import Entity, Material
 from .simulation import SimulationPlan
 from .story import SceneGraph, Shot, Story
+from .terrain import Terrain
 
 __all__ = ["SPEC_VERSION", "AreaLight", "Clause", "Look", "WorldSpec", "prompt_digest"]
 
@@ -60,6 +61,7 @@ class WorldSpec(SpecModel):
     story: Story = Story()
     materials: Annotated[dict[Id, Material], Field(max_length=500)] = {}
     entities: Annotated[dict[Id, Entity], Field(max_length=20000)] = {}
+    terrains: Annotated[dict[Id, Terrain], Field(max_length=4)] = {}
     graph: SceneGraph = SceneGraph()
     shots: Annotated[dict[Id, Shot], Field(max_length=200)] = {}
     simulation: SimulationPlan

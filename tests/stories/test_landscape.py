@@ -1,0 +1,126 @@
+"""A client declares a landscape, builds it, looks at its fields and stands a ball on it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+
+HANGS = "the ball hangs in the air above the yard; put it on the ground"
+LAND: dict[str, Any] = {
+    "extent": [400, 400],
+    "cell": 5,
+    "layers": {
+        "rolling": {"kind": "noise", "amplitude": 6, "wavelength": 200, "octaves": 4, "order": 1},
+        "basin": {"kind": "crater", "radius": 90, "depth": 9, "floor": 0.5, "order": 2, "late": True},
+        "site": {"kind": "flatten", "zone": "yard", "falloff": 25, "order": 3},
+    },
+    "zones": {"yard": {"center": [150, 150], "radius": 20}},
+    "erosion": {"years": 1000, "steps": 2},
+    "hydrology": {"required": ["lake"]},
+    "ground": {"low": {"material": "stone", "where": [{"field": "slope", "at_most": 0.05}]}},
+    "vegetation": {"density": 0.2},
+}
+
+
+def _spec(**land: Any) -> dict[str, Any]:
+    ball = {
+        "role": "ball that rests on the yard",
+        "motion": "dynamic",
+        "material": "stone",
+        "dimensions": {"size": [0.4, 0.4, 0.4]},
+        "pose": {"position": [150, 150, 30]},
+        "parts": {"body": {"shape": {"kind": "sphere", "radius": 0.2}}},
+    }
+    return {
+        "title": "Lake land",
+        "clauses": {"c1": {"met_by": ["/entities/ball", "/story/beats/rests"]}},
+        "materials": {"stone": {"density": 2600, "substance": "stone", "friction": 0.7, "rolling_friction": 0.01}},
+        "entities": {"ball": ball},
+        "terrains": {"land": {**LAND, **land}},
+        "story": {
+            "beats": {
+                "rests": {"text": "rests", "owner": "rigid", "subject": "ball", "frames": [0, 20],
+                          "predicate": {"kind": "speed", "entity": "ball", "max": 20}}
+            }
+        },
+        "shots": {"only": {"frames": [0, 20], "covers": ["rests"], "subjects": ["ball"],
+                           "keys": {"a": {"frame": 0, "position": [154, 140, 40], "target": [150, 150, 30], "fov_deg": 40}}}},
+        "simulation": {"frames": 21, "fps": 24, "solvers": {"rigid": {"engine": "mujoco", "members": ["ball"]}}},
+    }  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _inline(monkeypatch: pytest.MonkeyPatch) -> None:
+    run_jobs_inline(monkeypatch)
+
+
+def test_a_landscape_is_declared_built_seen_and_stood_upon(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec())
+    built = agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=80, wait_s=120)
+    assert built["built"]
+    assert built["features"]["lakes"] >= 1
+    assert built["lakes"][0]["depth"] > 1
+    matrix = {r["id"]: r["status"] for r in agent.pages("rows", part="matrix")}
+    assert {matrix[f"terrain:land:{n}"] for n in ("fill", "drainage", "water", "ledger", "plants", "ground:ground")} == {"pass"}
+    for field in ("hillshade", "basin_depth", "cover", "accumulation"):
+        answer = agent.result("render_shot", world="w", kind="field", field=field)
+        assert not answer.is_error, answer.content[0].text
+        assert [block.type for block in answer.content[:2]] == ["text", "image"]
+    placed = agent.call("place_object", world="w", entity="ball", on="ground", at=[150, 150], hypothesis=HANGS)
+    assert placed["counts"]["fail"] == 0, placed
+    again = agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=80, wait_s=120)
+    assert not again["built"], "the same recipe is not built twice"
+    assert "revision" not in again, "the same ground is no new revision"
+
+
+def test_plants_leave_the_ground_as_it_is_and_layers_do_not(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec())
+    agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=40, wait_s=120)
+    denser = [{"op": "add", "path": "/terrains/land/vegetation/density", "value": 0.3}]
+    edited = agent.call("edit_spec", world="w", patch=denser, hypothesis=HANGS)
+    assert edited["groups"] == ["cover"]
+    assert "terrain:land" in edited["stale"]
+    assert not any(name.startswith(("built:", "motion")) for name in edited["stale"])
+    matrix = {r["id"]: r["status"] for r in agent.pages("rows", part="matrix")}
+    assert matrix["terrain:land:fill"] == "unverified"
+    agent.call("place_object", world="w", entity="ball", on="ground", at=[150, 150], hypothesis=HANGS)
+    lower = [{"op": "add", "path": "/terrains/land/layers/site/height", "value": 1.0}]
+    assert agent.call("edit_spec", world="w", patch=lower, hypothesis=HANGS)["groups"] == ["terrain"]
+    agent.call(
+        "build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=40, hypothesis=HANGS, wait_s=120
+    )
+    spec = json.loads((agent.workspace / "w" / "world.json").read_text())
+    assert spec["entities"]["ground"]["dimensions"]["size"][0] == 80
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"terrain": "sea"}, "there is no terrain 'sea'"),
+        ({"terrain": "land", "size": [900, 900]}, "leaves the landscape"),
+        ({"terrain": "land", "center": [190, 0], "size": [50, 50]}, "leaves the landscape"),
+        ({"terrain": "land", "material": "gold"}, "not declared"),
+    ],
+)
+def test_what_cannot_be_built_says_why(agent: Any, arguments: dict[str, Any], words: str) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec(vegetation=None))
+    answer = agent.result("build_terrain", world="w", **arguments)
+    assert answer.is_error
+    assert words in answer.content[0].text
+
+
+def test_a_height_file_that_was_changed_is_refused(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec(vegetation=None))
+    agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=40, wait_s=120)
+    file = next((agent.workspace / "w" / "assets").glob("land-*.npy"))
+    data = bytearray(file.read_bytes())
+    data[-1] ^= 1
+    file.write_bytes(bytes(data))
+    for built in (agent.workspace / "w" / "built").iterdir():
+        built.unlink()
+    answer = agent.result("run_checks", world="w", scope="static")
+    assert answer.is_error
+    assert "digest" in answer.content[0].text

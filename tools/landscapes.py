@@ -1,0 +1,153 @@
+"""The job behind build_terrain(terrain=...): a landscape from the specification, and the ground that bodies stand on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..execution import JobContext
+from ..worlds.errors import InputError
+from ..worlds.folder import WorldFolder
+from ..worlds.landscape import SavedLandscape
+from ..worlds.limits import check_limits
+from ..worlds.patch import apply_patch
+from ..worlds.spec import WorldSpec
+from .rows import summary
+from .session import Session
+
+__all__ = ["OVERVIEW", "describe", "ground_material", "membership", "terrain"]
+
+OVERVIEW = ("hillshade", "accumulation", "cover", "moisture")
+"""Fields on the overview sheet."""
+SHOWN = 8
+PATCH_SIZE = 256.0
+"""Longest side of the ground that bodies stand on where none is asked for [m]."""
+
+
+def ground_material(spec: WorldSpec, material: str | None) -> str:
+    """The material of the ground: as asked, else the first stone, concrete or other one.
+
+    Raises:
+        InputError: it is not declared.
+    """
+    found = material or next((k for k, m in spec.materials.items() if m.substance in ("stone", "concrete", "other")), None)
+    if found is None or found not in spec.materials:
+        raise InputError(f"material {found!r} is not declared; the world has {sorted(spec.materials)}. Add one with edit_spec")
+    return found
+
+
+def membership(spec: WorldSpec, entity: str) -> list[dict[str, Any]]:
+    """Operations that make an entity a member of a solver instance: of the first; of a new rigid one where there is none."""
+    solvers = spec.simulation.solvers
+    if any(entity in s.members for s in solvers.values()):
+        return []
+    if solvers:
+        return [{"op": "add", "path": f"/simulation/solvers/{next(iter(solvers))}/members/-", "value": entity}]
+    return [{"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": [entity]}}]
+
+
+def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Build a landscape, cut the ground from it, make it the next revision, check it, and draw an overview."""
+    from ..construction.terrain.store import build_terrain_file, cut_patch
+
+    session = Session.at(WorldFolder.at(Path(payload["folder"])))
+    name = payload["terrain"]
+
+    def say(done: float, text: str) -> None:
+        context.check()
+        context.progress(done, 1.0, text)
+
+    land, fresh = build_terrain_file(session.folder, session.spec, name, say=say)
+    context.check()
+    extent = land.shape[1] * land.cell, land.shape[0] * land.cell
+    size = payload.get("size") or [min(s, PATCH_SIZE) for s in extent]
+    center = payload.get("center") or (0.0, 0.0)
+    patch = cut_patch(session.folder, name, land, center=tuple(center), size=tuple(size), cells=payload["cells"])
+    spec, entity = session.spec, payload["entity"]
+    material = ground_material(spec, payload.get("material"))
+    base = max(1.0, 0.02 * max(patch.size))
+    contract = {
+        "role": f"ground cut from the landscape {name!r}",
+        "motion": "static",
+        "material": material,
+        "dimensions": {"size": [patch.size[0], patch.size[1], patch.high - patch.low + base]},
+        "pose": {"position": [center[0], center[1], 0.0]},
+        "parts": {
+            "land": {
+                "shape": {
+                    "kind": "heightfield",
+                    "size": list(patch.size),
+                    "file": patch.file,
+                    "digest": patch.digest,
+                    "base": base,
+                }
+            }
+        },
+    }
+    operations: list[dict[str, Any]] = [{"op": "add", "path": f"/entities/{entity}", "value": contract}]
+    operations += membership(spec, entity)
+    after = apply_patch(spec, operations)
+    data: dict[str, Any] = {}
+    if after != spec:
+        check_limits(after)
+        data |= session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""))
+    report = session.audit()
+    data |= {"built": fresh, **describe(land), "ground": {"entity": entity, "center": list(center), **patch._asdict()}}
+    if report.passed:
+        rows, changed, _ = session.check_static()
+        data |= {"changed_rows": len(changed), **summary(rows, static=True)}
+    else:
+        data |= {"audit": summary(report.rows)}
+    say(0.99, "drawing an overview")
+    data["picture"] = _overview(session.folder, name, land)
+    return data
+
+
+def describe(land: SavedLandscape) -> dict[str, Any]:
+    """Numbers of a landscape for the model: its water, its heights, what grows."""
+    import numpy as np
+
+    about, height = land.about, land.field("height")
+    reaches = sorted(about["reaches"], key=lambda r: -r["discharge"][1])
+    rows, cols = land.shape
+
+    def place(index: int) -> list[float]:
+        row, col = divmod(index, cols)
+        return [round((col - 0.5 * (cols - 1)) * land.cell, 2), round((row - 0.5 * (rows - 1)) * land.cell, 2)]
+
+    return {
+        "cells": [cols, rows],
+        "height_range": [round(float(np.nanmin(height)), 3), round(float(np.nanmax(height)), 3)],
+        "lakes": [{k: _short(v) for k, v in lake.items()} for lake in about["lakes"][:SHOWN]],
+        "rivers": [
+            {
+                "kind": r["kind"],
+                "from": place(r["cells"][0]),
+                "to": place(r["cells"][-1]),
+                "ends_in": r["ends_in"],
+                "order": r["order"],
+                "width": _short(r["width"]),
+                "discharge": _short(r["discharge"]),
+            }
+            for r in reaches[:SHOWN]
+        ],
+        "features": {k: about["figures"][k] for k in ("lakes", "rivers", "streams", "plants")},
+        "erosion": {k: about["figures"][k] for k in ("river_erosion", "slopes") if k in about["figures"]},
+    }
+
+
+def _short(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.5g}")
+    return [_short(v) for v in value] if isinstance(value, list) else value
+
+
+def _overview(folder: WorldFolder, name: str, land: SavedLandscape) -> str:
+    """Sheet of the main fields, kept in `pictures/`; its file name."""
+    from ..rendering import contact_sheet, field_map
+
+    images = [field_map(land, field, width=760, height=600) for field in OVERVIEW]
+    folder.pictures.mkdir(exist_ok=True)
+    file = f"terrain_{name}.jpg"
+    (folder.pictures / file).write_bytes(contact_sheet(images, [f"{name}: {field}" for field in OVERVIEW], columns=2))
+    return file

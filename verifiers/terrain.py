@@ -1,0 +1,159 @@
+"""Check `terrain`: every landscape drains, lies, balances and grows as its rules say (R33-R46), and the ground that the
+solver sees is a part of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ..worlds.candidate import Candidate
+from ..worlds.errors import EvidenceError
+from ..worlds.landscape import SavedLandscape
+from ..worlds.requirements import Row
+from ..worlds.spec import HeightField
+from ..worlds.spec.terrain import Terrain
+from .landscapes import (
+    LEDGER,
+    Finding,
+    drainage_finding,
+    fill_finding,
+    ledger_finding,
+    open_landscape,
+    plant_finding,
+    water_finding,
+)
+from .rows import guarded_rows, pointer, row
+from .verdicts import correction
+
+__all__ = ["check"]
+
+PATCH_M = 1e-3
+"""A ground cut from a landscape keeps its heights within this at its own corners: float32 at 10 km is 1 mm."""
+
+
+class _Claim(NamedTuple):
+    name: str
+    predicate: str
+    bound: float
+    unit: str
+    measure: Callable[[SavedLandscape, Terrain], Finding]
+    action: str
+
+
+CLAIMS = (
+    _Claim("fill", "the surface height is the least fill of the ground (R34)", 0.0, "m", lambda land, _: fill_finding(land), "build it again"),
+    _Claim(
+        "drainage", "every cell drains by steepest descent, without circles, and areas close (R36)", 0.0, "cells",
+        lambda land, _: drainage_finding(land), "build it again",
+    ),
+    _Claim("water", "lakes are level and full, reaches fall and end in water or at the edge (R35, R39, R40)", 0.0, "problems",
+           water_finding, "build it again"),
+    _Claim("ledger", "erosion neither loses nor makes matter (R46)", LEDGER, "1", lambda land, _: ledger_finding(land), "build it again"),
+    _Claim("plants", "no plant stands in water, on a bed or road, off the ground or too near to another (R45)", 0.0, "plants",
+           plant_finding, "build it again"),
+)  # fmt: skip
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """Rows `terrain:<id>:<claim>` of every landscape, and `terrain:<id>:ground` of the entities cut from it."""
+    rows: list[Row] = []
+    for name in candidate.spec.terrains:
+        rows += guarded_rows(
+            candidate,
+            partial(_landscape_rows, candidate, name),
+            id=f"terrain:{name}",
+            check="terrain",
+            predicate="the landscape is built and holds",
+            entities=(),
+        )
+    return rows
+
+
+def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
+    terrain = candidate.spec.terrains[name]
+    land = open_landscape(candidate.folder, candidate.spec, name)
+    digest = land.digest()
+    rows = []
+    for claim in CLAIMS:
+        found = claim.measure(land, terrain)
+        good = found.measured <= claim.bound
+        hint = correction(
+            found.text, "terrain", f"build_terrain(terrain={name!r}): {claim.action}", pointers=(pointer("terrains", name),)
+        )
+        rows.append(
+            row(
+                candidate,
+                id=f"terrain:{name}:{claim.name}",
+                check="terrain",
+                predicate=claim.predicate,
+                status="pass" if good else "fail",
+                explanation=found.text,
+                measured=found.measured,
+                bound=claim.bound,
+                comparison="<=",
+                unit=claim.unit,
+                frames=(0, 0),
+                corrections=() if good else (hint,),
+                evidence={"landscape": digest, **({"place": list(found.place)} if found.place and not good else {})},
+                extra=digest,
+            )
+        )
+    return rows + _ground_rows(candidate, name, land)
+
+
+def _ground_rows(candidate: Candidate, name: str, land: SavedLandscape) -> list[Row]:
+    found = []
+    height = land.field("height")
+    rows, cols = land.shape
+    for entity, contract in candidate.spec.entities.items():
+        for part in contract.parts.values():
+            shape = part.shape
+            if not isinstance(shape, HeightField) or shape.file is None or not shape.file.startswith(f"{name}-"):
+                continue
+            gap = _gap(candidate, entity, height, rows, cols, land.cell)
+            good = gap <= PATCH_M
+            hint = correction(
+                f"the ground of {entity!r} is not that of the landscape",
+                "terrain",
+                f"build_terrain(terrain={name!r}, entity={entity!r}) cuts it anew",
+                pointers=(pointer("entities", entity),),
+            )
+            found.append(
+                row(
+                    candidate,
+                    id=f"terrain:{name}:ground:{entity}",
+                    check="terrain",
+                    predicate="the ground that bodies stand on is the landscape's",
+                    status="pass" if good else "fail",
+                    explanation=f"the ground is off by at most {gap:.3g} m at its corners",
+                    measured=gap,
+                    bound=PATCH_M,
+                    comparison="<=",
+                    unit="m",
+                    frames=(0, 0),
+                    entities=(entity,),
+                    corrections=() if good else (hint,),
+                )
+            )
+    return found
+
+
+def _gap(candidate: Candidate, entity: str, height: np.ndarray, rows: int, cols: int, cell: float) -> float:
+    """Largest vertical distance between the corners of a built ground and the landscape [m]."""
+    from scipy import ndimage
+
+    built = candidate.entity(entity)
+    pose = candidate.pose(entity, 0)
+    worst = 0.0
+    for part in built.parts:
+        count = len(part.render.vertices) // 2
+        top = pose.apply(part.render.vertices[:count])
+        if not len(top):
+            raise EvidenceError(f"the ground {entity!r} has no surface; call build_terrain")
+        v, u = top[:, 1] / cell + 0.5 * (rows - 1), top[:, 0] / cell + 0.5 * (cols - 1)
+        there = ndimage.map_coordinates(height, np.stack([v, u]), order=1, mode="nearest")
+        worst = max(worst, float(np.abs(there - top[:, 2]).max()))
+    return worst

@@ -73,10 +73,14 @@ class Estimate:
 
     def _by_pace(self, now: float, total: float) -> float:
         assert self._pace is not None
-        whole = self._pace[-1]
-        then_first, then = (_between(self._pace, done / total) for done in (self._done[0], self._done[-1]))
-        slower = (now - self._times[0] + self.TRUST * whole) / (then - then_first + self.TRUST * whole)
-        return slower * (whole - then)
+        whole, trust = self._pace[-1], self.TRUST * self._pace[-1]
+        first, done, count = self._done[0], self._done[-1], len(self._done) - 1
+        step = (done - first) / count if count else total / self.STEPS
+        then_first, then, then_next = (_between(self._pace, d / total) for d in (first, done, done + step))
+        start, last = self._times[0], self._times[-1]
+        by_last_report = (last - start + trust) / (then - then_first + trust) * (whole - then) - (now - last)
+        by_silence = (now - start + trust) / (then_next - then_first + trust) * (whole - then_next)
+        return max(by_last_report, by_silence)
 
     def pace(self, now: float) -> list[float] | None:
         """Times since the first report [s] at equal steps of work that is done `now`; None of a run that began midway."""

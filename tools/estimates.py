@@ -16,7 +16,9 @@ SEEN_JOBS = 200
 
 
 class Pace:
-    """Adds the time left to progress, from the steps of this run alone: what a resumed job finds done took it no time.
+    """Passes progress on and measures its pace, from the steps of this run alone: what a resumed job finds done took it no time.
+
+    How long the whole job will take is told by its worker, which knows how the checks after the frames went last time.
 
     Args:
         report: takes (done, total, message).
@@ -35,8 +37,6 @@ class Pace:
             self._first = (done, now)
         elif done > self._first[0]:
             self.seconds_per_step = (now - self._first[1]) / (done - self._first[0])
-            left = self.seconds_per_step * (total - done)
-            message = f"{message}, about {left:.0f} s left" if left >= 1 else message
         self._report(done, total, message)
 
 

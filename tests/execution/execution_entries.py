@@ -28,6 +28,14 @@ def gated(payload, context):
     return {"through": True}
 
 
+def stepped(payload, context):
+    """Take each step when the test opens its gate."""
+    for k in range(payload["steps"] + 1):
+        context.progress(k, payload["steps"], f"step {k}")
+        _wait_for(f"{payload['gates']}{k}")
+    return {}
+
+
 def counting(payload, context):
     for k in range(payload["steps"]):
         context.progress(k + 1, payload["steps"], f"step {k + 1}")

@@ -115,6 +115,16 @@ def test_a_run_that_is_slower_than_the_earlier_one_is_told_so():
     assert seen[100.0] == pytest.approx(16.0, rel=0.2)
 
 
+def test_silence_within_the_step_of_an_earlier_run_counts_down_and_beyond_it_grows():
+    pace = [0.0, *(10.0 + k for k in range(20))]  # the first step took ten seconds
+    estimate = Estimate(pace)
+    estimate.add(0.0, 0.0, 20.0)
+    told = [estimate.left(float(now)) for now in range(0, 100, 5)]
+    assert told[0] == pytest.approx(29.0)
+    assert told[1] == pytest.approx(24.0)
+    assert told[-1] > 60
+
+
 def test_a_run_that_goes_on_midway_uses_the_rest_of_the_pace_and_leaves_none():
     pace = pace_of(TWO_PHASES)
     estimate = Estimate(pace)

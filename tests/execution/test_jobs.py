@@ -126,19 +126,28 @@ def test_progress_is_visible_and_never_falls(store):
     assert seen[-1].message == "a step back"
 
 
-def test_a_job_knows_how_long_one_like_it_took(store):
-    payload = {"steps": 60, "pause_s": 0.02}
-    options = {"entry": E + "counting"}
-    first = store.wait(store.submit("count", "w", payload, **options).id, 15)
-    table = JobTable(store.workspace)
-    pace = table.latest_pace(first)
+def test_a_job_knows_how_long_one_like_it_took(store, tmp_path, until):
+    def start(name):
+        payload = {"steps": 4, "gates": str(tmp_path / name)}
+        return store.submit("count", "w", payload, entry=E + "stepped")
+
+    def go_on(job, name, step):
+        until(lambda: store.get(job.id).message == f"step {step}")
+        (tmp_path / f"{name}{step}").touch()
+
+    first = start("a")
+    for step in range(5):
+        go_on(first, "a", step)
+    assert store.wait(first.id, 15).state == "done"
+    pace = JobTable(store.workspace).latest_pace(first)
     assert len(pace) == 21
     assert pace == sorted(pace)
-    second = store.submit("count", "w", payload, **options)
-    seen = []
-    while not (row := store.get(second.id)).ended:
-        seen.append(row.left_s)
-    assert any(left is not None and 0 <= left < 30 for left in seen)  # the second job is too short for an estimate by rate
+    assert pace[-1] > 0
+    second = start("b")
+    told = until(lambda: store.get(second.id).left_s)  # at its first step; the rate alone needs two
+    assert told > 0
+    for step in range(5):
+        go_on(second, "b", step)
     assert store.wait(second.id, 15).state == "done"
 
 

@@ -43,6 +43,9 @@ KINDS: dict[str, JobKind] = {
         keeps="keeps a landscape that is built",
     ),
     "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim"),
+    "terrain": JobKind(
+        NORMAL, 12 * HOUR_S, "build_terrain", ("terrain", "entity", "size", "center", "cells", "material", "hypothesis")
+    ),
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),
     "final": JobKind(
@@ -70,5 +73,5 @@ def again(job: Job) -> Again:
     kind = KINDS.get(job.kind)
     if kind is None or job.world is None or job.state not in ("cancelled", "lost"):
         return Again("", "")
-    given = {name: job.payload.get(name) for name in kind.arguments}
+    given = {name: job.payload.get(name) or None for name in kind.arguments}
     return Again(call(kind.tool, world=job.world, **kind.fixed, **given), kind.keeps)

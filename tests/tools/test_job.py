@@ -16,6 +16,7 @@ from worldagent.tools.job_kinds import KINDS, again
 from worldagent.worlds.errors import InputError
 
 E = "execution_entries:"
+TERRAIN = "build_terrain(world='w', terrain='isle', entity='ground')"
 
 
 @pytest.fixture
@@ -166,6 +167,7 @@ def test_a_lost_job_offers_the_exact_next_call(context, gate):
     [
         ("probe", {}, "probe_sim(world='w')"),
         ("bake", {}, "bake_sim(world='w')"),
+        ("terrain", {"terrain": "isle", "entity": "ground", "size": None, "hypothesis": ""}, TERRAIN),
         ("accept", {"revision": 3}, "run_checks(world='w', scope='acceptance')"),
         ("check", {"scope": "probe", "only": None}, "run_checks(world='w', scope='probe')"),
         ("final", {"width": 64, "height": None, "samples": 4}, "render_shot(world='w', kind='final', width=64, samples=4)"),

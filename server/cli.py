@@ -216,7 +216,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def leave(*, patience_s: float = 2.0) -> None:
+def leave(*, patience_s: float = 1.5) -> None:
     """End the process even if a thread does not: the client is gone, and jobs live in processes of their own.
 
     Args:

@@ -22,7 +22,7 @@ KEEP_ALIVE_SECONDS = 15
 """Longest rest of a connection between two requests [s]."""
 MOST_CONNECTIONS = 256
 """Open connections and running requests; more are answered 503."""
-SHUTDOWN_SECONDS = 2
+SHUTDOWN_SECONDS = 1
 """Patience with open streams when the server ends [s]."""
 ENDLESS = frozenset({"/api/events"})
 """Paths whose responses end only with their client."""

@@ -138,7 +138,7 @@ class Guard:
             return _refusal(403, "forbidden_origin", f"{foreign} may not call this server; --allow-origin adds an origin")
         if scope["method"] == "OPTIONS" and "access-control-request-method" in headers:
             asked = [name.strip().lower() for name in headers.get("access-control-request-headers", "").split(",")]
-            allowed = ", ".join(name for name in asked if _CORS_HEADER.match(name))
+            allowed = ", ".join(name for name in asked if _CORS_HEADER.fullmatch(name))
             return Response(
                 status_code=204,
                 headers={
@@ -213,7 +213,7 @@ class Guard:
 
 def same_origin(origin: str, host: str) -> bool:
     """Whether an Origin header names the server that a Host header names."""
-    parts = _ORIGIN.match(origin)
+    parts = _ORIGIN.fullmatch(origin)
     here, there = _authority([host]), _authority([parts["authority"]]) if parts else None
     if parts is None or here is None or there is None:
         return False
@@ -236,7 +236,7 @@ def _foreign(headers: Headers, allowed: frozenset[str]) -> str:
 
 def _authority(values: Sequence[str]) -> tuple[str, str | None] | None:
     """Name and port of a Host header; None unless there is exactly one, well formed."""
-    found = _AUTHORITY.match(values[0]) if len(values) == 1 else None
+    found = _AUTHORITY.fullmatch(values[0]) if len(values) == 1 else None
     return (found["name"].lower(), found["port"]) if found else None
 
 

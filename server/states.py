@@ -39,7 +39,7 @@ class ResourceStates:
         if found := _JOB.fullmatch(uri):
             return self._of_job(found[1])
         found = _WORLD.fullmatch(uri)
-        if found is None or not WORLD_ID.match(found[1]):
+        if found is None or not WORLD_ID.fullmatch(found[1]):
             return None
         world, part = found[1], found[2]
         if part == "jobs":

@@ -110,7 +110,7 @@ class TokenBook:
         """
         encoded = token.encode("utf-8", "replace")
         given = hmac.compare_digest(hashlib.sha256(encoded).digest(), self._given or bytes(32))
-        found = _TOKEN.match(token)
+        found = _TOKEN.fullmatch(token)
         issued = self._issued().get(found.group(1)) if found else None
         digest = _digest(issued.salt if issued else "0" * 32, encoded)
         right = hmac.compare_digest(digest.encode(), (issued.digest if issued else "").encode())
@@ -132,7 +132,7 @@ class TokenBook:
         Raises:
             InputError: A bad or taken name, an unknown scope, a life time that is not positive, or too many tokens.
         """
-        if not _NAME.match(name):
+        if not _NAME.fullmatch(name):
             raise InputError(f"token name {name!r} must match {_NAME.pattern}, e.g. 'laptop'")
         if scope not in SCOPES:
             raise InputError(f"scope {scope!r} must be one of {', '.join(SCOPES)}")

@@ -144,7 +144,7 @@ def test_a_link_is_no_token_file(tmp_path: Path) -> None:
         book.check(token)
 
 
-@pytest.mark.parametrize("name", ["", "a" * 65, "a\nb", "../x", "-x", "é", "\x1b[31m"])
+@pytest.mark.parametrize("name", ["", "a" * 65, "a\nb", "a\n", "../x", "-x", "é", "\x1b[31m"])
 def test_names_are_plain(tmp_path: Path, name: str) -> None:
     with pytest.raises(InputError, match="token name"):
         TokenBook(tmp_path).add(name, "read")

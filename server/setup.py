@@ -172,7 +172,8 @@ def known_clients() -> str:
         path = found.user_file()
         try:
             servers = read_list(path, found.format)[1].get(found.key, {})
-            state = "no file" if not path.exists() else "set up" if SERVER_NAME in servers else "not set up"
+            there = isinstance(servers, dict) and SERVER_NAME in servers
+            state = "set up" if there else "not set up" if path.exists() else "no file"
         except InputError:
             state = "unreadable"
         lines.append(f"{found.name:<16}{state:<14}{path}")

@@ -208,10 +208,12 @@ def test_windows_programs_reach_into_wsl_or_a_container(home: Path, monkeypatch:
 
 def test_the_command_lists_the_clients_and_refuses_one_it_does_not_know(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["setup", "codex", "--write"]) == 0
+    (home / ".claude.json").write_text('{"mcpServers": null}')
     assert main(["setup"]) == 0
     lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if ".toml" in line or ".json" in line}
     assert "set up" in lines["codex"]
     assert "no file" in lines["cursor"]
+    assert "not set up" in lines["claude-code"]
     assert main(["setup", "notepad"]) == 2
     assert "claude-desktop" in capsys.readouterr().err
 

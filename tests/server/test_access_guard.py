@@ -103,7 +103,7 @@ def guarded(tmp_path: Path, *, token: str | None = None, **rules: Any) -> tuple[
     [
         ["evil.example"], ["evil.example:8931"], ["127.0.0.1.evil.example"], ["127.0.0.1:evil"], ["127.0.0.1:8931:1"], [""],
         ["127.0.0.1@evil.example"], ["127.0.0.1/evil"], ["127.0.0.1", "evil.example"], ["127.0.0.1", "127.0.0.1"], ["2130706433"],
-        ["[::1]evil"], ["127.0.0.1 "],
+        ["[::1]evil"], ["127.0.0.1 "], ["127.0.0.1\n"],
     ],
 )  # fmt: skip
 async def test_a_foreign_host_reaches_no_route(tmp_path: Path, hosts: list[str]) -> None:

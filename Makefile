@@ -53,6 +53,10 @@ clients: setup
 	npm install --silent --no-fund --no-audit --prefix .clients @anthropic-ai/claude-code@2.1.330 @openai/codex@0.169.0
 	$(BIN)/python -m pytest -q tests/clients
 
+# make fuzz FUZZ_ARGS="--seconds 60 --seed 7"
+fuzz: setup
+	$(BIN)/python -m worldagent.tests.hostile.fuzz $(FUZZ_ARGS)
+
 check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .

@@ -17,7 +17,6 @@ import random
 import sys
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,8 +31,9 @@ __all__ = ["fuzz_calls", "fuzz_messages", "main"]
 
 SLOW_SECONDS = 5.0
 """Longest that a cheap call may take [s]."""
-CHEAP = ("edit_spec", "inspect_world", "job", "place_object", "run_checks", "build_terrain")
-"""Tools that are called; those that start processes get no time for it."""
+ENDLESS = 10**9
+WORLD_CALLS = 200
+"""Calls of one world until the next is made."""
 SHOWN = 1500
 
 
@@ -41,7 +41,6 @@ class Finds:
     """What went wrong, by what it looks like."""
 
     def __init__(self) -> None:
-        self.examples: Counter[str] = Counter()
         self.kinds: dict[str, str] = {}
 
     def add(self, kind: str, call: Any, text: str) -> None:
@@ -69,72 +68,86 @@ def draw_call(draw: random.Random, world: str, document: dict[str, Any]) -> tupl
     return draw.choices(makers, weights)[0]()
 
 
-async def fuzz_calls(workspace: Path, seed: int, seconds: float, finds: Finds) -> int:
-    """Calls of a server in memory; returns how many."""
+class Caller:
+    """Calls of a server in memory, each looked at for finds."""
+
+    def __init__(self, client: Any, finds: Finds) -> None:
+        self._client, self._finds = client, finds
+        self.count = 0
+        self.watch: Watch | None = None
+
+    async def call(self, tool: str, arguments: dict[str, Any]) -> Any:
+        """Call a tool; the answer, or None."""
+        start = time.process_time()
+        answer, text = await self._answered(f"call of {tool}", arguments, self._client.call_tool(tool, arguments))
+        if answer is not None:
+            text = answer.content[0].text if answer.content else ""
+            if answer.is_error and text.startswith("internal error"):
+                self._finds.add(f"internal error in {tool}", arguments, text)
+        if time.process_time() - start > SLOW_SECONDS:
+            self._finds.add(f"slow {tool}", arguments, f"{time.process_time() - start:.1f} s")
+        if self.watch is not None and self.watch.outside:
+            self._finds.add(f"opened {self.watch.outside[0]}", arguments, text)
+            self.watch.outside.clear()
+        return answer
+
+    async def read(self, uri: str) -> None:
+        """Read a resource."""
+        await self._answered("resource", uri, self._client.read_resource(uri))
+
+    async def _answered(self, what: str, given: Any, call: Any) -> tuple[Any, str]:
+        from mcp.shared.exceptions import MCPError
+
+        self.count += 1
+        try:
+            return await call, ""
+        except MCPError as error:
+            text = str(error)
+            if "nternal" in text:
+                self._finds.add(f"protocol error of a {what}: {text[:80]}", given, text)
+        except Exception as error:
+            text = repr(error)
+            self._finds.add(f"client error of a {what}: {text[:80]}", given, text)
+        return None, text
+
+
+async def fuzz_calls(workspace: Path, seed: int, seconds: float, finds: Finds, most: int = ENDLESS) -> int:
+    """Calls of a server in memory for so long, or at most so many; returns how many."""
     from mcp import Client
-    from mcp.shared.exceptions import MCPError
     from worldagent.server.app import create_server
 
-    draw, end, count, world, document = random.Random(seed), time.monotonic() + seconds, 0, "", {}
-    watch: Watch | None = None
+    draw, end, world, left, document = random.Random(seed), time.monotonic() + seconds, "", 0, full_spec()
     async with Client(create_server(workspace)) as client:
-
-        async def attempt(tool: str, arguments: dict[str, Any]) -> Any:
-            nonlocal count
-            count += 1
-            start = time.process_time()
-            try:
-                answer = await client.call_tool(tool, arguments)
-                text = answer.content[0].text if answer.content else ""
-                if answer.is_error and text.startswith("internal error"):
-                    finds.add(f"internal error in {tool}", arguments, text)
-            except MCPError as error:
-                answer, text = None, str(error)
-                if "nternal" in text:
-                    finds.add(f"protocol error of {tool}: {text[:80]}", arguments, text)
-            except Exception as error:
-                answer, text = None, repr(error)
-                finds.add(f"client error of {tool}: {text[:80]}", arguments, text)
-            if time.process_time() - start > SLOW_SECONDS:
-                finds.add(f"slow {tool}", arguments, f"{time.process_time() - start:.1f} s")
-            if watch is not None and watch.outside:
-                finds.add(f"opened {watch.outside[0]}", arguments, text)
-                watch.outside.clear()
-            return answer
-
-        while time.monotonic() < end:
-            if count % 200 == 0 or not document:
-                world, document = f"w{count}", full_spec()
+        caller = Caller(client, finds)
+        while time.monotonic() < end and caller.count < most:
+            if left == 0:
+                world, left, document = f"w{caller.count}", WORLD_CALLS, full_spec()
                 whole = {k: v for k, v in document.items() if k != "prompt"}
-                await attempt("edit_spec", {"world": world, "prompt": PROMPT, "spec": whole})
-                if watch is None:
-                    await attempt("inspect_world", {"world": world, "part": "matrix"})
-                    watch = Watch(workspace)
+                await caller.call("edit_spec", {"world": world, "prompt": PROMPT, "spec": whole})
+                await caller.call("inspect_world", {"world": world, "part": "matrix"})
+                caller.watch = caller.watch or Watch(workspace)
+            left -= 1
             tool, arguments = draw_call(draw, world, document)
-            answer = await attempt(tool, arguments)
+            answer = await caller.call(tool, arguments)
             if answer is not None and not answer.is_error and tool == "edit_spec" and arguments.get("world") == world:
                 document = json.loads((workspace / world / "world.json").read_text())
             if draw.random() < 0.05:
-                uri = f"worldagent://worlds/{draw.choice([world, draw.choice(PATHS)])}/{draw.choice(['spec', 'matrix', 'report', 'revisions'])}"
-                try:
-                    await client.read_resource(uri)
-                except Exception as error:
-                    if "nternal" in str(error):
-                        finds.add(f"resource {str(error)[:80]}", uri, str(error))
-    return count
+                part = draw.choice(["spec", "matrix", "report", "revisions"])
+                await caller.read(f"worldagent://worlds/{draw.choice([world, draw.choice(PATHS)])}/{part}")
+        return caller.count
 
 
-def fuzz_messages(workspace: Path, seed: int, seconds: float, finds: Finds) -> int:
-    """Messages to stdio processes of both eras; returns how many."""
+def fuzz_messages(workspace: Path, seed: int, seconds: float, finds: Finds, most: int = ENDLESS) -> int:
+    """Messages to stdio processes of both eras for so long, or at most so many; returns how many."""
     end, count, era_at = time.monotonic() + seconds, 0, 0
-    while time.monotonic() < end:
+    while time.monotonic() < end and count < most:
         era, era_at = ERAS[era_at % 2], era_at + 1
         draw = random.Random(seed + era_at)
         with Stdio(workspace, era) as server:
             server.open()
-            stop = min(end, time.monotonic() + seconds / 4)
+            stop, most_now = min(end, time.monotonic() + seconds / 4), count + most // 2
             try:
-                while time.monotonic() < stop:
+                while time.monotonic() < stop and count < most_now:
                     cases = malformed(era, draw.randrange(2**31))
                     draw.shuffle(cases)
                     for case in cases[:200]:
@@ -146,7 +159,7 @@ def fuzz_messages(workspace: Path, seed: int, seconds: float, finds: Finds) -> i
                             )
                         server.write(bytes(line).replace(b"\n", b" "))
                         count += 1
-                        if time.monotonic() > stop:
+                        if time.monotonic() > stop or count >= most_now:
                             break
                     arguments: dict[str, Any] = {"world": draw.choice(PATHS), "at": [draw.choice(NUMBERS), draw.choice(NUMBERS)]}
                     server.write(
@@ -178,9 +191,8 @@ def main(arguments: list[str] | None = None) -> int:
     with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
         messages = fuzz_messages(Path(first), seed, options.seconds / 2, finds)
         calls = asyncio.run(fuzz_calls(Path(second), seed, options.seconds / 2, finds))
-    print(
-        json.dumps({"seed": seed, "seconds": options.seconds, "messages": messages, "calls": calls, "finds": sorted(finds.kinds)})
-    )
+    told = {"seed": seed, "seconds": options.seconds, "messages": messages, "calls": calls, "finds": sorted(finds.kinds)}
+    print(json.dumps(told))  # noqa: T201
     return 1 if finds.kinds else 0
 
 

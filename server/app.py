@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import anyio
+import anyio.to_thread
 from mcp.server import CacheHint, MCPServer
 from mcp.server.extension import Extension
 from mcp.server.lowlevel.helper_types import ReadResourceContents
 from mcp.server.mcpserver import Context
 from mcp.server.subscriptions import InMemorySubscriptionBus
 from mcp.shared.exceptions import MCPError
-from mcp.types import INVALID_PARAMS, CallToolResult, GetPromptResult, InputRequiredResult, Tool, ToolAnnotations
+from mcp.types import INVALID_PARAMS, CallToolResult, GetPromptResult, InputRequiredResult, Resource, Tool, ToolAnnotations
 from pydantic import AnyUrl
 
 from .. import __version__
@@ -24,6 +25,7 @@ from ..tools.answers import HEAD_SCHEMA
 from ..tools.context import ToolBinding, ToolContext
 from ..worlds.bounds import shown
 from ..worlds.errors import InputError
+from ..worlds.folder import world_ids
 from .arguments import Arguments
 from .calls import error_result, error_text, run_in_thread
 from .extensions.skills import Skills
@@ -67,6 +69,8 @@ worldagent://capabilities (engines and caps)."""
 TOOLS_AT_A_TIME = 32
 """Tools waiting for jobs hold a thread each; more calls queue."""
 DAY_MS = 86_400_000
+MOST_LISTED_WORLDS = 200
+"""Worlds whose reports are listed; all ids stand in `worldagent://worlds`."""
 
 
 class WorldServer(MCPServer[Any]):
@@ -152,6 +156,21 @@ class WorldServer(MCPServer[Any]):
         return ToolContext(
             workspace=self.workspace, jobs=self.jobs, progress=progress, cancelled=cancelled, handover=HANDOVER.get()
         )
+
+    async def list_resources(self) -> list[Resource]:
+        """Resources without parameters, and the report of each world, so that a user finds worlds in a list."""
+        worlds = await anyio.to_thread.run_sync(world_ids, self.workspace)
+        reports = [
+            Resource(
+                uri=f"worldagent://worlds/{world}/report",
+                name=f"world-report-{world}",
+                title=f"Report of {world}",
+                description=f"World {world} at a glance: prompt, counts of verdicts, failing rows with corrections, acceptance",
+                mime_type="text/markdown",
+            )
+            for world in worlds[:MOST_LISTED_WORLDS]
+        ]
+        return [*await super().list_resources(), *reports]
 
     async def read_resource(
         self, uri: AnyUrl | str, context: Context[Any, Any] | None = None

@@ -18,13 +18,14 @@ from mcp.server import ServerRequestContext
 from mcp.server.context import CallNext, HandlerResult
 from mcp.server.lowlevel import Server
 from mcp.server.session import ServerSession
-from mcp.server.subscriptions import ResourceUpdated, SubscriptionBus
+from mcp.server.subscriptions import ResourcesListChanged, ResourceUpdated, SubscriptionBus
 from mcp.shared.exceptions import MCPError
 from mcp.types import EmptyResult, SubscribeRequestParams, UnsubscribeRequestParams
 from mcp_types import INVALID_PARAMS
 
 __all__ = ["ResourceWatch"]
 
+WORLDS: Final = "worldagent://worlds"
 INTERVAL_S: Final = 1.0
 MOST_URIS: Final = 256
 """Resources that may be watched at a time; each is looked at every `INTERVAL_S`."""
@@ -124,6 +125,8 @@ class ResourceWatch:
 
     async def _tell(self, uri: str) -> None:
         await self._bus.publish(ResourceUpdated(uri=uri))
+        if uri == WORLDS:
+            await self._bus.publish(ResourcesListChanged())  # each world's report is in the list
         for (_, watched), session in list(self._sessions.items()):
             if watched == uri:
                 try:
@@ -143,7 +146,10 @@ class ResourceWatch:
 
 
 def _listened(ctx: ServerRequestContext[Any, Any]) -> list[str]:
-    """URIs that a `subscriptions/listen` request asks for; malformed ones are the SDK's to refuse."""
+    """URIs to watch for a `subscriptions/listen` request; malformed ones are the SDK's to refuse."""
     notifications = (ctx.params or {}).get("notifications")
-    uris = notifications.get("resourceSubscriptions") if isinstance(notifications, dict) else None
-    return [uri for uri in uris if isinstance(uri, str)] if isinstance(uris, list) else []
+    if not isinstance(notifications, dict):
+        return []
+    uris = notifications.get("resourceSubscriptions")
+    listed = [WORLDS] if notifications.get("resourcesListChanged") is True else []
+    return listed + ([uri for uri in uris if isinstance(uri, str)] if isinstance(uris, list) else [])

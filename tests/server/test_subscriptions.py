@@ -13,7 +13,7 @@ from typing import Any
 import anyio
 import pytest
 from mcp import Client, MCPError
-from mcp.client.subscriptions import ResourceUpdated
+from mcp.client.subscriptions import ResourcesListChanged, ResourceUpdated
 from worldagent.execution import JobStore
 from worldagent.server.app import WorldServer, create_server
 from worldagent.server.watching import MOST_URIS
@@ -170,3 +170,21 @@ async def test_what_cannot_be_read_for_a_while_has_not_changed(server: WorldServ
         await anyio.to_thread.run_sync(judge, server)
         with anyio.fail_after(PATIENCE_S):
             assert await anext(aiter(stream)) == ResourceUpdated(uri=MATRIX)
+
+
+async def test_a_new_world_changes_the_list_of_resources(server: WorldServer) -> None:
+    def create() -> None:
+        (server.workspace / "second").mkdir()
+        (server.workspace / "second" / "world.json").write_text(json.dumps(SPEC))
+
+    async def reports(client: Client) -> list[str]:
+        listed = [str(resource.uri) for resource in (await client.list_resources(cache_mode="bypass")).resources]
+        return [uri for uri in listed if uri.startswith("worldagent://worlds/")]
+
+    async with Client(server) as client, client.listen(resources_list_changed=True) as stream:
+        assert await reports(client) == [REPORT]
+        await anyio.to_thread.run_sync(create)
+        with anyio.fail_after(PATIENCE_S):
+            assert await anext(aiter(stream)) == ResourcesListChanged()
+        assert await reports(client) == ["worldagent://worlds/second/report", REPORT]
+        assert (await client.read_resource(REPORT)).contents

@@ -82,7 +82,7 @@ def standing(folder: WorldFolder, ledger: Ledger, rows: Sequence[Row] | None = N
         specified = Step("specified", "stale", revision, specified.at, "world.json was edited outside the server")
     audited = _audited([r for r in (ledger.rows() if rows is None else rows) if r.check == "audit"], revision)
     probed, frozen, freeze = _probed(folder, ledger, same)
-    baked = _baked(folder, ledger, same, freeze)
+    baked = _baked(folder, ledger, freeze, frozen.note)
     accepted, judged = _accepted(ledger, same, baked)
     return Standing((specified, audited, probed, frozen, baked, accepted, _rendered(folder, ledger, same, accepted, judged)))
 
@@ -140,7 +140,7 @@ def _probed(folder: WorldFolder, ledger: Ledger, same: Callable[[str, int], bool
     if not present:
         last = found[0]
         note = _outdated(folder, last["freeze"]) if same("motion", last["revision"]) else "the motion was changed since"
-        frozen = Step("frozen", "stale" if any(f["passed"] for f in found) else "missing", note=note)
+        frozen = Step("frozen", "stale", note=note) if any(f["passed"] for f in found) else Step("frozen", "missing")
         return Step("probed", "stale", last["revision"], last["at"], note), frozen, None
     last = present[0]
     note = _some(last["detail"].get("failing", []), "open")
@@ -161,13 +161,13 @@ def _outdated(folder: WorldFolder, freeze: str) -> str:
     return "" if made_with == (engine_versions(), solver_source()) else "made by another version of the engines"
 
 
-def _baked(folder: WorldFolder, ledger: Ledger, same: Callable[[str, int], bool], freeze: str | None) -> Step:
+def _baked(folder: WorldFolder, ledger: Ledger, freeze: str | None, why: str) -> Step:
     record = None if freeze is None else ledger.bake(freeze)
     if record is None:
         older = next((b for f in ledger.freezes() if (b := ledger.bake(f["freeze"])) is not None), None)
         if older is None:
             return Step("baked", "missing")
-        return Step("baked", "stale", older["revision"], older["at"], "the settings were changed since")
+        return Step("baked", "stale", older["revision"], older["at"], why or "the settings were changed since")
     if not (folder.candidate(record["freeze"]) / "bake").is_dir():
         return Step("baked", "stale", record["revision"], record["at"], "its caches are missing")
     unmet = record["detail"].get("failing", [])

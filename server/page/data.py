@@ -44,11 +44,15 @@ class QueryError(InputError):
 Signature = tuple[tuple[int, int], ...]
 
 
-def job_view(job: Job) -> dict[str, Any]:
-    """A job with its times, and how long it will still take where its worker could tell [s]."""
-    data = job_data(job)
-    if job.state == "running" and job.left_s is not None and job.heartbeat is not None:
-        data["eta_s"] = round(max(0.0, job.left_s - max(0.0, time.time() - job.heartbeat)), 1)
+def job_view(job: Job, jobs: JobStore) -> dict[str, Any]:
+    """A job with its times; a queued one says what it waits for, a running one what it does and how long it will take [s]."""
+    data = job_data(job, jobs)
+    data.pop("next", None)
+    left = data.pop("left_s", None)
+    if job.state == "running":
+        data["message"] = job.message or "starting"
+        if left is not None and job.heartbeat is not None:
+            data["eta_s"] = round(max(0.0, left - max(0.0, time.time() - job.heartbeat)), 1)
     return data | {
         "created": job.created,
         "started": job.started,
@@ -91,14 +95,14 @@ class PageData:
         if store is None:
             return {"jobs": [], "offset": offset, "total": 0}
         found = store.list(world, limit=limit, offset=offset)
-        return {"jobs": [job_view(j) for j in found], "offset": offset, "total": store.count(world)}
+        return {"jobs": [job_view(j, store) for j in found], "offset": offset, "total": store.count(world)}
 
     def active(self) -> list[dict[str, Any]]:
         """Jobs that run or wait."""
         store = self.store()
         if store is None:
             return []
-        return [job_view(j) for j in store.list(None, ("running", "queued"), limit=MAX_PAGE)]
+        return [job_view(j, store) for j in store.list(None, ("running", "queued"), limit=MAX_PAGE)]
 
     # ---------------------------------------------------------------- worlds
 

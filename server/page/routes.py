@@ -85,7 +85,7 @@ class Page:
         def ask() -> dict[str, Any]:
             store = self._jobs()
             store.request_cancel(name)
-            return job_view(store.wait(name, 3.0))
+            return job_view(store.wait(name, 3.0), store)
 
         return _json(await self.read(ask))
 

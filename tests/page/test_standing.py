@@ -134,3 +134,12 @@ def test_reading_a_world_writes_nothing(made: Made) -> None:
     before = files()
     standing(folder, Ledger(folder.ledger_path))
     assert files() == before
+
+
+def test_the_reason_why_a_probe_is_stale_is_that_of_the_bake_too(made: Made) -> None:
+    folder = made.world("w")
+    accepted(folder)
+    made.edit("w", ("/simulation/solvers/rigid/settings/step", 0.00025))
+    notes = {s.name: s.note for s in standing(folder, Ledger(folder.ledger_path)).steps}
+    assert {notes[n] for n in ("probed", "frozen", "baked")} == {"the motion was changed since"}
+    assert notes["accepted"] == "the specification was changed since"

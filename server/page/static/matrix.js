@@ -6,6 +6,7 @@ import { pager, problem, worldPath } from "./parts.js";
 
 const STATUSES = ["fail", "stale", "unverified", "pass", "not_applicable"];
 const GROUPS = ["spatial", "physical", "temporal", "observational", "delivery"];
+const NONE = "–";
 export const PAGE = 100;
 
 export function matrixView(state, world, page) {
@@ -62,7 +63,7 @@ function table(state, world, rows) {
 }
 
 function line(state, world, row) {
-  const cell = (name, ...children) => h("td", { role: "cell", "data-label": name, class: `c-${name.split(" ")[0].toLowerCase()}` }, ...children);
+  const cell = (name, ...children) => h("td", { role: "cell", "data-label": name, class: `c-${name.split(" ")[0].toLowerCase()}${children[0] === NONE ? " none" : ""}` }, ...children);
   return h(
     "tr",
     { role: "row", "data-key": row.id },
@@ -74,8 +75,8 @@ function line(state, world, row) {
       row.corrections?.length ? h("span", { class: "next" }, `Next: ${row.corrections[0].action}`) : null,
     ),
     cell("Measured", h("span", { class: "numbers" }, quantity(row.measured, row.unit))),
-    cell("Bound", h("span", { class: "numbers" }, required(row) || "–")),
-    cell("First failing", where(row) || "–"),
+    cell("Bound", required(row) || NONE),
+    cell("First failing", where(row) || NONE),
   );
 }
 

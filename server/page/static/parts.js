@@ -66,7 +66,7 @@ export function jobItem(job, state, { named = true } = {}) {
   return h(
     "li",
     { class: "job", "data-key": job.job_id },
-    h("div", { class: "job-head" }, h("strong", null, job.kind), named && job.world ? [" ", link(worldPath(job.world), job.world)] : null, " ", status(job.cancelling ? "running" : job.state, said), h("span", { class: "quiet numbers" }, ` ${[job.seconds ? duration(job.seconds) : "", left].filter(Boolean).join(", ")} `, clock(job.started ?? job.created))),
+    h("div", { class: "job-head" }, h("strong", null, job.kind), named && job.world ? [" ", link(worldPath(job.world), job.world)] : null, " ", status(job.cancelling ? "running" : job.state, said), h("span", { class: "quiet numbers" }, ` ${[job.seconds ? duration(job.seconds) : "", left].filter(Boolean).join(", ")}${job.ended ? " at " : ", since "}`, clock(job.started ?? job.created))),
     job.ended ? null : h("progress", { max: 1, value: known ? job.progress : null, "aria-label": `${job.kind}${job.world ? ` of ${job.world}` : ""}` }),
     job.ended && !job.error ? null : h("div", { class: "job-foot" }, h("span", { class: "grow" }, job.ended ? null : known ? h("span", { class: "numbers" }, `${Math.floor(job.progress * 100)} % `) : null, job.error ? h("span", { class: "bad" }, `${job.error.type}: ${job.error.message}`) : job.message || (job.state === "queued" ? "waits for its turn" : "")), cancelling(job, state)),
   );

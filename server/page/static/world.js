@@ -59,6 +59,8 @@ function standing(world) {
   if (world.problem || !world.matrix) return null;
   const judged = ["pass", "fail", "unverified", "stale", "not_applicable"].some((s) => world.matrix[s]);
   if (!judged) return section("open", "What stands open", h("p", { class: "quiet" }, "Nothing was judged yet. run_checks(scope='static') judges the geometry, probe_sim the motion."));
+  const outdated = (world.stages ?? []).find((s) => s.state === "stale" && ["specified", "probed", "baked"].includes(s.name));
+  if (!world.open_count && outdated) return section("open", "What stands open", h("p", null, status("stale", "no mandatory requirement is recorded as open"), `, but what they judge is stale. ${outdated.name}: ${outdated.note}`));
   if (!world.open_count) return section("open", "What stands open", h("p", null, status("pass", "no mandatory requirement is open")), h("p", { class: "quiet" }, "Only an acceptance judges the whole; see below."));
   const rest = world.open_count - world.open_rows.length;
   return section(

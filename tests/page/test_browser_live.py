@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from worldagent.tests.page.browser import Served, Tab
 from worldagent.tests.page.conftest import Made, row
 from worldagent.tests.page.rich import rich_world
@@ -85,17 +86,36 @@ def test_the_page_comes_back_after_the_server_was_restarted(made: Made, served: 
     tab.troubles = [t for t in tab.troubles if "ERR_" not in t]
 
 
-def test_a_real_bake_is_watched_from_its_first_frame_to_its_rows(made: Made, tab: Tab) -> None:
-    made.world("w")
-    place_object(made.context, world="w")
-    assert probe_sim(made.context, world="w", wait_s=120).data["passed"]
-    page = tab.go("#/w/w", "Three blocks")
-    assert page.locator(".stages .is-done .name").all_inner_texts() == ["specified", "audited", "probed", "frozen"]
-    job = str(bake_sim(made.context, world="w", wait_s=0).data["job_id"])
+def followed(made: Made, tab: Tab, job: str) -> None:
+    """A real job to its end, its progress seen on the way."""
     seen: set[float] = set()
     while not made.jobs.wait(job, 0.02).ended:
-        seen.add(float(page.evaluate("document.querySelector('progress')?.value ?? 0")))
+        seen.add(float(tab.page.evaluate("document.querySelector('progress')?.value ?? 0")))
     assert made.jobs.get(job).state == "done"
     assert len(seen - {0.0, 1.0}) >= 2
+
+
+def stages(tab: Tab) -> list[str]:
+    return list(tab.page.locator(".stages .is-done .name").all_inner_texts())
+
+
+def test_a_real_probe_is_watched_from_its_first_frame_to_its_rows(made: Made, tab: Tab) -> None:
+    made.world("w")
+    page = tab.go("#/w/w", "Three blocks")
+    place_object(made.context, world="w")
+    assert stages(tab) == ["specified", "audited"]
+    followed(made, tab, str(probe_sim(made.context, world="w", wait_s=0).data["job_id"]))
+    page.locator(".stages .is-done .name", has_text="frozen").wait_for()
+    page.get_by_role("img", name="Contact sheet of the probe").wait_for()
+
+
+@pytest.mark.slow
+def test_a_real_bake_is_watched_after_its_probe(made: Made, tab: Tab) -> None:
+    made.world("w")
+    place_object(made.context, world="w")
+    assert probe_sim(made.context, world="w", wait_s=240).data["passed"]
+    page = tab.go("#/w/w", "Three blocks")
+    assert stages(tab) == ["specified", "audited", "probed", "frozen"]
+    followed(made, tab, str(bake_sim(made.context, world="w", wait_s=0).data["job_id"]))
     page.locator(".stages .is-done .name", has_text="baked").wait_for()
     page.get_by_role("img", name="Contact sheet of the bake").wait_for()

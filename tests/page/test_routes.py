@@ -65,7 +65,7 @@ def test_a_world_that_cannot_be_read_says_why_and_hides_no_other(made: Made, cli
     odd.spec_path.write_text("{")
     found = {w["id"]: w.get("problem", "") for w in client.get("/api/worlds").json()["worlds"]}
     assert found["good"] == ""
-    assert "cannot be read" in found["torn"]
+    assert "damaged" in found["torn"]
     assert "no ledger" in found["bare"]
     assert "damaged" in found["odd"]
     assert client.get("/api/worlds/torn").json()["problem"]

@@ -27,6 +27,7 @@ BENCHMARKS: dict[str, str] = {
     "render": "worldagent.bench.render:run",
     "defects": "worldagent.bench.defects.suites:run",
     "skills": "worldagent.bench.skills:run",
+    "server-load": "worldagent.bench.server_load:run",
     "result-size": "worldagent.bench.result_size:run",
 }
 """Benchmarks by name: `run()` returns the figures."""

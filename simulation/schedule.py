@@ -119,12 +119,11 @@ def run_frames(
         if start < 0 and trusted > 0:
             solver = make_solver(spec, built, name)
             solver.prepare()
-        digests = cache.digests()[: start + 1] if start >= 0 else []
+        cache.begin_digests(cache.digests()[: start + 1] if start >= 0 else [])
         for frame in range(start + 1, frames):
             if frame > 0:
                 solver.advance(frame)
-            digests.append(write_container(cache.path(frame), solver.frame_data()))
-            write_atomically(cache.folder / "digests.txt", ("\n".join(digests) + "\n").encode())
+            cache.add_digest(write_container(cache.path(frame), solver.frame_data()))
             if frame in marks:
                 write_atomically(checkpoint_path(cache.folder, frame), solver.checkpoint())
             if progress is not None:

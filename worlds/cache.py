@@ -35,7 +35,7 @@ import math
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
@@ -169,6 +169,15 @@ class Cache:
         except (OSError, ValueError) as error:
             raise EvidenceError(f"cache {self.folder.name!r} has no readable digests.txt ({error}); bake again") from error
         return lines
+
+    def begin_digests(self, digests: Sequence[str]) -> None:
+        """Keep these digests of the first frames, and no other."""
+        write_atomically(self.folder / "digests.txt", "".join(f"{digest}\n" for digest in digests).encode())
+
+    def add_digest(self, digest: str) -> None:
+        """Record the digest of the next frame; a line that a kill or a full disk cut off is no digest of any frame."""
+        with (self.folder / "digests.txt").open("a", encoding="ascii") as stream:
+            stream.write(f"{digest}\n")
 
     def path(self, frame: int) -> Path:
         """File of one frame."""

@@ -19,6 +19,9 @@ from .processes import TAG, call_myself, die_with_parent
 
 __all__ = ["run_task"]
 
+POLITENESS = 10
+"""Added to the niceness of a task: a bake takes the cores that are free, and a server beside it keeps answering."""
+
 
 def run_task(job: Job, workspace: Path, board: Board, pipe: int, worker: int) -> NoReturn:
     """Run the entry, write its outcome to the pipe as one line of JSON, and end the process.
@@ -48,6 +51,8 @@ def _settle_in(job: Job, worker: int) -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, signal.SIG_DFL)
     faulthandler.enable()
+    with contextlib.suppress(OSError):
+        os.nice(POLITENESS)
 
 
 def _outcome(job: Job, workspace: Path, board: Board) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from ..worlds.patch import differences, parse_spec, weakenings
 from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
+from .known_specs import KnownSpecs
 
 __all__ = ["CAUSAL_CLASSES", "Session", "no_revision"]
 
@@ -27,6 +28,7 @@ CAUSAL_CLASSES = ("scene", "solver")
 MAX_CHANGES = 8
 MAX_LENGTH = 4
 """An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
+_known = KnownSpecs()
 COMMIT_SECONDS = 0.3
 """Longest that a client stands between its ledger entry and its `world.json` [s]."""
 
@@ -60,11 +62,8 @@ class Session:
             recorded = ledger.revision_spec(revision)
             if recorded is None:
                 raise EvidenceError(no_revision(folder))
-            try:
-                spec, damage = parse_spec(folder.read_json(folder.spec_path)), ""
-            except (EvidenceError, InputError) as error:
-                spec, damage = None, f" It cannot be read: {error}"
-            if spec is not None and _same(spec, recorded[0]):
+            spec, damage = _current(folder, recorded[0])
+            if spec is not None:
                 return cls(folder, ledger, spec, revision)
             # Another client may stand between its ledger entry and its world.json.
             if time.monotonic() > deadline:
@@ -77,7 +76,9 @@ class Session:
 
     def write_spec(self) -> None:
         """Write `world.json`."""
-        write_atomically(self.folder.spec_path, self.spec.model_dump_json(indent=1, exclude_none=True).encode())
+        text = self.spec.model_dump_json(indent=1, exclude_none=True).encode()
+        write_atomically(self.folder.spec_path, text)
+        _known.put(text, self.spec.model_dump_json(exclude_none=True), self.spec)
 
     def stamp(self) -> str:
         """Identifies this revision of this very world: when it was made."""
@@ -254,6 +255,25 @@ def _value(document: Any, pointer: str) -> Any:
         at = at[token]
     flat = at if isinstance(at, list) and len(at) <= MAX_LENGTH else [at]
     return at if all(v is None or isinstance(v, bool | int | float | str) for v in flat) else None
+
+
+def _current(folder: WorldFolder, recorded: str) -> tuple[WorldSpec | None, str]:
+    """The specification of `world.json` if it is the recorded one; else None, and what is wrong with the file."""
+    try:
+        text = folder.spec_path.read_bytes()
+    except OSError:
+        text = b""
+    spec = _known.get(text, recorded)
+    if spec is not None:
+        return spec, ""
+    try:
+        spec = parse_spec(folder.read_json(folder.spec_path))
+    except (EvidenceError, InputError) as error:
+        return None, f" It cannot be read: {error}"
+    if not _same(spec, recorded):
+        return None, ""
+    _known.put(text, recorded, spec)
+    return spec, ""
 
 
 def _same(spec: WorldSpec, recorded: str) -> bool:

@@ -7,6 +7,8 @@ the story and the shot plan over the same motion), `acceptance`, `final`.
 
 from __future__ import annotations
 
+import threading
+from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
@@ -57,8 +59,23 @@ def motion_slice(spec: WorldSpec) -> dict[str, Any]:
     }
 
 
+_kept: deque[tuple[WorldSpec, dict[str, str]]] = deque(maxlen=8)
+"""Recipes by specification: frozen, so the same object has the same ones."""
+_kept_lock = threading.Lock()
+
+
 def recipes(spec: WorldSpec) -> dict[str, str]:
-    """Recipe of every artifact that the specification implies."""
+    """Recipe of every artifact that the specification implies; those of the latest specifications are kept."""
+    with _kept_lock:
+        known = next((found for other, found in _kept if other is spec), None)
+    if known is None:
+        known = _recipes(spec)
+        with _kept_lock:
+            _kept.append((spec, known))
+    return dict(known)
+
+
+def _recipes(spec: WorldSpec) -> dict[str, str]:
     found: dict[str, str] = {}
     limits = spec.simulation.limits.model_dump(mode="json")
     relations = {k: r.model_dump(mode="json") for k, r in spec.graph.relations.items()}

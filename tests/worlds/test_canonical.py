@@ -6,6 +6,9 @@ import hashlib
 from pathlib import Path
 
 import pytest
+import rfc8785
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.canonical import canonical_json, digest_of, source_digest, spec_digest
 from worldagent.worlds.patch import parse_spec
@@ -90,3 +93,26 @@ def test_the_source_digest_covers_names_and_content(tmp_path: Path) -> None:
         (folder / name).write_text(text)
         folders.append(source_digest(folder))
     assert len(set(folders)) == 3
+
+
+JSON = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**54), 2**54)
+    | st.floats(allow_nan=False)
+    | st.sampled_from([5e-05, 1e-07, 1e16, -0.0, 2.0**53, 9007199254740993.0])
+    | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=4), inner, max_size=4),
+)
+
+
+@given(value=JSON)
+@settings(max_examples=300, deadline=None)
+def test_the_fast_writer_gives_the_bytes_of_the_reference(value: object) -> None:
+    try:
+        expected = rfc8785.dumps(value)
+    except (rfc8785.CanonicalizationError, UnicodeEncodeError) as error:
+        with pytest.raises(type(error)):
+            canonical_json(value)
+    else:
+        assert canonical_json(value) == expected

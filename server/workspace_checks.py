@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..execution import JobStore
+from ..execution.damage import set_aside
 from ..execution.table import FOLDER
 from .check import Check
 
@@ -174,21 +175,13 @@ def _unfinished(workspace: Path, why: str) -> Check:
 
 
 def _damaged(path: Path, why: str) -> Check:
-    def set_aside() -> str:
-        aside = path.with_name(f"jobs.db.damaged-{time.strftime('%Y%m%d-%H%M%S')}")
-        path.replace(aside)
-        for suffix in ("-journal", "-wal", "-shm"):
-            with contextlib.suppress(FileNotFoundError):
-                path.with_name(path.name + suffix).replace(aside.with_name(aside.name + suffix))
-        return f"set the damaged list aside as {aside.name}; the next job begins a new one"
-
     return Check(
         "jobs",
         False,
         f"{path} is damaged: {why}",
         cost="no long work can start; worlds and their results are not in this file and stay as they are",
         remedy=f"stop all servers of this workspace, then mv {path} {path}.damaged",
-        mend=set_aside,
+        mend=lambda: str(set_aside(path, sqlite3.DatabaseError(why))),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import resource
@@ -63,8 +64,16 @@ def failing(check: Check) -> Check:
 
 
 def make_jobs(workspace: Path) -> Path:
-    JobStore(workspace).submit("work", None, {}, entry="worldagent.execution.inline:run")
-    return workspace / ".worldagent" / "jobs.db"
+    """A list with one job that has ended, and no process that looks at it."""
+    JobStore(workspace).list()
+    path = workspace / ".worldagent" / "jobs.db"
+    with contextlib.closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute(
+            "INSERT INTO jobs (id, kind, entry, payload, state, exclusive, priority, created, log)"
+            " VALUES ('job_0123456789ab', 'work', 'worldagent.nothing:run', '{}', 'done', 0, 0, ?, 'x')",
+            (LONG_AGO,),
+        )
+    return path
 
 
 # Lists of clients

@@ -50,6 +50,10 @@ def _known(workspace: Path, jobs: WorkspaceJobs, argument: str, given: Mapping[s
     if argument == "job_id":
         store = jobs.present()
         return [] if store is None else [job.id for job in store.list(given.get("world"), limit=MOST_JOBS)]
+    if argument == "part" and "/schema/" in template:
+        from ..worlds.schema_words import known_parts
+
+        return known_parts()
     if argument == "entity":
         return _entities(workspace, given.get("world", ""))
     if argument == "path" and template.startswith("skill://"):

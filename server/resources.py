@@ -66,6 +66,19 @@ def _add_general(server: MCPServer[Any], workspace: Path) -> None:
         return _json(WorldSpec.model_json_schema())
 
     @server.resource(
+        "worldagent://schema/{part}",
+        name="schema-part",
+        title="Part of the schema",
+        description="One part of a specification in short lines: World for the index, then Entity, Shape, Predicate, ... as named there",
+        mime_type=JSON,
+    )
+    def schema_part(part: str) -> str:
+        from ..worlds.schema_words import described
+
+        with _told():
+            return _json(described(part))
+
+    @server.resource(
         "worldagent://capabilities",
         name="capabilities",
         title="What this server can do",

@@ -14,6 +14,8 @@ from .context import ToolContext, ToolReply
 __all__ = ["edit_spec"]
 
 MAX_NAMED = 5
+SCENE_GROUPS = {"placement", "dimensions", "shape", "joints", "relations"}
+"""Groups whose edits want the static checks first."""
 
 
 def edit_spec(
@@ -116,7 +118,8 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     warnings = [
         f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]
     ]
-    then = _next(world, report.passed, set(outcome.get("groups", ("shape",))))
+    moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
+    then = _next(world, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})
     links = ((f"{world} specification", f"worldagent://worlds/{world}/spec", "application/json"),)
     stale = outcome.get("rows_now_stale", 0)
     if outcome.get("changed") == []:
@@ -131,10 +134,9 @@ def _next(world: str, passed: bool, groups: set[str]) -> str:
     if not passed:
         return "edit_spec: mend the audit's open rows"
     if groups <= {"story", "limits", "shots", "look", "text"}:
-        return (
-            f"{call('run_checks', world=world, scope='probe')} judges this again on the motion there is; "
-            "without a probe: place_object, then probe_sim"
-        )
+        return f"{call('run_checks', world=world, scope='probe')} judges this again on the motion there is"
+    if not groups & SCENE_GROUPS:
+        return call("probe_sim", world=world)
     return call("place_object", world=world)
 
 

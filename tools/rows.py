@@ -38,7 +38,9 @@ def brief(row: Row, *, corrections: int = 2) -> Listed:
         ]
         measured = {k: v for k, v in row.evidence.items() if k not in ("diagnosis", "edit_classes")}
         text = json.dumps(measured, default=str)
-        data["evidence"] = measured if len(text) < EVIDENCE_CHARACTERS else text[:EVIDENCE_CHARACTERS] + "..."
+        told: Listed = {k: measured[k][:n] for k, n in (("explanation", TEXT_CHARACTERS), ("problems", 4)) if k in measured}
+        cut = {**told, "cut": text[:EVIDENCE_CHARACTERS] + "... (all: inspect_world part='row')"}
+        data["evidence"] = measured if len(text) < EVIDENCE_CHARACTERS else cut
         if "diagnosis" in row.evidence:
             data["diagnosis"] = row.evidence["diagnosis"]
     return data

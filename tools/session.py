@@ -148,7 +148,7 @@ class Session:
             raise RefusedError(
                 "this edit makes the specification easier to satisfy after evidence against it: "
                 + "; ".join(weaker[:6])
-                + ". Repair the scene or the solver instead, or give weakening_reason (>= 15 characters); it is printed with the acceptance."
+                + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
         if not causal:
             return

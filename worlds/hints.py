@@ -41,6 +41,9 @@ def spec_problem(document: Any, item: Mapping[str, Any]) -> tuple[str, str]:
         allowed = [t.strip(" '") for t in str(item["ctx"]["expected_tags"]).split(",")]
         tag = str(item["ctx"]["tag"])
         return pointer, f"{shown(tag)} is no {_union(pointer)}{did_you_mean(tag, allowed)}; allowed: {', '.join(allowed)}"
+    if kind == "literal_error":
+        allowed = str(item["ctx"]["expected"]).replace(" or ", ", ").replace("'", "").split(", ")
+        return pointer, f"{got} is not allowed{did_you_mean(item['input'], allowed)}; allowed: {', '.join(allowed)}"
     line = _fields(document, parent).get(key)
     expected = f"; expected: {line}" if line else ""
     if kind == "missing":

@@ -70,7 +70,7 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
         templates = (await client.list_resource_templates()).resource_templates
     assert {"worldagent://schema/world", "worldagent://capabilities", "worldagent://worlds"} <= {str(r.uri) for r in resources}
     uris = [t.uri_template for t in templates]
-    assert uris == [
+    assert uris == ["worldagent://schema/{part}"] + [
         f"worldagent://worlds/{{world}}/{part}"
         for part in ("spec", "matrix", "revisions", "report", "entities/{entity}", "pictures/{name}", "acceptance/{name}", "film")
     ] + ["worldagent://jobs/{job_id}", "worldagent://worlds/{world}/jobs", "skill://{name}/{+path}"] + [
@@ -85,6 +85,10 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
 async def test_general_resources(workspace: Path) -> None:
     async with Client(create_server(workspace, tools=[])) as client:
         schema = json.loads((await read(client, "worldagent://schema/world")).text)
+        shape = json.loads((await read(client, "worldagent://schema/Shape")).text)
+        assert "sphere" in shape["options"]
+        with pytest.raises(MCPError, match="did you mean Sphere"):
+            await client.read_resource("worldagent://schema/Spheres")
         assert "simulation" in schema["required"]
         assert json.loads((await read(client, "worldagent://worlds")).text) == {"worlds": ["linked", "other", "tiny"]}
 

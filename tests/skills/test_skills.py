@@ -33,7 +33,7 @@ def _kinds(union: Any) -> set[str]:
 
 def _named(text: str, heading: str) -> set[str]:
     """Names in the first column of the table under a heading."""
-    section = text.split(f"### {heading}\n", 1)[1].split("\n#", 1)[0]
+    section = text.split(f"## {heading}\n", 1)[1].split("\n#", 1)[0]
     return {
         name for line in section.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line.split("|")[1])
     }
@@ -51,7 +51,7 @@ def _named(text: str, heading: str) -> set[str]:
     ],
 )
 def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) -> None:
-    assert _named((BUILDING / "SKILL.md").read_text(), heading) == kinds
+    assert _named((BUILDING / "reference" / "kinds.md").read_text(), heading) == kinds
 
 
 @pytest.mark.parametrize("name", ["rigid-bodies", "repair", "world-building"])

@@ -102,13 +102,19 @@ def _real(folder: Path) -> list[Outcome]:
         http = [url, "--transport", "http"]
         for era in ("legacy", "modern"):
             listing = ["--protocol-era", era, "--method", "tools/list", "--strict", "--format", "json"]
-            outcomes.append(_inspected(f"Inspector tools/list --strict, stdio, {era}", [*listing, *stdio]))
-            outcomes.append(_inspected(f"Inspector tools/list --strict, http, {era}", [*http, *listing]))
+            outcomes.append(_inspected(f"Inspector tools/list --strict, stdio, {era}", [*listing, *stdio], '"edit_spec"'))
+            outcomes.append(_inspected(f"Inspector tools/list --strict, http, {era}", [*http, *listing], '"edit_spec"'))
         modern = ["--protocol-era", "modern", "--method"]
         verify = [*modern, "skills/list", "--verify", "--require-digests"]
-        outcomes.append(_inspected("Inspector skills/list --verify --require-digests, stdio", [*verify, *stdio]))
-        outcomes.append(_inspected("Inspector skills/list --verify --require-digests, http", [*http, *verify]))
-        outcomes.append(_inspected("Inspector tools/list --app-info", [*http, *modern, "tools/list", "--app-info"]))
+        outcomes.append(
+            _inspected("Inspector skills/list --verify --require-digests, stdio", [*verify, *stdio], "no conformance errors")
+        )
+        outcomes.append(
+            _inspected("Inspector skills/list --verify --require-digests, http", [*http, *verify], "no conformance errors")
+        )
+        outcomes.append(
+            _inspected("Inspector tools/list --app-info", [*http, *modern, "tools/list", "--app-info"], '"hasApp":true')
+        )
     return outcomes
 
 
@@ -127,11 +133,13 @@ def _compared(what: str, seen: dict[str, tuple[int, int]], wanted: dict[str, int
     yield Outcome(what, good > 0, f"{good} scenarios as expected, {checks} checks passed", seconds)
 
 
-def _inspected(what: str, arguments: Sequence[str]) -> Outcome:
+def _inspected(what: str, arguments: Sequence[str], needs: str) -> Outcome:
+    """Runs the Inspector; besides exit code 0, its output must hold `needs`."""
     began = time.monotonic()
     code, output = _run(inspector(*arguments))
     last = output.strip().splitlines()[-1] if output.strip() else ""
-    return Outcome(what, code == 0, last[:160] if code else "exit 0", time.monotonic() - began)
+    detail = last[:160] if code else "exit 0" if needs in output else f"exit 0, but nothing says {needs}"
+    return Outcome(what, code == 0 and needs in output, detail, time.monotonic() - began)
 
 
 def _lint(folder: Path) -> Outcome:

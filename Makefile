@@ -6,7 +6,7 @@ FLOORS := worlds execution geometry construction simulation verifiers rendering 
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 
-.PHONY: setup demo conformance clients test test-all check build mcpb clean
+.PHONY: setup demo conformance clients test test-all fuzz check build mcpb clean
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

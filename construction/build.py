@@ -23,6 +23,8 @@ __all__ = ["build_entity", "entity_recipe"]
 
 EXACT_KINDS = ("box", "wedge", "extrusion", "revolution")
 """Shapes whose collision pieces tile the visible mesh exactly."""
+VOLUMES = (1e-24, 1e24)
+"""Volumes of bodies [m^3]: from a cube of 10 nm to beyond the Moon. Further out, products of sizes leave double precision."""
 IDENTITY = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
@@ -93,7 +95,7 @@ def _mass_of(geometry: ShapeGeometry, density: float) -> tuple[float, F64, F64, 
 def _combine(pieces: list[tuple[float, F64, F64, float]]) -> tuple[float, F64, F64, float]:
     """Parallel-axis sum of masses in one frame."""
     total = sum(p[0] for p in pieces)
-    center = sum((p[0] * p[1] for p in pieces), start=np.zeros(3)) / total
+    center = sum((p[0] * p[1] for p in pieces), start=np.zeros(3)) / (total or 1.0)
     inertia = np.zeros((3, 3))
     for mass, where, own, _ in pieces:
         arm = where - center
@@ -102,7 +104,18 @@ def _combine(pieces: list[tuple[float, F64, F64, float]]) -> tuple[float, F64, F
 
 
 def _body(name: str, pose: RigidPose, masses: list[tuple[float, F64, F64, float]], scale: float) -> BuiltBody:
+    """A body of these parts.
+
+    Raises:
+        InputError: it has no volume or mass that can be computed with.
+    """
     mass, center, inertia, volume = _combine(masses)
+    sound = np.isfinite(center).all() and np.isfinite(inertia).all() and (np.diag(inertia) > 0).all()
+    if not (sound and VOLUMES[0] < volume < VOLUMES[1] and 0 < mass < np.inf and 0 < mass * scale < np.inf):
+        raise InputError(
+            f"{name!r} has volume {volume:.3g} m^3 and mass {mass * scale:.3g} kg; a body needs a mass, and a volume from "
+            f"{VOLUMES[0]:g} to {VOLUMES[1]:g} m^3. Lengths are in m: check the sizes of its parts"
+        )
     return BuiltBody(name, pose, mass * scale, center, inertia * scale, volume)
 
 
@@ -138,7 +151,7 @@ def _build_rope(spec: WorldSpec, name: str, entity: Entity, rope: Rope, assets: 
         parts.append(part)
     declared = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
     if declared is not None:
-        scale = declared / sum(b.mass for b in bodies)
+        scale = declared / (sum(b.mass for b in bodies) or 1.0)
         bodies = [BuiltBody(b.name, b.pose, b.mass * scale, b.center, b.inertia * scale, b.volume) for b in bodies]
     return bodies, parts
 
@@ -163,5 +176,9 @@ def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
     made = [_build_part(spec, entity, k, p, assets, "body", f"/entities/{name}") for k, p in sorted(entity.parts.items())]
     masses = [m for _, m in made]
     declared = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
-    scale = 1.0 if declared is None else declared / sum(m[0] for m in masses)
-    return BuiltEntity(name, (_body("body", IDENTITY, masses, scale),), tuple(p for p, _ in made), recipe)
+    scale = 1.0 if declared is None else declared / (sum(m[0] for m in masses) or 1.0)
+    try:
+        body = _body("body", IDENTITY, masses, scale)
+    except InputError as error:
+        raise InputError(f"/entities/{name}: {error}") from error
+    return BuiltEntity(name, (body,), tuple(p for p, _ in made), recipe)

@@ -16,6 +16,7 @@ from ..worlds.errors import InputError
 from ..worlds.folder import safe_join
 from ..worlds.limits import HEIGHT_ROWS, check_cap
 from ..worlds.spec import HeightField, Mesh
+from .file_worker import LARGEST
 from .outside import arrays_of, decomposed, file_digest
 
 __all__ = ["load_heights", "load_mesh", "mesh_digest"]
@@ -69,7 +70,10 @@ def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ..
 
     vertices, faces = _triangles(shape, assets)
     check_cap("mesh_triangles", len(faces), what="this mesh")
-    solid = trimesh.Trimesh(vertices * shape.scale, faces, process=True)
+    vertices = vertices * shape.scale
+    if np.abs(vertices).max(initial=0.0) > LARGEST:
+        raise InputError(f"mesh reaches to {np.abs(vertices).max():.3g} m, at most {LARGEST:g} m; lengths are in m, check scale")
+    solid = trimesh.Trimesh(vertices, faces, process=True)
     if not len(solid.faces) or not solid.is_watertight:
         raise InputError(
             f"mesh with {len(faces)} faces is not closed (watertight); close its holes or model it with other shapes"

@@ -206,10 +206,12 @@ class Session:
     def check_static(self) -> tuple[list[Row], list[Row], list[str]]:
         """Build what is missing and run the static checks; returns (rows, changed rows, entities newly built)."""
         from ..construction import build_world
+        from ..construction.crowding import check_crowding
         from ..verifiers.checks import names_of, run_checks
         from ..worlds.candidate import Candidate
 
         built, fresh = build_world(self.folder, self.spec)
+        check_crowding(self.spec, built)
         rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"))
         stages = self.ledger.stages()
         # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.

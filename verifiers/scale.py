@@ -37,6 +37,8 @@ SCENERY = 2e4
 """Own choice: static scenery (a 200 m terrain) may be this much larger than what touches it (a 1 cm pebble)."""
 FACETS = 0.02
 """Own choice: a part drawn by facets may fall this short of its shape, per axis: 16 segments miss 1.9 % of the radius."""
+LEAST = 1e-150
+"""Stands for diagonals that underflow [m], so that ratios stay finite."""
 
 
 class Ratio(NamedTuple):
@@ -356,7 +358,7 @@ def _diagonal(candidate: Candidate, node: str) -> float:
     """
     spec = candidate.spec
     if node in spec.entities:
-        return float(np.linalg.norm(spec.entities[node].dimensions.size))
+        return max(LEAST, float(np.linalg.norm(spec.entities[node].dimensions.size)))
     if node in spec.graph.regions:
         return region_diagonal(spec.graph.regions[node])
     raise EvidenceError(f"{node!r} is neither an entity nor a region; declare it or change the relation")

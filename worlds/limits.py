@@ -75,6 +75,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("samples", 1_024, "samples per pixel", "/look/samples"),
     Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid"),
     Cap("triangles", 5_000_000, "triangles", "coarser meshes or fewer of them"),
+    Cap("crowded_pairs", 10_000, "pairs", "give the entities places of their own; place_object(on=...) finds the height"),
     Cap("mesh_bytes", 64_000_000, "bytes", "a simplified mesh, or a binary format (.glb, .ply, .stl)"),
     Cap("dem_bytes", 600_000_000, "bytes", "crop the file"),
     Cap("mesh_triangles", 200_000, "triangles", "simplify the mesh, or split it into several parts"),

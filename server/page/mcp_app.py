@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pydantic_core
 from mcp.server import MCPServer
@@ -17,6 +17,9 @@ from mcp.server.mcpserver.resources import FunctionResource
 from ...tools.links import WORLD_VIEW
 from ...worlds.errors import InputError, WorldAgentError
 from ..workspace_jobs import WorkspaceJobs
+
+if TYPE_CHECKING:
+    from .data import PageData
 
 __all__ = ["add_world_page", "app_document", "world_app"]
 
@@ -64,6 +67,12 @@ def _joined(name: str, seen: set[str] | None = None) -> str:
 def add_world_page(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
     """Serve what the document shows, as the web page gets it over HTTP."""
 
+    @lru_cache(maxsize=1)
+    def data() -> PageData:
+        from .data import PageData
+
+        return PageData(jobs.workspace, jobs)
+
     @server.resource(
         "worldagent://worlds/{world}/page{?view,status,group,q,row,offset,limit}",
         name="world-page",
@@ -83,7 +92,7 @@ def add_world_page(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
         limit: str = "",
     ) -> str:
         try:
-            found = _page(jobs, world, view, {"status": status, "group": group, "query": q}, row, _whole(offset), limit)
+            found = _page(data(), world, view, {"status": status, "group": group, "query": q}, row, _whole(offset), limit)
         except InputError as error:
             raise ResourceNotFoundError(str(error)) from error
         except WorldAgentError as error:
@@ -91,13 +100,10 @@ def add_world_page(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
         return pydantic_core.to_json(found, inf_nan_mode="null").decode()
 
 
-def _page(
-    jobs: WorkspaceJobs, world: str, view: str, filters: dict[str, str], row: str, offset: int, limit: str
-) -> dict[str, Any]:
+def _page(data: PageData, world: str, view: str, filters: dict[str, str], row: str, offset: int, limit: str) -> dict[str, Any]:
     from ...worlds.folder import WorldFolder
-    from .data import MAX_PAGE, PageData
+    from .data import MAX_PAGE
 
-    data = PageData(jobs.workspace, jobs)
     place = {"offset": offset} | ({"limit": max(1, min(MAX_PAGE, _whole(limit)))} if limit else {})
     views: dict[str, Callable[[], dict[str, Any]]] = {
         "world": partial(data.world, world),
@@ -110,7 +116,7 @@ def _page(
     }
     if view not in views:
         raise InputError(f"view {view!r} must be one of {', '.join(VIEWS)}")
-    WorldFolder.of(jobs.workspace, world)
+    WorldFolder.of(data.workspace, world)
     return views[view]()
 
 

@@ -86,6 +86,20 @@ def test_the_page_comes_back_after_the_server_was_restarted(made: Made, served: 
     tab.troubles = [t for t in tab.troubles if "ERR_" not in t]
 
 
+def test_a_tab_that_nobody_sees_gives_its_stream_back(made: Made, tab: Tab) -> None:
+    page = tab.go("", "Worlds")
+    turn = """hidden => {
+        Object.defineProperty(document, "hidden", {value: hidden, configurable: true});
+        document.dispatchEvent(new Event("visibilitychange"));
+    }"""
+    with page.expect_event("requestfailed", lambda r: r.url.endswith("/api/events")):
+        page.evaluate(turn, True)
+    made.world("meanwhile")
+    with page.expect_request(lambda r: r.url.endswith("/api/events")):
+        page.evaluate(turn, False)
+    page.get_by_text("1 world", exact=True).wait_for()
+
+
 def followed(made: Made, tab: Tab, job: str) -> None:
     """A real job to its end, its progress seen on the way."""
     seen: set[float] = set()

@@ -47,7 +47,7 @@ export class App {
       found = await this.read(route, query);
     } catch (error) {
       if (error.status === 401) return this.locked(this.source.token ? error.message : "");
-      found = { error: error.status ? error.message : "the server cannot be reached; trying again" };
+      found = { status: error.status, error: error.status ? error.message : "the server cannot be reached; trying again" };
       if (!error.status && this.found.route === route && !this.found.error) found = this.found; // keep what was shown
     }
     if (mine !== this.load_number) return undefined;
@@ -122,7 +122,7 @@ export class App {
   view() {
     const { state, found } = this;
     if (state.locked) return tokenView(state);
-    if (found.error) return [h("h1", { tabindex: "-1" }, "Not found"), problem(found.error), this.source.embedded ? null : h("p", null, h("a", { href: "#/" }, "All worlds"))];
+    if (found.error) return [h("h1", { tabindex: "-1" }, found.status === 404 ? "Not found" : "Not shown"), problem(found.error), this.source.embedded ? null : h("p", null, h("a", { href: "#/" }, "All worlds"))];
     const { route } = found;
     if (!route) return h("p", { class: "quiet" }, "Loading.");
     if (route.name === "worlds") return worldsView(state, found.page);

@@ -108,7 +108,11 @@ export class HttpSource {
     let last = "";
     let pause = 500;
     for (;;) {
+      // Browsers open six connections to a server: a tab that nobody sees gives its own back.
+      if (document.hidden) await new Promise((go) => document.addEventListener("visibilitychange", go, { once: true }));
       const stop = new AbortController();
+      const hide = () => document.hidden && stop.abort();
+      document.addEventListener("visibilitychange", hide);
       let silence;
       const wait = () => {
         clearTimeout(silence);
@@ -127,12 +131,16 @@ export class HttpSource {
         }
       } catch (error) {
         if (error instanceof Refusal && error.status === 401) {
+          clearTimeout(silence);
+          document.removeEventListener("visibilitychange", hide);
           state("locked");
           return;
         }
       }
       clearTimeout(silence);
+      document.removeEventListener("visibilitychange", hide);
       stop.abort();
+      if (document.hidden) continue;
       state("away");
       await new Promise((go) => setTimeout(go, pause * (0.75 + Math.random() / 2)));
       pause = Math.min(pause * 2, 10000);

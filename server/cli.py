@@ -29,6 +29,8 @@ BENCHMARKS: dict[str, str] = {
     "skills": "worldagent.bench.skills:run",
     "server-load": "worldagent.bench.server_load:run",
     "result-size": "worldagent.bench.result_size:run",
+    "hydrology": "worldagent.bench.hydrology:run",
+    "island": "worldagent.bench.island:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

@@ -124,7 +124,7 @@ def test_words_of_a_world_are_text_and_never_act(made: Made, tab: Tab) -> None:
             summary.click()
         assert page.locator("main script, main img[src=x], main svg[onload]").count() == 0
     page = tab.go("#/w/w/requirements?q=gap:x")
-    page.locator("summary").click()
+    page.locator(".matrix summary").click()
     page.locator(".evidence").get_by_text(evil).wait_for()
     assert f"\\u202e{evil}" in page.inner_text(".matrix .said")
     assert page.inner_text("h1") == evil

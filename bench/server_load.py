@@ -68,11 +68,11 @@ def run() -> dict[str, Any]:
         watched = stack.enter_context(_watched(server.pid))
         rounds = []
         for number in range(ROUNDS):
-            begin = len(watched)
+            begin, spent = len(watched), _cpu_seconds(server.pid)
             samples, errors, seconds = _round(url, jobs, seed=number)
-            memory = watched[begin:]
-            baking = _baking(workspace)
-            rounds.append(_figures(samples, errors, seconds, memory) | {"bakes_at_end": baking})
+            figures = _figures(samples, errors, seconds, watched[begin:])
+            figures["server_cpu_ms_per_call"] = round((_cpu_seconds(server.pid) - spent) / len(samples) * 1e3, 1)
+            rounds.append(figures | {"bakes_at_end": _baking(workspace)})
             print(f"round {number}: {json.dumps(rounds[-1])}", file=sys.stderr)
         last = rounds[-1]
         if last["bakes_at_end"] < BAKES:
@@ -180,6 +180,12 @@ def _served(workspace: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
         finally:
             child.terminate()
             child.wait(timeout=30)
+
+
+def _cpu_seconds(pid: int) -> float:
+    """Processor time of a process [s], which other load of the machine hardly changes."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @contextlib.contextmanager

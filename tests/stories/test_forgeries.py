@@ -85,7 +85,7 @@ def test_an_edited_frame_is_found_refused_and_baked_again(accepted: Any) -> None
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "incomplete"
     row = next(r for r in verdict["open_rows"] if r["id"] == "delivery:digests:rigid")
-    assert row["first_failing_frame"] == 30
+    assert row["frame"] == 30
     assert accepted.call("bake_sim", world="w")["passed"]
     assert not _open(judge(folder))
 

@@ -52,7 +52,9 @@ def _direction(elevation_deg: float, azimuth_deg: float) -> list[float]:
 
 
 def reaches_horizon(candidate: Candidate, focus: Bounds) -> bool:
-    """Whether a static entity extends far beyond the focus on all sides."""
+    """Whether a static entity, or a landscape, extends far beyond the focus on all sides."""
+    if candidate.spec.terrains:
+        return True
     need = HORIZON_RATIO * focus.diagonal
     for name in candidate.built:
         if candidate.spec.entities[name].motion != "static":
@@ -151,14 +153,14 @@ def _studio(mi: Any, look: Look) -> dict[str, Any]:
     return _dome(mi, rows, 0.38 * STUDIO_IRRADIANCE, patches)
 
 
-def _sun(mi: Any, look: Look, focus: Bounds) -> dict[str, Any]:
-    """The sun as a far disc with the irradiance that Mitsuba's own sun would give.
+def _sun(mi: Any, look: Look, focus: Bounds, reach: float) -> dict[str, Any]:
+    """The sun as a far disc with the irradiance that Mitsuba's own sun would give; `reach` is the widest landscape [m].
 
     As an emitter of its own it is aimed at by every other light sample; inside `sunsky` it gets so few that 16
     samples are mostly noise (measured: 13.6 dB against 1024 samples).
     """
     towards = np.array(_direction(look.sun_elevation_deg, look.sun_azimuth_deg))
-    distance = SUN_DISTANCE * max(focus.diagonal, 1e-3)
+    distance = SUN_DISTANCE * max(focus.diagonal, reach / 10, 1e-3)
     half = math.radians(SUN_APERTURE_DEG) / 2
     elevations = [row[0] for row in SUN_IRRADIANCE]
     irradiance = [float(np.interp(look.sun_elevation_deg, elevations, [row[1][k] for row in SUN_IRRADIANCE])) for k in range(3)]
@@ -204,7 +206,8 @@ def light_dicts(mi: Any, candidate: Candidate) -> dict[str, Any]:
             "sky_scale": SUN_SKY_SCALE,
             "albedo": 0.3,
         }
-        found["sun"] = _sun(mi, look, focus)
+        reach = max((max(t.extent) for t in candidate.spec.terrains.values()), default=0.0)
+        found["sun"] = _sun(mi, look, focus, reach)
         ground = (0.30, 0.29, 0.265)
     elif look.sky == "overcast":
         rows = [(-90.0, (0.25, 0.25, 0.25)), (-1.0, (0.3, 0.3, 0.3)), (1.0, (0.62, 0.64, 0.67)), (90.0, (0.95, 0.98, 1.0))]

@@ -12,6 +12,7 @@ from ..worlds.arrays import rotation_matrix
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Appearance
 from .lights import light_dicts
+from .scenery import cut_from, landscapes_of, scenery_shapes
 from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
 from .variant import load_mitsuba
@@ -69,7 +70,10 @@ def _joined(surfaces: list[Surface]) -> Surface:
 def _batches(candidate: Candidate, tiles: dict[str, dict[str, Tile]]) -> dict[tuple[str, str, bool], _Batch]:
     """Batches by (material, layer, moving)."""
     found: dict[tuple[str, str, bool], list[tuple[str, str, Surface]]] = {}
+    scenery = landscapes_of(candidate)
     for entity in sorted(candidate.built):
+        if cut_from(candidate, entity) in scenery:
+            continue
         changing = candidate.moves(entity) or candidate.spec.entities[entity].active is not None
         for part in candidate.built[entity].parts:
             look = candidate.spec.materials[part.material].appearance
@@ -165,6 +169,7 @@ class SceneRenderer:
             scene[batch.name] = _mesh(mi, batch.name, batch.surface, positions, normals, bsdfs[material, layer])
             if moving:
                 self._moving.append(batch)
+        scene |= scenery_shapes(mi, candidate)
         self.scene = mi.load_dict(scene)
         self._parameters = mi.traverse(self.scene)
         self._frame = frame

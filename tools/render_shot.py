@@ -125,7 +125,7 @@ def render_shot(
 
 def _field(session: Session, terrain: str | None, field: str, width: int | None, height: int | None) -> ToolReply:
     from ..rendering import encode, field_map
-    from ..verifiers.landscapes import open_landscape
+    from ..worlds.landscape import open_landscape
     from .answers import answer
 
     known = sorted(session.spec.terrains)

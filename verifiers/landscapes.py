@@ -6,7 +6,6 @@ Nothing here shares code with construction: the file of the built landscape is a
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +13,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from ..worlds.arrays import F64
-from ..worlds.canonical import digest_of
-from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape
-from ..worlds.spec import WorldSpec
 from ..worlds.spec.terrain import Terrain
 
 __all__ = [
@@ -25,7 +21,6 @@ __all__ = [
     "drainage_finding",
     "fill_finding",
     "ledger_finding",
-    "open_landscape",
     "plant_finding",
     "water_finding",
 ]
@@ -46,20 +41,6 @@ class Finding(NamedTuple):
     text: str
     place: tuple[float, float] | None = None
     """Where it is worst, x and y [m]."""
-
-
-def open_landscape(root: Path, spec: WorldSpec, name: str) -> SavedLandscape:
-    """The landscape built from exactly this terrain.
-
-    Raises:
-        EvidenceError: there is none.
-    """
-    wanted = digest_of(spec.terrains[name])
-    for path in sorted((root / "terrain").glob(f"{name}.*.npz"), key=lambda p: -p.stat().st_mtime):
-        saved = SavedLandscape(path)
-        if saved.about.get("terrain") == wanted:
-            return saved
-    raise EvidenceError(f"terrain {name!r} is not built from its present specification; call build_terrain(terrain={name!r})")
 
 
 def _place(land: SavedLandscape, index: int) -> tuple[float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
-from ..worlds.landscape import SavedLandscape
+from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.requirements import Row
 from ..worlds.spec import HeightField
 from ..worlds.spec.terrain import Terrain
@@ -21,7 +21,6 @@ from .landscapes import (
     drainage_finding,
     fill_finding,
     ledger_finding,
-    open_landscape,
     plant_finding,
     water_finding,
 )

@@ -18,9 +18,11 @@ from typing import Any
 import numpy as np
 
 from .arrays import F64
+from .canonical import digest_of
 from .errors import EvidenceError
+from .spec import WorldSpec
 
-__all__ = ["FIELDS", "FieldInfo", "SavedLandscape", "landscape_path", "save_landscape"]
+__all__ = ["FIELDS", "FieldInfo", "SavedLandscape", "landscape_path", "open_landscape", "save_landscape"]
 
 
 @dataclass(frozen=True)
@@ -169,3 +171,17 @@ class SavedLandscape:
             if name not in file.files:
                 raise EvidenceError(f"{self.path.name} holds no {name!r}; it has {', '.join(sorted(file.files))}")
             return np.asarray(file[name])
+
+
+def open_landscape(root: Path, spec: WorldSpec, name: str) -> SavedLandscape:
+    """The landscape built from exactly this terrain.
+
+    Raises:
+        EvidenceError: there is none.
+    """
+    wanted = digest_of(spec.terrains[name])
+    for path in sorted((root / "terrain").glob(f"{name}.*.npz"), key=lambda p: -p.stat().st_mtime):
+        saved = SavedLandscape(path)
+        if saved.about.get("terrain") == wanted:
+            return saved
+    raise EvidenceError(f"terrain {name!r} is not built from its present specification; call build_terrain(terrain={name!r})")

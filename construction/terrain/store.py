@@ -207,5 +207,6 @@ def _about(land: Landscape) -> dict[str, Any]:
         ],
         "cover": list(land.cover.names),
         "species": list(land.plants.species) if land.plants is not None else [],
+        "plant_shapes": list(land.plants.shapes) if land.plants is not None else [],
         "figures": land.figures,
     }

@@ -48,6 +48,8 @@ class Plants:
     """All instances. Arrays of shape (n,), unless said otherwise."""
 
     species: tuple[str, ...]
+    shapes: tuple[str, ...]
+    """Form of each species: `broad`, `cone`, `palm`, `bush`, `tuft`, `column`, `rock`."""
     kind: np.ndarray
     """Index into `species`."""
     position: F64
@@ -196,6 +198,7 @@ def _thrown(
     foot = grid.sample(height, x[:count], y[:count])
     return Plants(
         species=tuple(s.name for s in kinds),
+        shapes=tuple(s.shape for s in kinds),
         kind=kind[:count],
         position=np.stack([x[:count], y[:count], foot], axis=1),
         height=tall[:count],

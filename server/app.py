@@ -66,8 +66,10 @@ Read first: skill://world-building/SKILL.md (the procedure), worldagent://schema
 worldagent://capabilities (engines and caps)."""
 """What a client shows its model about this server; clients cut it at 2 KB."""
 
-TOOLS_AT_A_TIME = 32
-"""Tools waiting for jobs hold a thread each; more calls queue."""
+TOOLS_AT_A_TIME = 16
+"""Calls that answer at once; more of them queue."""
+WAITING_AT_A_TIME = 48
+"""Calls that may wait for a job hold a thread each. They have threads of their own: however many wait, others are answered."""
 DAY_MS = 86_400_000
 MOST_LISTED_WORLDS = 200
 """Worlds whose reports are listed; all ids stand in `worldagent://worlds`."""
@@ -99,7 +101,7 @@ class WorldServer(MCPServer[Any]):
                 raise ValueError(f"two tools are named {binding.name!r}")
             self._bindings[binding.name] = (binding, Arguments(binding))
         self._described = [_described(*pair) for pair in self._bindings.values()]
-        self._limiter = anyio.CapacityLimiter(TOOLS_AT_A_TIME)
+        self._quick, self._waiting = anyio.CapacityLimiter(TOOLS_AT_A_TIME), anyio.CapacityLimiter(WAITING_AT_A_TIME)
         self.watch = ResourceWatch(ResourceStates(jobs.workspace, jobs), bus)
         self.watch.serve_handshake_era(self._lowlevel_server)
         self.middleware.append(self.watch)
@@ -135,7 +137,8 @@ class WorldServer(MCPServer[Any]):
             if context is not None:
                 await context.report_progress(done, total, message)
 
-        return await run_in_thread(binding, parsed, self._context_of, send, self._limiter)
+        limiter = self._waiting if parsed.get("wait_s", 0.0) > 0 and _waits(name, parsed) else self._quick
+        return await run_in_thread(binding, parsed, self._context_of, send, limiter)
 
     async def get_prompt(
         self, name: str, arguments: dict[str, Any] | None = None, context: Context[Any, Any] | None = None
@@ -223,6 +226,13 @@ def create_server(
 
         add_fixtures(server)
     return server
+
+
+def _waits(name: str, arguments: dict[str, Any]) -> bool:
+    """Whether a call may wait for a job: `job` only waits when it is told to, pictures only for the film."""
+    if name == "job":
+        return bool(arguments.get("action") == "wait")
+    return not (name == "render_shot" and arguments.get("kind") != "final")
 
 
 def _described(binding: ToolBinding, arguments: Arguments) -> Tool:

@@ -24,7 +24,7 @@ from .wire import StrictBodies
 __all__ = ["LOOPBACK", "check_binding", "http_app", "serve_http", "transport_security"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-MAX_SESSIONS = 64
+MAX_SESSIONS = 512
 SESSION_IDLE_SECONDS = 1800.0
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import logging
+import threading
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Annotated, Any
 
 import anyio
 import pytest
 from mcp import Client
-from worldagent.server.app import INSTRUCTIONS, create_server
+from pydantic import Field
+from worldagent.server.app import INSTRUCTIONS, TOOLS_AT_A_TIME, WAITING_AT_A_TIME, create_server
 from worldagent.tools.context import ToolBinding, ToolContext, ToolReply
 
 pytestmark = pytest.mark.anyio
@@ -199,6 +201,30 @@ async def test_instructions_fit_what_clients_show(tmp_path: Path, fakes: ModuleT
     async with Client(create_server(tmp_path, tools=fakes.TOOLS), mode=era) as client:
         assert client.instructions == INSTRUCTIONS
     assert len(INSTRUCTIONS.encode()) < 2048
+
+
+async def test_calls_that_wait_leave_threads_for_those_that_do_not(tmp_path: Path) -> None:
+    """More calls wait than there are threads for them: a quick one is answered all the same."""
+    gone = threading.Event()
+
+    def linger(context: ToolContext, wait_s: Annotated[float, Field(description="Seconds")] = 30.0) -> ToolReply:
+        """Wait for a job."""
+        gone.wait(wait_s)
+        return ToolReply({})
+
+    def glance(context: ToolContext) -> ToolReply:
+        """Look."""
+        return ToolReply({"seen": True})
+
+    tools = [ToolBinding(linger, "Linger", read_only=True), ToolBinding(glance, "Glance", read_only=True)]
+    async with Client(create_server(tmp_path, tools=tools)) as client, anyio.create_task_group() as group:
+        for _ in range(WAITING_AT_A_TIME + TOOLS_AT_A_TIME + 4):
+            group.start_soon(client.call_tool, "linger", {})
+        await anyio.sleep(0.2)
+        with anyio.fail_after(20):
+            answer = await client.call_tool("glance", {})
+        gone.set()
+    assert answer.structured_content == {"seen": True}
 
 
 def test_two_tools_of_one_name_are_a_defect(tmp_path: Path, fakes: ModuleType) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import mimetypes
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from mcp.server import CacheHint, MCPServer
 from mcp.server.extension import Extension
 from mcp.server.lowlevel.helper_types import ReadResourceContents
 from mcp.server.mcpserver import Context
+from mcp.server.mcpserver.exceptions import ResourceNotFoundError
 from mcp.server.subscriptions import InMemorySubscriptionBus
 from mcp.shared.exceptions import MCPError
 from mcp.types import INVALID_PARAMS, CallToolResult, GetPromptResult, InputRequiredResult, Resource, Tool, ToolAnnotations
@@ -23,6 +25,7 @@ from .. import __version__
 from ..execution import JobStore
 from ..tools.answers import HEAD_SCHEMA
 from ..tools.context import ToolBinding, ToolContext
+from ..tools.table_entries import entry_of
 from ..worlds.bounds import shown
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
@@ -179,9 +182,12 @@ class WorldServer(MCPServer[Any]):
         self, uri: AnyUrl | str, context: Context[Any, Any] | None = None
     ) -> Iterable[ReadResourceContents] | InputRequiredResult:
         """Read a resource; files of several kinds behind one template get the MIME type of their own name."""
-        found = await super().read_resource(uri, context)
+        file, _, entry = str(uri).partition("#") if str(uri).startswith("skill://") else (uri, "", "")
+        found = await super().read_resource(file, context)
         if isinstance(found, InputRequiredResult):
             return found
+        if entry:
+            found = [replace(item, content=_entry(item.content, entry)) for item in found]
         return [
             ReadResourceContents(content=item.content, mime_type=_mime_type(str(uri)) or item.mime_type, meta=item.meta)
             for item in found
@@ -233,6 +239,14 @@ def _waits(name: str, arguments: dict[str, Any]) -> bool:
     if name == "job":
         return bool(arguments.get("action") == "wait")
     return not (name == "render_shot" and arguments.get("kind") != "final")
+
+
+def _entry(content: str | bytes, entry: str) -> str:
+    """The entry of a skill's table that a row cites behind `#`."""
+    try:
+        return entry_of(content if isinstance(content, str) else content.decode(), entry)
+    except InputError as error:
+        raise ResourceNotFoundError(str(error)) from error
 
 
 def _described(binding: ToolBinding, arguments: Arguments) -> Tool:

@@ -17,7 +17,10 @@ def bake_sim(
     context: ToolContext,
     world: Annotated[str, Field(description="World id")],
     wait_s: Annotated[
-        float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
+        float,
+        Field(
+            ge=0, le=240, description="Seconds to wait for the result (50 at most, unless the server allows more), then a job id"
+        ),
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:

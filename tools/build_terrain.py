@@ -35,7 +35,10 @@ def build_terrain(
         tuple[float, float] | None, Field(description="With terrain: where the ground is cut out, x, y [m]")
     ] = None,
     cells: Annotated[
-        int | None, Field(ge=2, le=512, description="Cells along the longer side; default 48, of a landscape 256")
+        int | None,
+        Field(
+            ge=2, le=512, description="Cells along the longer side; default 48, of a landscape 96. Checks take longer with more"
+        ),
     ] = None,
     relief: Annotated[float, Field(ge=0, le=200, description="slope: rise from -x to +x [m]; hills: height range [m]")] = 0.0,
     plain_radius: Annotated[
@@ -74,7 +77,7 @@ def build_terrain(
             "entity": entity,
             "center": center,
             "size": size,
-            "cells": cells or 256,
+            "cells": cells or 96,
             "material": material,
         }
         return _landscape(context, session, {**asked, "hypothesis": hypothesis}, wait_s)

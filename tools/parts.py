@@ -14,6 +14,7 @@ from ..worlds.folder import world_ids
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
 from .rows import Detail, brief, concise, counts, line, ranked
 from .session import Session
+from .table_entries import entry_of
 
 __all__ = [
     "acceptance",
@@ -83,7 +84,7 @@ def guide(path: str, *, offset: int) -> dict[str, Any]:
         p.relative_to(SKILLS).as_posix(): p for p in sorted(SKILLS.rglob("*")) if p.suffix in (".md", ".json") and p.is_file()
     }
     shown = {name: p for name, p in files.items() if "/evals/" not in name and name.count("/")}
-    wanted = path.removeprefix("skill://").strip("/")
+    wanted, _, entry = path.removeprefix("skill://").strip("/").partition("#")
     if not wanted:
         about = {n: _about(p) if p.name == "SKILL.md" else f"{p.stat().st_size} characters" for n, p in shown.items()}
         then = call("inspect_world", part="guide", pointer="world-building/SKILL.md")
@@ -92,7 +93,7 @@ def guide(path: str, *, offset: int) -> dict[str, Any]:
         close = difflib.get_close_matches(wanted, files, n=1, cutoff=0.3)
         hint = f"; did you mean {close[0]!r}?" if close else ""
         raise InputError(f"there is no guide {path!r}{hint} inspect_world(part='guide') lists them")
-    text = files[wanted].read_text()
+    text = entry_of(files[wanted].read_text(), entry)
     if offset and offset >= len(text):
         raise InputError(f"offset {offset} is past the end: {wanted} has {len(text)} characters")
     end = offset + GUIDE_CHARACTERS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
@@ -44,7 +45,10 @@ def run_checks(
     ],
     only: Annotated[list[Check] | None, Field(description="For probe and full: only these checks")] = None,
     wait_s: Annotated[
-        float, Field(ge=0, le=240, description="Seconds to wait for the result before a job id is returned")
+        float,
+        Field(
+            ge=0, le=240, description="Seconds to wait for the result (50 at most, unless the server allows more), then a job id"
+        ),
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
@@ -89,17 +93,23 @@ def run_checks(
         data = start_and_wait(
             context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{which}:{session.revision}", reuse=False
         )
-    return _reply(world, session.revision, data, detail)
+    return _reply(world, session.revision, data, detail, only or ())
 
 
 def verdict_reply(job: Job) -> ToolReply:
     """Reply for checks or an acceptance that have ended."""
     from .waiting import ended_data
 
-    return _reply(str(job.world), int(job.payload["revision"]), ended_data(job), job.payload.get("detail", "concise"))
+    return _reply(
+        str(job.world),
+        int(job.payload["revision"]),
+        ended_data(job),
+        job.payload.get("detail", "concise"),
+        job.payload.get("only") or (),
+    )
 
 
-def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail) -> ToolReply:
+def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only: Sequence[str] = ()) -> ToolReply:
     from .answers import answer, call, job_answer, rows_answer
 
     place = {"world": world, "revision": revision}
@@ -122,6 +132,9 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail) -> T
         }[data["scope"]]
         later = data.get("waiting_for_motion", 0) if data["scope"] == "static" else 0
         good = found["mandatory_open"] <= later
+        if only:
+            text = f"{text} (only {', '.join(only)})"
+            then = call("run_checks", world=world, scope=data["scope"])
     repair = (
         "edit_spec: mend the first open row with one hypothesis and one parameter group, then repeat from the first stale step"
     )

@@ -104,7 +104,7 @@ class Session:
         documents = before.model_dump(mode="json"), after.model_dump(mode="json")
         places = list(differences(*documents))
         groups = {group_of(p) for p in places}
-        causal = sorted({g.name for g in groups if g.edit_class in CAUSAL_CLASSES})
+        causal = _causal(places)
         weaker = weakenings(before, after)
         failing = [r for r in self.ledger.rows() if _failed(r) and r.mandatory and r.check != "audit"]
         self._rules(failing, groups, causal, weaker, hypothesis, weakening_reason)
@@ -144,30 +144,39 @@ class Session:
     def _rules(
         self, failing: list[Row], groups: set[Any], causal: list[str], weaker: list[str], hypothesis: str, reason: str
     ) -> None:
+        told: list[str] = []
         if weaker and self.ledger.ever_failed() and len(reason.strip()) < 15:
-            raise RefusedError(
+            told.append(
                 "this edit makes the specification easier to satisfy after evidence against it: "
                 + "; ".join(weaker[:6])
                 + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
-        if not causal:
-            return
+        if causal:
+            told += self._causal_rules(failing, groups, causal, hypothesis)
+        if told:
+            raise RefusedError("\n".join(told))
+
+    def _causal_rules(self, failing: list[Row], groups: set[Any], causal: list[str], hypothesis: str) -> list[str]:
+        """What stands against an edit of the scene or the solver (R111-R113), all of it."""
+        told: list[str] = []
         # Rows that failed turn stale with the edit that answers them: the open iteration outlives them.
         untested = self.ledger.open_iterations()
         if untested:
-            raise RefusedError(
-                f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet; call place_object or "
-                "run_checks (static failures) or probe_sim (failures in motion) before the next change"
+            rows = ", ".join(json.loads(str(untested[-1]["failing_before"]))[:3])
+            test = "place_object" if self._static_only(untested[-1]) else "probe_sim (or a whole run_checks(scope='probe'))"
+            told.append(
+                f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet: it answered {rows}. "
+                f"Call {test} before the next change"
             )
         if not failing:
-            return
+            return told
         if len(hypothesis.strip()) < 10:
-            raise RefusedError(
+            told.append(
                 f"{len(failing)} rows fail ({', '.join(r.id for r in failing[:5])}); an edit must now name its hypothesis: "
                 "what you believe causes the failure and why this change cures it (>= 10 characters)"
             )
         if len(causal) > 1:
-            raise RefusedError(
+            told.append(
                 f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next"
             )
@@ -175,10 +184,11 @@ class Session:
         edit = next(g.edit_class for g in groups if g.edit_class in CAUSAL_CLASSES)
         if wanted & set(CAUSAL_CLASSES) and edit not in wanted:
             names = sorted({c.group for r in failing for c in r.corrections if c.edit_class in CAUSAL_CLASSES})
-            raise RefusedError(
+            told.append(
                 f"the failing rows ask for a {'/'.join(sorted(wanted & set(CAUSAL_CLASSES)))} edit (groups {', '.join(names)}), "
                 f"not a {edit} edit of {causal[0]!r}"
             )
+        return told
 
     # ---------------------------------------------------------------- checks
 
@@ -246,6 +256,18 @@ def no_revision(folder: WorldFolder) -> str:
         f"the ledger of world {folder.id!r} holds no revision (ledger.sqlite is empty, cut off, or new): put back a copy of it, or "
         f"create another world with edit_spec from what the resource worldagent://worlds/{folder.id}/spec holds"
     )
+
+
+def _causal(places: Sequence[str]) -> list[str]:
+    """Causal parameter groups of an edit. The declared size of an entity goes along with its shape: one says what the other is."""
+    by_group: dict[str, set[str]] = {}
+    for place in places:
+        info = group_of(place)
+        if info.edit_class in CAUSAL_CLASSES:
+            by_group.setdefault(info.name, set()).add("/".join(place.split("/")[:3]))
+    if by_group.get("dimensions", {""}) <= by_group.get("shape", set()):
+        del by_group["dimensions"]
+    return sorted(by_group)
 
 
 def _value(document: Any, pointer: str) -> Any:

@@ -158,6 +158,7 @@ def start_and_wait(
         LimitError: too many jobs wait already.
         WorldAgentError: the job failed with it.
     """
+    began = time.time()
     job = context.jobs.submit(
         kind,
         session.folder.id,
@@ -179,4 +180,8 @@ def start_and_wait(
         if context.handover is not None:
             context.handover.job_id = job.id
         return job_data(job, context.jobs)
-    return ended_data(job)
+    data = ended_data(job)
+    if job.finished is not None and job.finished < began:
+        note = f"nothing changed since job {job.id}: this is its result; nothing was run again"
+        data["warnings"] = [*data.get("warnings", ()), note]
+    return data

@@ -135,6 +135,12 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": f"resting bodies hover up to {2 * skin:g} m",
             }
         )
+    for name, terrain in spec.terrains.items():
+        found.append(
+            {"what": f"water of the landscape {name!r} is a surface to look at", "effect": "nothing floats, flows or gets wet"}
+        )
+        if terrain.vegetation is not None:
+            found.append({"what": f"plants of the landscape {name!r} are drawn only", "effect": "bodies pass through them"})
     for name, entity in spec.entities.items():
         if entity.motion == "kinematic":
             found.append(

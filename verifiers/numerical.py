@@ -373,7 +373,7 @@ def thickness(piece: Convex) -> float:
     if piece.kind == "cylinder":
         return 2 * min(p)
     if piece.kind == "heightfield":
-        return p[2] + float(np.min(piece.points))
+        return p[2]  # below its lowest place; under the others there is more
     from scipy.spatial import ConvexHull, QhullError
 
     try:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from .predicates import entities_of, is_invariant
 from .references import kinds_of
+from .scenery_words import missing_scenery
 from .spec import Beat, Clause, Fastened, ReleaseDriver, WorldSpec
 from .wording import EVENTS, event_words, has_pronoun, lasting_words, names_in, numbers_in, objects_in, way_words
 
@@ -33,7 +34,7 @@ OVERLAP_SHARE = 0.5
 
 ESCAPE = "or say in static_because why these words ask for no such thing (printed with the acceptance)"
 """What to do where a word means something else."""
-_JUDGED = re.compile(r"^/(entities|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
+_JUDGED = re.compile(r"^/(entities|terrains|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
 
 MOVING_OVERLAP_SHARE = 0.1
 """Own choice: two bodies that move are joined by glue, pegs or screws, not sunk into each other."""
@@ -90,6 +91,11 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
     if clause.static_because:
         return
     yield from _numbers(spec, key, text)
+    for word, _, what in missing_scenery(spec, text):
+        yield Problem(
+            place,
+            f"clause {key} {text!r} names {word!r} and nothing is it: declare {what}, or a static entity called so; {ESCAPE}",
+        )
     beats = {n: spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats}
     yield from _events(spec, key, text, beats)
     lasts = lasting_words(text)

@@ -26,6 +26,7 @@ UNIONS = {
     "Joint": "HingeJoint",
     "Driver": "MotorDriver",
     "Robustness": "Perturbed",
+    "Layer": "Noise",
 }
 """Names for unions, each by one of its members."""
 ROOT = "World"
@@ -97,7 +98,7 @@ def described(part: str) -> dict[str, Any]:
     if name in (ROOT, ""):
         return overview()
     if name in _members():
-        return {"union": name, "options": {_kind(m): _type(m) for m in _members()[name]}}
+        return _union(name)
     if name not in _schema()["$defs"]:
         folded = {k.lower(): k for k in known_parts()}
         close = difflib.get_close_matches(name.lower(), folded, n=3, cutoff=0.5)
@@ -110,6 +111,15 @@ def described(part: str) -> dict[str, Any]:
     if nested:
         found["parts"] = {n: _type(n) for n in nested}
     return found
+
+
+def _union(name: str) -> dict[str, Any]:
+    """A union: the fields that all its members share said once, then each member's own."""
+    options = {_kind(m): _type(m) for m in _members()[name]}
+    first, *others = (o["fields"] for o in options.values())
+    shared = {k: line for k, line in first.items() if k != "kind" and all(o.get(k) == line for o in others)} if others else {}
+    own = {kind: {**o, "fields": {k: v for k, v in o["fields"].items() if k not in shared}} for kind, o in options.items()}
+    return {"union": name, **({"shared": shared} if shared else {}), "options": own}
 
 
 def _type(name: str) -> dict[str, Any]:

@@ -297,3 +297,16 @@ async def test_entities_jobs_and_files_of_skills_are_completed(workspace: Path, 
         assert await values("skill://{name}/{+path}", "path", "", name="../server") == []
         assert await values("worldagent://worlds/{world}/acceptance/{name}", "name", "", world="tiny") != []
         assert await values("worldagent://worlds/{world}/pictures/{name}", "other", "") == []
+
+
+async def test_a_row_s_link_into_a_table_of_a_skill_leads_to_its_entry(tmp_path: Path) -> None:
+    """Rows cite `skill://rigid-bodies/diagnosis.json#creeps`: both the resource and the guide give that entry alone."""
+    async with Client(create_server(tmp_path)) as client:
+        uri = "skill://rigid-bodies/diagnosis.json#beat-late"
+        entry = json.loads((await client.read_resource(uri)).contents[0].text)
+        assert entry["id"] == "beat-late"
+        told = await client.call_tool("inspect_world", {"part": "guide", "pointer": uri})
+        assert json.loads(told.structured_content["text"])["id"] == "beat-late"
+        for call in (lambda: client.read_resource(uri.replace("late", "laet")),):
+            with pytest.raises(MCPError, match="beat-late"):
+                await call()

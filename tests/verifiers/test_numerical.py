@@ -271,3 +271,15 @@ def test_channels_without_digests_and_of_changing_shape_are_unverified(tmp_path:
     rows = rows_of(film.candidate(tmp_path / "b"))
     assert (rows["counts"].status, rows["counts"].first_failing_frame) == ("fail", 3)
     assert rows["speed"].status == "unverified"
+
+
+def test_ground_below_zero_is_as_thick_as_its_base() -> None:
+    """A height field stands on its base below its lowest place, wherever that lies."""
+    import numpy as np
+    from worldagent.verifiers.numerical import thickness
+    from worldagent.worlds.arrays import RigidPose
+    from worldagent.worlds.built import Convex
+
+    pose = RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0]))
+    for low in (-7.0, 0.0, 3.0):
+        assert thickness(Convex("heightfield", (5.0, 5.0, 1.0), pose, np.array([[low, low + 2], [low + 1, low]]))) == 1.0

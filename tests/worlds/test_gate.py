@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -202,3 +203,25 @@ def test_a_hold_that_never_lets_go_is_no_support() -> None:
     spec = small_spec()
     spec["simulation"]["drivers"] = {"hold": {"kind": "release", "entity": "b2", "time": 100.0}}
     assert "lets go of 'b2' at 100 s, after the last frame" in _problems(spec)
+
+
+@pytest.mark.parametrize(
+    ("words", "land"),
+    [
+        ("beside a lake", {"hydrology": {"required": ["lake"]}}),
+        ("beside a river", {"hydrology": {"required": ["river"]}}),
+        ("on a beach", {"hydrology": {"required": ["sea"]}}),
+        ("under trees", {"vegetation": {}}),
+    ],
+)
+def test_scenery_that_a_clause_names_is_declared_or_called_so(words: str, land: dict[str, Any]) -> None:
+    prompt = f"A steel ball rolls {words} into a row of three blocks. The last block falls off the shelf."
+    spec = small_spec()
+    assert "and nothing is it" in _problems(spec, prompt)
+    bare = {"extent": [50, 50], "cell": 1, "layers": {"r": {"kind": "ramp", "rise": 1}}}
+    assert "and nothing is it" in _problems({**spec, "terrains": {"land": bare}}, prompt)
+    assert "and nothing is it" not in _problems({**spec, "terrains": {"land": {**bare, **land}}}, prompt)
+    named = json.loads(json.dumps(spec))
+    shelf = next(k for k, e in named["entities"].items() if e["motion"] == "static")
+    named["entities"][shelf]["role"] += f" {words}"
+    assert "and nothing is it" not in _problems(named, prompt)

@@ -21,7 +21,7 @@ SPEC_VERSION = "1"
 class Clause(SpecModel):
     """How one clause of the prompt is met (R155): pointers into the specification, or why it is not."""
 
-    met_by: list[Annotated[str, StringConstraints(pattern=r"^/(entities|graph|story|shots|simulation|look)/.+")]] = []
+    met_by: list[Annotated[str, StringConstraints(pattern=r"^/(entities|terrains|graph|story|shots|simulation|look)/.+")]] = []
     unmet: Text | None = None
     static_because: Annotated[str, StringConstraints(min_length=10, max_length=300)] | None = Field(
         default=None, description="why words that sound like an event or a way ask for none; printed with the acceptance"

@@ -1,6 +1,7 @@
 # make setup | demo | test | test-all | conformance | clients | check | build | mcpb
 PYTHON ?= python3
 VENV := .venv
+TEST_JOBS ?= 2
 BIN := $(VENV)/bin
 FLOORS := worlds execution geometry construction simulation verifiers rendering tools server examples bench
 export PYTHONSAFEPATH := 1
@@ -39,7 +40,7 @@ demo: setup
 	$(BIN)/worldagent demo $(DEMO_ARGS)
 
 test: setup
-	$(BIN)/python -m pytest -q -m "not slow"
+	$(BIN)/python -m pytest -q -m "not slow" -n $(TEST_JOBS) --dist loadfile
 
 test-all: setup
 	$(BIN)/python -m pytest -q

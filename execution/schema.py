@@ -23,7 +23,7 @@ FOLDER = ".worldagent"
 """Folder of a workspace that holds `jobs.db` and `logs/`."""
 VERSION = 3
 
-_BUSY_S = 3.0
+_BUSY_S = 20.0
 _COLUMNS_OF_2 = (
     "warm INTEGER NOT NULL DEFAULT 0",
     "left_s REAL",

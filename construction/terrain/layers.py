@@ -15,7 +15,7 @@ from ...worlds.spec import terrain as spec
 from . import noise
 from .dem import read_dem
 from .grid import Grid
-from .zones import along, inside_weight, zone_distance
+from .zones import along, declared_zone, inside_weight, zone_distance
 
 __all__ = ["is_late", "shape_land"]
 
@@ -48,16 +48,10 @@ def is_late(layer: spec.Layer) -> bool:
     return layer.kind in ("flatten", "road") if layer.late is None else layer.late
 
 
-def _zone(terrain: spec.Terrain, name: str) -> spec.Zone:
-    if name not in terrain.zones:
-        raise InputError(f"zone {name!r} is not declared; the terrain has {sorted(terrain.zones)}")
-    return terrain.zones[name]
-
-
 def _blend(grid: Grid, before: F64, after: F64, layer: Any, terrain: spec.Terrain) -> F64:
     if layer.zone is None or layer.kind in ("mesa", "flatten"):
         return after
-    weight = inside_weight(zone_distance(grid, _zone(terrain, layer.zone)), layer.falloff)
+    weight = inside_weight(zone_distance(grid, declared_zone(terrain, layer.zone)), layer.falloff)
     return np.asarray(before + weight * (after - before))
 
 
@@ -122,7 +116,7 @@ def _crater(grid: Grid, height: F64, layer: spec.Crater, terrain: spec.Terrain, 
 def _mesa(grid: Grid, height: F64, layer: spec.Mesa, terrain: spec.Terrain, assets: Path) -> F64:
     if layer.zone is None:
         raise InputError("a mesa needs the zone of its top; add one to /terrains/<id>/zones")
-    distance = zone_distance(grid, _zone(terrain, layer.zone))
+    distance = zone_distance(grid, declared_zone(terrain, layer.zone))
     weight = inside_weight(distance, layer.cliff)
     level = float(np.nanmean(height[distance <= 0])) if (distance <= 0).any() else 0.0
     top = np.maximum(height, level + layer.height) if layer.height > 0 else np.minimum(height, level + layer.height)
@@ -173,7 +167,7 @@ def _coast(grid: Grid, height: F64, layer: spec.Coast, terrain: spec.Terrain, as
 def _flatten(grid: Grid, height: F64, layer: spec.Flatten, terrain: spec.Terrain, assets: Path) -> F64:
     if layer.zone is None:
         raise InputError("flatten needs a zone; add one to /terrains/<id>/zones")
-    distance = zone_distance(grid, _zone(terrain, layer.zone))
+    distance = zone_distance(grid, declared_zone(terrain, layer.zone))
     if not (distance <= 0).any():
         raise InputError(
             f"zone {layer.zone!r} holds no cell of the grid; make it larger than {grid.cell:g} m or move it into the extent"

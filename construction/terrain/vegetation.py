@@ -15,9 +15,8 @@ from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from .grid import Grid
 
-__all__ = ["FORMS", "Plants", "Species", "scatter", "species_of", "suitability", "trapezoid"]
+__all__ = ["Plants", "Species", "scatter", "species_of", "suitability", "trapezoid"]
 
-FORMS = ("tree", "shrub", "grass", "rock", "pebble")
 RESPONSES = ("moisture", "temperature", "slope", "soil", "light", "exposure")
 HECTARE = 1e4
 TRIES = 6.0

@@ -5,10 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.spec.terrain import Zone
+from ...worlds.errors import InputError
+from ...worlds.spec.terrain import Terrain, Zone
 from .grid import Grid
 
-__all__ = ["along", "inside_weight", "zone_distance"]
+__all__ = ["along", "declared_zone", "inside_weight", "zone_distance"]
+
+
+def declared_zone(terrain: Terrain, name: str) -> Zone:
+    """A zone by its id.
+
+    Raises:
+        InputError: the terrain declares none of that id.
+    """
+    if name not in terrain.zones:
+        raise InputError(
+            f"zone {name!r} is not declared; the terrain has {sorted(terrain.zones)}. Add it to /terrains/<id>/zones"
+        )
+    return terrain.zones[name]
 
 
 def zone_distance(grid: Grid, zone: Zone) -> F64:

@@ -14,7 +14,7 @@ from worldagent.construction.terrain.landscape import Landscape, build_landscape
 from worldagent.construction.terrain.relief import horizons, sunlight, wind_exposure
 from worldagent.construction.terrain.vegetation import RESPONSES, _table, species_of, trapezoid
 from worldagent.worlds.errors import InputError, LimitError
-from worldagent.worlds.spec.terrain import BIOME_NAMES, Terrain
+from worldagent.worlds.spec.terrain import BIOME_NAMES, FIELD_NAMES, Terrain
 
 ISLAND: dict[str, Any] = {
     "extent": [1600, 1600],
@@ -150,6 +150,19 @@ def test_too_many_plants_are_refused_with_the_estimate() -> None:
         _built(vegetation={"density": 10, "forms": ["tree", "grass"], "most": 1000, "species": ["meadow-grass"]})
     with pytest.raises(InputError, match="does not grow"):
         _built(vegetation={"species": ["cactus"]})
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"vegetation": {"zone": "nowhere"}}, {"ground": {"g": {"material": "sand", "zone": "nowhere"}}}],
+)
+def test_a_zone_that_is_not_declared_is_refused_with_those_that_are(changes: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=r"'nowhere' is not declared; the terrain has \['west'\]"):
+        _built(**changes)
+
+
+def test_every_field_that_a_rule_may_name_is_there(island: Landscape) -> None:
+    assert set(FIELD_NAMES) <= set(island.fields)
 
 
 def test_a_level_plain_has_the_astronomical_day() -> None:

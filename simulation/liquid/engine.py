@@ -1,0 +1,199 @@
+"""What a liquid engine is given and what it answers: plain arrays, so that engines know nothing of worlds.
+
+World coordinates, SI units, float64 here; an engine may hold float32 relative to an origin of its own. The particle
+engine (DFSPH) and the grid engine (FLIP) keep this interface; `solver.py` turns either into a `Solver`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+import numpy as np
+
+from ...worlds.arrays import F64, I32
+from ...worlds.built import TriangleMesh
+
+__all__ = ["BodyState", "Boundary", "Engine", "Fluid", "Inflow", "LiquidSetup", "Outflow", "Particles", "StepReport"]
+
+SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
+"""Order of the sides of a domain."""
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """Properties of one liquid."""
+
+    name: str
+    """Entity id."""
+    density: float
+    """At rest [kg/m^3]."""
+    viscosity: float
+    """Dynamic, at `temperature` [Pa s]."""
+    surface_tension: float = 0.0
+    """[N/m]"""
+    temperature: float = 293.15
+    """Initial [K]."""
+    conductivity: float = 0.0
+    """Thermal [W/(m K)]; 0: temperature is carried, not conducted."""
+    heat_capacity: float = 4186.0
+    """[J/(kg K)]"""
+    activation: float = 0.0
+    """Of viscosity, E/R [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)) (Arrhenius)."""
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """The surface of one rigid body (or of fixed ground) that liquid can meet."""
+
+    name: str
+    """`entity/body`; its place in `LiquidSetup.boundaries` is its row in `BodyState` and in wrenches."""
+    mesh: TriangleMesh
+    """In the body's frame, outward faces. A height field comes as its closed solid."""
+    motion: Literal["static", "kinematic", "dynamic"]
+    closed: bool = True
+    """False: a sheet, wet from both sides."""
+    friction: float = 0.0
+    """Viscosity felt at the wall in units of the liquid's: 0 free slip, 1 no slip."""
+    deforming: bool = False
+    """Its vertices move by themselves (cloth, elastic bodies); rows of `BodyState.vertices` replace the mesh's."""
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """A disc or rectangle that gives liquid along its normal (local +z) during [start, end) seconds."""
+
+    name: str
+    fluid: int
+    center: F64
+    rotation: F64
+    """(3, 3), columns are the local axes; +z is the direction of flow."""
+    half_size: tuple[float, float]
+    """Half width along local x and y [m]; of a disc, its radius twice."""
+    round: bool
+    speed: float
+    """[m/s]"""
+    start: float = 0.0
+    end: float = np.inf
+
+
+@dataclass(frozen=True)
+class Outflow:
+    """A box inside which liquid is taken away and counted."""
+
+    name: str
+    center: F64
+    rotation: F64
+    half_size: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class LiquidSetup:
+    """Everything that does not change during a run."""
+
+    spacing: float
+    """Distance of particles at rest (their diameter), or size of a cell [m]."""
+    lower: F64
+    """Corner of the domain (3,) [m]."""
+    upper: F64
+    sides: tuple[Literal["open", "closed"], ...]
+    """In the order of SIDES. Liquid that leaves through an open side is counted as outflow `domain`; through a closed one
+    none may leave."""
+    fluids: tuple[Fluid, ...]
+    gravity: F64
+    position: F64
+    """Initial particles (n, 3) at about `spacing`, inside the declared volume; each stands for mass/density = volume."""
+    velocity: F64
+    fluid: I32
+    """Index into fluids (n,)."""
+    volume: F64
+    """Volume of each particle (n,) [m^3]; sums to the declared volume."""
+    boundaries: tuple[Boundary, ...] = ()
+    inflows: tuple[Inflow, ...] = ()
+    outflows: tuple[Outflow, ...] = ()
+    device: str = "cpu"
+    seed: int = 0
+
+
+@dataclass
+class BodyState:
+    """State of the boundaries' bodies at one time, one row per boundary."""
+
+    position: F64
+    """Frame origin (b, 3) [m]."""
+    rotation: F64
+    """(b, 3, 3), body to world."""
+    center: F64
+    """Centre of mass, world (b, 3): wrenches and velocities refer to it."""
+    velocity: F64
+    """Of the centre of mass (b, 3) [m/s]."""
+    angular_velocity: F64
+    """World axes (b, 3) [rad/s]."""
+    inverse_mass: F64
+    """(b,) [1/kg]; 0 where the body does not react."""
+    inverse_inertia: F64
+    """(b, 3, 3) world axes [1/(kg m^2)]; 0 where it does not react."""
+    acceleration: F64
+    """Linear acceleration (b, 3) from everything but the liquid (gravity, contacts, drivers) [m/s^2]."""
+    vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
+    """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
+
+
+@dataclass(frozen=True)
+class StepReport:
+    """What one step did."""
+
+    dt: float
+    """[s]"""
+    impulse: F64
+    """Given by the liquid to each boundary over the step, linear and angular about `BodyState.center` (b, 6) [N s, N m s]."""
+    reaction: F64
+    """Momentum that the liquid itself changed by through boundaries, measured on the particles or cells (b, 6); sums to -impulse."""
+    added: dict[str, float]
+    """Mass that entered, by inflow [kg]."""
+    removed: dict[str, float]
+    """Mass that left, by outflow, `domain` for open sides [kg]."""
+    iterations: tuple[int, int]
+    """Of the constant-density (or pressure) and the divergence-free solve."""
+    capped: int
+    """Solves that stopped at their cap of iterations."""
+    density_error: tuple[float, float]
+    """Mean and largest relative compression at the end of the step."""
+
+
+@dataclass
+class Particles:
+    """The liquid at one time. Grid engines give their marker particles."""
+
+    position: F64
+    """(n, 3) [m]"""
+    velocity: F64
+    identity: I32
+    """Stays with a particle for life; new ones get new numbers."""
+    fluid: I32
+    volume: F64
+    density: F64
+    """(n,) [kg/m^3]; grid engines give the rest density corrected by cell fullness."""
+    pressure: F64
+    """(n,) [Pa]"""
+    temperature: F64
+    """(n,) [K]"""
+
+
+class Engine(Protocol):
+    """A running liquid. Two engines with equal bytes and setup continue equally on the same kind of device."""
+
+    def stable_dt(self) -> float:
+        """Largest stable step in the present state [s]."""
+
+    def step(self, limit: float, bodies: BodyState) -> StepReport:
+        """One step of at most `limit` seconds, with bodies as they are at its start."""
+
+    def particles(self) -> Particles:
+        """Copies of the present state."""
+
+    def checkpoint(self) -> bytes:
+        """The full state; the engine itself continues from exactly these bytes."""
+
+    def restore(self, state: bytes) -> None:
+        """Continue from a checkpoint."""

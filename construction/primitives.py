@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..geometry import ground_solid
 from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
@@ -228,27 +229,10 @@ def _revolution(shape: Revolution) -> ShapeGeometry:
 
 def _heightfield(shape: HeightField, assets: Path) -> ShapeGeometry:
     z = load_heights(shape, assets)
-    rows, cols = z.shape
-    x = np.linspace(-shape.size[0] / 2, shape.size[0] / 2, cols)
-    y = np.linspace(-shape.size[1] / 2, shape.size[1] / 2, rows)
-    xx, yy = np.meshgrid(x, y)
-    floor = float(z.min()) - shape.base
-    top = np.stack([xx, yy, z], axis=-1).reshape(-1, 3)
-    bottom = top * [1, 1, 0] + [0, 0, floor]
-    count = rows * cols
-    index = np.arange(count).reshape(rows, cols)
-    a, b, d, e = (index[r, c].ravel() for r in (np.s_[:-1], np.s_[1:]) for c in (np.s_[:-1], np.s_[1:]))
-    above = np.stack([a, b, e, a, e, d], axis=1).reshape(-1, 2, 3)
-    below = np.stack([a, e, b, a, d, e], axis=1).reshape(-1, 2, 3) + count
-    faces = np.concatenate([above, below], axis=1).reshape(-1, 3)
-    south = [(c, c + 1) for c in range(cols - 1)]
-    north = [((rows - 1) * cols + c + 1, (rows - 1) * cols + c) for c in range(cols - 1)]
-    west = [((r + 1) * cols, r * cols) for r in range(rows - 1)]
-    east = [(r * cols + cols - 1, (r + 1) * cols + cols - 1) for r in range(rows - 1)]
-    walls = [t for p, q in [*south, *north, *west, *east] for t in ((p + count, q + count, q), (p + count, q, p))]
+    mesh = ground_solid(z, shape.size, shape.base)
     piece = Convex("heightfield", (shape.size[0] / 2, shape.size[1] / 2, shape.base), IDENTITY, z)
     # The engine cuts each cell along the same diagonal, from south-west to north-east, so nothing deviates.
-    return ShapeGeometry(_mesh(np.concatenate([top, bottom]), np.concatenate([faces, walls])), (piece,), True, 0.0, None)
+    return ShapeGeometry(mesh, (piece,), True, 0.0, None)
 
 
 def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:

@@ -6,6 +6,7 @@ from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_box
 from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
 from .forest import Forest
+from .heightfields import ground_solid, is_height_field
 from .idcast import IdCaster, IdImage, coverage
 from .inside import contains, distance_to_surface, winding_number
 from .motions import Motion, State, relative_travel
@@ -41,6 +42,8 @@ __all__ = [
     "coverage",
     "crossing_triangles",
     "distance_to_surface",
+    "ground_solid",
+    "is_height_field",
     "lowest_clearance",
     "lowest_clearances",
     "meetings",

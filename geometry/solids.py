@@ -128,8 +128,10 @@ class Solid:
     @cached_property
     def edges(self) -> I32:
         """Unique undirected edges as vertex indices, shape (e, 2)."""
-        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        return np.asarray(np.unique(pairs, axis=0), dtype=np.int32)
+        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
+        keys = np.sort(pairs[:, 0] * len(self.vertices) + pairs[:, 1])
+        keys = keys[np.concatenate([[True], keys[1:] != keys[:-1]])]
+        return np.asarray(np.stack(np.divmod(keys, len(self.vertices)), axis=1), dtype=np.int32)
 
     @cached_property
     def is_watertight(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,7 @@ def specified_extent(part: Part) -> Extent | None:
         if shape.vertices is None or shape.faces is None:
             return None
         vertices = np.array(shape.vertices, dtype=np.float64) * shape.scale
-        return _extent(pose.apply(vertices)[np.array(shape.faces, dtype=np.intp)])
+        return _extent(pose.apply(vertices), np.array(shape.faces, dtype=np.intp))
     elif isinstance(shape, HeightField) and shape.heights is None:
         return None
     else:
@@ -100,10 +100,13 @@ def built_extent(built: BuiltEntity) -> Extent:
     """
     pose = {b.name: b.pose for b in built.bodies}
     with np.errstate(invalid="ignore"):
-        triangles = [pose[p.body].apply(p.render.vertices)[p.render.faces] for p in built.parts if len(p.render.faces)]
-    if not triangles:
+        visible = [(pose[p.body].apply(p.render.vertices), p.render.faces) for p in built.parts if len(p.render.faces)]
+    if not visible:
         raise EvidenceError(f"entity {built.entity!r} has no visible geometry; call place_object")
-    return _extent(np.concatenate(triangles))
+    start = np.cumsum([0, *(len(v) for v, _ in visible)])
+    return _extent(
+        np.concatenate([v for v, _ in visible]), np.concatenate([f + s for (_, f), s in zip(visible, start, strict=False)])
+    )
 
 
 def part_extents(built: BuiltEntity, names: Iterable[str]) -> dict[str, Extent]:
@@ -112,14 +115,15 @@ def part_extents(built: BuiltEntity, names: Iterable[str]) -> dict[str, Extent]:
     wanted = set(names)
     with np.errstate(invalid="ignore"):
         return {
-            p.part: _extent(pose[p.body].apply(p.render.vertices)[p.render.faces])
+            p.part: _extent(pose[p.body].apply(p.render.vertices), p.render.faces)
             for p in built.parts
             if p.part in wanted and len(p.render.faces)
         }
 
 
-def _extent(triangles: F64) -> Extent:
-    """Box of a surface, shape (t, 3, 3), without its dust: points outside all faces, slivers, loose specks."""
+def _extent(vertices: F64, faces: NDArray[Any]) -> Extent:
+    """Box of a surface without its dust: points outside all faces, slivers, loose specks."""
+    triangles = vertices[faces]
     if not np.isfinite(triangles).all():
         return Extent(np.full(3, np.nan), np.full(3, np.nan))
     area = _areas(triangles)
@@ -132,7 +136,13 @@ def _extent(triangles: F64) -> Extent:
     if not wide.any():
         return found
     triangles, area = triangles[wide], area[wide]
-    label = _pieces(triangles)
+    # Pieces of faces that share vertices are parts of those whose corners coincide: if the large ones fill the box, that is all.
+    label = _pieces(len(vertices), np.asarray(faces[wide], dtype=np.intp))
+    piece_area: F64 = np.bincount(label, weights=area)[label]
+    if _borne_by_large(triangles, piece_area, enough, found):
+        return found
+    _, corner = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    label = _pieces(int(corner.max()) + 1, corner.reshape(-1, 3))
     kept = triangles[np.bincount(label, weights=area)[label] >= enough]
     return Extent(kept.min(axis=(0, 1)), kept.max(axis=(0, 1)))
 
@@ -143,24 +153,19 @@ def _areas(triangles: F64) -> F64:
 
 
 def _borne_by_large(triangles: F64, area: F64, enough: float, box: Extent) -> bool:
-    """Whether a triangle larger than a speck reaches each side of the box: then dust cannot matter."""
+    """Whether triangles (or pieces) larger than a speck reach each side of the box: then dust cannot matter."""
     large = triangles[area >= enough]
     return len(large) > 0 and bool((large.min(axis=(0, 1)) <= box.low).all() and (large.max(axis=(0, 1)) >= box.high).all())
 
 
-def _pieces(triangles: F64) -> NDArray[np.intp]:
-    """Connected piece of every triangle; corners of equal coordinates are one."""
+def _pieces(count: int, corner: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Connected piece of every triangle from its corners' numbers, below `count`, shape (t, 3)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    count = len(triangles)
-    _, corner = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    corner = corner.reshape(count, 3)
-    rows = np.repeat(np.arange(count), 3)
-    graph = coo_array(
-        (np.ones(3 * count, dtype=np.int8), (rows, count + corner.ravel())), shape=(count + int(corner.max()) + 1,) * 2
-    )
-    return np.asarray(connected_components(graph, directed=False)[1][:count], dtype=np.intp)
+    one, two = corner[:, [0, 1]].reshape(-1), corner[:, [1, 2]].reshape(-1)
+    graph = coo_array((np.ones(len(one), dtype=np.int8), (one, two)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1][corner[:, 0]], dtype=np.intp)
 
 
 def region_diagonal(region: Region) -> float:

@@ -148,8 +148,10 @@ def _gap(candidate: Candidate, entity: str, height: np.ndarray, rows: int, cols:
     pose = candidate.pose(entity, 0)
     worst = 0.0
     for part in built.parts:
-        count = len(part.render.vertices) // 2
-        top = pose.apply(part.render.vertices[:count])
+        corners = pose.apply(part.render.vertices)
+        one, two, three = (corners[part.render.faces[:, k], :2] for k in range(3))
+        rising = (two - one)[:, 0] * (three - one)[:, 1] - (two - one)[:, 1] * (three - one)[:, 0] > 0
+        top = corners[np.unique(part.render.faces[rising])]
         if not len(top):
             raise EvidenceError(f"the ground {entity!r} has no surface; call build_terrain")
         v, u = top[:, 1] / cell + 0.5 * (rows - 1), top[:, 0] / cell + 0.5 * (cols - 1)

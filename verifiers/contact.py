@@ -315,7 +315,7 @@ def _through(surfaces: Surfaces, passage: Passage) -> Row:
 
 def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: int) -> Row:
     candidate = surfaces.candidate
-    movers = [n for n in candidate.spec.entities if not surfaces.is_static(n)]
+    movers = [n for n in candidate.solids if not surfaces.is_static(n)]
     bad = [r for r in [*rows, *through] if r.status == "fail"]
     broken = dict(sorted(surfaces.broken.items(), key=lambda item: item[1]))
     wanted = candidate.spec.simulation.frames
@@ -332,7 +332,7 @@ def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: i
         text = f"only {surfaces.frames} of {wanted} frames are there"
     else:
         text = (
-            f"{len(movers)} moving entities among {len(candidate.spec.entities)}, {surfaces.frames} frames: "
+            f"{len(movers)} moving entities among {len(candidate.solids)}, {surfaces.frames} frames: "
             f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves of pairs tested for passages"
         )
     failing = [*broken, *(r.first_failing_entity for r in bad if r.first_failing_entity)]

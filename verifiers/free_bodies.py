@@ -10,6 +10,7 @@ from ..worlds.arrays import F64
 from ..worlds.requirements import Correction
 from ..worlds.spec import ForceDriver, ReleaseDriver, RigidPhysics
 from . import motion
+from .afloat import afloat
 from .rows import pointer, row, translation_patch
 from .support_graph import drop, gravity_direction
 
@@ -114,6 +115,9 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     spec = surfaces.candidate.spec
     if gravity_direction(surfaces) is None:
         return "is in a world without gravity", {}
+    liquids = [n for n, frames in afloat(surfaces.candidate, entity).items() if frames[0]]
+    if liquids:
+        return f"lies in {liquids[0]!r}, which acts on it", {"liquids": liquids}
     if bool(graph.grounded(entity)[0]) and not _slips_through(graph, entity):
         chain = graph.chain(entity, 0)
         return f"is held up through {' -> '.join(chain)}", {"chain": chain}

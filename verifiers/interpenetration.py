@@ -96,7 +96,7 @@ def _own(surfaces: Surfaces, entity: str, pairs: list[OwnPair]) -> Row:
 
 
 def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
-    names = list(surfaces.candidate.spec.entities)
+    names = list(surfaces.candidate.solids)
     broken = [n for n, frame in surfaces.broken.items() if frame == 0]
     bad = [r for r in [*rows, *crossed] if r.status != "pass"]
     failing = list(dict.fromkeys([*broken, *(n for r in bad for n in r.entities)]))

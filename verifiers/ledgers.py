@@ -19,6 +19,7 @@ from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
 from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver, RigidPhysics
 from .assemblies import assemblies_of, joined
+from .exchanged import Exchanged, exchanged
 from .springs import Spring, springs_of
 
 if TYPE_CHECKING:
@@ -305,9 +306,14 @@ class Books:
         return impulse, doubt
 
     @cached_property
+    def liquid(self) -> Exchanged:
+        """What liquids that are coupled both ways gave."""
+        return exchanged(self)
+
+    @cached_property
     def known_impulse(self) -> F64:
-        """Gravity, drivers, drag and springs together [N s], shape (F - 1, E, 3)."""
-        return self.gravity_impulse + self.driver_wrench[0] + self.drag_impulse + self.spring_impulse[0]
+        """Gravity, drivers, drag, springs and liquids together [N s], shape (F - 1, E, 3)."""
+        return self.gravity_impulse + self.driver_wrench[0] + self.drag_impulse + self.spring_impulse[0] + self.liquid.linear
 
     @cached_property
     def residual(self) -> F64:
@@ -364,6 +370,7 @@ class Books:
             "drivers": self.driver_wrench[0],
             "drag": self.drag_impulse,
             "springs": self.spring_impulse[0],
+            **({"liquids": self.liquid.linear} if self.liquid.wet.any() else {}),
             "contacts, joints": self.residual,
         }
 

@@ -15,7 +15,9 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
 from . import motion
+from .exchanged import both_ways
 from .findings import Finding, again, halve, separate
+from .ledgers import books_of
 from .numerical_state import SPIKE, counters, events, frozen, resting, spike
 from .rigid import energy_scale
 from .verdicts import correction, make_row
@@ -291,6 +293,9 @@ def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     plan = candidate.spec.simulation
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies) * float(np.linalg.norm(plan.gravity))
+    if both_ways(candidate.spec, solver):
+        liquid = books_of(candidate, cache).liquid
+        work = work + liquid.work + liquid.doubt
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         gain = np.diff(kinetic + potential - work, prepend=(kinetic + potential - work)[0])
         speed = np.linalg.norm(cache.series("velocity"), axis=2)

@@ -2,7 +2,7 @@
 
 - `category:rigid:bodies:<solver>` and `:mass:`: number and mass of moving bodies stay what construction built.
 - `category:rigid:joints:<solver>`: no joint comes apart by more than `JOINT_GAP` or `JOINT_SHARE` of the body.
-- `category:rigid:energy:<solver>`: kinetic + potential energy - work of drivers never grows over any interval by
+- `category:rigid:energy:<solver>`: kinetic + potential energy - work of drivers and liquids never grows over any interval by
   more than `limits.energy_growth` of the energy that is in play: the largest kinetic energy plus the range of the
   potential energy. Contacts, friction and damping only take energy away, so a growth has no source.
 - `category:rigid:escape:<solver>`: no body leaves a cube `ESCAPE` times the scene's largest extent, unless a
@@ -87,7 +87,7 @@ PREDICATES = {
     "bodies": "number of moving bodies is constant and as built",
     "mass": "mass of moving bodies is constant and as built",
     "joints": f"largest joint gap <= max({JOINT_GAP:g} m, {JOINT_SHARE:g} of the smallest jointed body)",
-    "energy": "mechanical energy less driver work never grows by more than limits.energy_growth of the energy in play",
+    "energy": "mechanical energy less the work of drivers and liquids never grows by more than limits.energy_growth of the energy in play",
     "escape": f"every body stays within {ESCAPE:g} scene sizes",
     **rigid_books.PREDICATES,
     **rigid_laws.PREDICATES,
@@ -244,7 +244,9 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
     plan = candidate.spec.simulation
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in _free(candidate, cache)) * float(np.linalg.norm(plan.gravity))
-    energy = kinetic + potential - work
+    liquid = books_of(candidate, cache).liquid
+    given = work + liquid.work + liquid.doubt
+    energy = kinetic + potential - given
     scale = energy_scale(kinetic, potential, weight)
     bound = plan.limits.energy_growth
     row_id = f"category:rigid:energy:{solver}"
@@ -257,7 +259,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         text = f"energy is not finite at frame {frame}"
         return rigid_row(candidate, row_id, "fail", PREDICATES["energy"], text, frame=frame, corrections=(hint,))
     own_kinetic, own_potential = rigid_books.energies(books_of(candidate, cache))
-    own = own_kinetic + own_potential - work
+    own = own_kinetic + own_potential - given
     own_scale = energy_scale(own_kinetic, own_potential, weight)
     if largest_growth(own)[0] / own_scale > largest_growth(energy)[0] / scale + ROUNDING:
         energy, scale = own, own_scale

@@ -1,6 +1,6 @@
 """Laws of motion on the ledgers of a rigid instance: what moves has a reason, between every two frames.
 
-- `momentum`: linear momentum changes only by gravity, drivers, drag, springs and logged contacts (Newton's second law;
+- `momentum`: linear momentum changes only by gravity, drivers, drag, springs, liquids and logged contacts (Newton's second law;
   contacts by Coulomb at most sqrt(1 + mu^2) times their normal impulse). What touches only each other keeps its sum.
 - `motion`: centres of mass move by their velocities, and no faster than the fastest step that was recorded.
 - `spin`, `turning`: free bodies turn by Euler's equations; in contact, angular momentum changes by at most the logged
@@ -220,7 +220,8 @@ def _uneven(books: Books) -> F64:
     drag = books.drag * np.linalg.norm(np.diff(books.velocities, axis=0), axis=2) * books.duration / 3.0
     spring = np.linalg.norm(books.spring_impulse[0], axis=2)
     force = np.linalg.norm(books.driver_wrench[0], axis=2)
-    result: F64 = drag + spring + np.where(books.switching, force, 0.0)
+    liquid = np.linalg.norm(books.liquid.linear, axis=2)
+    result: F64 = drag + spring + liquid + np.where(books.switching, force, 0.0)
     return result
 
 
@@ -254,12 +255,19 @@ def motion(candidate: Candidate, solver: str, cache: Cache) -> Row:
 
 def _flights(books: Books) -> Flags:
     """Where a lone body is free for the whole interval and nothing touches it, shape (F - 1, E)."""
-    return books.lone & (books.free_time > books.duration - 1e-9) & ~books.touched & ~books.dozing & ~books.switching
+    return (
+        books.lone
+        & (books.free_time > books.duration - 1e-9)
+        & ~books.touched
+        & ~books.dozing
+        & ~books.switching
+        & ~books.liquid.wet
+    )
 
 
 def _in_contact(books: Books) -> tuple[F64, Flags]:
     """Change of angular momentum beyond the logged impulses times the reach, over the least inertia [rad/s]."""
-    angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1], axis=2)
+    angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.liquid.angular, axis=2)
     torques = np.where(books.dozing | books.switching, np.linalg.norm(books.driver_wrench[1], axis=2), 0.0)
     lever = books.reach + books.rolling
     allowed = books.contact_budget * lever * (1 + ROUNDING) + _unlogged(books) * lever + torques

@@ -16,6 +16,7 @@ from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.requirements import Correction
 from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
+from .carried import carried_row
 from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
 from .resting import rest_rows
 from .rows import Comparison, guarded, guarded_rows, pointer, row
@@ -53,15 +54,16 @@ def check(candidate: Candidate) -> list[Row]:
                 rows.append(_not_reached(candidate, name, relation, first))
             continue
         frames = (first, min(last, candidate.last_frame))
+        fluid = relation.a in candidate.liquids or relation.b in candidate.liquids
         rows += guarded_rows(
             candidate,
-            lambda n=name, r=relation, f=frames: [_relation(graph, n, r, f)],  # type: ignore[misc]
+            lambda n=name, r=relation, f=frames, j=carried_row if fluid else _relation: [j(graph, n, r, f)],  # type: ignore[misc]
             id=f"support:{name}:{relation.b}",
             check="support",
             predicate=f"{relation.a} carries {relation.b}",
             entities=(relation.b, relation.a),
         )
-        if first == 0 and last > 0 and candidate.spec.entities[relation.b].motion == "dynamic":
+        if first == 0 and last > 0 and not fluid and candidate.spec.entities[relation.b].motion == "dynamic":
             claimed.append(relation.b)
     for name in dict.fromkeys(claimed):
         rows += guarded_rows(
@@ -73,7 +75,7 @@ def check(candidate: Candidate) -> list[Row]:
             entities=(name,),
         )
     for name, entity in candidate.spec.entities.items():
-        if entity.motion == "dynamic" and name not in covered:
+        if entity.motion == "dynamic" and name not in covered and name in candidate.solids:
             rows += guarded_rows(
                 candidate,
                 lambda n=name: [derived_row(start, n)],  # type: ignore[misc]
@@ -349,7 +351,7 @@ def _apart(surfaces: Surfaces, relation: Supports, frame: int, gap: float) -> _F
 
 def _scene(surfaces: Surfaces, rows: list[Row]) -> Row:
     candidate = surfaces.candidate
-    free = [n for n, e in candidate.spec.entities.items() if e.motion == "dynamic"]
+    free = [n for n in candidate.solids if candidate.spec.entities[n].motion == "dynamic"]
     bad = [r for r in rows if r.status == "fail"]
     open_rows = [r for r in rows if r.status == "unverified"]
     if not free and not rows:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.spec import ReleaseDriver
+from .afloat import afloat
 from .equilibrium import Balance, Group, group_of, solve, touching
 from .links import Link, links_of
 
@@ -48,6 +49,7 @@ class SupportGraph:
         self.until = until
         self._grounded: dict[str, NDArray[np.bool_]] = {}
         self._gripped: dict[str, NDArray[np.bool_]] = {}
+        self._floating: dict[str, NDArray[np.bool_]] = {}
         self._rests: dict[tuple[str, str, bytes], bool] = {}
         self.resting: dict[str, tuple[Group, Balance, F64]] = {}
         """What `verifiers/resting.py` found at frame 0, per body."""
@@ -84,6 +86,13 @@ class SupportGraph:
                 holds |= link.holds
         return holds
 
+    def floating(self, entity: str) -> NDArray[np.bool_]:
+        """At which frames a liquid helps to carry the entity, shape (frames,)."""
+        if entity not in self._floating:
+            found = afloat(self.surfaces.candidate, entity).values()
+            self._floating[entity] = np.logical_or.reduce([np.zeros(self.surfaces.frames, dtype=bool), *found])
+        return self._floating[entity]
+
     def _holders(self, entity: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
         """What holds the entity, directly, and when."""
         for other in self.surfaces.neighbours.get(entity, ()):
@@ -108,7 +117,10 @@ class SupportGraph:
                 holds = self.held(name)
                 holders[name] = [] if holds.all() or name in self._grounded else list(self._holders(name))
                 waiting += [other for other, _ in holders[name] if other not in holders]
-            state = {name: self._grounded.get(name, self.held(name) | self.gripped(name)).copy() for name in holders}
+            state = {
+                name: self._grounded.get(name, self.held(name) | self.gripped(name) | self.floating(name)).copy()
+                for name in holders
+            }
             changed = True
             while changed:
                 changed = False
@@ -176,6 +188,9 @@ class SupportGraph:
                     *path,
                     " and ".join(sorted(n for n in self.surfaces.neighbours[path[-1]] if self._touch(path[-1], n)[frame])),
                 ]
+            if self.floating(path[-1])[frame]:
+                found = afloat(self.surfaces.candidate, path[-1])
+                return [*path, next(n for n, frames in found.items() if frames[frame])]
             for other, holds in self._holders(path[-1]):
                 if holds[frame] and other not in seen:
                     seen.add(other)

@@ -122,7 +122,7 @@ class Surfaces:
     def _collected(self) -> tuple[tuple[PartSurface, ...], dict[str, str]]:
         found: list[PartSurface] = []
         missing: dict[str, str] = {}
-        for entity in self.candidate.spec.entities:
+        for entity in self.candidate.solids:
             try:
                 found += self._entity_parts(entity)
             except EvidenceError as error:
@@ -158,7 +158,7 @@ class Surfaces:
     @cached_property
     def entities(self) -> tuple[str, ...]:
         """Entities that can be inspected."""
-        return tuple(n for n in self.candidate.spec.entities if n not in self.missing)
+        return tuple(n for n in self.candidate.solids if n not in self.missing)
 
     def require(self, *entities: str) -> None:
         """Make sure that entities can be inspected.
@@ -169,6 +169,9 @@ class Surfaces:
         for entity in entities:
             if entity in self.missing:
                 raise EvidenceError(self.missing[entity])
+            if entity not in self.candidate.solids:
+                category = self.candidate.spec.entities[entity].physics.category
+                raise EvidenceError(f"{entity!r} is {category} and has no fixed surface; rows of its solver judge it")
 
     @cached_property
     def parts_of(self) -> Mapping[str, tuple[int, ...]]:

@@ -37,7 +37,7 @@ class Account:
     elastic: F64
     """In springs and joints [J], shape (F,)."""
     work: F64
-    """Done by drivers since frame 0, as recorded [J], shape (F,)."""
+    """Done by drivers since frame 0, as recorded, and by liquids [J], shape (F,)."""
     momentum: F64
     """[kg m/s], shape (F, E, 3)."""
     angular_momentum: F64

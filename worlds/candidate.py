@@ -52,6 +52,16 @@ class Candidate:
         """Frames that can be inspected: 1 at the static stage."""
         return min((c.index.frames for c in self.caches.values()), default=1)
 
+    @cached_property
+    def solids(self) -> tuple[str, ...]:
+        """Entities with a surface of their own: rigid bodies and static things. Liquids, gases and grains have none."""
+        return tuple(n for n, e in self.spec.entities.items() if e.physics.category not in ("liquid", "gas", "particles"))
+
+    @cached_property
+    def liquids(self) -> tuple[str, ...]:
+        """Entities that are liquids."""
+        return tuple(n for n, e in self.spec.entities.items() if e.physics.category == "liquid")
+
     @property
     def last_frame(self) -> int:
         """Index of the last frame that can be inspected."""

@@ -1,0 +1,87 @@
+"""What liquids gave to the bodies of a rigid instance, as its ledgers need it (R66-R68).
+
+The impulses are those that the rigid side received; that the liquid gave the same and lost as much itself is judged with the
+liquids (`liquid_coupling`). Work is force times way: an impulse times the mean of the velocities at both ends of the interval,
+uncertain by the impulse times half their difference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..worlds.arrays import F64
+from ..worlds.errors import EvidenceError
+
+if TYPE_CHECKING:
+    from ..worlds.spec import WorldSpec
+    from .ledgers import Books
+
+__all__ = ["CHANNEL", "Exchanged", "both_ways", "exchanged"]
+
+CHANNEL = "exchange/impulse"
+"""Linear and angular impulse about each body's centre of mass over the frame [N s], [N m s], shape (n, 6)."""
+
+
+@dataclass(frozen=True)
+class Exchanged:
+    """Over intervals and moving entities."""
+
+    linear: F64
+    """Impulse [N s], shape (F - 1, E, 3)."""
+    angular: F64
+    """Angular impulse about the entity's centre of mass [N m s], shape (F - 1, E, 3)."""
+    wet: NDArray[np.bool_]
+    """Whether a liquid pushed the entity in the interval, shape (F - 1, E)."""
+    work: F64
+    """Done on all free bodies since frame 0 [J], shape (F,)."""
+    doubt: F64
+    """Uncertainty of that work, summed since frame 0 [J], shape (F,)."""
+
+
+def both_ways(spec: WorldSpec, solver: str) -> bool:
+    """Whether a liquid instance and this one act on each other."""
+    plan = spec.simulation
+    for coupling in plan.couplings.values():
+        if coupling.direction == "two_way" and solver in (coupling.source, coupling.target):
+            other = coupling.target if coupling.source == solver else coupling.source
+            if other in plan.solvers and plan.solvers[other].engine != "mujoco":
+                return True
+    return False
+
+
+def exchanged(books: Books) -> Exchanged:
+    """Impulses and work of liquids; zero where none is coupled both ways.
+
+    Raises:
+        EvidenceError: one is, and the cache has no record of it.
+    """
+    shape = (books.frames - 1, len(books.entities), 3)
+    if not both_ways(books.candidate.spec, books.cache.index.solver):
+        none = np.zeros(books.frames)
+        return Exchanged(np.zeros(shape), np.zeros(shape), np.zeros(shape[:2], dtype=bool), none, none)
+    given: F64 = np.asarray(books.cache.series(CHANNEL), dtype=np.float64)
+    if given.shape != (books.frames, len(books.owner), 6):
+        raise EvidenceError(f"channel {CHANNEL!r} has shape {given.shape}, not {(books.frames, len(books.owner), 6)}; bake again")
+    if not np.isfinite(given).all():
+        raise EvidenceError(f"channel {CHANNEL!r} is not finite; see numerical:finite")
+    linear, angular = given[1:, :, :3], given[1:, :, 3:]
+    arm = 0.5 * (
+        (books.body_centers - books.centers[:, books.owner])[:-1] + (books.body_centers - books.centers[:, books.owner])[1:]
+    )
+    free = ~books.kinematic[books.owner][:, None]
+    mean = [0.5 * (v[:-1] + v[1:]) for v in (books.velocity, books.spin)]
+    change = [np.linalg.norm(np.diff(v, axis=0), axis=2) for v in (books.velocity, books.spin)]
+    work = np.sum(np.where(free, linear * mean[0] + angular * mean[1], 0.0), axis=(1, 2))
+    unsure = 0.5 * (np.linalg.norm(linear, axis=2) * change[0] + np.linalg.norm(angular, axis=2) * change[1])
+    doubt = np.where(free[:, 0], unsure, 0.0).sum(axis=1)
+    return Exchanged(
+        books.per_entity(linear),
+        books.per_entity(angular + np.cross(arm, linear)),
+        books.per_entity(np.abs(given[1:]).sum(axis=2)) > 0.0,
+        np.concatenate([[0.0], np.cumsum(work)]),
+        np.concatenate([[0.0], np.cumsum(doubt)]),
+    )

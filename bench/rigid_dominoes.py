@@ -151,7 +151,7 @@ def run() -> dict[str, Any]:
     for frame in range(1, SECONDS * FPS + 1):
         few.advance(frame)
     few_seconds = time.process_time() - begin
-    settings = spec.simulation.solvers["row"].settings
+    settings = spec.simulation.rigid["row"].settings
     return {
         "name": "rigid-dominoes",
         "dominoes": DOMINOES,

@@ -32,13 +32,13 @@ from ..worlds.spec import (
     Mesh,
     Part,
     Pose,
+    RigidInstance,
     RigidPhysics,
     RigidSettings,
     Rope,
     SceneGraph,
     Shape,
     SimulationPlan,
-    SolverInstance,
     Sphere,
     Story,
     Wedge,
@@ -156,7 +156,7 @@ def world(
             frames=frames,
             preroll=preroll,
             gravity=tuple(gravity),
-            solvers={"rigid": SolverInstance(engine="mujoco", members=list(entities), settings=settings or RigidSettings())}
+            solvers={"rigid": RigidInstance(engine="mujoco", members=list(entities), settings=settings or RigidSettings())}
             if entities
             else {},
             joints=dict(joints or {}),

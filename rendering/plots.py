@@ -62,18 +62,22 @@ def ledger_series(candidate: Candidate, quantity: str) -> Series:
     caches, count = list(candidate.caches.values()), candidate.frame_count
     if not caches:
         raise EvidenceError("nothing is simulated yet, so there is nothing to plot; call probe_sim")
+    rigid = list(candidate.rigid_caches.values())
     if quantity == "total_energy":
         values = _record(caches, "kinetic_energy", count) + _record(caches, "potential_energy", count)
     elif quantity in ("min_gap", "contacts"):
         channel = "contact/min_gap"
-        frames = [[np.asarray(f[channel]) for f in c.ragged(channel)[:count]] for c in caches]
-        per_frame = [np.concatenate([f[k] for f in frames]) for k in range(count)]
+        frames = [[np.asarray(f[channel]) for f in c.ragged(channel)[:count]] for c in rigid]
+        per_frame = [np.concatenate([f[k] for f in frames] or [np.zeros(0)]) for k in range(count)]
         if quantity == "contacts":
             values = np.array([len(f) for f in per_frame], dtype=np.float64)
         else:
             values = np.array([f.min() if len(f) else math.nan for f in per_frame], dtype=np.float64)
     else:
-        values = _record(caches, quantity, count)
+        writers = candidate.written_by(QUANTITIES[quantity])
+        if not writers:
+            raise EvidenceError(f"no solver instance of this world records {quantity!r}")
+        values = _record(writers, quantity, count)
     unit = DERIVED.get(quantity) or QUANTITIES[quantity].unit
     return Series(quantity, unit, values)
 

@@ -122,7 +122,10 @@ def _records(candidate: Candidate, first: int, last: int, limit: int, head: dict
     chosen = list(range(first, last + 1, step))
     series = {}
     for name, quantity in QUANTITIES.items():
-        total = [sum(float(c.series(f"record/{name}")[k]) for c in candidate.caches.values()) for k in chosen]
+        writers = candidate.written_by(quantity)
+        if not writers:
+            continue
+        total = [sum(float(c.series(f"record/{name}")[k]) for c in writers) for k in chosen]
         series[name] = {"unit": quantity.unit, "values": [float(f"{v:.6g}") for v in total]}
     text = f"{len(series)} quantities at {len(chosen)} of the frames {first} to {last}"
     then = f"frames=[{first}, {min(last, first + MAX_SAMPLES - 1)}] shows every frame" if step > 1 else ""
@@ -182,7 +185,7 @@ def _of(place: dict[str, Any], total: int, end: int) -> dict[str, Any]:
 
 def _events(candidate: Candidate, names: set[str], first: int, last: int) -> list[dict[str, Any]]:
     found = []
-    for cache in candidate.caches.values():
+    for cache in candidate.rigid_caches.values():
         colliders = cache.index.colliders
         for frame in range(first, last + 1):
             data = cache.read(frame, ("event/time", "event/pair", "event/point", "event/speed", "event/impulse"))

@@ -149,7 +149,7 @@ def _clearance(a: list[Any], pose_a: RigidPose, b: list[Any], pose_b: RigidPose)
 def _skins(session: Session, *names: str) -> float:
     total = 0.0
     for name in names:
-        total += max((s.settings.skin for s in session.spec.simulation.solvers.values() if name in s.members), default=0.0)
+        total += max((s.settings.skin for s in session.spec.simulation.rigid.values() if name in s.members), default=0.0)
     return total
 
 

@@ -127,7 +127,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
     found = _declared(spec)
-    for name, instance in spec.simulation.solvers.items():
+    for name, instance in spec.simulation.rigid.items():
         skin = instance.settings.skin
         found.append(
             {

@@ -25,10 +25,10 @@ def account_of(candidate: Candidate) -> Account:
     Raises:
         EvidenceError: nothing is simulated, or a channel is missing.
     """
-    if not candidate.caches:
+    if not candidate.rigid_caches:
         raise EvidenceError("nothing is simulated yet, so there is no account; call probe_sim")
     count = candidate.frame_count
-    books = [books_of(candidate, c) for c in candidate.caches.values() if c.index.bodies]
+    books = [books_of(candidate, c) for c in candidate.rigid_caches.values() if c.index.bodies]
     if not any((~b.kinematic).any() for b in books):
         raise EvidenceError("no body moves freely, so there is no account")
     names = [*dict.fromkeys(n for b in books for n in b.sources)]

@@ -28,7 +28,7 @@ def event_list(candidate: Candidate) -> dict[str, Any]:
     """Contact beginnings of all caches in order of time, and the first true frame of every beat; None for what is missing."""
     contacts: list[dict[str, Any]] = []
     missing = []
-    for name, cache in sorted(candidate.caches.items()):
+    for name, cache in sorted(candidate.rigid_caches.items()):
         try:
             contacts += _contacts(name, cache)
         except EvidenceError as error:

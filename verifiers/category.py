@@ -17,7 +17,7 @@ __all__ = ["check"]
 def check(candidate: Candidate) -> list[Row]:
     """Rows of every solver instance, and one per entity whose category nothing here can simulate."""
     rows: list[Row] = []
-    for solver in candidate.spec.simulation.solvers:
+    for solver in candidate.spec.simulation.rigid:
         rows += rigid.check_instance(candidate, solver)
     for name, entity in candidate.spec.entities.items():
         category = entity.physics.category

@@ -151,7 +151,7 @@ class Chains:
     """
 
     def __init__(self, candidate: Candidate) -> None:
-        if not candidate.caches:
+        if not candidate.rigid_caches:
             raise EvidenceError("no contact log: simulate first")
         self.candidate = candidate
         spec = candidate.spec
@@ -194,7 +194,7 @@ class Chains:
         """
         found: list[tuple[int, int, float, float, float]] = []
         start, end = (frame - 1) / self._fps, frame / self._fps
-        for cache in self.candidate.caches.values():
+        for cache in self.candidate.rigid_caches.values():
             ids = [self._index.get(n, -1) for n in cache.index.colliders]
             contacts = cache.ragged("contact/pair", "contact/impulse")
             log = cache.ragged("event/time", "event/pair", "event/impulse")[frame]

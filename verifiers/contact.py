@@ -91,7 +91,7 @@ def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
 def _peaks(candidate: Candidate) -> dict[Pair, tuple[float, int]]:
     """Smallest distance of collision shapes inside a frame [m] and its frame, per pair in the contact log."""
     found: dict[Pair, tuple[float, int]] = {}
-    for cache in candidate.caches.values():
+    for cache in candidate.rigid_caches.values():
         names = cache.index.colliders
         try:
             frames = cache.ragged("contact/pair", "contact/min_gap")
@@ -163,7 +163,7 @@ def _tunnels(surfaces: Surfaces, a: str, b: str, series: F64) -> bool:
 
 
 def _solver_of(surfaces: Surfaces, *entities: str) -> str | None:
-    for name, solver in surfaces.candidate.spec.simulation.solvers.items():
+    for name, solver in surfaces.candidate.spec.simulation.rigid.items():
         if set(entities) <= set(solver.members):
             return name
     return None
@@ -249,7 +249,7 @@ def _not_colliding(surfaces: Surfaces, parts: tuple[Pair, Pair]) -> list[Correct
 
 
 def _resolution(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) -> list[Correction]:
-    settings = surfaces.candidate.spec.simulation.solvers[solver].settings
+    settings = surfaces.candidate.spec.simulation.rigid[solver].settings
     path = pointer("simulation", "solvers", solver, "settings")
     skin = math.ceil((settings.skin + SKIN_FACTOR * depth) * 1e5) / 1e5
     # Two skins must stay below the contact tolerance, or the audit refuses them.

@@ -149,7 +149,7 @@ class _Work:
                 end = self._ends[option]
                 made = run_variant(self.candidate, option.done, start=option.start, end=end)
                 frames = end - first_frame(self.candidate, option.start)
-                steps = sum(c.series("record/steps")[option.start + 1 :].sum() for c in made.caches.values())
+                steps = sum(c.series("record/steps")[option.start + 1 :].sum() for c in made.rigid_caches.values())
                 self._runs[option] = _Run(made, frames, int(steps))
             except EvidenceError as error:
                 self._runs[option] = error

@@ -33,7 +33,7 @@ class Finding:
 
 def halve(candidate: Candidate, solver: str, cause: str) -> Correction:
     """Halve the step."""
-    step = candidate.spec.simulation.solvers[solver].settings.step
+    step = candidate.spec.simulation.rigid[solver].settings.step
     pointer = f"/simulation/solvers/{solver}/settings/step"
     patch = ({"op": "add", "path": pointer, "value": round(max(2e-5, step / 2), 9)},)
     return correction(cause, "step", f"halve the step from {step:g} s", pointers=(pointer,), patch=patch)

@@ -32,7 +32,7 @@ class ContactLog:
     def _gaps(self) -> dict[tuple[str, str, int], float]:
         """Smallest distance of collision shapes of a pair over the steps of a frame [m]."""
         found: dict[tuple[str, str, int], float] = {}
-        for cache in self.candidate.caches.values():
+        for cache in self.candidate.rigid_caches.values():
             try:
                 frames = cache.ragged("contact/pair", "contact/min_gap")
             except EvidenceError:
@@ -48,7 +48,7 @@ class ContactLog:
     def _events(self) -> dict[tuple[str, int], list[float]]:
         """Times [s] at which a contact of an entity begins in a frame."""
         found: dict[tuple[str, int], list[float]] = {}
-        for cache in self.candidate.caches.values():
+        for cache in self.candidate.rigid_caches.values():
             try:
                 frames = cache.ragged("event/time", "event/pair")
             except EvidenceError:

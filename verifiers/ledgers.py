@@ -75,11 +75,11 @@ class Books:
     def __init__(self, candidate: Candidate, cache: Cache) -> None:
         self.candidate, self.cache = candidate, cache
         spec, index = candidate.spec, cache.index
-        if index.solver not in spec.simulation.solvers:
+        if index.solver not in spec.simulation.rigid:
             raise EvidenceError(f"the cache is of instance {index.solver!r}, which is not planned; bake again")
         self.frames = index.frames
         self.duration = 1.0 / spec.simulation.fps
-        self.step = spec.simulation.solvers[index.solver].settings.step
+        self.step = spec.simulation.rigid[index.solver].settings.step
         self.gravity: F64 = np.array(spec.simulation.gravity, dtype=np.float64)
         self.entities = tuple(dict.fromkeys(b.split("/", 1)[0] for b in index.bodies))
         """Moving entities in the order of the cache."""
@@ -349,7 +349,7 @@ class Books:
     def reach(self) -> F64:
         """The same of each entity of one body, with its collision skins, shape (E,)."""
         spec = self.candidate.spec
-        skin = 2.0 * spec.simulation.solvers[self.cache.index.solver].settings.skin
+        skin = 2.0 * spec.simulation.rigid[self.cache.index.solver].settings.skin
         off = [max((max(p.deviation) for p in self.candidate.entity(n).parts), default=0.0) for n in self.entities]
         result: F64 = self.body_reach[self.first] + skin + np.array(off)
         return result
@@ -464,7 +464,7 @@ class Books:
     def napping(self) -> Flags:
         """Whether the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and in contact
         for at least the steps that the engine waits before it puts a body to sleep."""
-        if not self.candidate.spec.simulation.solvers[self.cache.index.solver].settings.sleep:
+        if not self.candidate.spec.simulation.rigid[self.cache.index.solver].settings.sleep:
             return np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
         speed = np.linalg.norm(self.velocities, axis=2)
         slow = np.minimum(speed[:-1], speed[1:]) < NAP_SPEED

@@ -97,7 +97,7 @@ def _borne(surfaces: Surfaces, name: str, joint: SlideJoint, time: F64) -> NDArr
 
 def _coordinate(surfaces: Surfaces, name: str) -> F64:
     """Coordinate of a joint [m], shape (frames,); 0 where nothing was simulated."""
-    for cache in surfaces.candidate.caches.values():
+    for cache in surfaces.candidate.rigid_caches.values():
         if name in cache.index.joints:
             column: F64 = cache.series("joint")[: surfaces.frames, cache.index.joints.index(name)]
             return column

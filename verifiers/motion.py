@@ -193,7 +193,7 @@ def caches_with(candidate: Candidate, *entities: str) -> list[Cache]:
     Raises:
         EvidenceError: none does.
     """
-    found = [c for c in candidate.caches.values() if set(entities) <= set(c.index.colliders)]
+    found = [c for c in candidate.rigid_caches.values() if set(entities) <= set(c.index.colliders)]
     if not found:
         raise EvidenceError(f"no cache has {' and '.join(map(repr, entities))} among its colliders; bake with both as members")
     return found

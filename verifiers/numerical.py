@@ -65,8 +65,8 @@ BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asle
 def check(candidate: Candidate) -> list[Row]:
     """Rows per instance; all `unverified` for an instance without a cache."""
     rows = []
-    for solver in candidate.spec.simulation.solvers:
-        cache = candidate.caches.get(solver)
+    for solver in candidate.spec.simulation.rigid:
+        cache = candidate.rigid_caches.get(solver)
         for name, claim in CLAIMS.items():
             try:
                 if cache is None:
@@ -118,8 +118,8 @@ def _frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
     if index.solver != solver:
         wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
-    if index.engine != plan.solvers[solver].engine:
-        wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
+    if index.engine != plan.rigid[solver].engine:
+        wrong.append(f"written by engine {index.engine!r}, planned {plan.rigid[solver].engine!r}")
     beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
     if beyond:
         wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")
@@ -179,7 +179,7 @@ def _counts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     expected = dict.fromkeys(BODY_CHANNELS, len(index.bodies)) | {"joint": len(index.joints), "driver/active": len(index.drivers)}
     planned = {
         f"{n}/{b.name}"
-        for n in candidate.spec.simulation.solvers[solver].members
+        for n in candidate.spec.simulation.rigid[solver].members
         if n in candidate.built and candidate.spec.entities[n].motion != "static"
         for b in candidate.entity(n).bodies
     }
@@ -204,7 +204,7 @@ def _counts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 def _misnamed(candidate: Candidate, solver: str, cache: Cache) -> str:
     """What of the index's names is not as planned."""
     plan, index = candidate.spec.simulation, cache.index
-    members = plan.solvers[solver].members
+    members = plan.rigid[solver].members
     joints = {n for n, j in plan.joints.items() if j.kind in ("hinge", "slide") and j.child in members}
     for what, held, wanted in (
         ("bodies", index.bodies, set(index.bodies)),
@@ -345,7 +345,7 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     share = float(capped.sum()) / total
     over = np.cumsum(capped) > CAPPED_SHARE * total
     pointer = f"/simulation/solvers/{solver}/settings/iterations"
-    now = candidate.spec.simulation.solvers[solver].settings.iterations
+    now = candidate.spec.simulation.rigid[solver].settings.iterations
     hints = (
         correction(
             "the contact solver does not converge",
@@ -408,7 +408,7 @@ def _step_travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     shown = "not finite" if worst is None else f"{worst:.3g} m"
     text = f"largest travel per step {shown}; thinnest collider is {thinnest}, {thin[thinnest]:.3g} m"
     pointer = f"/simulation/solvers/{solver}/settings/step"
-    step = candidate.spec.simulation.solvers[solver].settings.step
+    step = candidate.spec.simulation.rigid[solver].settings.step
     fitting = max(2e-5, 0.9 * step * bound / worst) if worst else step / 2
     hints = (
         correction(

@@ -35,7 +35,7 @@ _COUNTS = ("steps", "iterations_max", "iterations_capped", "contacts_max", "over
 
 def counters(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Steps cover the frame at no more than the planned step, and no counter is impossible."""
-    settings = candidate.spec.simulation.solvers[solver].settings
+    settings = candidate.spec.simulation.rigid[solver].settings
     values = {n: np.asarray(cache.series(f"record/{n}"), dtype=np.float64) for n in (*_COUNTS, "step")}
     h = 1.0 / cache.index.fps
     steps, step = values["steps"], values["step"]

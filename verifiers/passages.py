@@ -268,7 +268,7 @@ def _order(search: _Search, a: PartSurface, b: PartSurface, interval: int) -> tu
 def _felt_in_time(surfaces: Surfaces, a: str, b: str, gap: float, bound: float, travel: float) -> bool:
     """Whether the contact log of the frame rules a passage out."""
     plan = surfaces.candidate.spec.simulation
-    steps = [s.settings.step for s in plan.solvers.values() if a in s.members and b in s.members]
+    steps = [s.settings.step for s in plan.rigid.values() if a in s.members and b in s.members]
     if not steps or not np.isfinite(gap):
         return False
     per_step = travel * max(steps) * plan.fps

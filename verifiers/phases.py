@@ -78,10 +78,10 @@ def find_phases(candidate: Candidate) -> Phases:
     Raises:
         EvidenceError: nothing is simulated, or a channel is missing.
     """
-    if not candidate.caches:
+    if not candidate.rigid_caches:
         raise EvidenceError("no simulated frames: probe first")
     last = candidate.last_frame
-    names = sorted({b.split("/", 1)[0] for c in candidate.caches.values() for b in c.index.bodies})
+    names = sorted({b.split("/", 1)[0] for c in candidate.rigid_caches.values() for b in c.index.bodies})
     threshold = _start_speed(candidate)
     notes, who = {}, {}
     activation, starter, how = _activation(candidate, names, threshold)
@@ -187,7 +187,7 @@ def _sent(candidate: Candidate, name: str) -> bool:
 def _first_contact(candidate: Candidate, activation: int, who: dict[str, str], notes: dict[str, str]) -> int | None:
     fps = candidate.spec.simulation.fps
     found: tuple[float, int, str] | None = None
-    for cache in candidate.caches.values():
+    for cache in candidate.rigid_caches.values():
         contacts, events = cache.ragged("contact/pair", "contact/impulse"), cache.ragged("event/time", "event/pair")
         before: set[tuple[int, ...]] = set()
         for frame in range(candidate.frame_count):
@@ -209,7 +209,7 @@ def _first_contact(candidate: Candidate, activation: int, who: dict[str, str], n
 
 def _kinetic(candidate: Candidate) -> F64:
     total = np.zeros(candidate.frame_count)
-    for cache in candidate.caches.values():
+    for cache in candidate.rigid_caches.values():
         total += motion.kinetic_energy(candidate, cache)[: candidate.frame_count].sum(axis=1)
     if not np.isfinite(total).all():
         raise EvidenceError(f"kinetic energy is not finite at frame {int(np.argmax(~np.isfinite(total)))}")

@@ -54,7 +54,7 @@ REST_HEIGHT = 1e-3
 
 def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of one instance; `unverified` where a record is missing."""
-    cache = candidate.caches.get(solver)
+    cache = candidate.rigid_caches.get(solver)
     checks: dict[str, Callable[[Candidate, str, Cache], Row]] = {
         "bodies": _bodies,
         "mass": _mass,
@@ -280,7 +280,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
                 {
                     "op": "add",
                     "path": step,
-                    "value": round(max(2e-5, candidate.spec.simulation.solvers[solver].settings.step / 2), 9),
+                    "value": round(max(2e-5, candidate.spec.simulation.rigid[solver].settings.step / 2), 9),
                 },
             ),
         ),

@@ -95,7 +95,7 @@ def largest(excess: F64, judged: NDArray[np.bool_], entities: tuple[str, ...], b
 def step_hint(candidate: Candidate, solver: str, cause: str) -> Correction:
     """Halve the step."""
     pointer = f"/simulation/solvers/{solver}/settings/step"
-    step = candidate.spec.simulation.solvers[solver].settings.step
+    step = candidate.spec.simulation.rigid[solver].settings.step
     patch = ({"op": "add", "path": pointer, "value": round(max(2e-5, step / 2), 9)},)
     return correction(cause, "step", "halve the step", pointers=(pointer,), patch=patch)
 

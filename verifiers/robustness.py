@@ -21,7 +21,7 @@ from ..simulation.variants import run_altered
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
-from ..worlds.spec import Perturbed, Refined
+from ..worlds.spec import Perturbed, Refined, RigidInstance
 from .perturbations import fixed_places, perturbed
 from .predicates import Outcome, beat_times, last_needed
 from .verdicts import correction, make_row
@@ -61,7 +61,7 @@ def check(candidate: Candidate) -> list[Row]:
     for name, item in candidate.spec.story.robustness.items():
         beats = [b for b in dict.fromkeys(item.beats) if b in candidate.spec.story.beats]
         try:
-            if not candidate.caches:
+            if not candidate.rigid_caches:
                 raise EvidenceError("nothing was simulated yet: probe first")
             made = (
                 _perturbed(candidate, name, item, beats)
@@ -167,12 +167,11 @@ def _refined(candidate: Candidate, name: str, item: Refined, beats: list[str]) -
     spec = candidate.spec
     solvers = {}
     for key, instance in spec.simulation.solvers.items():
-        step = instance.settings.step / item.factor
+        field = "step" if isinstance(instance, RigidInstance) else "max_step"
+        step = getattr(instance.settings, field) / item.factor
         if step < LEAST_STEP:
-            raise EvidenceError(
-                f"step {instance.settings.step:g} s of {key!r} divided by {item.factor} is below {LEAST_STEP:g} s"
-            )
-        solvers[key] = instance.model_copy(update={"settings": instance.settings.model_copy(update={"step": step})})
+            raise EvidenceError(f"{field} {step * item.factor:g} s of {key!r} divided by {item.factor} is below {LEAST_STEP:g} s")
+        solvers[key] = instance.model_copy(update={"settings": instance.settings.model_copy(update={field: step})})
     finer = spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"solvers": solvers})})
     variant = run_altered(candidate, finer, candidate.built, end=last_needed(spec, beats))
     return [_shift_row(candidate, name, item, b, beat_times(candidate).outcome(b), beat_times(variant).outcome(b)) for b in beats]

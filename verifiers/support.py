@@ -285,7 +285,7 @@ def _leans(graph: SupportGraph, a: str, b: str, frames: tuple[int, int]) -> NDAr
 
 
 def _finer(surfaces: Surfaces) -> Correction:
-    solvers = surfaces.candidate.spec.simulation.solvers
+    solvers = surfaces.candidate.spec.simulation.rigid
     name, solver = next(iter(solvers.items())) if solvers else ("", None)
     path = pointer("simulation", "solvers", name, "settings", "step")
     return Correction(

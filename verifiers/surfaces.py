@@ -238,7 +238,7 @@ class Surfaces:
 
     @cached_property
     def _members(self) -> list[tuple[frozenset[str], float]]:
-        return [(frozenset(s.members), s.settings.skin) for s in self.candidate.spec.simulation.solvers.values()]
+        return [(frozenset(s.members), s.settings.skin) for s in self.candidate.spec.simulation.rigid.values()]
 
     def contact_gap(self, a: str, b: str) -> float:
         """Largest gap that counts as actual contact [m] (S3): declared limit, or skins and facet error if larger."""
@@ -251,7 +251,7 @@ class Surfaces:
     def reach(self) -> float:
         """Clearance up to which pairs are inspected [m]: twice the largest contact tolerance."""
         plan = self.candidate.spec.simulation
-        skins = max((2.0 * s.settings.skin for s in plan.solvers.values()), default=0.0)
+        skins = max((2.0 * s.settings.skin for s in plan.rigid.values()), default=0.0)
         facets = 2.0 * max((p.deviation for p in self.parts), default=0.0)
         return 2.0 * max(plan.limits.contact_gap, min(skins + facets, max(GAP_CAP, skins)))
 

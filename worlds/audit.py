@@ -14,6 +14,7 @@ from .canonical import digest_of
 from .clauses import clauses_of
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
 from .groups import group_of
+from .liquid_audit import coupled_groups, coupling_problems, liquid_problems
 from .predicates import PREDICATES, entities_of
 from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
 from .requirements import Correction, Row
@@ -21,7 +22,6 @@ from .spec import (
     DetachDriver,
     MotorDriver,
     PathDriver,
-    RigidSettings,
     Supports,
     WorldSpec,
 )
@@ -41,13 +41,22 @@ DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
     "ice": (880, 930),
     "paper": (250, 1200),
     "foam": (10, 400),
+    "water": (950, 1250),
+    "oil": (700, 1000),
+    "lava": (2000, 3000),
     "other": (0.5, 23000),
 }
-"""[kg/m^3], bulk solids; from the material tables of the CRC Handbook, widened to the nearest round number."""
+"""[kg/m^3], in bulk; from the material tables of the CRC Handbook, widened to the nearest round number."""
+_PARTICLES = frozenset(
+    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
+    | {"exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
+)
 ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     "mujoco": frozenset(
         {"position", "quaternion", "velocity", "angular_velocity", "joint", "contact/pair", "contact/impulse", "contact/min_gap"}
-    )
+    ),
+    "dfsph": _PARTICLES,
+    "flip": _PARTICLES,
 }
 """Evidence each engine of this build writes."""
 SKIN_SHARE = 0.9
@@ -179,7 +188,8 @@ class _Audit:
             place = f"/entities/{name}"
             owners = member_of.get(name, [])
             if not owners:
-                where = next(iter(plan.solvers), "rigid")
+                liquid = entity.physics.category == "liquid"
+                where = next(iter(plan.liquid if liquid else plan.rigid), "liquid" if liquid else "rigid")
                 problems.append(
                     Problem(
                         f"/simulation/solvers/{where}/members",
@@ -235,14 +245,14 @@ class _Audit:
     def categories(self) -> None:
         """Engines exist for the categories used."""
         for name, entity in self.spec.entities.items():
-            if entity.physics.category != "rigid":
+            if entity.physics.category not in ("rigid", "liquid"):
                 self.add(
                     f"engine:{name}",
                     f"an engine of this build simulates category {entity.physics.category!r}",
                     [
                         Problem(
                             f"/entities/{name}/physics",
-                            f"no engine for {entity.physics.category!r} in this build; rigid is available",
+                            f"no engine for {entity.physics.category!r} in this build; rigid and liquid are available",
                         )
                     ],
                     entity=name,
@@ -304,6 +314,17 @@ class _Audit:
             group="temporal",
         )
         self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", evidence, group="temporal")
+
+    def liquids(self) -> None:
+        """R57, R58, R66: liquids have an engine that resolves them, couplings can be carried out."""
+        plan = self.spec.simulation
+        if plan.liquid or any(e.physics.category == "liquid" for e in self.spec.entities.values()):
+            text = "liquids are members of a liquid instance that resolves them, and its domain holds them"
+            self.add("liquids", text, liquid_problems(self.spec), group="physical")
+        if plan.couplings or (plan.order and plan.liquid):
+            self.add(
+                "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
+            )
 
     def graph(self) -> None:
         """Support is acyclic and carried by something; relations lie in the sequence."""
@@ -375,8 +396,8 @@ class _Audit:
     def bounds(self) -> None:
         """Limits fit the solver's settings."""
         limits, problems = self.spec.simulation.limits, []
-        for name, instance in self.spec.simulation.solvers.items():
-            if isinstance(instance.settings, RigidSettings) and 2 * instance.settings.skin > SKIN_SHARE * limits.contact_gap:
+        for name, instance in self.spec.simulation.rigid.items():
+            if 2 * instance.settings.skin > SKIN_SHARE * limits.contact_gap:
                 problems.append(
                     Problem(
                         f"/simulation/solvers/{name}/settings/skin",
@@ -451,15 +472,18 @@ class _Audit:
 
 
 def _bake_order(spec: WorldSpec) -> tuple[str, ...]:
-    """Declared order, then the rest so that one-way sources come before their targets."""
+    """Declared order, then the rest so that sources come before their targets; what steps together stands together."""
     order = list(dict.fromkeys(s for s in spec.simulation.order if s in spec.simulation.solvers))
     rest = [s for s in spec.simulation.solvers if s not in order]
+    rest.sort(key=lambda s: s in spec.simulation.liquid)  # liquids read the motion of bodies; equal ones keep their order
     before = {c.target: c.source for c in spec.simulation.couplings.values() if c.direction == "one_way"}
     while rest:
         ready = next((s for s in rest if before.get(s) not in rest), rest[0])
         rest.remove(ready)
         order.append(ready)
-    return tuple(order)
+    groups = {name: group for group in coupled_groups(spec) for name in group}
+    together = [sorted(groups.get(s, {s}), key=order.index) for s in order]
+    return tuple(dict.fromkeys(name for group in together for name in group))
 
 
 def audit(spec: WorldSpec) -> AuditReport:
@@ -469,6 +493,7 @@ def audit(spec: WorldSpec) -> AuditReport:
     work.ownership()
     work.categories()
     work.story()
+    work.liquids()
     work.graph()
     work.materials()
     work.masses()

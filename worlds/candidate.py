@@ -18,6 +18,7 @@ from .cache import Cache
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
 from .patch import parse_spec
+from .records import Quantity
 from .spec import WorldSpec
 
 __all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
@@ -48,6 +49,21 @@ class Candidate:
     """Pairs of entities that this run lets pass through each other (a counterfactual one): neither carries the other."""
 
     @cached_property
+    def rigid_caches(self) -> dict[str, Cache]:
+        """Caches of rigid instances: those with poses, contacts and joints."""
+        return {n: c for n, c in self.caches.items() if n in self.spec.simulation.rigid}
+
+    @cached_property
+    def liquid_caches(self) -> dict[str, Cache]:
+        """Caches of liquid instances: those with particles."""
+        return {n: c for n, c in self.caches.items() if n in self.spec.simulation.liquid}
+
+    def written_by(self, quantity: Quantity) -> list[Cache]:
+        """Caches of the instances that record a quantity."""
+        of = {"rigid": self.rigid_caches, "liquid": self.liquid_caches}
+        return [c for category in quantity.of for c in of[category].values()]
+
+    @cached_property
     def frame_count(self) -> int:
         """Frames that can be inspected: 1 at the static stage."""
         return min((c.index.frames for c in self.caches.values()), default=1)
@@ -70,7 +86,7 @@ class Candidate:
     @cached_property
     def _rows(self) -> dict[tuple[str, str], tuple[Cache, int]]:
         found: dict[tuple[str, str], tuple[Cache, int]] = {}
-        for cache in self.caches.values():
+        for cache in self.rigid_caches.values():
             for row, name in enumerate(cache.index.bodies):
                 entity, body = name.split("/", 1)
                 found[entity, body] = (cache, row)

@@ -71,7 +71,7 @@ def _fields(document: Any, pointer: str) -> dict[str, str]:
     from .schema_words import described
 
     try:
-        part = described(pointer or "World")
+        part = described(pointer or "World", document)
     except InputError:
         return {}
     if "options" in part:
@@ -83,7 +83,7 @@ def _fields(document: Any, pointer: str) -> dict[str, str]:
         if not isinstance(node, Mapping):
             return {}
         otherwise = "rigid" if part["union"] == "Physics" else ""
-        part = part["options"].get(str(node.get("kind", node.get("category", otherwise))), {})
+        part = part["options"].get(str(node.get("kind", node.get("category", node.get("engine", otherwise)))), {})
     found: dict[str, str] = part.get("fields", {})
     return found
 

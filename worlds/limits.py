@@ -30,7 +30,8 @@ HEIGHT_ROWS = 513
 """Rows and columns of a height file at most: half a million triangles."""
 CACHE_BYTES_PER_BODY_FRAME = 160
 """Pose and velocity in float64 (13 numbers), and as much again of records and index, halved by compression [bytes]."""
-
+CACHE_BYTES_PER_PARTICLE_FRAME = 48
+"""Position, velocity, id, fluid, volume, density, pressure, temperature in 32 bits [bytes]."""
 
 FILM_BYTES_PER_PIXEL = 3.5
 """A picture file whose noise cannot be compressed, and its share of the film [bytes]."""
@@ -65,6 +66,18 @@ CAPS: dict[str, Cap] = _caps(
     Cap("steps", 50_000_000, "solver steps", "a larger /simulation/solvers/<id>/settings/step or fewer frames"),
     Cap("body_steps", 5_000_000_000, "body steps", "fewer bodies, fewer frames or a larger step"),
     Cap(
+        "particles",
+        20_000_000,
+        "particles",
+        "a larger /entities/<liquid>/physics/resolution, a smaller volume or domain, or inflows that end sooner",
+    ),
+    Cap(
+        "particle_steps",
+        100_000_000_000,
+        "particle steps",
+        "a larger /entities/<liquid>/physics/resolution, fewer frames, or engine flip instead of dfsph",
+    ),
+    Cap(
         "rerun_body_steps",
         1_000_000_000,
         "body steps",
@@ -73,7 +86,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("width", 1_920, "pixels", "/look/width"),
     Cap("height", 1_080, "pixels", "/look/height"),
     Cap("samples", 1_024, "samples per pixel", "/look/samples"),
-    Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid"),
+    Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid, or a smaller domain of the liquid"),
     Cap("triangles", 5_000_000, "triangles", "coarser meshes or fewer of them"),
     Cap("crowded_pairs", 10_000, "pairs", "give the entities places of their own; place_object(on=...) finds the height"),
     Cap("mesh_bytes", 64_000_000, "bytes", "a simplified mesh, or a binary format (.glb, .ply, .stl)"),
@@ -119,27 +132,34 @@ def check_cap(name: str, estimate: float, *, what: str = "") -> None:
 
 def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     """What a specification would take, by name of the cap."""
+    from .liquids import liquid_estimate
+
     plan, look = spec.simulation, spec.look
     moving = {name: entity for name, entity in spec.entities.items() if entity.motion != "static"}
     bodies = sum(_bodies(entity) for entity in moving.values())
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
     body_seconds = sum(
         sum(_bodies(moving[name]) for name in solver.members if name in moving) / solver.settings.step
-        for solver in plan.solvers.values()
+        for solver in plan.rigid.values()
     )
+    liquids = [liquid_estimate(spec, name) for name in plan.liquid]
     counts: dict[str, float] = {
         "bodies": bodies,
         "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
         "frames": plan.frames + plan.preroll * plan.fps,
-        "steps": sum(seconds / solver.settings.step for solver in plan.solvers.values()),
+        "steps": sum(seconds / s.settings.step for s in plan.rigid.values()) + sum(e.steps for e in liquids),
         "body_steps": seconds * body_seconds,
         "rerun_body_steps": _rerun_seconds(spec) * body_seconds,
         "width": look.width,
         "height": look.height,
         "samples": look.samples,
-        "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME,
+        "particles": sum(e.particles for e in liquids),
+        "particle_steps": sum(e.particles * e.steps for e in liquids),
+        "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME
+        + sum(e.particles for e in liquids) * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME,
         "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values())
-        + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values()),
+        + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values())
+        + sum(e.cells for e in liquids),
         "triangles": sum(_triangles(entity) for entity in spec.entities.values()),
     }
     return counts

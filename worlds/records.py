@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
+
+Category = Literal["rigid", "liquid"]
 
 
 @dataclass(frozen=True)
@@ -16,25 +19,39 @@ class Quantity:
     unit: str
     meaning: str
     conserved: bool = False
+    of: tuple[Category, ...] = ("rigid",)
+    """Instances of these categories write it."""
 
 
+_BOTH: tuple[Category, ...] = ("rigid", "liquid")
+_LIQUID: tuple[Category, ...] = ("liquid",)
 _ALL = (
-    Quantity("kinetic_energy", "J", "sum over moving bodies"),
-    Quantity("potential_energy", "J", "gravity, against z = 0, plus springs"),
+    Quantity("kinetic_energy", "J", "sum over moving bodies or liquid", of=_BOTH),
+    Quantity("potential_energy", "J", "gravity, against z = 0, plus springs", of=_BOTH),
     Quantity("driver_work", "J", "work done by drivers since frame 0, positive into the bodies"),
-    Quantity("momentum_x", "kg m/s", "sum over moving bodies"),
-    Quantity("momentum_y", "kg m/s", "sum over moving bodies"),
-    Quantity("momentum_z", "kg m/s", "sum over moving bodies"),
-    Quantity("mass", "kg", "sum over moving bodies", conserved=True),
+    Quantity("momentum_x", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
+    Quantity("momentum_y", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
+    Quantity("momentum_z", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
+    Quantity("mass", "kg", "sum over moving bodies; of a liquid, what is in the domain", conserved=True, of=_BOTH),
     Quantity("body_count", "1", "moving bodies", conserved=True),
-    Quantity("max_speed", "m/s", "fastest centre of mass over all steps of the frame"),
+    Quantity("max_speed", "m/s", "fastest centre of mass or particle over all steps of the frame", of=_BOTH),
     Quantity("max_travel_per_step", "m", "largest surface travel in one step of the frame"),
-    Quantity("steps", "1", "solver steps taken in the frame"),
-    Quantity("step", "s", "time step used in the frame"),
+    Quantity("steps", "1", "solver steps taken in the frame", of=_BOTH),
+    Quantity("step", "s", "time step used in the frame; of a liquid, their mean", of=_BOTH),
     Quantity("contacts_max", "1", "most contacts in one step of the frame"),
     Quantity("iterations_max", "1", "most solver iterations in one step of the frame"),
-    Quantity("iterations_capped", "1", "steps that ended at the iteration cap"),
+    Quantity("iterations_capped", "1", "steps that ended at the iteration cap", of=_BOTH),
     Quantity("overflows", "1", "engine warnings: full contact or constraint buffers, bad states"),
     Quantity("joint_error", "m", "largest gap of a welded, hinged or sliding joint"),
+    Quantity("volume", "m^3", "sum of the particles' volumes at rest density", of=_LIQUID),
+    Quantity("particles", "1", "particles in the domain", of=_LIQUID),
+    Quantity("density_error_mean", "1", "largest mean compression at the end of a step of the frame", of=_LIQUID),
+    Quantity("density_error_max", "1", "largest compression at the end of a step of the frame", of=_LIQUID),
+    Quantity("iterations_pressure", "1", "most iterations of the density or pressure solve in a step of the frame", of=_LIQUID),
+    Quantity("iterations_divergence", "1", "most iterations of the divergence solve in a step of the frame", of=_LIQUID),
+    Quantity("lost", "1", "particles that are no longer there and that nothing took away, since frame 0", of=_LIQUID),
+    Quantity("inflow_mass", "kg", "let in by inflows since frame 0", of=_LIQUID),
+    Quantity("outflow_mass", "kg", "taken away by outflows since frame 0", of=_LIQUID),
+    Quantity("domain_outflow", "kg", "left through open sides of the domain since frame 0", of=_LIQUID),
 )
 QUANTITIES: Mapping[str, Quantity] = {q.name: q for q in _ALL}

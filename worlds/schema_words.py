@@ -25,6 +25,7 @@ UNIONS = {
     "Relation": "Supports",
     "Joint": "HingeJoint",
     "Driver": "MotorDriver",
+    "SolverInstance": "RigidInstance",
     "Robustness": "Perturbed",
     "Layer": "Noise",
 }
@@ -85,16 +86,17 @@ def overview() -> dict[str, Any]:
     }
 
 
-def described(part: str) -> dict[str, Any]:
+def described(part: str, document: Any = None) -> dict[str, Any]:
     """One part in short lines, with the parts that only it needs.
 
     Args:
         part: a name of `known_parts`, or a JSON pointer into a specification, such as `/simulation/solvers`.
+        document: the specification, which tells which member of a union the pointer leads through; else the first that fits.
 
     Raises:
         InputError: there is no such part.
     """
-    name = _by_pointer(part) if part.startswith("/") else {k.lower(): k for k in known_parts()}.get(part.lower(), part)
+    name = _by_pointer(part, document) if part.startswith("/") else {k.lower(): k for k in known_parts()}.get(part.lower(), part)
     if name in (ROOT, ""):
         return overview()
     if name in _members():
@@ -181,7 +183,7 @@ def _array(node: Mapping[str, Any]) -> str:
 def _kind(name: str) -> str:
     """What a union's member is called in a specification."""
     fields = _schema()["$defs"][name]["properties"]
-    return str(next((fields[k]["const"] for k in ("kind", "category") if "const" in fields.get(k, {})), name))
+    return str(next((fields[k]["const"] for k in ("kind", "category", "engine") if "const" in fields.get(k, {})), name))
 
 
 def _mentioned(node: Mapping[str, Any]) -> list[str]:
@@ -190,11 +192,13 @@ def _mentioned(node: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys(n for found in _nodes(node) if "$ref" in found and (n := _ref(found)) not in members))
 
 
-def _by_pointer(pointer: str) -> str:
+def _by_pointer(pointer: str, document: Any = None) -> str:
     """The part that stands at a pointer; ids of collections are skipped."""
     node: Mapping[str, Any] = _schema()
     name = ROOT
-    for token in [t for t in pointer.split("/") if t]:
+    tokens = [t for t in pointer.split("/") if t]
+    for number, token in enumerate(tokens):
+        document = document.get(token) if isinstance(document, Mapping) else None
         inner = next(iter(node.get("patternProperties", {}).values()), None)
         field = inner if inner is not None else node.get("properties", {}).get(token)
         if field is None:
@@ -206,9 +210,22 @@ def _by_pointer(pointer: str) -> str:
             name = _ref(field)
             node = _schema()["$defs"][name]
         elif union in UNIONS:
-            return union
+            name = _member(union, tokens[number + 1 : number + 2], document)
+            if name == union:
+                return union
+            node = _schema()["$defs"][name]
         else:
             node = field
     if "patternProperties" in node:
         return _by_pointer(f"{pointer}/*")
     return name
+
+
+def _member(union: str, rest: list[str], document: Any) -> str:
+    """The member of a union that a pointer goes on into, by what stands there; the union itself where none is meant."""
+    members = _members()[union]
+    if not rest or union == "Predicate":
+        return union
+    said = [document.get(k) for k in ("kind", "category", "engine")] if isinstance(document, Mapping) else []
+    fits = [m for m in members if rest[0] in _schema()["$defs"][m]["properties"]]
+    return next((m for m in fits if _kind(m) in said), fits[0] if fits and not any(said) else union)

@@ -309,6 +309,6 @@ class Drivers:
             elif isinstance(driver, PathDriver):
                 times = [k.time for k in driver.keys.values()]
                 flags.append(min(times) < end and max(times) > start)
-            else:
+            elif isinstance(driver, ForceDriver | MotorDriver):
                 flags.append(driver.start < end - _SLACK and driver.end > start + _SLACK)
         return np.array(flags, dtype=np.uint8)

@@ -67,7 +67,7 @@ class SolverRigid:
     ) -> None:
         self.spec, self.built, self.name = spec, built, name
         self._intervention = intervention or Intervention()
-        instance = spec.simulation.solvers[name]
+        instance = spec.simulation.rigid[name]
         self.members = tuple(dict.fromkeys(instance.members))
         self.settings: RigidSettings = instance.settings
         self._frame_time = 1.0 / spec.simulation.fps

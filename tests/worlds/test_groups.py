@@ -18,7 +18,11 @@ CASES = {
     "relations": ["/graph/relations/r", "/graph/regions/r/radius"],
     "material": ["/materials/m/friction", "/materials/m", "/entities/a/material", "/entities/a/parts/b/material"],
     "mass": ["/entities/a/physics/mass", "/entities/a/physics/linear_damping", "/entities/a/physics"],
-    "initial_state": ["/entities/a/physics/linear_velocity", "/entities/a/physics/angular_velocity/1"],
+    "initial_state": ["/entities/a/physics/linear_velocity", "/entities/a/physics/angular_velocity/1",
+                      "/entities/a/physics/temperature"],
+    "liquid": ["/entities/a/physics/viscosity", "/entities/a/physics/activation", "/simulation/solvers/s/settings/wall_friction"],
+    "resolution": ["/entities/a/physics/resolution"],
+    "domain": ["/simulation/solvers/s/settings/domain", "/simulation/solvers/s/settings/domain/size/0"],
     "contact": ["/simulation/contacts/c/friction", "/simulation/solvers/s/settings/skin", "/simulation/solvers/s/settings/impratio",
                 "/simulation/solvers/s/settings/contact_steps", "/simulation/solvers/s/settings/speculative"],
     "step": ["/simulation/solvers/s/settings/step", "/simulation/solvers/s/settings/iterations", "/simulation/solvers/s"],
@@ -32,7 +36,7 @@ CASES = {
 }  # fmt: skip
 CLASSES = {
     "scene": {"placement", "dimensions", "shape", "joints", "relations", "terrain"},
-    "solver": {"material", "mass", "initial_state", "contact", "step", "drivers", "interval"},
+    "solver": {"material", "mass", "initial_state", "contact", "step", "drivers", "interval", "liquid", "resolution", "domain"},
     "story": {"story", "limits"},
     "shot": {"shots", "look", "cover"},
     "text": {"text"},

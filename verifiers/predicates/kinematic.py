@@ -251,7 +251,7 @@ def joint_angle(scope: Scope, predicate: SpecModel) -> Outcome:
     joint = scope.candidate.spec.simulation.joints.get(p.joint)
     if joint is None:
         raise EvidenceError(f"joint {p.joint!r} is not in the simulation plan")
-    for cache in scope.candidate.caches.values():
+    for cache in scope.candidate.rigid_caches.values():
         if p.joint in cache.index.joints:
             value: F64 = cache.series("joint")[scope.window, cache.index.joints.index(p.joint)]
             break

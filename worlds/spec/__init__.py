@@ -1,7 +1,8 @@
 """Specification models. `WorldSpec` is the root."""
 
 from ..vocabulary import Ref, SpecModel
-from .entities import Appearance, Dimensions, Entity, Material, Part, RigidPhysics, Rope
+from .entities import Appearance, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
+from .liquids import DfsphInstance, DfsphSettings, FlipInstance, FlipSettings, InflowDriver, LiquidDomain, OutflowDriver
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, Wedge
 from .simulation import (
     BallJoint,
@@ -11,10 +12,12 @@ from .simulation import (
     ForceDriver,
     HingeJoint,
     Limits,
+    LiquidInstance,
     MotorDriver,
     PathDriver,
     PathKey,
     ReleaseDriver,
+    RigidInstance,
     RigidSettings,
     SimulationPlan,
     SlideJoint,
@@ -67,19 +70,28 @@ __all__ = [
     "Cylinder",
     "CylinderRegion",
     "DetachDriver",
+    "DfsphInstance",
+    "DfsphSettings",
     "Dimensions",
     "Entity",
     "Extrusion",
     "Fastened",
+    "FlipInstance",
+    "FlipSettings",
     "ForceDriver",
     "HeightField",
     "HingeJoint",
+    "InflowDriver",
     "Interacts",
     "Limits",
+    "LiquidDomain",
+    "LiquidInstance",
+    "LiquidPhysics",
     "Look",
     "Material",
     "Mesh",
     "MotorDriver",
+    "OutflowDriver",
     "Part",
     "PathDriver",
     "PathKey",
@@ -92,6 +104,7 @@ __all__ = [
     "ReleaseDriver",
     "Requirement",
     "Revolution",
+    "RigidInstance",
     "RigidPhysics",
     "RigidSettings",
     "Robustness",

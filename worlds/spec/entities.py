@@ -75,6 +75,9 @@ class Material(SpecModel):
         "ice",
         "paper",
         "foam",
+        "water",
+        "oil",
+        "lava",
         "other",
     ] = Field(default="other", description="lets the audit compare the density with the substance's real range")
     appearance: Appearance = Appearance()
@@ -142,6 +145,15 @@ class LiquidPhysics(SpecModel):
     viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s]")
     surface_tension: NonNegative = Field(default=0.072, description="[N/m]")
     resolution: Positive = Field(description="particle spacing or cell size [m]")
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
+    temperature: float = Field(default=293.15, gt=0, le=5000, description="at frame 0 [K]")
+    conductivity: NonNegative = Field(default=0.0, le=1000, description="thermal [W/(m K)]; 0: heat is carried, not conducted")
+    heat_capacity: Positive = Field(default=4186.0, description="[J/(kg K)]")
+    activation: NonNegative = Field(
+        default=0.0,
+        le=1e5,
+        description="of viscosity [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)); lava 2e4 or so",
+    )
 
 
 class GasPhysics(SpecModel):

@@ -17,6 +17,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver
 from .shapes import Pose
 
 __all__ = [
@@ -29,10 +30,12 @@ __all__ = [
     "HingeJoint",
     "Joint",
     "Limits",
+    "LiquidInstance",
     "MotorDriver",
     "PathDriver",
     "PathKey",
     "ReleaseDriver",
+    "RigidInstance",
     "RigidSettings",
     "SimulationPlan",
     "SlideJoint",
@@ -63,12 +66,16 @@ class RigidSettings(SpecModel):
     refine: int = Field(default=3, ge=0, le=6, description="most halvings of the step within one frame that would overlap")
 
 
-class SolverInstance(SpecModel):
-    """One running engine and the entities it moves or collides with."""
+class RigidInstance(SpecModel):
+    """A running rigid engine and the entities it moves or collides with."""
 
     engine: Literal["mujoco"]
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=20000)]
     settings: RigidSettings = RigidSettings()
+
+
+SolverInstance = Annotated[RigidInstance | DfsphInstance | FlipInstance, Field(discriminator="engine")]
+LiquidInstance = DfsphInstance | FlipInstance
 
 
 class _Joint(SpecModel):
@@ -186,7 +193,10 @@ class DetachDriver(SpecModel):
     time: NonNegative
 
 
-Driver = Annotated[ReleaseDriver | PathDriver | ForceDriver | MotorDriver | DetachDriver, Field(discriminator="kind")]
+Driver = Annotated[
+    ReleaseDriver | PathDriver | ForceDriver | MotorDriver | DetachDriver | InflowDriver | OutflowDriver,
+    Field(discriminator="kind"),
+]
 
 
 class ContactPair(SpecModel):
@@ -199,7 +209,10 @@ class ContactPair(SpecModel):
 
 
 class Coupling(SpecModel):
-    """Exchange between two solver instances (R66); `one_way` is an approximation and recorded as one."""
+    """Exchange between two solver instances (R66); `one_way` is an approximation and recorded as one.
+
+    A liquid that carries bodies needs `two_way` with their rigid instance; without a coupling it only reads their motion.
+    """
 
     source: SolverRef
     target: SolverRef
@@ -243,3 +256,13 @@ class SimulationPlan(SpecModel):
     contacts: Annotated[dict[Id, ContactPair], Field(max_length=5000)] = {}
     couplings: Annotated[dict[Id, Coupling], Field(max_length=64)] = {}
     limits: Limits = Limits()
+
+    @property
+    def rigid(self) -> dict[str, RigidInstance]:
+        """Rigid instances by id."""
+        return {k: s for k, s in self.solvers.items() if isinstance(s, RigidInstance)}
+
+    @property
+    def liquid(self) -> dict[str, LiquidInstance]:
+        """Liquid instances by id."""
+        return {k: s for k, s in self.solvers.items() if isinstance(s, DfsphInstance | FlipInstance)}

@@ -1,0 +1,105 @@
+"""Small worlds with a liquid, for tests and seeded defects: a tank of water and a crate that floats in it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["PROMPT", "tank_spec"]
+
+PROMPT = "A wooden crate drops into a tank of water."
+INNER = (0.4, 0.4, 0.3)
+"""Inside of the tank, its floor at z = 0 [m]."""
+WALL = 0.03
+CRATE = 0.12
+
+
+def _box(size: tuple[float, ...], at: tuple[float, ...]) -> dict[str, Any]:
+    return {"shape": {"kind": "box", "size": [round(v, 6) for v in size]}, "pose": {"position": [round(v, 6) for v in at]}}
+
+
+def _entity(role: str, motion: str, material: str, size: tuple[float, ...], at: tuple[float, ...], **more: Any) -> dict[str, Any]:
+    return {
+        "role": role,
+        "motion": motion,
+        "material": material,
+        "dimensions": {"size": [round(v, 6) for v in size]},
+        "pose": {"position": [round(v, 6) for v in at]},
+        "parts": more.pop("parts", {"body": {"shape": {"kind": "box", "size": [round(v, 6) for v in size]}}}),
+        **more,
+    }
+
+
+def tank_spec(
+    *,
+    spacing: float = 0.025,
+    depth: float = 0.2,
+    frames: int = 24,
+    density: float = 500.0,
+    crate_at: float | None = 0.26,
+    engine: str = "dfsph",
+    coupled: bool = True,
+    **changes: Any,
+) -> dict[str, Any]:
+    """A specification without its prompt; `changes` replace top-level members.
+
+    Args:
+        spacing: of the particles [m].
+        depth: of the water [m].
+        frames: at 24 per second.
+        density: of the crate [kg/m^3].
+        crate_at: height of the crate's centre at frame 0 [m]; None: no crate.
+        engine: of the liquid.
+        coupled: whether water and crate act on each other.
+    """
+    x, y, z = INNER
+    outer = (x + 2 * WALL, y + 2 * WALL, z + WALL)
+    walls = {
+        "bottom": _box((outer[0], outer[1], WALL), (0, 0, -WALL / 2)),
+        "left": _box((WALL, outer[1], z), (-(x + WALL) / 2, 0, z / 2)),
+        "right": _box((WALL, outer[1], z), ((x + WALL) / 2, 0, z / 2)),
+        "front": _box((x, WALL, z), (0, -(y + WALL) / 2, z / 2)),
+        "back": _box((x, WALL, z), (0, (y + WALL) / 2, z / 2)),
+    }
+    crate = crate_at is not None
+    spec: dict[str, Any] = {
+        "title": "A tank of water",
+        "clauses": {"c1": {"met_by": ["/entities/water", "/entities/tank", *(["/story/beats/drop"] if crate else [])]}},
+        "story": {
+            "beats": {
+                "drop": {"text": "the crate drops into the water", "owner": "rigid", "subject": "crate", "frames": [0, 12],
+                         "predicate": {"kind": "displacement", "entity": "crate", "axis": [0, 0, 1], "max": -0.03}},
+            }
+            if crate
+            else {}
+        },
+        "materials": {
+            "water": {"density": 1000, "substance": "water", "appearance": {"color": [0.8, 0.9, 0.95], "transmission": 1}},
+            "wood": {"density": density, "substance": "wood", "friction": 0.3},
+            "stone": {"density": 2600, "substance": "stone", "friction": 0.5},
+        },
+        "entities": {
+            "tank": _entity("tank", "static", "stone", outer, (0, 0, 0), parts=walls),
+            "water": _entity("water in the tank", "dynamic", "water", (x, y, depth), (0, 0, depth / 2),
+                             physics={"category": "liquid", "resolution": spacing}),
+            **({"crate": _entity("wooden crate", "dynamic", "wood", (CRATE,) * 3, (0, 0, crate_at or 0.0))} if crate else {}),
+        },
+        "graph": {"relations": {}},
+        "shots": {
+            "wide": {"frames": [0, frames - 1], "covers": ["drop"] if crate else [], "subjects": ["water"],
+                     "keys": {"k": {"frame": 0, "position": [1.0, -1.2, 0.9], "target": [0, 0, 0.1]}}},
+        },
+        "simulation": {
+            "fps": 24,
+            "frames": frames,
+            "solvers": {
+                "rigid": {"engine": "mujoco", "members": ["tank", *(["crate"] if crate else [])]},
+                "water": {"engine": engine, "members": ["water"], "settings": {"domain": {"center": [0, 0, 0.2], "size": [0.6, 0.6, 0.6]}}},
+            },
+            "couplings": {
+                "float": {"source": "water", "target": "rigid", "direction": "two_way", "variables": ["motion", "wrench"]},
+            }
+            if coupled
+            else {},
+        },
+    }  # fmt: skip
+    return {**spec, **changes}

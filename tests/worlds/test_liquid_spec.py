@@ -1,0 +1,153 @@
+"""Liquids in a specification: what the schema takes, what the audit asks of them, what they will cost (R57, R58, R66)."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import pytest
+from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.worlds.audit import audit
+from worldagent.worlds.errors import LimitError, SpecError
+from worldagent.worlds.limits import check_limits, estimate_counts
+from worldagent.worlds.liquids import liquid_estimate, shape_volume
+from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.schema_words import described
+from worldagent.worlds.spec import Box, Capsule, Cylinder, Extrusion, FlipInstance, Mesh, Revolution, Sphere, Wedge, WorldSpec
+
+WATER = "/simulation/solvers/water"
+INFLOW = {"kind": "inflow", "entity": "water", "pose": {"position": [0, 0, 0.45]}, "size": [0.1, 0.1], "speed": 1.0}
+
+
+def base(**options: Any) -> WorldSpec:
+    return parse_spec({**tank_spec(**options), "prompt": PROMPT})
+
+
+def broken(*operations: tuple[str, Any]) -> WorldSpec:
+    patch = [{"op": "remove", "path": p} if v is None else {"op": "add", "path": p, "value": v} for p, v in operations]
+    return apply_patch(base(), patch)
+
+
+def problems(spec: WorldSpec, row: str) -> str:
+    found = next(r for r in audit(spec).rows if r.id == f"audit:{row}")
+    return " ".join(found.evidence.get("problems", []))
+
+
+def test_a_tank_of_water_passes_the_audit_and_bakes_bodies_with_their_liquid() -> None:
+    report = audit(base())
+    assert [r.id for r in report.rows if r.status != "pass"] == []
+    assert report.bake_order == ("rigid", "water")
+
+
+def test_a_liquid_without_coupling_comes_after_the_bodies_that_it_reads() -> None:
+    spec = broken(("/simulation/couplings/float", None))
+    solvers = spec.simulation.solvers
+    turned = spec.model_copy(
+        update={"simulation": spec.simulation.model_copy(update={"solvers": dict(reversed(solvers.items()))})}
+    )
+    assert list(turned.simulation.solvers) == ["water", "rigid"]
+    assert audit(turned).bake_order == ("rigid", "water")
+
+
+BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
+    "a liquid in a rigid instance": ([("/simulation/solvers/rigid/members/-", "water")], "liquids", "take it out"),
+    "a solid in a liquid instance": ([(f"{WATER}/members/-", "crate")], "liquids", "does not move"),
+    "a static liquid": ([("/entities/water/motion", "static")], "liquids", "liquids are dynamic"),
+    "no instance": ([(WATER, None), ("/simulation/couplings", {})], "ownership", "'water' .* is in no solver"),
+    "a coarse resolution": ([("/entities/water/physics/resolution", 0.1)], "liquids", "0.2 m thin, less than 3 spacings"),
+    "two resolutions": (
+        [("/entities/oil", {**tank_spec()["entities"]["water"], "physics": {"category": "liquid", "resolution": 0.05}}),
+         (f"{WATER}/members/-", "oil")], "liquids", "an instance has one"),
+    "a domain that cuts the water": ([(f"{WATER}/settings/domain/size", [0.3, 0.6, 0.6])], "liquids", "cuts the initial volume of 'water'"),
+    "an inflow outside": (
+        [("/simulation/drivers/tap", {**INFLOW, "pose": {"position": [0, 0, 2]}})], "liquids", "'tap' .* reaches out of the domain"),
+    "a narrow inflow": ([("/simulation/drivers/tap", {**INFLOW, "size": [0.1, 0.02]})], "liquids", "0.02 m wide, less than 3 spacings"),
+    "a late inflow": ([("/simulation/drivers/tap", {**INFLOW, "start": 9})], "liquids", "after the last frame"),
+    "an inflow of wood": ([("/simulation/drivers/tap", {**INFLOW, "entity": "crate"})], "liquids", "which is no liquid"),
+    "a force on water": (
+        [("/simulation/drivers/push", {"kind": "force", "entity": "water", "end": 1})], "liquids", "'force' cannot act on a liquid"),
+    "a liquid that drives bodies one way": (
+        [("/simulation/couplings/float/direction", "one_way")], "couplings", "one_way goes from the rigid"),
+    "a coupling without forces": ([("/simulation/couplings/float/variables", ["motion"])], "couplings", "it exchanges wrench too"),
+    "heat": ([("/simulation/couplings/float/variables", ["motion", "wrench", "heat"])], "couplings", "heat is exchanged by no engine"),
+    "a coupling with itself": ([("/simulation/couplings/float/source", "rigid")], "couplings", "joins two rigid instances"),
+    "an order that cannot be": (
+        [("/simulation/couplings", {}), ("/simulation/order", ["water", "rigid"])], "couplings|liquids", "put it after"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_the_audit_names_what_is_wrong(name: str) -> None:
+    operations, rows, text = BROKEN[name]
+
+    spec = broken(*operations)
+    said = " ".join(problems(spec, r) for r in rows.split("|") if any(x.id == f"audit:{r}" for x in audit(spec).rows))
+    assert re.search(text, said), said
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ((f"{WATER}/settings", {}), "domain"),
+        ((f"{WATER}/engine", "sph"), "mujoco, dfsph, flip"),
+        ((f"{WATER}/settings/step", 1e-3), "max_step"),
+        (("/simulation/drivers/tap", {k: v for k, v in INFLOW.items() if k != "speed"}), "give either speed or rate"),
+    ],
+)
+def test_the_schema_says_what_may_stand_there(change: tuple[str, Any], text: str) -> None:
+    with pytest.raises(SpecError, match=text):
+        broken(change)
+
+
+def test_settings_of_an_instance_are_described_by_its_engine() -> None:
+    document = base().model_dump(mode="json")
+    assert described("/simulation/solvers/water/settings", document)["type"] == "DfsphSettings"
+    assert described("/simulation/solvers/rigid/settings", document)["type"] == "RigidSettings"
+    assert set(described("SolverInstance")["options"]) == {"mujoco", "dfsph", "flip"}
+
+
+@pytest.mark.parametrize(
+    ("shape", "volume"),
+    [
+        (Box(size=(1, 2, 3)), 6.0),
+        (Wedge(size=(1, 2, 3)), 3.0),
+        (Sphere(radius=2), 32 / 3 * math.pi),
+        (Cylinder(radius=2, height=3), 12 * math.pi),
+        (Capsule(radius=1, length=2), 10 / 3 * math.pi),
+        (Extrusion(polygon=[(0, 0), (2, 0), (2, 1), (0, 1)], height=3), 6.0),
+        (Revolution(profile=[(1, 0), (2, 0), (2, 3), (1, 3)]), 9 * math.pi),
+        (Mesh(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], faces=[(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), 1 / 6),
+    ],
+)
+def test_volumes_of_shapes_are_exact(shape: Any, volume: float) -> None:
+    assert shape_volume(shape) == pytest.approx(volume, rel=1e-12)
+
+
+def test_particles_are_counted_from_volume_and_inflow() -> None:
+    still = liquid_estimate(base(), "water")
+    assert still.particles == pytest.approx(0.4 * 0.4 * 0.2 / 0.025**3)
+    fed = liquid_estimate(broken(("/simulation/drivers/tap", {**INFLOW, "start": 0.5, "end": 0.75})), "water")
+    assert fed.particles - still.particles == pytest.approx(0.01 * 1.0 * 0.25 / 0.025**3)
+    assert fed.steps > 23 / 24 / 5e-3 - 1e-9
+    grid = liquid_estimate(base(engine="flip"), "water")
+    assert grid.cells == pytest.approx(0.6**3 / 0.025**3)
+    assert grid.particles == pytest.approx(8 * still.particles)
+
+
+def test_too_many_particles_are_refused_with_the_knob() -> None:
+    with pytest.raises(LimitError, match=r"particles: estimated .* cap 20,000,000\. Knob: .*resolution"):
+        check_limits(broken(("/entities/water/physics/resolution", 0.001)))
+    assert estimate_counts(base())["steps"] > 0
+
+
+def test_a_world_of_before_loads_unchanged() -> None:
+    from worldagent.tests.stories.small_run import PROMPT as SMALL
+    from worldagent.tests.stories.small_run import small_spec
+
+    spec = parse_spec({**small_spec(), "prompt": SMALL})
+    again = parse_spec(spec.model_dump(mode="json"))
+    assert again == spec
+    assert list(spec.simulation.rigid) == ["rigid"]
+    assert spec.simulation.liquid == {}
+    assert isinstance(base(engine="flip").simulation.liquid["water"], FlipInstance)

@@ -1,0 +1,260 @@
+"""Surfaces, spray and foam of a baked liquid, frame by frame beside its cache (`worlds/liquid_surface.py` has the channels)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...worlds.arrays import F64, I32
+from ...worlds.built import TriangleMesh
+from ...worlds.cache import Cache, digest_arrays, write_container
+from ...worlds.canonical import digest_of, source_digest
+from ...worlds.errors import EvidenceError, InputError
+from ...worlds.folder import write_atomically
+from ...worlds.liquid_surface import LiquidSurface, surface_folder
+from . import foam, surface_mesh
+from .surround import Surroundings, clumps, surroundings
+from .wall_fit import fit_to_sides, fit_to_walls
+
+__all__ = ["SurfaceSettings", "default_settings", "mesh_surfaces", "surface_frame"]
+
+SMALLEST = 8.0
+"""Separate pieces of surface and cavities of fewer particle volumes are left out: particles do not resolve them."""
+Walls = Callable[[int], Sequence[TriangleMesh]]
+"""World meshes of what holds the liquid, at a frame."""
+
+
+@dataclass(frozen=True)
+class SurfaceSettings:
+    """How surfaces are made; lengths in spacings unless said."""
+
+    spacing: float
+    """Distance of particles at rest [m]: the cube root of their volume."""
+    support: float = surface_mesh.SUPPORT
+    """Smoothing length of the colour field in particle radii."""
+    threshold: float = surface_mesh.THRESHOLD
+    lower: tuple[float, float, float] | None = None
+    """Domain [m], for its closed sides."""
+    upper: tuple[float, float, float] | None = None
+    closed: tuple[bool, ...] = (False,) * 6
+    """Sides in the order -x, +x, -y, +y, -z, +z that hold the liquid."""
+
+
+def default_settings(
+    cache: Cache,
+    *,
+    lower: Sequence[float] | None = None,
+    upper: Sequence[float] | None = None,
+    closed: Sequence[bool] = (False,) * 6,
+) -> SurfaceSettings:
+    """Settings for a cache: markers of a grid (`flip`) lie less evenly than particles, so they get a wider kernel.
+
+    Args:
+        cache: of a liquid instance.
+        lower: corner of the domain [m].
+        upper: the other corner.
+        closed: which sides hold the liquid.
+
+    Raises:
+        InputError: no frame holds a particle.
+    """
+    volume = next(
+        (v for v in (cache.read(k, ("particle/volume",)) for k in range(cache.index.frames)) if v["particle/volume"].size), None
+    )
+    if volume is None:
+        raise InputError(f"liquid {cache.index.solver!r} has no particle in any frame; give it a volume or an inflow")
+    spacing = float(np.cbrt(np.median(volume["particle/volume"])))
+    wide = {"support": 3.0, "threshold": 0.64} if cache.index.engine == "flip" else {}
+    corners = {k: tuple(float(x) for x in v) for k, v in (("lower", lower), ("upper", upper)) if v is not None}
+    return SurfaceSettings(spacing, **wide, **corners, closed=tuple(bool(c) for c in closed))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class _State:
+    """What a frame takes over from the one before."""
+
+    spray: I32
+    foam: foam.FoamState
+
+
+def _pieces(mesh: surface_mesh.SurfaceMesh, least: float) -> tuple[surface_mesh.SurfaceMesh, int]:
+    """The mesh without pieces and cavities smaller than `least` [m^3], and the number of pieces that are not cavities."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    faces, count = mesh.faces, len(mesh.vertices)
+    if not len(faces):
+        return mesh, 0
+    start, end = faces[:, :2].reshape(-1), faces[:, 1:].reshape(-1)
+    _, label = connected_components(
+        coo_matrix((np.ones(len(start), np.int8), (start, end)), shape=(count, count)), directed=False
+    )
+    own = label[faces[:, 0]]
+    a, b, c = (mesh.vertices[faces[:, k]] - mesh.vertices[0] for k in range(3))
+    volume = np.bincount(own, (a * np.cross(b, c)).sum(1) / 6, minlength=label.max() + 1)
+    kept = np.abs(volume) >= least
+    faces = faces[kept[own]]
+    used, number = np.unique(faces, return_inverse=True)
+    small = surface_mesh.SurfaceMesh(
+        mesh.vertices[used], number.reshape(-1, 3).astype(np.int32), mesh.velocity[used], mesh.temperature[used]
+    )
+    return small, int((volume[kept] > 0).sum())
+
+
+def _meshes(
+    data: dict[str, Any], position: F64, liquid: NDArray[np.bool_], settings: SurfaceSettings, walls: Sequence[TriangleMesh]
+) -> tuple[dict[str, Any], dict[str, float]]:
+    """Surface channels of all liquids, relative to the origin, and what is recorded of them."""
+    spacing, origin = settings.spacing, np.asarray(data["origin"], dtype=np.float64)
+    heat = data.get("particle/temperature", np.zeros(len(position)))
+    parts: list[tuple[int, surface_mesh.SurfaceMesh]] = []
+    records = {"surface_volume": 0.0, "surface_area": 0.0, "surface_components": 0.0}
+    for fluid in np.unique(data["particle/fluid"]):
+        own = liquid & (data["particle/fluid"] == fluid)
+        mesh = surface_mesh.reconstruct(
+            position[own], data["particle/velocity"][own], heat[own], spacing,
+            support=settings.support, threshold=settings.threshold,
+        )  # fmt: skip
+        mesh, pieces = _pieces(mesh, SMALLEST * spacing**3)
+        if not len(mesh.faces):
+            continue
+        vertices, normals = mesh.vertices, surface_mesh.vertex_normals(mesh.vertices, mesh.faces)[0]
+        if settings.lower is not None and settings.upper is not None:
+            lower, upper = np.array(settings.lower) - origin, np.array(settings.upper) - origin
+            vertices = fit_to_sides(vertices, normals, lower, upper, settings.closed, spacing)
+        if walls:
+            vertices = fit_to_walls(vertices, normals, [TriangleMesh(w.vertices - origin, w.faces) for w in walls], spacing)
+        parts.append((int(fluid), surface_mesh.SurfaceMesh(vertices, mesh.faces, mesh.velocity, mesh.temperature)))
+        records["surface_volume"] += surface_mesh.closed_volume(vertices, mesh.faces)
+        records["surface_area"] += surface_mesh.area(vertices, mesh.faces)
+        records["surface_components"] += pieces
+    starts = np.cumsum([0, *(len(m.vertices) for _, m in parts)])
+    none = np.empty((0, 3))
+    channels = {
+        "surface/vertices": np.concatenate([none, *(m.vertices for _, m in parts)]).astype(np.float32),
+        "surface/velocity": np.concatenate([none, *(m.velocity for _, m in parts)]).astype(np.float32),
+        "surface/faces": np.concatenate([none, *(m.faces + s for (_, m), s in zip(parts, starts, strict=False))]).astype(
+            np.int32
+        ),
+        "surface/fluid": np.concatenate([none[:, 0], *(np.full(len(m.faces), k) for k, m in parts)]).astype(np.int32),
+    }
+    if "particle/temperature" in data:
+        channels["surface/temperature"] = np.concatenate([none[:, 0], *(m.temperature for _, m in parts)]).astype(np.float32)
+    return channels, records
+
+
+def surface_frame(
+    data: dict[str, Any],
+    settings: SurfaceSettings,
+    *,
+    dt: float,
+    before: _State | None = None,
+    walls: Sequence[TriangleMesh] = (),
+) -> tuple[dict[str, Any], _State]:
+    """Channels of one frame's surface without its `source`, and what the next frame takes over.
+
+    Args:
+        data: channels of the particles.
+        settings: how.
+        dt: time between frames [s].
+        before: what the frame before left.
+        walls: world meshes of what holds the liquid.
+    """
+    position, velocity = data["particle/position"].astype(np.float64), data["particle/velocity"].astype(np.float64)
+    identity, spacing = data["particle/id"], settings.spacing
+    around: Surroundings = surroundings(position, velocity, spacing)
+    was = np.isin(identity, before.spray) if before is not None else np.zeros(len(identity), dtype=bool)
+    spray = foam.spray_of(around.count, clumps(position, spacing), was)
+    state, amount = foam.grow_foam(identity, velocity, around, ~spray, before.foam if before is not None else None, dt)
+    channels, records = _meshes(data, position, ~spray, settings, walls)
+    records["spray_volume"] = float(data["particle/volume"][spray].sum(dtype=np.float64))
+    channels |= {
+        "origin": np.asarray(data["origin"], dtype=np.float64),
+        "spray/position": data["particle/position"][spray],
+        "spray/velocity": data["particle/velocity"][spray],
+        "spray/volume": data["particle/volume"][spray],
+        "spray/fluid": data["particle/fluid"][spray],
+        "spray/id": identity[spray],
+        "foam/position": foam.bubbles(identity, position, around.normal, amount, spacing).astype(np.float32),
+        "foam/id": state.identity,
+        "foam/amount": state.amount,
+    }
+    channels |= {f"record/{k}": np.float64(v) for k, v in records.items()}
+    return channels, _State(identity[spray], state)
+
+
+def _recipe(settings: SurfaceSettings) -> dict[str, Any]:
+    versions = {"pysplashsurf": version("pysplashsurf")}
+    recipe = digest_of(asdict(settings), versions, source_digest(Path(__file__).parent))
+    return {"recipe": recipe, "settings": asdict(settings), "versions": versions, "spacing": settings.spacing}
+
+
+def _trusted(reader: LiquidSurface, recipe: str, frames: int) -> tuple[int, _State | None]:
+    """Frames at the start that are there, whole and of these particles, and what the last of them left."""
+    state = None
+    try:
+        if reader.about()["recipe"] != recipe:
+            return 0, None
+    except (EvidenceError, KeyError):
+        return 0, None
+    for frame in range(min(reader.count(), frames)):
+        try:
+            found = reader.read(frame)
+        except EvidenceError:
+            return frame, state
+        state = _State(found["spray/id"], foam.FoamState(found["foam/id"], found["foam/amount"]))
+    return min(reader.count(), frames), state
+
+
+def mesh_surfaces(
+    cache: Cache,
+    folder: Path | None = None,
+    settings: SurfaceSettings | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
+    check: Callable[[], None] | None = None,
+    *,
+    walls: Walls | None = None,
+) -> LiquidSurface:
+    """Make the surface, spray and foam of every frame of a complete cache, resuming what is there.
+
+    Args:
+        cache: of a liquid instance.
+        folder: where they go; default and only place that readers know: `surface/` in the cache's folder.
+        settings: how; default `default_settings(cache)`.
+        progress: called with (done, total, message).
+        check: called between frames; raises to stop.
+        walls: world meshes of what holds the liquid, at a frame; its surface is laid onto them.
+
+    Raises:
+        EvidenceError: particles are missing or altered.
+        InputError: no frame holds a particle.
+    """
+    folder = folder or surface_folder(cache)
+    settings = settings or default_settings(cache)
+    reader, files, about = LiquidSurface(cache), Cache(folder), _recipe(settings)
+    frames, digests = cache.index.frames, cache.digests()
+    start, state = _trusted(reader, about["recipe"], frames) if folder == surface_folder(cache) else (0, None)
+    folder.mkdir(parents=True, exist_ok=True)
+    if start < frames or reader.count() > frames:
+        files.begin_digests(files.digests()[:start] if start else [])
+        write_atomically(folder / "surface.json", json.dumps(about, indent=1, sort_keys=True).encode())
+    for frame in range(start, frames):
+        data = cache.read(frame)
+        if digest_arrays(data) != digests[frame]:
+            raise EvidenceError(f"particles of {cache.folder.name!r} at frame {frame} were altered; bake again")
+        held = walls(frame) if walls is not None else ()
+        channels, state = surface_frame(data, settings, dt=1.0 / cache.index.fps, before=state, walls=held)
+        channels["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
+        files.add_digest(write_container(files.path(frame), channels))
+        if progress is not None:
+            progress(frame + 1, frames, f"{cache.index.solver}: surface of frame {frame + 1} of {frames}")
+        if check is not None:
+            check()
+    return LiquidSurface(cache)

@@ -1,0 +1,115 @@
+"""Surfaces of a liquid instance: closed meshes, spray and foam per frame, beside the particles they were made of.
+
+They stand in `surface/` in the folder of the instance's cache, one container per frame. Positions are relative to `origin`,
+which is that of the particles.
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `origin` | f8 (3,) | [m] |
+| `source` | u1 (32,) | digest of the particles' container |
+| `surface/vertices` | f4 (v, 3) | closed meshes, outward, of all liquids [m] |
+| `surface/faces` | i4 (m, 3) | |
+| `surface/fluid` | i4 (m,) | index into `CacheIndex.bodies` |
+| `surface/velocity` | f4 (v, 3) | of the liquid [m/s] |
+| `surface/temperature` | f4 (v,) | [K]; only where particles have one |
+| `spray/position`, `spray/velocity` | f4 (s, 3) | particles apart from the liquid, left out of the meshes |
+| `spray/volume`, `spray/fluid`, `spray/id` | f4, i4, i4 (s,) | |
+| `foam/position` | f4 (f, 3) | bubbles on the surface; they carry no mass |
+| `foam/id`, `foam/amount` | i4, f4 (k,) | particles that carry foam, 0..1: the state that the next frame continues from |
+| `record/surface_volume`, ... | f8 () | quantities of `worlds/records.py` |
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .cache import DAMAGE, Cache, digest_arrays
+from .errors import EvidenceError
+
+__all__ = ["LiquidSurface", "mesh_of", "surface_folder"]
+
+
+def surface_folder(cache: Cache) -> Path:
+    """Folder of the surfaces of an instance."""
+    return cache.folder / "surface"
+
+
+class LiquidSurface:
+    """Reader of the surfaces that were made of a cache; notices those that are missing, altered or of other particles."""
+
+    def __init__(self, cache: Cache) -> None:
+        self.cache = cache
+        self.files = Cache(surface_folder(cache))
+
+    def count(self) -> int:
+        """Frames at the start that have a surface; 0 when none was made."""
+        try:
+            return min(len(self.files.digests()), self.cache.index.frames)
+        except EvidenceError:
+            return 0
+
+    def about(self) -> dict[str, Any]:
+        """What they were made with: recipe, settings, versions, spacing [m].
+
+        Raises:
+            EvidenceError: the note is missing or damaged.
+        """
+        try:
+            data = json.loads((self.files.folder / "surface.json").read_text())
+            if not isinstance(data, dict) or not isinstance(data["spacing"], float):
+                raise ValueError("it is no table with a spacing")
+        except DAMAGE as error:
+            raise EvidenceError(f"surfaces of {self.cache.folder.name!r} have no readable surface.json ({error})") from error
+        return data
+
+    @lru_cache(maxsize=4)  # noqa: B019 - a reader lives as long as one picture or verification
+    def read(self, frame: int) -> dict[str, Any]:
+        """All channels of a frame.
+
+        Raises:
+            EvidenceError: the surface is missing, was altered, or was made of other particles than those of the frame.
+        """
+        digests, own = self.files.digests(), self.cache.digests()
+        if not 0 <= frame < min(len(digests), len(own)):
+            raise EvidenceError(f"liquid {self.cache.folder.name!r} has no surface at frame {frame}; bake again")
+        found = self.files.read(frame)
+        if digest_arrays(found) != digests[frame]:
+            raise EvidenceError(f"the surface of {self.cache.folder.name!r} at frame {frame} was altered; bake again")
+        if bytes(found["source"]).hex() != own[frame]:
+            raise EvidenceError(
+                f"the surface of {self.cache.folder.name!r} at frame {frame} is of other particles (stale); bake again"
+            )
+        return found
+
+    def records(self, frame: int) -> dict[str, float]:
+        """Recorded quantities of a frame, without the prefix."""
+        found = self.read(frame)
+        return {k.removeprefix("record/"): float(v) for k, v in found.items() if k.startswith("record/")}
+
+    def digest(self, frames: int | None = None) -> str:
+        """SHA-256 over the recorded digests of the first frames, hex; default all of the cache.
+
+        Raises:
+            EvidenceError: fewer frames have a surface.
+        """
+        wanted = self.cache.index.frames if frames is None else frames
+        if self.count() < wanted:
+            raise EvidenceError(
+                f"liquid {self.cache.folder.name!r} has {self.count()} of {wanted} surfaces; bake again to resume"
+            )
+        return hashlib.sha256("".join(self.files.digests()[:wanted]).encode()).hexdigest()
+
+
+def mesh_of(found: dict[str, Any], fluid: int | None = None) -> tuple[Any, Any]:
+    """World vertices (v, 3) [m] and faces (m, 3) of a frame's surface, of one liquid or of all."""
+    faces = found["surface/faces"]
+    if fluid is not None:
+        faces = faces[found["surface/fluid"] == fluid]
+    used, number = np.unique(faces, return_inverse=True)
+    return found["surface/vertices"][used].astype(np.float64) + found["origin"], number.reshape(-1, 3).astype(np.int32)

@@ -17,6 +17,7 @@ from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
+from .liquid_surface import LiquidSurface
 from .patch import parse_spec
 from .records import Quantity
 from .spec import WorldSpec
@@ -60,7 +61,9 @@ class Candidate:
 
     def written_by(self, quantity: Quantity) -> list[Cache]:
         """Caches of the instances that record a quantity."""
-        of = {"rigid": self.rigid_caches, "liquid": self.liquid_caches}
+        liquids = self.liquid_caches
+        surfaces = {n: LiquidSurface(c).files for n, c in liquids.items() if LiquidSurface(c).count() >= c.index.frames}
+        of = {"rigid": self.rigid_caches, "liquid": liquids, "surface": surfaces}
         return [c for category in quantity.of for c in of[category].values()]
 
     @cached_property

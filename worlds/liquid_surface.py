@@ -1,6 +1,6 @@
 """Surfaces of a liquid instance: closed meshes, spray and foam per frame, beside the particles they were made of.
 
-They stand in `surface/` in the folder of the instance's cache, one container per frame. Positions are relative to `origin`,
+They stand in `surface/` in the folder of the instance's cache, one container per frame, and are a cache of their own. Positions are relative to `origin`,
 which is that of the particles.
 
 | channel | dtype, shape | meaning |
@@ -46,6 +46,7 @@ class LiquidSurface:
     def __init__(self, cache: Cache) -> None:
         self.cache = cache
         self.files = Cache(surface_folder(cache))
+        """They themselves as a cache, with the index of the particles."""
 
     def count(self) -> int:
         """Frames at the start that have a surface; 0 when none was made."""

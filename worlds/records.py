@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "liquid"]
+Category = Literal["rigid", "liquid", "surface"]
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,12 @@ class Quantity:
     meaning: str
     conserved: bool = False
     of: tuple[Category, ...] = ("rigid",)
-    """Instances of these categories write it."""
+    """Instances of these categories write it; `surface`: it stands beside the surfaces of a liquid."""
 
 
 _BOTH: tuple[Category, ...] = ("rigid", "liquid")
 _LIQUID: tuple[Category, ...] = ("liquid",)
+_SURFACE: tuple[Category, ...] = ("surface",)
 _ALL = (
     Quantity("kinetic_energy", "J", "sum over moving bodies or liquid", of=_BOTH),
     Quantity("potential_energy", "J", "gravity, against z = 0, plus springs", of=_BOTH),
@@ -43,10 +44,10 @@ _ALL = (
     Quantity("iterations_capped", "1", "steps that ended at the iteration cap", of=_BOTH),
     Quantity("overflows", "1", "engine warnings: full contact or constraint buffers, bad states"),
     Quantity("joint_error", "m", "largest gap of a welded, hinged or sliding joint"),
-    Quantity("surface_volume", "m^3", "inside the reconstructed surface of a liquid"),
-    Quantity("surface_area", "m^2", "of that surface"),
-    Quantity("surface_components", "1", "separate pieces of that surface, cavities not counted"),
-    Quantity("spray_volume", "m^3", "of particles apart from the liquid, which the surface leaves out"),
+    Quantity("surface_volume", "m^3", "inside the reconstructed surface of a liquid", of=_SURFACE),
+    Quantity("surface_area", "m^2", "of that surface", of=_SURFACE),
+    Quantity("surface_components", "1", "separate pieces of that surface, cavities not counted", of=_SURFACE),
+    Quantity("spray_volume", "m^3", "of particles apart from the liquid, which the surface leaves out", of=_SURFACE),
     Quantity("volume", "m^3", "sum of the particles' volumes at rest density", of=_LIQUID),
     Quantity("particles", "1", "particles in the domain", of=_LIQUID),
     Quantity("density_error_mean", "1", "largest mean compression at the end of a step of the frame", of=_LIQUID),

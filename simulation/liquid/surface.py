@@ -242,6 +242,7 @@ def mesh_surfaces(
     frames, digests = cache.index.frames, cache.digests()
     start, state = _trusted(reader, about["recipe"], frames) if folder == surface_folder(cache) else (0, None)
     folder.mkdir(parents=True, exist_ok=True)
+    files.write_index(cache.index)
     if start < frames or reader.count() > frames:
         files.begin_digests(files.digests()[:start] if start else [])
         write_atomically(folder / "surface.json", json.dumps(about, indent=1, sort_keys=True).encode())

@@ -18,6 +18,7 @@ from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.errors import EvidenceError, InputError
 from worldagent.worlds.liquid_surface import LiquidSurface, mesh_of
+from worldagent.worlds.records import QUANTITIES
 
 S = 0.02
 """Spacing of the particles [m]."""
@@ -255,3 +256,9 @@ def test_a_liquid_without_any_particle_is_refused_and_an_empty_frame_is_not(tmp_
     surface = mesh_surfaces(cache)
     assert surface.records(0) == {"surface_volume": 0, "surface_area": 0, "surface_components": 0, "spray_volume": 0}
     assert surface.records(1)["surface_components"] == 1
+
+
+def test_what_is_recorded_of_surfaces_is_registered_and_readable_as_series(tmp_path: Path) -> None:
+    surface = mesh_surfaces(make_cache(tmp_path, pool_frames(2)))
+    assert set(surface.records(1)) == {n for n, q in QUANTITIES.items() if "surface" in q.of}
+    assert surface.files.series("record/surface_volume") == pytest.approx(600 * S**3, rel=0.02)

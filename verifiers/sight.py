@@ -18,6 +18,7 @@ from ..geometry import Camera, IdCaster, camera_at, contains
 from ..worlds.arrays import F64, RigidPose, rotation_matrix
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import EvidenceError, InputError
+from .outlines import liquid_outline
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
@@ -61,6 +62,29 @@ class Seen:
     """Whether any pixel would show it if nothing else were there."""
 
 
+STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+"""Of liquids, whose meshes are in the world."""
+HELD_SCENES = 4
+"""Frames whose liquids are kept."""
+
+
+class _Scene:
+    """What is cast at one frame: instances, one per entity, body and whether it is of glass."""
+
+    def __init__(self, instances: list[tuple[str, str]], meshes: list[TriangleMesh], glass: list[bool]) -> None:
+        self.instances, self.meshes = instances, meshes
+        self.caster = IdCaster(meshes)
+        self.glass = np.array(glass, dtype=bool)
+        self.owner = np.array([name for name, _ in instances])
+        # The eight corners of every instance's box in its body's frame, shape (instances, 8, 3).
+        low, high = (np.array([f(m.vertices, axis=0) for m in meshes]).reshape(-1, 1, 3) for f in (np.min, np.max))
+        self.corners = np.where(CORNERS, high, low)
+
+    def joined(self, instances: list[tuple[str, str]], meshes: list[TriangleMesh], glass: list[bool]) -> _Scene:
+        """This and more."""
+        return _Scene(self.instances + instances, self.meshes + meshes, [*self.glass.tolist(), *glass])
+
+
 class Sight:
     """Casts pictures of a candidate and remembers them."""
 
@@ -69,29 +93,44 @@ class Sight:
         look = candidate.spec.look
         self.height = PIXELS_HIGH
         self.width = max(16, round(PIXELS_HIGH * look.width / look.height))
-        self._instances: list[tuple[str, str]] = []
+        instances: list[tuple[str, str]] = []
         meshes, glass = [], []
-        for name in candidate.spec.entities:
+        for name in candidate.solids:
             built = candidate.entity(name)
             for body in built.bodies:
                 for clear in (False, True):
                     parts = [p for p in built.parts_of(body.name) if self._clear(p.material) == clear]
                     if parts:
-                        self._instances.append((name, body.name))
+                        instances.append((name, body.name))
                         meshes.append(_joined([p.render for p in parts]))
                         glass.append(clear)
-        self._caster = IdCaster(meshes)
-        self._glass = np.array(glass, dtype=bool)
-        self._owner = np.array([name for name, _ in self._instances])
-        # The eight corners of every instance's box in its body's frame, shape (instances, 8, 3).
-        low, high = (np.array([f(m.vertices, axis=0) for m in meshes]).reshape(-1, 1, 3) for f in (np.min, np.max))
-        self._corners = np.where(CORNERS, high, low)
+        self._solid = _Scene(instances, meshes, glass)
+        self._scenes: dict[int, _Scene] = {}
         self._seen: dict[tuple[str, str, int], Seen] = {}
         self._views: dict[tuple[str, bytes], Seen] = {}
 
     def _clear(self, material: str) -> bool:
         found = self.candidate.spec.materials.get(material)
         return found is not None and found.appearance.transmission >= GLASS
+
+    def _scene(self, frame: int) -> _Scene:
+        """What is there at a frame, liquids included.
+
+        Raises:
+            EvidenceError: a liquid has no readable shape.
+        """
+        liquids = self.candidate.liquids
+        if not liquids:
+            return self._solid
+        at = min(frame, self.candidate.last_frame)
+        if at not in self._scenes:
+            meshes = {n: liquid_outline(self.candidate, n, at) for n in liquids}
+            there = [n for n in liquids if len(meshes[n].faces)]
+            clear = [self._clear(self.candidate.spec.entities[n].material) for n in there]
+            while len(self._scenes) >= HELD_SCENES:
+                self._scenes.pop(next(iter(self._scenes)))
+            self._scenes[at] = self._solid.joined([(n, "") for n in there], [meshes[n] for n in there], clear)
+        return self._scenes[at]
 
     def camera(self, shot_id: str, frame: int, *, shot: Shot | None = None) -> Camera:
         """Camera of a shot at a frame; the target moves with the followed entity's centre of mass.
@@ -127,8 +166,9 @@ class Sight:
             EvidenceError: one is not finite.
         """
         at = min(frame, self.candidate.last_frame)
-        found = [self.candidate.pose(entity, at, body) for entity, body in self._instances]
-        for (entity, _), pose in zip(self._instances, found, strict=True):
+        instances = self._scene(frame).instances
+        found = [self.candidate.pose(entity, at, body) if body else STILL for entity, body in instances]
+        for (entity, _), pose in zip(instances, found, strict=True):
             if not (np.isfinite(pose.position).all() and np.isfinite(pose.quaternion).all()):
                 raise EvidenceError(f"{entity!r} has no finite pose at frame {at}")
         return found
@@ -139,7 +179,10 @@ class Sight:
         if key not in self._seen:
             camera, poses = self.camera(shot_id, frame), self.poses(frame)
             # Where nothing moves, one look does for many frames.
-            view = np.concatenate([camera.position, camera.target, [camera.fov_deg], *(np.concatenate(p) for p in poses)])
+            flowing = [float(min(frame, self.candidate.last_frame))] if self.candidate.liquids else []
+            view = np.concatenate(
+                [flowing, camera.position, camera.target, [camera.fov_deg], *(np.concatenate(p) for p in poses)]
+            )
             same = (entity, view.tobytes())
             if same not in self._views:
                 self._views[same] = self._look(entity, shot_id, frame, camera)
@@ -152,17 +195,19 @@ class Sight:
         return self._look(entity, "", frame, camera)
 
     def _look(self, entity: str, shot_id: str, frame: int, camera: Camera) -> Seen:
-        own = self._owner == entity
+        scene, poses = self._scene(frame), self.poses(frame)
+        own = scene.owner == entity
         if not own.any():
+            if entity in self.candidate.liquids:  # all of it is gone, or none has come yet
+                return Seen(frame, shot_id, 0.0, 0.0, None, in_picture=False)
             raise EvidenceError(f"entity {entity!r} has no visible geometry")
-        poses = self.poses(frame)
-        found = self._compare(camera, poses, own)
+        found = self._compare(scene, camera, poses, own)
         share = 0.0 if found[0] == 0 else found[1] / found[0]
         bound = self.candidate.spec.simulation.limits.visible_share
         if found[0] < FINE_BELOW or abs(share - bound) <= DOUBT * bound:
             finer = FINE if found[0] == 0 else min(FINEST, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
             size = (finer * camera.width, finer * camera.height)
-            found = self._compare(_lattice(camera, size), poses, own, size)
+            found = self._compare(scene, _lattice(camera, size), poses, own, size)
             camera = replace(camera, width=size[0], height=size[1])
         expected, shown, hider = found
         return Seen(
@@ -170,24 +215,30 @@ class Sight:
         )
 
     def _compare(
-        self, camera: Camera, poses: list[RigidPose], own: NDArray[np.bool_], size: tuple[int, int] | None = None
+        self,
+        scene: _Scene,
+        camera: Camera,
+        poses: list[RigidPose],
+        own: NDArray[np.bool_],
+        size: tuple[int, int] | None = None,
     ) -> tuple[int, int, str | None]:
         """Pixels that the own instances would fill alone, those they do fill, and who hides most of the others.
 
         Args:
+            scene: what is there.
             camera: a view.
             poses: of every instance.
             own: which instances are looked for.
             size: what of a turned view counts: width and height of the upright picture in its middle [pixels].
         """
-        rectangle, nearest = self._bounds(camera, poses)
+        rectangle, nearest = _bounds(scene, camera, poses)
         ends = np.array([camera.width, camera.height, camera.width, camera.height])
         limits = np.clip([*np.floor(rectangle[own, :2].min(axis=0)), *np.ceil(rectangle[own, 2:].max(axis=0))], 0, ends)
         left, top, right, bottom = (int(v) for v in limits)
         if left >= right or top >= bottom:
             return 0, 0, None
         window = (left, right, top, bottom)
-        alone = self._caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window)
+        alone = scene.caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window)
         hit = alone.ids >= 0
         if size is not None:
             hit &= _upright(camera, size, window)
@@ -195,28 +246,12 @@ class Sight:
             return 0, 0, None
         farthest = float(alone.depth[hit].max())
         meets = (rectangle[:, 0] < right) & (rectangle[:, 2] > left) & (rectangle[:, 1] < bottom) & (rectangle[:, 3] > top)
-        before = meets & ~own & ~self._glass & (nearest <= farthest * (1.0 + COPLANAR))
-        front = self._caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
+        before = meets & ~own & ~scene.glass & (nearest <= farthest * (1.0 + COPLANAR))
+        front = scene.caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
         visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
         hidden = front.ids[hit & ~visible]
-        hider = str(self._owner[int(np.bincount(hidden).argmax())]) if len(hidden) else None
+        hider = str(scene.owner[int(np.bincount(hidden).argmax())]) if len(hidden) else None
         return int(hit.sum()), int(visible.sum()), hider
-
-    def _bounds(self, camera: Camera, poses: list[RigidPose]) -> tuple[F64, F64]:
-        """Pixels around every instance (x0, y0, x1, y1), shape (instances, 4), and its least depth [m], shape (instances,)."""
-        turns = rotation_matrix(np.array([p.quaternion for p in poses]))
-        places = np.array([p.position for p in poses]) - camera.position
-        world = np.einsum("nij,nkj->nki", turns, self._corners) + places[:, None]
-        local = world @ camera.axes.T
-        depth = -local[..., 2]
-        ahead = depth > 0.0
-        scale = camera.focal / np.where(ahead, depth, np.nan)
-        pixels = np.stack([0.5 * camera.width + local[..., 0] * scale, 0.5 * camera.height - local[..., 1] * scale], axis=-1)
-        rectangle = np.concatenate([pixels.min(axis=1), pixels.max(axis=1)], axis=1)
-        # What reaches through the eye plane may be anywhere; what lies behind it is nowhere.
-        rectangle[~ahead.all(axis=1)] = (-np.inf, -np.inf, np.inf, np.inf)
-        rectangle[~ahead.any(axis=1)] = (np.inf, np.inf, -np.inf, -np.inf)
-        return rectangle, np.maximum(depth.min(axis=1), 0.0)
 
     def inside(self, point: F64, frame: int) -> str | None:
         """Entity inside whose solid a point lies at a frame; None in the open."""
@@ -229,6 +264,23 @@ class Sight:
             if ((local > part.solid.lower) & (local < part.solid.upper)).all() and contains(part.solid, local)[0]:
                 return part.entity
         return None
+
+
+def _bounds(scene: _Scene, camera: Camera, poses: list[RigidPose]) -> tuple[F64, F64]:
+    """Pixels around every instance (x0, y0, x1, y1), shape (instances, 4), and its least depth [m], shape (instances,)."""
+    turns = rotation_matrix(np.array([p.quaternion for p in poses]))
+    places = np.array([p.position for p in poses]) - camera.position
+    world = np.einsum("nij,nkj->nki", turns, scene.corners) + places[:, None]
+    local = world @ camera.axes.T
+    depth = -local[..., 2]
+    ahead = depth > 0.0
+    scale = camera.focal / np.where(ahead, depth, np.nan)
+    pixels = np.stack([0.5 * camera.width + local[..., 0] * scale, 0.5 * camera.height - local[..., 1] * scale], axis=-1)
+    rectangle = np.concatenate([pixels.min(axis=1), pixels.max(axis=1)], axis=1)
+    # What reaches through the eye plane may be anywhere; what lies behind it is nowhere.
+    rectangle[~ahead.all(axis=1)] = (-np.inf, -np.inf, np.inf, np.inf)
+    rectangle[~ahead.any(axis=1)] = (np.inf, np.inf, -np.inf, -np.inf)
+    return rectangle, np.maximum(depth.min(axis=1), 0.0)
 
 
 def _lattice(camera: Camera, size: tuple[int, int]) -> Camera:

@@ -1,0 +1,109 @@
+"""Liquids in pictures: the mesh that views see, at rest, in flight, and where all of it is gone."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from worldagent.bench.small_liquids import tank_spec
+from worldagent.construction.build import build_entity
+from worldagent.verifiers.outlines import filled_cells, liquid_outline
+from worldagent.verifiers.sight import Sight
+from worldagent.worlds.arrays import F64
+from worldagent.worlds.cache import Cache, CacheIndex, write_container
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.errors import EvidenceError
+from worldagent.worlds.spec import WorldSpec
+
+SPACING = 0.025
+EYE = {"k": {"frame": 0, "position": [0.01, -0.5, 2.6], "target": [0, 0, 0.1]}}
+
+
+def block(low: F64, high: F64) -> F64:
+    axes = [np.arange(a + SPACING / 2, b, SPACING) for a, b in zip(low, high, strict=True)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def tank(tmp_path: Path, frames: list[F64], **changes: Any) -> Candidate:
+    """A tank without crate, whose particles are at given places."""
+    shots = {"wide": {"frames": [0, len(frames) - 1], "covers": [], "subjects": ["water"], "keys": EYE}}
+    spec = WorldSpec.model_validate({"prompt": "p", **tank_spec(crate_at=None, frames=len(frames), shots=shots), **changes})
+    built = {n: build_entity(spec, n, tmp_path) for n in spec.entities}
+    cache = Cache(tmp_path / "water")
+    cache.folder.mkdir()
+    cache.write_index(CacheIndex("water", "dfsph", spec.simulation.fps, len(frames), ("water",), (), (), (), "", {}))
+    cache.begin_digests([])
+    for k, points in enumerate(frames):
+        data = {
+            "origin": np.array([0.0, 0.0, 0.1]),
+            "particle/position": (points - np.array([0.0, 0.0, 0.1])).astype(np.float32),
+            "particle/fluid": np.zeros(len(points), dtype=np.int32),
+            "particle/volume": np.full(len(points), SPACING**3, dtype=np.float32),
+        }
+        cache.add_digest(write_container(cache.path(k), data))
+    return Candidate(tmp_path, spec, built, "full", {"water": cache})
+
+
+POOL = block(np.array([-0.2, -0.2, 0.0]), np.array([0.2, 0.2, 0.2]))
+
+
+def test_filled_cells_are_closed_and_hold_their_volume() -> None:
+    points = np.random.default_rng(3).uniform(-0.4, 0.4, (400, 3))
+    mesh = filled_cells(points, 0.1)
+    filled = len(np.unique(np.floor(points / 0.1), axis=0))
+    assert trimesh.Trimesh(mesh.vertices, mesh.faces).volume == pytest.approx(filled * 1e-3, rel=1e-9)
+    block_mesh = filled_cells(POOL, 2 * SPACING)
+    assert trimesh.Trimesh(block_mesh.vertices, block_mesh.faces).is_watertight
+    assert len(filled_cells(np.zeros((0, 3)), 0.1).faces) == 0
+
+
+def test_the_outline_is_where_the_particles_are(tmp_path: Path) -> None:
+    candidate = tank(tmp_path, [POOL, POOL + np.array([0, 0, 1.0])])
+    for frame, lift in ((0, 0.0), (1, 1.0)):
+        mesh = liquid_outline(candidate, "water", frame)
+        assert mesh.vertices.min(axis=0) == pytest.approx([-0.2, -0.2, lift], abs=1.6 * SPACING)
+        assert mesh.vertices.max(axis=0) == pytest.approx([0.2, 0.2, 0.2 + lift], abs=1.6 * SPACING)
+    declared = liquid_outline(dataclasses.replace(candidate, stage="static", caches={}), "water", 0)
+    assert declared.vertices.max(axis=0) == pytest.approx([0.2, 0.2, 0.2])
+
+
+def test_a_liquid_without_a_cache_has_no_shape(tmp_path: Path) -> None:
+    candidate = dataclasses.replace(tank(tmp_path, [POOL, POOL]), caches={})
+    with pytest.raises(EvidenceError, match="no cache holds the liquid 'water'"):
+        liquid_outline(candidate, "water", 0)
+
+
+def test_a_view_follows_the_liquid_and_says_when_it_is_gone(tmp_path: Path) -> None:
+    gone = np.zeros((0, 3))
+    below = POOL - np.array([0, 0, 0.6])
+    candidate = tank(tmp_path, [POOL, below, gone])
+    sight = Sight(candidate)
+    full, hidden, none = (sight.seen("water", "wide", k) for k in range(3))
+    assert full.in_picture
+    assert full.unoccluded > 0.5
+    assert hidden.unoccluded < 0.3
+    assert hidden.hidden_by == "tank"
+    assert not none.in_picture
+
+
+def test_water_hides_nothing_and_paint_does(tmp_path: Path) -> None:
+    marble = {
+        "role": "marble on the floor", "motion": "static", "material": "stone", "dimensions": {"size": [0.1, 0.1, 0.1]},
+        "pose": {"position": [0, 0, 0.05]}, "parts": {"body": {"shape": {"kind": "sphere", "radius": 0.05}}},
+    }  # fmt: skip
+    seen = {}
+    for name, clear in (("water", 1.0), ("paint", 0.0)):
+        (tmp_path / name).mkdir()
+        base = json.loads(json.dumps(tank_spec(crate_at=None, frames=2)))
+        base["entities"]["marble"] = marble
+        base["materials"]["water"]["appearance"]["transmission"] = clear
+        candidate = tank(tmp_path / name, [POOL, POOL], entities=base["entities"], materials=base["materials"])
+        seen[name] = Sight(candidate).seen("marble", "wide", 0)
+    assert seen["water"].unoccluded == pytest.approx(1.0)
+    assert seen["paint"].unoccluded < 0.05
+    assert seen["paint"].hidden_by == "water"

@@ -14,6 +14,7 @@ from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from .flood import drain
 from .grid import Grid
+from .slices import SLICE, in_slices
 
 __all__ = ["Ground", "MassBalance", "erode_rivers", "relax_slopes"]
 
@@ -40,6 +41,10 @@ class MassBalance:
             self.exported + other.exported,
             self.uplifted + other.uplifted,
         )
+
+    def times(self, factor: float) -> MassBalance:
+        """In another unit."""
+        return MassBalance(self.worn * factor, self.deposited * factor, self.exported * factor, self.uplifted * factor)
 
     @property
     def residual(self) -> float:
@@ -76,6 +81,12 @@ class Ground:
         """Surface of the ground [m]."""
         return self.bedrock + self.sediment
 
+    def copied(self) -> Ground:
+        """With fields of its own."""
+        return Ground(
+            self.grid, *(a.copy() for a in (self.bedrock, self.sediment, self.wear, self.deposit, self.uplift, self.earthworks))
+        )
+
     def reshaped(self, change: F64) -> Ground:
         """After people or late layers raised or cut the surface by `change` [m]: cuts take loose matter first."""
         loose = np.minimum(np.maximum(-change, 0.0), self.sediment)
@@ -86,18 +97,6 @@ class Ground:
             earthworks=self.earthworks + change,
         )
 
-    def moved(self, change: F64) -> Ground:
-        """After the surface rose or fell by `change` [m]: loose matter goes first, then rock wears."""
-        loss, gain = np.maximum(-change, 0.0), np.maximum(change, 0.0)
-        loose = np.minimum(loss, self.sediment)
-        return replace(
-            self,
-            bedrock=self.bedrock - (loss - loose),
-            sediment=self.sediment - loose + gain,
-            wear=self.wear + loss,
-            deposit=self.deposit + gain,
-        )
-
 
 def erode_rivers(
     ground: Ground,
@@ -105,20 +104,24 @@ def erode_rivers(
     years: float,
     steps: int,
     erodibility: F64 | float,
+    creep: float = 0.0,
     uplift: F64 | float = 0.0,
     base: np.ndarray | None = None,
     valid: np.ndarray | None = None,
     exponent: float = AREA_EXPONENT,
 ) -> tuple[Ground, MassBalance]:
-    """Let rivers cut valleys: dz/dt = U - K A^m S (stream power, n = 1), implicit, stable at any step.
+    """Let rivers cut valleys and slopes creep: dz/dt = U - K A^m S + D laplace(z) (n = 1), implicit, stable at any step.
 
-    What wears away travels downstream in the same step and fills the basins on its way; the rest leaves the grid.
+    What rivers wear away travels downstream in the same step and fills the basins on its way; the rest leaves the grid.
+    Creep rounds what is narrower than it reaches, so that valleys have a size of their own and not that of the cells
+    (Perron, Kirchner & Dietrich 2009, doi:10.1038/nature08174).
 
     Args:
         ground: the land.
         years: time modelled.
         steps: time steps; the drainage is found anew in each.
         erodibility: K [m^(1-2m)/year], a number or a field.
+        creep: D [m^2/year].
         uplift: U [m/year]; not applied to `base`.
         base: cells that keep their height (the sea), shape (rows, cols).
         valid: where there is land; default everywhere.
@@ -137,28 +140,65 @@ def erode_rivers(
     grid, dt = ground.grid, years / steps
     known = np.ones(grid.shape, dtype=bool) if valid is None else valid
     fixed = ~known if base is None else base | ~known
-    factor = np.where(fixed, 0.0, np.broadcast_to(np.asarray(erodibility, dtype=np.float64), grid.shape) * dt).ravel()
+    factor = np.where(fixed, 0.0, np.broadcast_to(np.asarray(erodibility, dtype=np.float64), grid.shape) * dt)
     rise = np.where(fixed, 0.0, np.broadcast_to(np.asarray(uplift, dtype=np.float64), grid.shape) * dt)
-    worn = laid = gone = raised = 0.0
+    ground = ground.copied()
+    total = MassBalance(0.0, 0.0, 0.0)
     for _ in range(steps):
-        ground = replace(ground, bedrock=ground.bedrock + rise, uplift=ground.uplift + rise)
-        raised += float(rise.sum()) * grid.cell_area
-        drainage = drain(grid, ground.height, valid=known)
+        ground.bedrock[...] += rise
+        ground.uplift[...] += rise
+        height = ground.height
+        drainage = drain(grid, height, valid=known)
         receiver = drainage.receiver.ravel()
-        height, filled = ground.height.ravel(), drainage.filled.ravel()
-        area = drainage.accumulation().ravel()
-        new = incise(height, filled, area, receiver, drainage.order, grid.cols, grid.cell, factor, exponent)
-        removed = np.where(known.ravel(), height - new, 0.0)
-        depth = np.where(fixed, 0.0, np.nan_to_num(drainage.depth))
+        strength = _strength(drainage.accumulation(), exponent, factor).ravel()
+        new = incise(height.ravel(), drainage.filled.ravel(), receiver, drainage.order, grid.cols, grid.cell, strength)
+        new = new.reshape(grid.shape)
+        removed = np.where(known, height - new, 0.0)
+        depth = np.where(fixed, 0.0, np.nan_to_num(drainage.depth, copy=False))
         label, count = ndimage.label(depth > 0, np.ones((3, 3)))
         volume = np.bincount(label.ravel(), weights=depth.ravel(), minlength=count + 1)
-        kept, left = settle_sediment(removed, label.ravel(), volume.copy(), receiver, drainage.order)
+        kept, left = settle_sediment(removed.ravel(), label.ravel(), volume.copy(), receiver, drainage.order)
         # Fine matter settles out of the whole column: more where the water is deep.
         share = np.divide(kept, volume, out=np.zeros_like(kept), where=volume > 0)
-        ground = ground.moved(-removed.reshape(grid.shape)).moved(depth * share[label])
-        worn, laid, gone = worn + removed.sum(), laid + kept.sum(), gone + left
-    area_m2 = grid.cell_area
-    return ground, MassBalance(float(worn * area_m2), float(laid * area_m2), float(gone * area_m2), raised)
+        worn, laid = float(removed.sum()), float(kept.sum())
+        _move(ground, depth * share[label] - removed)
+        if creep > 0:
+            change, out = _crept(ground.height, fixed, known, creep * dt / grid.cell_area)
+            _move(ground, change)
+            worn, laid, left = worn - float(change[change < 0].sum()), laid + float(change[change > 0].sum()), left + out
+        moved = MassBalance(worn, laid, float(left), float(rise.sum()))
+        total = total + moved.times(grid.cell_area)
+    return ground, total
+
+
+def _strength(area: F64, exponent: float, factor: F64) -> F64:
+    """`factor` times `area` to the power `exponent`; in the place of `area`."""
+
+    def work(first: int, last: int) -> None:
+        np.power(area[first:last], exponent, out=area[first:last])
+        area[first:last] *= factor[first:last]
+
+    in_slices(len(area), work)
+    return area
+
+
+def _move(ground: Ground, change: F64) -> None:
+    """Raise or lower the surface by `change` [m] in place: loose matter goes first, then rock wears."""
+    from .erosion_kernels import move
+
+    flat = [a.reshape(-1) for a in (ground.bedrock, ground.sediment, ground.wear, ground.deposit, change)]
+    in_slices(change.size, lambda first, last: move(*flat, first, last), size=SLICE * change.shape[1])
+
+
+def _crept(height: F64, fixed: np.ndarray, known: np.ndarray, number: float) -> tuple[F64, float]:
+    """Change of height [m] by implicit diffusion, along rows and then along columns, and what flowed into fixed cells [m]."""
+    from .erosion_kernels import creep_cols, creep_rows
+
+    half, new = np.empty_like(height), np.empty_like(height)
+    rows, cols = height.shape
+    gone = in_slices(rows, lambda first, last: creep_rows(height, fixed, known, number, half, first, last))
+    gone += in_slices(cols, lambda first, last: creep_cols(half, fixed, known, number, new, first, last))
+    return new - height, float(sum(gone))
 
 
 def relax_slopes(
@@ -166,7 +206,7 @@ def relax_slopes(
     *,
     talus: float = 0.65,
     talus_rock: float = 1.7,
-    sweeps: int = 2000,
+    sweeps: int = 20000,
     valid: np.ndarray | None = None,
 ) -> tuple[Ground, float, int]:
     """Let slopes slide until none is steeper than its angle of repose.
@@ -175,7 +215,7 @@ def relax_slopes(
         ground: the land.
         talus: tangent of the angle of repose of loose matter; 0.65 is 33 degrees (dry scree 30 to 38).
         talus_rock: tangent of the steepest slope that rock keeps; 1.7 is 60 degrees.
-        sweeps: most passes.
+        sweeps: most passes; they end when the residual is reached.
         valid: where there is land.
 
     Returns:

@@ -11,6 +11,17 @@ from numba import njit
 __all__ = ["accumulate", "flood", "inherit", "label_basins", "order_streams", "trace"]
 
 ROOT_2 = 1.4142135623730951
+CELLS_OF_BUCKET = 16
+MOST_BUCKETS = 1 << 20
+OPEN, NO_LAND = -2, -3
+
+
+@njit(cache=True)
+def _doubled(values):
+    """An array of twice the length that begins with `values`."""
+    longer = np.empty(2 * values.size, values.dtype)
+    longer[: values.size] = values
+    return longer
 
 
 @njit(cache=True)
@@ -50,12 +61,15 @@ def _pop(heap_z, heap_n, heap_i, count):
     return lowest
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def flood(height, valid, rows, cols):
     """Fill depressions and route every cell (Barnes, Lehman & Mulla 2014, algorithm 2; O'Callaghan & Mark 1984).
 
     Water leaves over the edge of the grid and over the edge of invalid cells. A cell drains to its steepest lower
     neighbour on the filled surface; on flats to the neighbour that flooded it, which leads to the outlet.
+
+    Cells wait in buckets of height, a list each; only those of the lowest bucket stand in a heap. It is small enough for
+    the cache, so that the time grows in proportion to the cells. The order is that of one heap over all cells.
 
     Args:
         height: [m], shape (n,).
@@ -68,39 +82,60 @@ def flood(height, valid, rows, cols):
     """
     n = rows * cols
     filled = height.copy()
-    receiver = np.full(n, -1, np.int64)
-    order = np.empty(n, np.int64)
-    closed = np.zeros(n, np.bool_)
-    heap_z, heap_n, heap_i = np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64)
-    waiting = np.empty(n, np.int64)  # cells below the level at which they were met: a queue needs no heap
-    first, last, in_heap, entries, done = 0, 0, 0, 0, 0
+    receiver = np.full(n, OPEN, np.int32)
+    order = np.empty(n, np.int32)
+    low, high = np.inf, -np.inf
     for c in range(n):
-        if not valid[c]:
-            closed[c] = True
-            continue
-        r, q = c // cols, c % cols
-        outlet = r == 0 or q == 0 or r == rows - 1 or q == cols - 1
-        if not outlet:
-            for dr in range(-1, 2):
-                for dq in range(-1, 2):
-                    outlet = outlet or not valid[(r + dr) * cols + q + dq]
-        if outlet:
-            _push(heap_z, heap_n, heap_i, in_heap, height[c], entries, c)
-            in_heap += 1
-            entries += 1
-            closed[c] = True
-            receiver[c] = c
-    while first < last or in_heap > 0:
+        if valid[c]:
+            low, high = min(low, height[c]), max(high, height[c])
+        else:
+            receiver[c], filled[c] = NO_LAND, np.inf
+    buckets = min(max(n // CELLS_OF_BUCKET, 1), MOST_BUCKETS)
+    scale = buckets / (high - low) if high - low > 1e-300 else 0.0
+    head, queue = np.full(buckets, -1, np.int32), np.empty((n, 2), np.int32)  # per cell: the next of its list, its number
+    heap_z, heap_n, heap_i = np.empty(1024), np.empty(1024, np.int32), np.empty(1024, np.int32)
+    waiting = np.empty(n, np.int32)  # cells below the level at which they were met: a queue needs no heap
+    first, last, in_heap, entries, done, now = 0, 0, 0, 0, 0, -1
+    for r in range(rows):
+        for q in range(cols):
+            c = r * cols + q
+            if not valid[c]:
+                continue
+            outlet = r == 0 or q == 0 or r == rows - 1 or q == cols - 1
+            if not outlet:
+                for dr in range(-1, 2):
+                    for dq in range(-1, 2):
+                        outlet = outlet or not valid[(r + dr) * cols + q + dq]
+            if outlet:
+                bucket = min(int((height[c] - low) * scale), buckets - 1)
+                queue[c, 0], queue[c, 1], head[bucket] = head[bucket], entries, c
+                entries += 1
+                receiver[c] = c
+    while True:
         # The queue holds cells of one level, reached from a cell that was popped at that level: they go first.
         if first < last:
-            c = waiting[first]
+            c = np.int64(waiting[first])
             first += 1
         else:
-            c = _pop(heap_z, heap_n, heap_i, in_heap)
+            if in_heap == 0:
+                now += 1
+                while now < buckets and head[now] < 0:
+                    now += 1
+                if now >= buckets:
+                    break
+                k = head[now]
+                while k >= 0:
+                    if in_heap == heap_z.size:
+                        heap_z, heap_n, heap_i = _doubled(heap_z), _doubled(heap_n), _doubled(heap_i)
+                    _push(heap_z, heap_n, heap_i, in_heap, filled[k], queue[k, 1], k)
+                    in_heap += 1
+                    k = queue[k, 0]
+            c = np.int64(_pop(heap_z, heap_n, heap_i, in_heap))
             in_heap -= 1
         order[done] = c
         done += 1
-        r, q = c // cols, c % cols
+        r = c // cols
+        q = c - r * cols
         level = filled[c]
         steepest = 0.0
         for dr in range(-1, 2):
@@ -109,30 +144,36 @@ def flood(height, valid, rows, cols):
                 if (dr == 0 and dq == 0) or rr < 0 or qq < 0 or rr >= rows or qq >= cols:
                     continue
                 k = rr * cols + qq
-                if not valid[k]:
+                if receiver[k] != OPEN:
+                    drop = level - filled[k]
+                    if drop > 0.0:
+                        slope = drop / ROOT_2 if dr != 0 and dq != 0 else drop
+                        if slope > steepest:
+                            steepest = slope
+                            receiver[c] = k
                     continue
-                if not closed[k]:
-                    closed[k] = True
-                    receiver[k] = c
-                    if height[k] <= level:
-                        filled[k] = level
-                        waiting[last] = k
-                        last += 1
-                    else:
-                        _push(heap_z, heap_n, heap_i, in_heap, height[k], entries, k)
-                        in_heap += 1
-                        entries += 1
+                receiver[k] = c
+                if filled[k] <= level:
+                    filled[k] = level
+                    waiting[last] = k
+                    last += 1
                     continue
-                drop = level - filled[k]
-                if drop > 0.0:
-                    slope = drop / ROOT_2 if dr != 0 and dq != 0 else drop
-                    if slope > steepest:
-                        steepest = slope
-                        receiver[c] = k
+                bucket = min(int((filled[k] - low) * scale), buckets - 1)
+                if bucket > now:
+                    queue[k, 0], queue[k, 1], head[bucket] = head[bucket], entries, k
+                else:
+                    if in_heap == heap_z.size:
+                        heap_z, heap_n, heap_i = _doubled(heap_z), _doubled(heap_n), _doubled(heap_i)
+                    _push(heap_z, heap_n, heap_i, in_heap, filled[k], entries, k)
+                    in_heap += 1
+                entries += 1
+    for c in range(n):
+        if receiver[c] == NO_LAND:
+            receiver[c] = -1
     return filled, receiver, order[:done]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def accumulate(weight, receiver, order):
     """Sum of `weight` over each cell and everything upstream of it; same unit and shape (n,)."""
     total = weight.copy()

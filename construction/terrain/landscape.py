@@ -138,7 +138,7 @@ def _eroded(grid: Grid, terrain: Terrain, raw: F64, valid: np.ndarray, figures: 
             say(0.08 + 0.3 * (1 - part), f"{plan.years * part:g} years of rivers")
             ground, balance = erode_rivers(
                 ground, years=plan.years * part, steps=max(1, round(plan.steps * part)), erodibility=plan.erodibility,
-                uplift=plan.uplift, base=sea, valid=valid,
+                creep=plan.creep, uplift=plan.uplift, base=sea, valid=valid,
             )  # fmt: skip
             moved = moved + balance
         say(0.12 + 0.3 * (1 - part), "slopes find their rest")

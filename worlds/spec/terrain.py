@@ -205,6 +205,10 @@ class Erosion(SpecModel):
     years: NonNegative = Field(default=1e5, description="of rivers cutting [years]; 0: none")
     steps: int = Field(default=12, ge=1, le=200)
     erodibility: Positive = Field(default=1e-5, le=1.0, description="K of the stream power law [m^0.1/year] at m = 0.45")
+    creep: float = Field(
+        default=0.003, ge=0, le=0.1,
+        description="diffusivity of slopes, rounds crests [m^2/year]; 0.0005 dry rock, 0.003 usual, 0.02 wet clay (Richardson 2019)",
+    )  # fmt: skip
     uplift: float = Field(default=0.0, ge=0, le=0.02, description="[m/year]")
     talus_deg: float = Field(default=33.0, ge=5, le=50, description="angle of repose of loose matter")
     rock_deg: float = Field(default=60.0, ge=10, le=85, description="steepest slope that rock keeps")

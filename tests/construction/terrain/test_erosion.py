@@ -7,6 +7,7 @@ import pytest
 from worldagent.construction.terrain.erosion import AREA_EXPONENT, Ground, erode_rivers, relax_slopes
 from worldagent.construction.terrain.flood import drain
 from worldagent.construction.terrain.grid import Grid
+from worldagent.construction.terrain.noise import fractal
 from worldagent.tests.construction.terrain.lands import rough_land
 from worldagent.worlds.errors import InputError
 
@@ -53,6 +54,44 @@ def test_a_graded_river_has_the_slope_of_the_stream_power_law() -> None:
     assert -exponent == pytest.approx(AREA_EXPONENT, abs=0.02)
     expected = uplift / (erodibility * area**AREA_EXPONENT)
     assert np.median(slope / expected) == pytest.approx(1.0, abs=0.01)
+
+
+def test_slopes_creep_by_diffusion_and_their_mass_balance_closes() -> None:
+    """A wave of number k fades by 1 / (1 + D k^2 dt) in each implicit step (up to the error of the grid)."""
+    grid, creep, wavelength = Grid(40, 160, 5.0), 0.01, 200.0
+    x, _ = grid.points()
+    wave = 3.0 * np.cos(2 * np.pi * x / wavelength)
+    flat, _ = erode_rivers(Ground.bare(grid, wave), years=2e4, steps=10, erodibility=1e-30, creep=creep)
+    expected = (1 + creep * (2 * np.pi / wavelength) ** 2 * 2e3) ** -10
+    middle = np.s_[:, 60:100]
+    assert np.ptp(flat.height[middle]) / np.ptp(wave[middle]) == pytest.approx(expected, rel=0.01)
+    assert np.ptp(flat.height, axis=0).max() < 1e-9
+    grid, height = rough_land()
+    base = height < np.percentile(height, 20)
+    before = Ground.bare(grid, height, soil=0.5)
+    after, balance = erode_rivers(before, years=2e4, steps=5, erodibility=2e-5, creep=creep, base=base)
+    assert balance.residual <= 1e-12
+    assert balance.exported > 0
+    assert np.array_equal(after.height[base], before.height[base])
+    change = (after.height - before.height).sum() * grid.cell_area
+    assert change == pytest.approx(balance.deposited - balance.worn, rel=1e-9)
+    assert (after.deposit - after.wear).sum() * grid.cell_area == pytest.approx(change, rel=1e-9)
+
+
+def test_valleys_keep_their_size_on_a_finer_grid() -> None:
+    """Without creep valleys are as narrow as the cells, and the land twice as rough on a grid twice as fine."""
+    sizes = {}
+    for creep in (0.0, 0.02):
+        for cell in (10.0, 5.0):
+            grid = Grid(round(640 / cell), round(960 / cell), cell)
+            x, y = grid.points()
+            plane = 0.2 * x + 8 * fractal(x, y, wavelength=200, octaves=5, gain=0.5, seed=2, cell=cell)
+            worn, _ = erode_rivers(Ground.bare(grid, plane), years=5e4, steps=8, erodibility=3e-5, creep=creep)
+            hollow = np.gradient(np.gradient(worn.height, cell, axis=0), cell, axis=0)
+            sizes[creep, cell] = float(np.sqrt(np.mean(hollow**2)))
+    assert sizes[0.0, 5.0] > 1.6 * sizes[0.0, 10.0]
+    # Known: creep from both sides fills a bed of one cell faster the narrower it is, so that the finest valleys fade a little.
+    assert 0.5 < sizes[0.02, 5.0] / sizes[0.02, 10.0] < 1.1
 
 
 def test_a_pile_slides_to_its_angle_of_repose_and_keeps_its_mass() -> None:

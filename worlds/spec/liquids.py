@@ -51,14 +51,22 @@ class DfsphSettings(_LiquidSettings):
 class FlipSettings(_LiquidSettings):
     """Settings of a liquid on a grid with marker particles (FLIP or APIC), for large extents."""
 
-    transfer: Literal["apic", "flip"] = Field(default="apic", description="how velocities pass between particles and grid")
+    transfer: Literal["flip", "apic"] = Field(
+        default="flip", description="how velocities pass between particles and grid; apic is calmer and keeps angular momentum"
+    )
     flip_ratio: float = Field(default=0.97, ge=0, le=1, description="with transfer flip: share of FLIP, the rest is PIC")
-    cfl: float = Field(default=2.0, ge=0.2, le=10.0, description="largest travel per step in cells")
+    cfl: float = Field(default=2.0, ge=0.1, le=4.0, description="largest travel per step in cells")
+    max_step: float = Field(default=1 / 24, ge=1e-5, le=0.1, description="longest step [s]")
     particles_per_cell: Literal[8, 27] = 8
     volume_correction: float = Field(
-        default=1.0, ge=0, le=5, description="how strongly drift of volume is taken back; 0: not at all"
+        default=0.5, ge=0, le=1, description="share of compression that is undone in each step; 0: none"
     )
-    pressure_error: float = Field(default=1e-4, ge=1e-9, le=0.1, description="relative residual at which the pressure solve ends")
+    pressure_error: float = Field(
+        default=1e-3, ge=1e-6, le=0.1, description="largest relative change of volume of a cell that one step may leave"
+    )
+    roughness: float = Field(
+        default=0.0, ge=0, le=10, description="roughness length of beds and walls [m], for friction; 0: they slip freely"
+    )
 
 
 class DfsphInstance(SpecModel):

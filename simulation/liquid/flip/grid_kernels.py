@@ -1,0 +1,285 @@
+# mypy: ignore-errors
+# The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
+"""Cells: where the surface lies, the rows of the pressure system (Batty et al. 2007, doi:10.1145/1276377.1276502; ghost fluid by
+Enright et al. 2003), velocities after it, and their extension beyond the liquid.
+
+`opening` holds the open share of a cell's lower faces; `room` that of its volume. Pressure unknowns are p dt / (density cell)
+[m/s], so that a face's velocity changes by their difference.
+"""
+
+import warp as wp
+
+from .column_kernels import Columns, place_of, vec6i
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["build_rows", "extend", "find_surface", "number_rows", "open_box", "project", "rate_density", "vec6"]
+
+vec6 = wp.types.vector(length=6, dtype=wp.float32)
+LEAST_OPEN = wp.constant(0.02)
+"""Faces open by less are closed: their cells would make the system stiff."""
+LEAST_THETA = wp.constant(0.05)
+"""Nearest distance of the surface to the centre of a liquid cell, in cells."""
+
+
+@wp.func
+def overlap(k: float, low: float, high: float):
+    """Share of [k, k + 1] inside [low, high]."""
+    return wp.clamp(wp.min(k + 1.0, high) - wp.max(k, low), 0.0, 1.0)
+
+
+@wp.func
+def tent_overlap(t: float):
+    """Share of a tent of half width 1 at 0 that lies below t."""
+    if t >= 1.0:
+        return 1.0
+    if t <= -1.0:
+        return 0.0
+    if t >= 0.0:
+        return 1.0 - 0.5 * (1.0 - t) * (1.0 - t)
+    return 0.5 * (1.0 + t) * (1.0 + t)
+
+
+@wp.func
+def tent_inside(center: float, low: float, high: float):
+    """Share of a tent around `center` inside [low, high]."""
+    return tent_overlap(high - center) - tent_overlap(low - center)
+
+
+@wp.kernel
+def open_box(
+    first: wp.int32, grid: Columns, lower: wp.vec3, upper: wp.vec3, sides: vec6i,
+    opening: wp.array(dtype=wp.vec3), room: wp.array(dtype=float), spread: wp.array(dtype=float),
+):  # fmt: skip
+    """Open shares in a box whose closed sides (0 in `sides`) are walls; `spread` is the room weighted as density is."""
+    c = first + wp.tid()
+    at = place_of(grid, c)
+    share = wp.vec3()
+    full = wp.vec3()
+    tent = float(1.0)
+    for d in range(3):
+        low = float(-1.0e9)
+        high = float(1.0e9)
+        if sides[2 * d] == 0:
+            low = lower[d]
+        if sides[2 * d + 1] == 0:
+            high = upper[d]
+        k = float(at[d])
+        share[d] = overlap(k, low, high)
+        full[d] = 0.0
+        if k > low and k < high:
+            full[d] = 1.0
+        tent = tent * tent_inside(k + 0.5, low, high)
+    opening[c] = wp.vec3(full[0] * share[1] * share[2], share[0] * full[1] * share[2], share[0] * share[1] * full[2])
+    room[c] = share[0] * share[1] * share[2]
+    spread[c] = tent
+
+
+@wp.kernel
+def find_surface(
+    first: wp.int32, grid: Columns, density: wp.array(dtype=float), spread: wp.array(dtype=float), room: wp.array(dtype=float),
+    lower: wp.vec3, upper: wp.vec3,
+    phi: wp.array(dtype=float), red: wp.array(dtype=wp.int32), wet: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """Signed distance [cells] of a cell's centre to the surface, negative inside, and whether its pressure is sought.
+
+    A tent around a point at depth D below flat liquid holds 1 - (1 - D)^2 / 2 of it; the distance inverts that.
+    """
+    c = first + wp.tid()
+    at = place_of(grid, c)
+    f = density[c] / wp.max(spread[c], 0.05)
+    d = float(0.0)
+    if f >= 0.5:
+        d = wp.sqrt(wp.max(2.0 * (1.0 - f), 0.0)) - 1.0
+    else:
+        d = 1.0 - wp.sqrt(2.0 * wp.max(f, 0.0))
+    inside = int(1)
+    for axis in range(3):
+        if float(at[axis]) + 0.5 < lower[axis] or float(at[axis]) + 0.5 > upper[axis]:
+            inside = 0
+    if room[c] < LEAST_OPEN:
+        inside = 0
+    phi[c] = d
+    w = int(0)
+    if d < 0.0 and inside == 1:
+        w = 1
+    wet[c] = w
+    red[c] = w * (1 - ((at[0] + at[1] + at[2]) & 1))
+
+
+@wp.kernel
+def number_rows(
+    first: wp.int32, wet: wp.array(dtype=wp.int32), red: wp.array(dtype=wp.int32), wet_before: wp.array(dtype=wp.int32),
+    red_before: wp.array(dtype=wp.int32), reds: int, row: wp.array(dtype=wp.int32), cell: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """Row of each liquid cell, red ones (even i + j + k) first; -1 elsewhere."""
+    c = first + wp.tid()
+    r = int(-1)
+    if wet[c] == 1:
+        if red[c] == 1:
+            r = red_before[c]
+        else:
+            r = reds + wet_before[c] - red_before[c]
+        cell[r] = c
+    row[c] = r
+
+
+@wp.kernel
+def build_rows(
+    first: wp.int32, near: wp.array(dtype=vec6i), cell: wp.array(dtype=wp.int32), row: wp.array(dtype=wp.int32),
+    phi: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), velocity: wp.array(dtype=wp.vec3),
+    link: wp.array(dtype=vec6i), coefficient: wp.array(dtype=vec6), diagonal: wp.array(dtype=float), right: wp.array(dtype=float),
+    airy: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """One row per liquid cell; its right side is the flux into the cell. `airy` marks cells beside air."""
+    r = first + wp.tid()
+    c = cell[r]
+    n = near[c]
+    total = float(0.0)
+    flux = float(0.0)
+    links = vec6i()
+    k = vec6()
+    free = int(0)
+    for side in range(6):
+        axis = side // 2
+        other = n[side]
+        face = c
+        sign = float(-1.0)
+        if side - 2 * axis == 1:
+            face = other
+            sign = 1.0
+        share = float(1.0)
+        speed = float(0.0)
+        if face >= 0:
+            share = opening[face][axis]
+            speed = velocity[face][axis]
+        if share < LEAST_OPEN:
+            share = 0.0
+        flux += sign * share * speed
+        if share > 0.0:
+            target = int(-1)
+            if other >= 0:
+                target = row[other]
+            if target >= 0:
+                links[side] = target
+                k[side] = share
+                total += share
+            else:
+                free = 1
+                theta = float(0.5)
+                if other >= 0:
+                    theta = wp.clamp(phi[c] / (phi[c] - wp.max(phi[other], 1.0e-3)), LEAST_THETA, 1.0)
+                total += share / theta
+    if total <= 0.0:
+        total = 1.0
+    link[r] = links
+    coefficient[r] = k
+    diagonal[r] = total
+    right[r] = -flux
+    airy[r] = free
+
+
+@wp.kernel
+def rate_density(
+    first: wp.int32, cell: wp.array(dtype=wp.int32), density: wp.array(dtype=float), spread: wp.array(dtype=float),
+    airy: wp.array(dtype=wp.int32), share: float, right: wp.array(dtype=float), excess: wp.array(dtype=float),
+):  # fmt: skip
+    """Source that undoes a share of a cell's compression, in cells of displacement; `excess` is the compression itself."""
+    r = first + wp.tid()
+    c = cell[r]
+    e = density[c] / wp.max(spread[c], 0.05) - 1.0
+    if airy[r] == 1:
+        e = wp.max(e, 0.0)
+    excess[r] = e
+    right[r] = share * wp.clamp(e, -0.2, 0.5)
+
+
+@wp.kernel
+def project(
+    first: wp.int32, near: wp.array(dtype=vec6i), row: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
+    opening: wp.array(dtype=wp.vec3), q: wp.array(dtype=float), push: wp.array(dtype=float), per_cell: float, scale: float,
+    density: wp.array(dtype=float), spread: wp.array(dtype=float), weight: wp.array(dtype=wp.vec3),
+    now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3), known: wp.array(dtype=wp.vec3i), pressure: wp.array(dtype=float),
+):  # fmt: skip
+    """Velocity of a cell's faces after the pressure, the drift that moves particles, and whether each face is known (2), carries
+    only flying particles (1) or nothing (0). `per_cell`: displacement in cells to velocity [m/s]; `scale`: q to Pa.
+    """
+    c = first + wp.tid()
+    n = near[c]
+    r = row[c]
+    u = now[c]
+    d = u
+    state = wp.vec3i()
+    for axis in range(3):
+        other = n[2 * axis]
+        s = int(-1)
+        if other >= 0:
+            s = row[other]
+        w = weight[c]
+        if w[axis] > 1.0e-6:
+            state[axis] = 1
+        share = opening[c][axis]
+        if share < LEAST_OPEN:
+            u[axis] = 0.0
+            d[axis] = 0.0
+            state[axis] = 0
+            if r >= 0 or s >= 0:
+                state[axis] = 2
+        elif r >= 0 or s >= 0:
+            dq = float(0.0)
+            dx = float(0.0)
+            if r >= 0 and s >= 0:
+                dq = q[r] - q[s]
+                dx = push[r] - push[s]
+            elif r >= 0:
+                theta = float(0.5)
+                if other >= 0:
+                    theta = wp.clamp(phi[c] / (phi[c] - wp.max(phi[other], 1.0e-3)), LEAST_THETA, 1.0)
+                dq = q[r] / theta
+                dx = push[r] / theta
+            else:
+                theta = wp.clamp(phi[other] / (phi[other] - wp.max(phi[c], 1.0e-3)), LEAST_THETA, 1.0)
+                dq = -q[s] / theta
+                dx = -push[s] / theta
+            u[axis] = u[axis] - dq
+            d[axis] = u[axis] - per_cell * wp.clamp(dx, -0.25, 0.25)
+            state[axis] = 2
+    now[c] = u
+    drift[c] = d
+    known[c] = state
+    pressure[c] = 0.0
+    if r >= 0:
+        pressure[c] = scale * q[r]
+
+
+@wp.kernel
+def extend(
+    first: wp.int32, near: wp.array(dtype=vec6i), level: int, known: wp.array(dtype=wp.vec3i), now: wp.array(dtype=wp.vec3),
+    drift: wp.array(dtype=wp.vec3), known_out: wp.array(dtype=wp.vec3i), now_out: wp.array(dtype=wp.vec3),
+    drift_out: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Faces that are less known than `level` take the mean of their neighbours that are at least as known."""
+    c = first + wp.tid()
+    n = near[c]
+    state = known[c]
+    u = now[c]
+    d = drift[c]
+    for axis in range(3):
+        if state[axis] < level:
+            total = float(0.0)
+            su = float(0.0)
+            sd = float(0.0)
+            for side in range(6):
+                m = n[side]
+                if m >= 0:
+                    if known[m][axis] >= level:
+                        total += 1.0
+                        su += now[m][axis]
+                        sd += drift[m][axis]
+            if total > 0.0:
+                u[axis] = su / total
+                d[axis] = sd / total
+                state[axis] = level
+    known_out[c] = state
+    now_out[c] = u
+    drift_out[c] = d

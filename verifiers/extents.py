@@ -138,7 +138,7 @@ def _extent(vertices: F64, faces: NDArray[Any]) -> Extent:
     triangles, area = triangles[wide], area[wide]
     # Pieces of faces that share vertices are parts of those whose corners coincide: if the large ones fill the box, that is all.
     label = _pieces(len(vertices), np.asarray(faces[wide], dtype=np.intp))
-    piece_area: F64 = np.bincount(label, weights=area)[label]
+    piece_area = np.asarray(np.bincount(label, weights=area)[label], dtype=np.float64)
     if _borne_by_large(triangles, piece_area, enough, found):
         return found
     _, corner = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)

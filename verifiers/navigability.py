@@ -26,6 +26,7 @@ from .surfaces import surfaces_of
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
+    from ..worlds.spec import WorldSpec
     from .surfaces import Surfaces
 
 __all__ = ["PITCH", "RASTER_NOISE", "check"]
@@ -98,9 +99,9 @@ def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
             comparison=one.comparison,
             unit=one.unit,
             frames=(first, last),
-            entities=one.blame if failed else (),
+            entities=[n for n in one.blame if n in candidate.spec.entities] if failed else (),
             first_failing_frame=frame if failed else None,
-            corrections=_corrections(name, relation, one) if failed else (),
+            corrections=_corrections(candidate.spec, name, relation, one) if failed else (),
             evidence={"reason": one.reason, "frame": frame, "frames_searched": len(found), **one.evidence},
             extra=[relation.model_dump(mode="json"), _layout(surfaces)],
         )
@@ -136,8 +137,8 @@ def _layout(surfaces: Surfaces) -> Any:
     return [candidate.recipe("navigability", candidate.spec.entities), regions]
 
 
-def _corrections(name: str, relation: Connects, one: Finding) -> Iterator[Correction]:
-    blame = one.blame[0] if one.blame else ""
+def _corrections(spec: WorldSpec, name: str, relation: Connects, one: Finding) -> Iterator[Correction]:
+    blame = next((n for n in one.blame if n in spec.entities), "")
     parts = pointer("entities", blame, "parts") if blame else "/entities"
     pose = pointer("entities", blame, "pose") if blame else "/entities"
     missing = f"{abs(one.bound - one.measured):.3g} {one.unit}"
@@ -148,7 +149,11 @@ def _corrections(name: str, relation: Connects, one: Finding) -> Iterator[Correc
             pose,
         ),
         "too low": (f"Raise {blame!r} over the way by {missing}.", "shape", parts),
-        "too steep": (f"Flatten {blame!r} by {missing}, that is, make it longer for the same rise.", "shape", parts),
+        "too steep": (f"Flatten {blame!r} by {missing}, that is, make it longer for the same rise.", "shape", parts)
+        if blame
+        else ("Lay a road layer between the regions in /terrains, or choose gentler places.", "terrain", "/terrains"),
+        "too deep": (f"Make a ford or a bridge: the water is {missing} too deep.", "shape", "/entities"),
+        "overgrown": ("Lay a road layer between the regions, or lower the density of plants.", "terrain", "/terrains"),
         "step too high": (f"Lower the step onto {blame!r} by {missing}, or divide it into steps.", "shape", parts),
         "blocked": (
             f"Move {blame!r} out of the way, or make an opening of {relation.width:g} x {relation.headroom:g} m.",

@@ -10,17 +10,21 @@ import math
 from collections.abc import Collection
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, RigidPose
+from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .columns import Columns, Grid, Ints, Soup, rasterise
+from .grounds import Land, lands, patches, stem_triangles, surface_triangles
+from .land_routes import follow
 from .predicates.kinematic import region_offset
+from .route_places import Finding, frame_of, region_box
 from .routes import Way, passable, pieces_of, reachable, widest_way
 from .rows import Comparison
+from .tracks import WADING
 from .walkable import SAME, Carrier, Floor, Obstacles, lay_floor, measure_clearance, standing
 
 if TYPE_CHECKING:
@@ -51,29 +55,12 @@ SEARCH = 8
 """Halvings when the measured value of a failure is searched."""
 SUSPECTS = 8
 """Entities that are tried as the one that blocks the way."""
+OPEN_CELLS = 150_000
+"""Own choice: cells of a search beside one over open land, which has judged the land already."""
 REST = 0.5
 """Own choice: a piece of a region's floor below this share of the largest is a rest behind a wall, and no place to start."""
 THRESHOLD = 2.5
 """Own choice: a step up to this many times the allowed one is an oversized step; a higher one is an obstacle."""
-
-
-class Finding(NamedTuple):
-    """What was found at one frame."""
-
-    ok: bool
-    text: str
-    measured: float
-    bound: float
-    comparison: Comparison
-    unit: str
-    reason: str
-    blame: tuple[str, ...]
-    evidence: dict[str, Any]
-
-    route: F64 | None = None
-    """Middle of the way that was found [m], shape (n, 3)."""
-    floors: tuple[str, ...] = ()
-    """Entities that the route leads over."""
 
 
 def find_route(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> Finding:
@@ -88,80 +75,92 @@ def find_route(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Co
     Raises:
         EvidenceError: the search area is too large, or nothing is there to walk on.
     """
-    near = _Search(surfaces, relation, frame, MARGINS[0], absent, wide=False)
-    if near.clipped:
-        way = near.direct[0]
-        if way is None or 2.0 * way.clearance < relation.width - RASTER_NOISE:
-            return _Search(surfaces, relation, frame, MARGINS[1], absent, wide=True).finding()
-    return near.finding()
-
-
-def frame_of(surfaces: Surfaces, entity: str, frame: int) -> RigidPose:
-    """Pose of an entity's first body."""
-    surfaces.require(entity)
-    return surfaces.track(entity, surfaces.candidate.entity(entity).bodies[0].name).at(frame)
-
-
-def region_box(surfaces: Surfaces, name: str, frame: int) -> tuple[F64, F64]:
-    """Bounding box of a region in the world [m], shapes (3,)."""
-    region = surfaces.candidate.spec.graph.regions[name]
-    if region.kind == "box":
-        low, high = np.array(region.min), np.array(region.max)
-    elif region.kind == "sphere":
-        low, high = np.array(region.center) - region.radius, np.array(region.center) + region.radius
-    else:
-        half = np.array([region.radius, region.radius, region.height / 2])
-        low, high = np.array(region.center) - half, np.array(region.center) + half
-    if region.relative_to is not None:
-        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-        corners = frame_of(surfaces, region.relative_to, frame).apply(corners)
-        low, high = corners.min(axis=0), corners.max(axis=0)
-    return low, high
+    over_land = follow(surfaces, relation, frame, absent)
+    if over_land is not None and over_land.ok:
+        return over_land
+    most = MOST_CELLS if over_land is None else OPEN_CELLS
+    try:
+        near = _Search(surfaces, relation, frame, MARGINS[0], absent, most, wide=False)
+        if near.clipped and not near.wide_enough:
+            if over_land is not None and near.bare:
+                return over_land
+            wide = _Search(surfaces, relation, frame, MARGINS[1], absent, most, wide=True)
+            return wide.finding() if over_land is None or wide.wide_enough else over_land
+        return near.finding()
+    except EvidenceError:
+        if over_land is None:
+            raise
+        return over_land
 
 
 class _Search:
     """Routes of one connection at one frame."""
 
     def __init__(
-        self, surfaces: Surfaces, relation: Connects, frame: int, margin: float, absent: Collection[str], *, wide: bool
+        self, surfaces: Surfaces, relation: Connects, frame: int, margin: float, absent: Collection[str], most: int, *, wide: bool
     ) -> None:
-        self.surfaces, self.relation, self.frame = surfaces, relation, frame
+        self.surfaces, self.relation, self.frame, self.most = surfaces, relation, frame, most
         self.carrier = Carrier(relation.width, relation.headroom, math.tan(relation.max_slope), relation.max_step)
         self.names = [n for n in surfaces.entities if n not in absent]
-        self.soup = self._soup()
-        self.columns, self.clipped = self._rasterise(margin, wide=wide)
+        self.entity_count = len(self.names)
+        self.lands = lands(surfaces.candidate)
+        self.waters: dict[int, Land] = {}
+        self.bare = False
+        """Whether nothing but the land lies in the area."""
+        low, high = self._area(margin, wide=wide)
+        self.soup, scene_low, scene_high = self._soup(low, high)
+        self.clipped = bool((low > scene_low).any() or (high < scene_high).any())
+        self.columns = self._rasterise(np.maximum(low, scene_low), np.minimum(high, scene_high))
 
-    def _soup(self) -> Soup:
-        triangles, owner, closed, solid = [], [], [], []
-        candidate = self.surfaces.candidate
-        drawn = {(n, p.part) for n in self.names for p in candidate.entity(n).parts if not p.collision}
-        index = {n: k for k, n in enumerate(self.names)}
-        for part in (p for p in self.surfaces.parts if p.entity in index):
-            pose = self.surfaces.track(part.entity, part.body).at(self.frame)
-            corners = pose.apply(part.solid.vertices)[part.solid.faces]
-            triangles.append(corners)
-            owner.append(np.full(len(corners), index[part.entity]))
-            closed.append(np.full(len(corners), part.solid.closed))
-            solid.append(np.full(len(corners), (part.entity, part.part) not in drawn))
-        if not triangles:
-            raise EvidenceError("the scene has no visible surface; call build_terrain or place_object")
-        return Soup(np.concatenate(triangles), np.concatenate(owner), np.concatenate(closed), np.concatenate(solid))
-
-    def _rasterise(self, margin: float, *, wide: bool) -> tuple[Columns, bool]:
+    def _area(self, margin: float, *, wide: bool) -> tuple[F64, F64]:
         boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
         flat = np.array([b[:2] for pair in boxes for b in pair] + [list(w) for w in self.relation.waypoints])
         low, high = flat.min(axis=0), flat.max(axis=0)
         margin = max(margin, float(np.linalg.norm(high - low))) if wide else margin
-        corners = self.soup.triangles[:, :, :2].reshape(-1, 2)
-        scene_low, scene_high = corners.min(axis=0), corners.max(axis=0)
-        low, high = np.maximum(low - margin, scene_low), np.minimum(high + margin, scene_high)
-        clipped = bool((low > scene_low).any() or (high < scene_high).any())
-        if (low >= high).any():
+        return low - margin, high + margin
+
+    def _soup(self, low: F64, high: F64) -> tuple[Soup, F64, F64]:
+        """Triangles that reach into a rectangle, and the corners of the rectangle around all there are."""
+        found: list[Soup] = []
+        candidate = self.surfaces.candidate
+        drawn = {(n, p.part) for n in self.names for p in candidate.entity(n).parts if not p.collision}
+        grounds = {(p.entity, p.part) for land in self.lands for p in patches(candidate.spec, land.name)}
+        index = {n: k for k, n in enumerate(self.names)}
+        ends = [(land.low, land.high) for land in self.lands]
+        top = max((float(np.nanmax(land.height)) for land in self.lands), default=math.inf) + self.carrier.headroom
+        self.bare = True
+        for part in (p for p in self.surfaces.parts if p.entity in index):
+            pose = self.surfaces.track(part.entity, part.body).at(self.frame)
+            corners = pose.apply(part.solid.vertices)[part.solid.faces]
+            flat = corners[:, :, :2]
+            ends.append((flat.min(axis=(0, 1)), flat.max(axis=(0, 1))))
+            corners = corners[((flat.max(axis=1) >= low) & (flat.min(axis=1) <= high)).all(axis=1)]
+            aloft = len(corners) == 0 or corners[:, :, 2].min() > top
+            self.bare &= aloft or (part.entity, part.part) in grounds
+            found.append(
+                _pile(corners, index[part.entity], closed=part.solid.closed, solid=(part.entity, part.part) not in drawn)
+            )
+        for land in self.lands:
+            surface = surface_triangles(land, low, high, patches(candidate.spec, land.name))
+            stems = stem_triangles(land.stems.inside(low, high))
+            for name, triangles in ((land.name, surface), (f"plants of {land.name}", stems)):
+                found.append(_pile(triangles, len(self.names), closed=False, solid=True))
+                self.names.append(name)
+            self.waters[len(self.names)] = land
+            self.names.append(f"water of {land.name}")
+        if not found:
+            raise EvidenceError("the scene has no visible surface; call build_terrain or place_object")
+        soup = Soup(*(np.concatenate(column) for column in zip(*found, strict=True)))
+        return soup, np.min([e[0] for e in ends], axis=0), np.max([e[1] for e in ends], axis=0)
+
+    def _rasterise(self, low: F64, high: F64) -> Columns:
+        if (low >= high).any() or not len(self.soup.triangles):
             raise EvidenceError(f"regions {self.relation.a!r} and {self.relation.b!r} lie outside everything built")
+        boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
         extent = min(float((b[:2] - a[:2]).min()) for a, b in boxes)
         cell = min(CELL, self.relation.width / CELLS_PER_WIDTH, extent / CELLS_PER_REGION)
         size = high - low
-        coarse = math.sqrt(float(size[0] * size[1]) / MOST_CELLS)
+        coarse = math.sqrt(float(size[0] * size[1]) / self.most)
         if coarse > max(cell, self.relation.width / 4.0):
             raise EvidenceError(
                 f"the search area of {size[0]:.4g} x {size[1]:.4g} m needs cells of {coarse:.3g} m, too coarse for a width of "
@@ -169,7 +168,19 @@ class _Search:
             )
         cell = max(cell, coarse)
         count = np.maximum(np.ceil(size / cell).astype(int), 1)
-        return rasterise(self.soup, Grid(low, cell, int(count[0]), int(count[1]))), clipped
+        return rasterise(self.soup, Grid(low, cell, int(count[0]), int(count[1])))
+
+    def _floor(self, carrier: Carrier, ignore: int) -> Floor:
+        """Layers of floor; where water over them is deeper than the carrier wades they are blocked."""
+        floor = lay_floor(self.columns, carrier, ignore=ignore)
+        wade = WADING.get(self.relation.carrier, math.inf)
+        for number, land in self.waters.items():
+            deep = land.depths_at(floor.points) > wade
+            if number != ignore and deep.any():
+                nodes = floor.nodes
+                nodes = nodes._replace(blocked=nodes.blocked | deep, blocker=np.where(deep, number, nodes.blocker))
+                floor = replace(floor, nodes=nodes)
+        return floor
 
     def _in_region(self, floor: Floor, name: str) -> Ints:
         """Free nodes whose foot stands in a region, or under it by at most a step; no small rests behind walls."""
@@ -191,7 +202,7 @@ class _Search:
 
     def way(self, carrier: Carrier, ignore: int = -1) -> tuple[Way | None, Floor, Obstacles]:
         """The widest way for a carrier, as if the entity number `ignore` were absent."""
-        floor = lay_floor(self.columns, carrier, ignore=ignore)
+        floor = self._floor(carrier, ignore)
         obstacles = measure_clearance(floor, carrier.width, ignore=ignore)
         return widest_way(floor, obstacles, self._stops(floor), 0.5 * carrier.width, carrier.width), floor, obstacles
 
@@ -200,9 +211,15 @@ class _Search:
         """The widest way for the carrier as declared."""
         return self.way(self.carrier)
 
+    @property
+    def wide_enough(self) -> bool:
+        """Whether the widest way suffices."""
+        way = self.direct[0]
+        return way is not None and 2.0 * way.clearance >= self.relation.width - RASTER_NOISE
+
     def exists(self, carrier: Carrier, ignore: int = -1) -> bool:
         """Whether the carrier has a way of half its width at least."""
-        floor = lay_floor(self.columns, carrier, ignore=ignore)
+        floor = self._floor(carrier, ignore)
         stops = self._stops(floor)
         if not passable(floor, None, stops, 0.0):
             return False
@@ -262,6 +279,12 @@ class _Search:
             "highest_step_place": places[high].tolist(),
         }
 
+    def _is_static(self, name: str) -> bool:
+        return name not in self.surfaces.entities or self.surfaces.is_static(name)
+
+    def _size(self, name: str) -> float:
+        return self.surfaces.size(name) if name in self.surfaces.entities else math.inf
+
     def _owners(self, index: Ints) -> tuple[str, ...]:
         return tuple(self.names[i] for i in dict.fromkeys(int(k) for k in index if k >= 0))
 
@@ -279,7 +302,7 @@ class _Search:
         order = np.argsort(least, kind="stable")
         beside = self._owners(obstacles.owner[labels[order[least[order] <= way.clearance + cell]]])
         # What moves, then what is small, is moved aside more easily than a wall.
-        return tuple(sorted(beside, key=lambda n: (self.surfaces.is_static(n), self.surfaces.size(n))))
+        return tuple(sorted(beside, key=lambda n: (self._is_static(n), self._size(n))))
 
     def _why(self, floor: Floor) -> Finding:
         """There is no way at all: find out which limit, or which entity, is the reason."""
@@ -379,7 +402,7 @@ class _Search:
         beside = np.unique(beside[beside >= 0])
         blockers = floor.nodes.blocker[beside[floor.nodes.blocked[beside]]]
         blockers, count = np.unique(blockers[blockers >= 0], return_counts=True)
-        size = np.array([self.surfaces.size(self.names[k]) for k in blockers])
+        size = np.array([self._size(self.names[k]) for k in blockers])
         for k in blockers[np.lexsort((-count, size))][:SUSPECTS]:
             if self.exists(self.carrier, int(k)):
                 text = f"{self.names[k]!r} blocks the way from {self.relation.a!r} to {self.relation.b!r}"
@@ -400,6 +423,11 @@ class _Search:
         text = f"the floor is interrupted by {width:.3f} m between {places}"
         found = self._finding(text, width, self.columns.grid.cell, "<=", "m", "gap", blame)
         return found._replace(evidence={**found.evidence, "from": one.tolist(), "to": two.tolist()})
+
+
+def _pile(corners: F64, owner: int, *, closed: bool, solid: bool) -> Soup:
+    count = len(corners)
+    return Soup(corners, np.full(count, owner, dtype=np.intp), np.full(count, closed), np.full(count, solid))
 
 
 def _decimate(route: F64, tolerance: float) -> F64:

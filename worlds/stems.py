@@ -1,0 +1,77 @@
+"""Trunks and boulders of a landscape as upright solids: what stands in the way of walkers and bodies.
+
+Sizes are those of the forms that are drawn, per metre of height. Shrubs, grass and pebbles yield and stand in nobody's way.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .arrays import F64
+from .landscape import SavedLandscape
+
+__all__ = ["FORMS", "StemForm", "Stems", "stems_of"]
+
+
+class StemForm(NamedTuple):
+    """The solid part of a plant or stone, per metre of its height."""
+
+    radius: float
+    top: float
+    """Height of its top above the foot."""
+
+
+FORMS: dict[str, StemForm] = {
+    "broad": StemForm(0.028, 0.4),
+    "cone": StemForm(0.02, 0.95),
+    "palm": StemForm(0.07, 0.86),
+    "column": StemForm(0.06, 0.97),
+    "rock": StemForm(0.75, 0.95),
+}
+"""By the shape of a species. `radius` holds the foot of a trunk and a palm's lean; a boulder is the round that holds it."""
+LEAST_RADIUS = 0.02
+"""Own choice: thinner ones bend [m]."""
+LEAST_TOP = 0.15
+"""Own choice: what is lower is stepped over or rolled over [m]: pebbles, saplings."""
+
+
+class Stems(NamedTuple):
+    """Upright solids, all shapes (n,) unless said otherwise."""
+
+    foot: F64
+    """Middle of the foot [m], shape (n, 3)."""
+    radius: F64
+    """[m]"""
+    top: F64
+    """Height above the foot [m]."""
+    rock: np.ndarray
+    """Whether it is a boulder."""
+    plant: np.ndarray
+    """Its number among the plants of the landscape."""
+
+    def inside(self, low: F64, high: F64) -> Stems:
+        """Those that reach into a rectangle [m], shapes (2,)."""
+        reach = self.radius[:, None]
+        keep = ((self.foot[:, :2] + reach >= low) & (self.foot[:, :2] - reach <= high)).all(axis=1)
+        return Stems(*(values[keep] for values in self))
+
+
+def stems_of(land: SavedLandscape) -> Stems:
+    """All trunks and boulders of a landscape.
+
+    Raises:
+        EvidenceError: the file is missing or damaged.
+    """
+    if "plant_position" not in land.names:
+        none = np.zeros(0)
+        return Stems(np.zeros((0, 3)), none, none, none.astype(bool), none.astype(np.int64))
+    shapes = land.about["plant_shapes"]
+    kind, height = land.raw("plant_kind").astype(np.int64), land.raw("plant_height").astype(np.float64)
+    forms = [FORMS.get(shape, StemForm(0.0, 0.0)) for shape in shapes]
+    radius = np.array([f.radius for f in forms])[kind] * height
+    top = np.array([f.top for f in forms])[kind] * height
+    keep = np.flatnonzero((radius >= LEAST_RADIUS) & (top >= LEAST_TOP))
+    rock = np.array([shape == "rock" for shape in shapes])[kind]
+    return Stems(land.raw("plant_position")[keep].astype(np.float64), radius[keep], top[keep], rock[keep], keep)

@@ -380,7 +380,8 @@ def make_candidate(
         return Candidate(tmp_path, spec, geometry, stage or "static")
     plan = spec.simulation
     frames = plan.frames
-    bodies = [f"{n}/{b.name}" for n, e in spec.entities.items() if e.motion != "static" for b in geometry[n].bodies]
+    solids = [n for n, e in spec.entities.items() if e.physics.category != "liquid"]
+    bodies = [f"{n}/{b.name}" for n in solids if spec.entities[n].motion != "static" for b in geometry[n].bodies]
     positions, quaternions = np.zeros((frames, len(bodies), 3)), np.zeros((frames, len(bodies), 4))
     velocity, spin = np.zeros((frames, len(bodies), 3)), np.zeros((frames, len(bodies), 3))
     unknown = set(tracks) - set(bodies) - {b.split("/")[0] for b in bodies}
@@ -393,8 +394,9 @@ def make_candidate(
         positions[:, row], quaternions[:, row] = np.asarray(where, dtype=float), np.asarray(how, dtype=float)
         centers = positions[:, row] + np.einsum("fij,j->fi", rotation_matrix(quaternions[:, row]), body.center)
         velocity[:, row], spin[:, row] = _derivative(centers, plan.fps), _angular(quaternions[:, row], plan.fps)
-    colliders = tuple(spec.entities)
+    colliders = tuple(solids)
     hinges = tuple(j for j, joint in plan.joints.items() if joint.kind in {"hinge", "slide"})
+    drivers = tuple(n for n, d in plan.drivers.items() if d.kind not in ("inflow", "outflow"))
     per_frame: dict[str, Any] = {
         "position": positions,
         "quaternion": quaternions,
@@ -402,14 +404,14 @@ def make_candidate(
         "angular_velocity": spin,
         "asleep": _columns([b.split("/")[0] for b in bodies], asleep, frames).astype(np.uint8),
         "joint": _columns(hinges, joints, frames),
-        "driver/active": _columns(tuple(plan.drivers), active, frames).astype(np.uint8),
+        "driver/active": _columns(drivers, active, frames).astype(np.uint8),
     }
     for name, value in (records or {}).items():
         per_frame[f"record/{name}"] = np.broadcast_to(np.asarray(value, dtype=float), (frames,))
     per_frame |= dict(channels or {})
     folder = tmp_path / "cache" / "rigid"
     cache = Cache(folder)
-    index = CacheIndex("rigid", "mujoco", plan.fps, frames, tuple(bodies), colliders, hinges, tuple(plan.drivers), "test", {})
+    index = CacheIndex("rigid", "mujoco", plan.fps, frames, tuple(bodies), colliders, hinges, drivers, "test", {})
     cache.write_index(index)
     left_out, digests = set(without), []
     for k in range(frames):

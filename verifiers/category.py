@@ -1,11 +1,11 @@
-"""Category-specific checks (R99-R104). Rigid bodies are in `rigid.py`; no other category has an engine in this build."""
+"""Category-specific checks (R99-R104). Rigid bodies are in `rigid.py`, liquids in `liquid.py`; no other category has an engine."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ..worlds.requirements import Row
-from . import rigid
+from . import liquid, rigid
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -19,10 +19,14 @@ def check(candidate: Candidate) -> list[Row]:
     rows: list[Row] = []
     for solver in candidate.spec.simulation.rigid:
         rows += rigid.check_instance(candidate, solver)
+    for solver in candidate.spec.simulation.liquid:
+        rows += liquid.check_instance(candidate, solver)
+    simulated = {m for s in candidate.spec.simulation.liquid.values() for m in s.members}
     for name, entity in candidate.spec.entities.items():
         category = entity.physics.category
-        if category == "rigid":
+        if category == "rigid" or name in simulated:
             continue
+        missing = "no instance simulates it" if category == "liquid" else "this build has no engine for it"
         rows.append(
             make_row(
                 candidate,
@@ -31,7 +35,7 @@ def check(candidate: Candidate) -> list[Row]:
                 group="physical",
                 predicate=f"{name} behaves as {category}",
                 status="unverified",
-                explanation=f"{name} is {category}, and this build has no engine for it, so there is nothing to inspect",
+                explanation=f"{name} is {category}, and {missing}, so there is nothing to inspect",
                 entities=(name,),
                 corrections=[
                     correction(

@@ -14,12 +14,12 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
-from . import motion
+from . import liquid, motion
 from .exchanged import both_ways
 from .findings import Finding, again, halve, separate
 from .ledgers import books_of
 from .numerical_state import SPIKE, counters, events, frozen, resting, spike
-from .rigid import energy_scale
+from .rigid import energy_scale, moves_nothing
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -59,6 +59,8 @@ CLAIMS = {
     "frozen": "no free body that moves repeats a pose to the last bit",
     "resting": "sleeping bodies stay within 1e-6 m per frame, and something touches or holds them",
 }
+CONTAINER = ("frames", "digest", "finite")
+"""Claims about the cache itself, whatever it holds."""
 BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asleep")
 
 
@@ -71,32 +73,53 @@ def check(candidate: Candidate) -> list[Row]:
             try:
                 if cache is None:
                     raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-                found = FUNCTIONS[name](candidate, solver, cache)
+                if name not in CONTAINER and moves_nothing(candidate, solver, cache):
+                    found = Finding("not_applicable", f"no member of {solver!r} moves")
+                else:
+                    found = FUNCTIONS[name](candidate, solver, cache)
             except EvidenceError as error:
                 found = Finding("unverified", str(error))
-            rows.append(
-                make_row(
-                    candidate,
-                    f"numerical:{name}:{solver}",
-                    check="numerical",
-                    group="physical",
-                    predicate=claim,
-                    status=found.status,
-                    explanation=found.text,
-                    frames=(0, candidate.last_frame),
-                    measured=found.measured,
-                    bound=found.bound,
-                    comparison=found.comparison if found.measured is not None else "",
-                    unit=found.unit,
-                    entities=(found.entity,) if found.entity else (),
-                    first_failing_entity=found.entity if found.status == "fail" else None,
-                    first_failing_frame=found.frame if found.status == "fail" else None,
-                    corrections=found.hints,
-                    evidence={"solver": solver, **(found.evidence or {})},
-                    extra=candidate.spec.simulation.limits.model_dump(mode="json"),
-                )
-            )
+            rows.append(_row(candidate, solver, name, claim, found))
+    for solver in candidate.spec.simulation.liquid:
+        rows += _liquid(candidate, solver)
     return rows
+
+
+def _row(candidate: Candidate, solver: str, name: str, claim: str, found: Finding) -> Row:
+    return make_row(
+        candidate,
+        f"numerical:{name}:{solver}",
+        check="numerical",
+        group="physical",
+        predicate=claim,
+        status=found.status,
+        explanation=found.text,
+        frames=(0, candidate.last_frame),
+        measured=found.measured,
+        bound=found.bound,
+        comparison=found.comparison if found.measured is not None else "",
+        unit=found.unit,
+        entities=(found.entity,) if found.entity else (),
+        first_failing_entity=found.entity if found.status == "fail" else None,
+        first_failing_frame=found.frame if found.status == "fail" else None,
+        corrections=found.hints,
+        evidence={"solver": solver, **(found.evidence or {})},
+        extra=candidate.spec.simulation.limits.model_dump(mode="json"),
+    )
+
+
+def _liquid(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of a liquid instance: those of its container are judged as any other's, the rest in `liquid_numerical`."""
+    cache, rows = candidate.caches.get(solver), []
+    for name in ("frames", "digest"):
+        try:
+            if cache is None:
+                raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
+            found = FUNCTIONS[name](candidate, solver, cache)
+        except EvidenceError as error:
+            found = Finding("unverified", str(error))
+        rows.append(_row(candidate, solver, name, CLAIMS[name], found))
+    return rows + liquid.numerical_rows(candidate, solver)
 
 
 def _owner(cache: Cache, row: int) -> str:
@@ -118,8 +141,8 @@ def _frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
     if index.solver != solver:
         wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
-    if index.engine != plan.rigid[solver].engine:
-        wrong.append(f"written by engine {index.engine!r}, planned {plan.rigid[solver].engine!r}")
+    if index.engine != plan.solvers[solver].engine:
+        wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
     beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
     if beyond:
         wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")

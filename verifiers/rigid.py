@@ -36,7 +36,16 @@ if TYPE_CHECKING:
 
     from ..worlds.cache import Cache
 
-__all__ = ["ESCAPE", "JOINT_GAP", "JOINT_SHARE", "MASS_NOISE", "check_instance", "energy_scale", "largest_growth"]
+__all__ = [
+    "ESCAPE",
+    "JOINT_GAP",
+    "JOINT_SHARE",
+    "MASS_NOISE",
+    "check_instance",
+    "energy_scale",
+    "largest_growth",
+    "moves_nothing",
+]
 
 MASS_NOISE = 1e-9
 """Relative; a sum of doubles in another order."""
@@ -77,10 +86,20 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         try:
             if cache is None:
                 raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
+            if moves_nothing(candidate, solver, cache):
+                text = f"no member of {solver!r} moves"
+                rows.append(rigid_row(candidate, f"category:rigid:{name}:{solver}", "not_applicable", PREDICATES[name], text))
+                continue
             rows.append(function(candidate, solver, cache))
         except EvidenceError as error:
             rows.append(rigid_row(candidate, f"category:rigid:{name}:{solver}", "unverified", PREDICATES[name], str(error)))
     return rows
+
+
+def moves_nothing(candidate: Candidate, solver: str, cache: Cache) -> bool:
+    """Whether an instance holds nothing but ground: by the plan, and by the index of its cache."""
+    members = candidate.spec.simulation.solvers[solver].members
+    return not cache.index.bodies and all(candidate.spec.entities[m].motion == "static" for m in members)
 
 
 PREDICATES = {

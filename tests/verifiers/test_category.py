@@ -148,4 +148,4 @@ def test_other_categories_are_unverified(tmp_path: Path) -> None:
     rows = check(falling(tmp_path, entities={"water": water}))
     row = next(r for r in rows if r.id == "category:water")
     assert row.status == "unverified"
-    assert "no engine" in row.evidence["explanation"]
+    assert "no instance simulates it" in row.evidence["explanation"]

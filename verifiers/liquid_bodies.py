@@ -1,0 +1,106 @@
+"""What passed between a liquid and its boundaries, and how the boundaries' bodies moved meanwhile."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.errors import EvidenceError
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+    from .liquid_frames import Frame, Liquid
+
+__all__ = ["Bodies", "exchanged"]
+
+
+class Bodies:
+    """The boundaries of a liquid instance in the order of `CacheIndex.colliders`, with their motion at every frame."""
+
+    def __init__(self, liquid: Liquid) -> None:
+        self.liquid = liquid
+        self.names = tuple(liquid.cache.index.colliders)
+        self.candidate: Candidate = liquid.candidate
+        unknown = [n for n in self.names if n.count("/") != 1 or n.split("/")[0] not in self.candidate.spec.entities]
+        if unknown:
+            raise EvidenceError(f"collider {unknown[0]!r} of {liquid.solver!r} is not planned; bake again")
+
+    @property
+    def count(self) -> int:
+        """Boundaries."""
+        return len(self.names)
+
+    @cached_property
+    def entities(self) -> tuple[str, ...]:
+        """Entity of every boundary."""
+        return tuple(n.split("/")[0] for n in self.names)
+
+    @cached_property
+    def free(self) -> list[bool]:
+        """Which of them are moved by forces."""
+        return [self.candidate.spec.entities[n].motion == "dynamic" for n in self.entities]
+
+    @cached_property
+    def motion(self) -> tuple[F64, F64]:
+        """Velocity of the centre of mass and angular velocity, each shape (frames, b, 3); zero for what stands still."""
+        linear, angular = np.zeros((2, self.liquid.frames, self.count, 3))
+        for row, name in enumerate(self.names):
+            held = self.candidate.cache_row(*name.split("/"))
+            if held is not None:
+                cache, body = held
+                linear[:, row] = cache.series("velocity")[: self.liquid.frames, body]
+                angular[:, row] = cache.series("angular_velocity")[: self.liquid.frames, body]
+        return linear, angular
+
+    @cached_property
+    def moving(self) -> F64:
+        """Fastest of all at every frame [m/s], shape (frames,); of the surface, roughly: radius 1 m at most."""
+        linear, angular = self.motion
+        if not self.count:
+            return np.zeros(self.liquid.frames)
+        reach = np.array([self._reach(n) for n in self.names])
+        result: F64 = (np.linalg.norm(linear, axis=2) + np.linalg.norm(angular, axis=2) * reach).max(axis=1)
+        return result
+
+    def _reach(self, name: str) -> float:
+        """Farthest point of a body from its centre of mass [m]."""
+        entity, body = name.split("/")
+        center = self.candidate.body(entity, body).center
+        parts = self.candidate.entity(entity).parts_of(body)
+        return max((float(np.linalg.norm(p.render.vertices - center, axis=1).max()) for p in parts), default=0.0)
+
+    @cached_property
+    def reach(self) -> F64:
+        """Farthest point of every body from its centre of mass [m], shape (b,)."""
+        return np.array([self._reach(n) for n in self.names])
+
+    @cached_property
+    def mass(self) -> F64:
+        """[kg], shape (b,)."""
+        return np.array([self.candidate.body(*n.split("/")).mass for n in self.names])
+
+    @cached_property
+    def centers(self) -> F64:
+        """Centres of mass in the world [m], shape (frames, b, 3)."""
+        result = np.zeros((self.liquid.frames, self.count, 3))
+        for row, name in enumerate(self.names):
+            position, quaternion = self.candidate.track(*name.split("/"))
+            offset = self.candidate.body(*name.split("/")).center
+            result[:, row] = (position + rotation_matrix(quaternion) @ offset)[: self.liquid.frames]
+        return result
+
+
+def exchanged(frame: Frame, name: str, count: int) -> F64:
+    """Channel `exchange/<name>` of a frame, shape (b, 6).
+
+    Raises:
+        EvidenceError: it is missing or of another shape.
+    """
+    held = frame.others.get(f"exchange/{name}")
+    if held is None or np.shape(held) != (count, 6):
+        shown = "is missing" if held is None else f"has shape {np.shape(held)}"
+        raise EvidenceError(f"exchange/{name} of frame {frame.index} {shown}, {(count, 6)} is needed; bake again")
+    return np.asarray(held, dtype=np.float64)

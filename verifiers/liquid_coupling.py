@@ -1,0 +1,295 @@
+"""Whether a liquid and bodies gave each other what each says it got (R66, R67, R102).
+
+- `exchange`: for every boundary and frame, what the liquid gave and what it lost itself add up to zero (`REACTION` of the scale).
+- `received`: what a two-way coupled rigid instance received is what the liquid gave.
+- `declared`: bodies that move freely and get pushed by the liquid are coupled both ways, or the omission is declared one-way.
+- `buoyancy`: the upward push on a body is that of the water it displaces, less what its own acceleration and drag take.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ..geometry import Solid, contains
+from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.errors import EvidenceError
+from .findings import Finding
+from .liquid_bodies import Bodies, exchanged
+from .liquid_rows import baked_again, longer_step
+from .verdicts import correction
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..worlds.requirements import Correction
+    from .liquid_frames import Frame, Liquid, Step
+
+__all__ = ["BUOYANCY", "REACTION", "Coupling", "coupled", "level_about", "sample_inside"]
+
+REACTION = 1e-4
+"""Relative to the largest impulse of the boundary in any frame: single-precision sums."""
+FELT = 0.01
+"""Own choice: a body feels a liquid that pushes it with this share of its weight over a frame."""
+BUOYANCY = 0.1
+"""Own choice: of the weight of water that the whole body displaces."""
+ADDED = (0.2, 1.2)
+"""Added mass over displaced mass: a slender body along its axis, a plate across; a sphere has 0.5."""
+DRAG = 1.5
+"""Largest drag coefficient of a blunt body, times half the density, its box's section and the square of its speed."""
+WINDOW_SECONDS = 0.25
+POINTS = 600
+"""Points inside a body at which it is asked whether they are under water."""
+RING = 3.0
+"""[spacings] Liquid up to this far from a body's box tells the level about it."""
+ROUGH = 2.0
+"""[spacings] Where the level about a body scatters more, its draft is not judged."""
+
+
+def coupled(liquid: Liquid, entity: str) -> str:
+    """`two_way`, `one_way`, or `` where nothing is declared between the liquid and the instance that moves the entity."""
+    plan = liquid.candidate.spec.simulation
+    owners = {n for n, s in plan.rigid.items() if entity in s.members}
+    found = [
+        c.direction for c in plan.couplings.values() if {c.source, c.target} & owners and liquid.solver in (c.source, c.target)
+    ]
+    return "two_way" if "two_way" in found else "one_way" if found else ""
+
+
+class Coupling:
+    """Exchange with every boundary."""
+
+    claims: ClassVar[Mapping[str, str]] = {
+        "exchange": f"impulse given to each boundary + what the liquid lost through it = 0 within {REACTION:g} of its largest",
+        "received": "what coupled bodies received is what the liquid gave",
+        "declared": "freely moving bodies that the liquid pushes are coupled both ways, or declared one-way",
+        "buoyancy": f"the push on floating and sunk bodies is that of the displaced liquid within {BUOYANCY:.0%}, draft within half a spacing",
+    }
+
+    def __init__(self, liquid: Liquid) -> None:
+        self.liquid, self.bodies = liquid, Bodies(liquid)
+        self.impulse: list[F64] = []
+        self.reaction: list[F64] = []
+        self.received: list[F64] = []
+        self.judged = [i for i, free in enumerate(self.bodies.free) if free]
+        self.inside = {i: sample_inside(liquid, self.bodies.names[i]) for i in self.judged}
+        self.sunk: list[F64] = []
+
+    def see(self, step: Step) -> None:
+        """Read one frame."""
+        count = self.bodies.count
+        self.impulse.append(exchanged(step.now, "impulse", count))
+        self.reaction.append(exchanged(step.now, "reaction", count))
+        self.received.append(self._received(step.now.index))
+        self.sunk.append(self._sunk(step.now))
+
+    def _received(self, index: int) -> F64:
+        """What the rigid side says it got, shape (b, 6); NaN where no coupled body is behind the boundary."""
+        result = np.full((self.bodies.count, 6), np.nan)
+        for row, name in enumerate(self.bodies.names):
+            held = self.liquid.candidate.cache_row(*name.split("/"))
+            if held is None or not self.bodies.free[row] or coupled(self.liquid, self.bodies.entities[row]) != "two_way":
+                continue
+            if len(self.liquid.candidate.liquid_caches) > 1:
+                continue  # what it received is the sum over several liquids
+            cache, body = held
+            given = cache.read(index, ("exchange/impulse",))["exchange/impulse"]
+            if np.shape(given) != (len(cache.index.bodies), 6):
+                raise EvidenceError(
+                    f"exchange/impulse of {cache.index.solver!r} has shape {np.shape(given)} at frame {index}; bake again"
+                )
+            result[row] = given[body]
+        return result
+
+    def _sunk(self, frame: Frame) -> F64:
+        """Share of every free body that is under the level about it, shape (bodies,); NaN where no level is plain to see."""
+        result = np.full(len(self.judged), np.nan)
+        for column, row in enumerate(self.judged):
+            points = self._points(row, frame.index)
+            level = level_about(self.liquid, frame, points)
+            if level is not None:
+                result[column] = float((points @ self.liquid.up < level).mean())
+        return result
+
+    def _points(self, row: int, index: int) -> F64:
+        entity, body = self.bodies.names[row].split("/")
+        position, quaternion = self.liquid.candidate.track(entity, body)
+        return np.asarray(self.inside[row] @ rotation_matrix(quaternion[index]).T + position[index])
+
+    def findings(self) -> dict[str, Finding]:
+        """All four."""
+        if not self.bodies.count:
+            none = Finding("not_applicable", "no solid bounds the liquid")
+            return dict.fromkeys(self.claims, none)
+        impulse, reaction = np.array(self.impulse), np.array(self.reaction)
+        return {
+            "exchange": self._compare("exchange", -reaction, impulse, "the liquid's own loss through"),
+            "received": self._compare("received", np.array(self.received), impulse, "what was received by"),
+            "declared": self._declared(impulse),
+            "buoyancy": self._buoyancy(impulse),
+        }
+
+    def _compare(self, name: str, one: F64, other: F64, what: str) -> Finding:
+        """Two accounts of the same impulses, shape (frames, b, 6); NaN is not judged."""
+        if np.isnan(one).all():
+            return Finding("not_applicable", "no body is coupled both ways with this liquid alone")
+        size = np.maximum(self.bodies.reach, 1e-9)
+        unit = np.stack([np.ones_like(size)] * 3 + [size] * 3, axis=1)
+        weight = self.liquid.strength * self.liquid.duration * float(self.liquid.rest_density.max()) * self.liquid.spacing**3
+        largest = np.abs(np.nan_to_num(other / unit)).max(axis=(0, 2))
+        scale = np.maximum(np.maximum(largest, np.abs(np.nan_to_num(one / unit)).max(axis=(0, 2))), weight)
+        error = np.abs((one - other) / unit).max(axis=2) / scale
+        error = np.where(np.isnan(one).any(axis=2), -np.inf, np.nan_to_num(error, nan=np.inf))
+        value = float(error.max())
+        over = error > REACTION
+        if not over.any():
+            return Finding(
+                "pass",
+                f"{what} boundaries agrees with what was given, within {max(value, 0.0):.2g}",
+                max(value, 0.0),
+                REACTION,
+                "1",
+            )
+        frame = int(np.argmax(over.any(axis=1)))
+        row = int(np.argmax(error[frame]))
+        entity = self.bodies.entities[row]
+        text = f"{what} {entity} at frame {frame} differs from what was given by {error[frame, row]:.3g} of its largest impulse"
+        hints: tuple[Correction, ...] = (baked_again(), longer_step(self.liquid, "the two sides do not step together"))
+        evidence = {"given": other[frame, row].tolist(), name: one[frame, row].tolist()}
+        return Finding("fail", text, value if np.isfinite(value) else None, REACTION, "1", entity, frame, hints, evidence)
+
+    def _declared(self, impulse: F64) -> Finding:
+        push = np.linalg.norm(impulse[:, :, :3], axis=2)
+        weight = self.bodies.mass * max(self.liquid.strength, 1e-6) * self.liquid.duration
+        omitted: dict[str, float] = {}
+        for row in self.judged:
+            share = float(push[:, row].max() / weight[row])
+            kind = coupled(self.liquid, self.bodies.entities[row])
+            if kind == "two_way" or share < FELT:
+                continue
+            omitted[self.bodies.entities[row]] = share
+            if not kind:
+                entity, frame = self.bodies.entities[row], int(np.argmax(push[:, row] >= FELT * weight[row]))
+                rigid = next((n for n, s in self.liquid.candidate.spec.simulation.rigid.items() if entity in s.members), "")
+                value = {"source": self.liquid.solver, "target": rigid, "direction": "two_way", "variables": ["motion", "wrench"]}
+                hint = correction(
+                    "no coupling carries the liquid's push to the body", "drivers", f"couple {self.liquid.solver} and {rigid} both ways",
+                    pointers=("/simulation/couplings",), patch=({"op": "add", "path": f"/simulation/couplings/{self.liquid.solver}_{rigid}", "value": value},),
+                )  # fmt: skip
+                text = f"{self.liquid.solver} pushes {entity} with {share:.3g} of its weight and does not move it: no coupling is declared"
+                return Finding("fail", text, share, FELT, "1", entity, frame, (hint,))
+        if omitted:
+            text = f"one-way, declared as an approximation: {', '.join(f'{n} misses up to {s:.3g} of its weight' for n, s in omitted.items())}"
+            return Finding("pass", text, evidence={"omitted_share_of_weight": omitted})
+        if not self.judged:
+            return Finding("not_applicable", "no boundary moves freely")
+        return Finding(
+            "pass", f"{len(self.judged)} free bodies are coupled both ways or stay dry", evidence={"omitted_share_of_weight": {}}
+        )
+
+    def _buoyancy(self, impulse: F64) -> Finding:
+        window = max(2, round(WINDOW_SECONDS / self.liquid.duration))
+        sunk = np.array(self.sunk).reshape(len(impulse), len(self.judged))
+        worst, culprit, when, judged, told = 0.0, None, None, 0, ""
+        for column, row in enumerate(self.judged):
+            if coupled(self.liquid, self.bodies.entities[row]) != "two_way" or self.liquid.strength < 1e-6:
+                continue
+            excess, push, wanted = self._excess(row, impulse[:, row, :3] @ self.liquid.up, sunk[:, column], window)
+            known = ~np.isnan(excess)
+            judged += int(known.sum())
+            if known.any() and np.nanmax(excess) > worst:
+                k = int(np.nanargmax(excess))
+                worst, told = (
+                    float(excess[k]),
+                    f"{self.bodies.entities[row]} is pushed up by {push[k]:.4g} N over frames {k - window}..{k}, displaced liquid gives {wanted[k]:.4g} N",
+                )
+                culprit = self.bodies.entities[row]
+                when = int(np.argmax(np.nan_to_num(excess, nan=0.0) > BUOYANCY)) if worst > BUOYANCY else None
+        if not judged:
+            return Finding("not_applicable", "no freely moving, two-way coupled body lies in liquid with a plain level")
+        text = told or f"the push on bodies is that of the displaced liquid ({judged} windows)"
+        hints = (
+            correction(
+                "the liquid's pressure does not reach the body",
+                "drivers",
+                "couple both ways; look at the coupling's variables",
+                pointers=("/simulation/couplings",),
+            ),
+            longer_step(self.liquid, "the body moves too far in a step"),
+        )
+        return Finding(
+            "pass" if worst <= BUOYANCY else "fail",
+            text,
+            worst,
+            BUOYANCY,
+            "1",
+            culprit if worst > BUOYANCY else None,
+            when,
+            hints if worst > BUOYANCY else (),
+        )
+
+    def _excess(self, row: int, upward: F64, sunk: F64, window: int) -> tuple[F64, F64, F64]:
+        """By how much the mean push of a window is outside of what is possible, over the weight of water that the whole body displaces; push; buoyancy [N]."""
+        liquid, frames = self.liquid, len(upward)
+        density = float(liquid.rest_density.max())
+        entity, body = self.bodies.names[row].split("/")
+        volume = self.liquid.candidate.body(entity, body).volume
+        size = np.ptp(self.inside[row], axis=0) + 1e-9
+        section = float(np.sort(size)[1:].prod())
+        speed = np.linalg.norm(self.bodies.motion[0][:, row], axis=1)
+        rise = self.bodies.motion[0][:, row] @ liquid.up
+        excess, push, wanted = (np.full(frames, np.nan) for _ in range(3))
+        for k in range(window, frames):
+            span = slice(k - window, k + 1)
+            if np.isnan(sunk[span]).any() or sunk[span].max() < 0.02:
+                continue
+            time = window * liquid.duration
+            push[k] = float(upward[k - window + 1 : k + 1].sum()) / time
+            displaced = density * volume * float(sunk[span].mean())
+            wanted[k] = displaced * liquid.strength
+            speeding = (rise[k] - rise[k - window]) / time
+            ends = [displaced * (liquid.strength - c * speeding) for c in ADDED]
+            fastest = float(speed[span].max())
+            slack = DRAG * 0.5 * density * section * fastest**2 + density * liquid.strength * section * 0.5 * liquid.spacing
+            outside = max(min(ends) - slack - push[k], push[k] - max(ends) - slack, 0.0)
+            excess[k] = outside / (density * volume * liquid.strength)
+        return excess, push, wanted
+
+
+def sample_inside(liquid: Liquid, name: str) -> F64:
+    """Points spread evenly inside the parts of a body, in its frame [m], shape (n, 3)."""
+    entity, body = name.split("/")
+    solids = [Solid.from_mesh(p.render, closed=p.closed) for p in liquid.candidate.entity(entity).parts_of(body)]
+    low, high = np.min([s.lower for s in solids], axis=0), np.max([s.upper for s in solids], axis=0)
+    step = float(np.cbrt(np.prod(high - low) / POINTS))
+    counts = np.maximum(np.ceil((high - low) / step).astype(int), 4)
+    axes = [np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(low, high, counts, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    held = np.zeros(len(grid), dtype=bool)
+    for solid in solids:
+        held |= contains(solid, grid)
+    return grid[held] if held.any() else 0.5 * (low + high)[None]
+
+
+def level_about(liquid: Liquid, frame: Frame, points: F64) -> float | None:
+    """Height of the liquid's surface about points, along `up` [m]; None where there is no plain one."""
+    if not frame.count:
+        return None
+    up, s = liquid.up, liquid.spacing
+    flat = np.eye(3)[np.argsort(np.abs(up))[:2]]
+    flat = flat - np.outer(flat @ up, up)
+    around, here = frame.position @ flat.T, points @ flat.T
+    low, high = here.min(axis=0), here.max(axis=0)
+    gap = np.maximum(low - around, around - high).max(axis=1)
+    near = np.flatnonzero((gap > 0.5 * s) & (gap < RING * s))
+    if not len(near):
+        return None
+    column = np.floor(around[near] / (1.5 * s)).astype(np.int64)
+    _, which = np.unique(column, axis=0, return_inverse=True)
+    top = np.full(which.max() + 1, -np.inf)
+    np.maximum.at(top, which.reshape(-1), frame.position[near] @ up)
+    if len(top) < 8 or float(np.quantile(top, 0.9) - np.quantile(top, 0.1)) > 2.0 * ROUGH * s:
+        return None
+    # The highest of a column lies half a particle under the surface.
+    return float(np.median(top)) + 0.5 * liquid.pitch

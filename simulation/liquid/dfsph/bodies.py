@@ -1,0 +1,334 @@
+"""Bodies in a particle liquid: their samples, the pairs (particle, body), and the impulses that both give each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....geometry.launch import warp
+from ....worlds.arrays import F64
+from ..boundary import Sampled, sample_surface
+from ..engine import BodyState, LiquidSetup
+
+if TYPE_CHECKING:
+    from .passes import Passes
+    from .store import Work
+
+__all__ = ["Coupling", "sampled_boundaries"]
+
+ROOM = 1024
+"""Pairs that there is room for at first."""
+
+
+def sampled_boundaries(setup: LiquidSetup) -> list[Sampled]:
+    """Samples of every boundary; of fixed ones only what liquid can meet (moving ones are sampled whole)."""
+    margin = 2.0 * setup.spacing
+    return [
+        sample_surface(
+            b.mesh,
+            setup.spacing,
+            closed=b.closed,
+            seed=setup.seed + k,
+            **(
+                {"lower": np.asarray(setup.lower) - margin, "upper": np.asarray(setup.upper) + margin}
+                if _stays(b)
+                else {"lower": None, "upper": None}
+            ),
+        )
+        for k, b in enumerate(setup.boundaries)
+    ]
+
+
+class Samples:
+    """Samples of several bodies on a device, in the order of their cells."""
+
+    def __init__(self, device: str, local: F64, volume: F64, body: Any, cells: int) -> None:
+        from .boundary_kernels import Samples as Arranged
+
+        wp = warp()
+        self.count = n = len(local)
+        self.local = wp.array(np.asarray(local, dtype=np.float32), dtype=wp.vec3, device=device)
+        self.volume = wp.array(np.asarray(volume, dtype=np.float32), dtype=wp.float32, device=device)
+        self.body = wp.array(np.asarray(body, dtype=np.int32), dtype=wp.int32, device=device)
+        self.x, self.v = (wp.zeros(n, dtype=wp.vec3, device=device) for _ in range(2))
+        self.stays = wp.zeros(n, dtype=wp.int32, device=device)
+        self.key, self.index = (wp.zeros(2 * n, dtype=wp.int32, device=device) for _ in range(2))
+        self.arranged = out = Arranged()
+        out.count = n
+        out.x, out.v = (wp.zeros(n, dtype=wp.vec3, device=device) for _ in range(2))
+        out.volume = wp.zeros(n, dtype=wp.float32, device=device)
+        out.body = wp.zeros(n, dtype=wp.int32, device=device)
+        out.span = wp.zeros(cells if n else 1, dtype=wp.vec2i, device=device)
+        self._sorted = False
+
+    def arrange(self, passes: Passes, name: str, rotation: Any, position: Any, grid: list[Any]) -> None:
+        """Carry the samples with their bodies and sort them into cells."""
+        from . import boundary_kernels as kernels
+        from . import grid_kernels
+
+        n, out = self.count, self.arranged
+        out.low, out.inverse, out.size = grid
+        if n == 0:
+            return
+        if self._sorted:
+            passes(name + "clear", grid_kernels.clear_spans, n, [self.key, out.span])()
+        passes(name + "place", kernels.place, n, [self.local, self.body, rotation, position, self.x])()
+        passes(name + "keys", grid_kernels.keys, n, [self.x, self.stays, *grid, self.key, self.index])()
+        warp().utils.radix_sort_pairs(self.key, self.index, n)
+        passes(name + "arrange", kernels.arrange, n, [self.index, self.x, self.v, self.volume, self.body, out])()
+        passes(name + "spans", grid_kernels.spans, n, [n, self.key, out.span])()
+        self._sorted = True
+
+
+class Coupling:
+    """All boundaries of one liquid and what passes between them and the particles in a step."""
+
+    def __init__(self, setup: LiquidSetup, sampled: list[Sampled], origin: F64, passes: Passes, cells: int) -> None:
+        from .boundary_kernels import Bodies, Pairs
+
+        wp = warp()
+        self.setup, self.sampled, self.origin, self.passes = setup, sampled, origin, passes
+        self.device = passes.device
+        self.count = b = len(setup.boundaries)
+        self._least = LEAST_STIFFNESS / (max(f.density for f in setup.fluids) * setup.spacing**2)
+        self.lanes = 4 if self.device == "cpu" else 64
+        rows = np.concatenate([np.full(len(s.position), k) for k, s in enumerate(sampled)] or [np.zeros(0)]).astype(np.int32)
+        self._fixed_rows = [k for k, one in enumerate(setup.boundaries) if _stays(one)]
+        fixed = np.isin(rows, self._fixed_rows)
+        local = np.concatenate([s.position for s in sampled] or [np.zeros((0, 3))])
+        volume = np.concatenate([s.volume for s in sampled] or [np.zeros(0)])
+        shifted = np.where(fixed[:, None], local - origin, local)
+        self.fixed = Samples(self.device, shifted[fixed], volume[fixed], rows[fixed], cells)
+        self.moving = Samples(self.device, local[~fixed], volume[~fixed], rows[~fixed], cells)
+        self._moving_rows = rows[~fixed]
+        self._placed: tuple[F64, F64] | None = None
+        self.bodies = s = Bodies()
+        size = max(b, 1)
+        for name, kind in {
+            "center": wp.vec3,
+            "velocity": wp.vec3,
+            "spin": wp.vec3,
+            "lightness": wp.float32,
+            "mobility": wp.mat33,
+            "deforms": wp.int32,
+        }.items():
+            setattr(s, name, wp.zeros(size, dtype=kind, device=self.device))
+        s.friction = wp.array([one.friction for one in setup.boundaries] or [0.0], dtype=wp.float32, device=self.device)
+        self.rotation = wp.zeros(size, dtype=wp.mat33, device=self.device)
+        self.position = wp.zeros(size, dtype=wp.vec3, device=self.device)
+        self.acceleration, self.linear, self.angular = (wp.zeros(size, dtype=wp.vec3, device=self.device) for _ in range(3))
+        self.force, self.torque = (wp.zeros(size * self.lanes, dtype=wp.vec3d, device=self.device) for _ in range(2))
+        self.reach = wp.zeros(size * self.lanes, dtype=wp.vec2d, device=self.device)
+        self.impulse = [wp.zeros(size, dtype=wp.vec3d, device=self.device) for _ in range(2)]
+        self.reaction_sum = [wp.zeros(size, dtype=wp.vec3d, device=self.device) for _ in range(2)]
+        self.pairs = Pairs()
+        self._room = 0
+        self._make_room(ROOM)
+        self.total = 0
+        self.reacts = False
+
+    def _make_room(self, room: int) -> None:
+        wp = warp()
+        self._room = room
+        self.pairs.particle, self.pairs.body = (wp.zeros(room, dtype=wp.int32, device=self.device) for _ in range(2))
+        self.pairs.slope = wp.zeros(room, dtype=wp.vec3, device=self.device)
+        self.pairs.drag = wp.zeros(room, dtype=wp.float32, device=self.device)
+        self.pair_force = wp.zeros(room, dtype=wp.vec3, device=self.device)
+        self.key, self.order = (wp.zeros(2 * room, dtype=wp.int32, device=self.device) for _ in range(2))
+        self.spans = wp.zeros(max(self.count, 1), dtype=wp.vec2i, device=self.device)
+
+    def begin(self, state: BodyState, grid: list[Any]) -> None:
+        """Take the bodies' state at the start of a step and carry their samples there."""
+        if self.count == 0:
+            return
+        s = self.bodies
+        position = np.asarray(state.position, dtype=float) - self.origin
+        rotation = np.asarray(state.rotation, dtype=float)
+        if self.fixed.count and not self.fixed._sorted:
+            wp = warp()
+            here = wp.zeros(self.count, dtype=wp.mat33, device=self.device)
+            here.assign(np.tile(np.eye(3, dtype=np.float32), (self.count, 1, 1)))
+            self.fixed.arrange(self.passes, "fixed", here, wp.zeros(self.count, dtype=wp.vec3, device=self.device), grid)
+        elif not self.fixed.count:
+            self.fixed.arrange(self.passes, "fixed", None, None, grid)
+        position, rotation = self._deformed(state, position, rotation)
+        self.position.assign(position.astype(np.float32))
+        self.rotation.assign(rotation.astype(np.float32))
+        s.center.assign((np.asarray(state.center) - self.origin).astype(np.float32))
+        mobile = np.asarray(state.inverse_mass) > 0
+        moving = np.array([not (_stays(b) or b.deforming) for b in self.setup.boundaries])
+        s.velocity.assign((np.asarray(state.velocity) * moving[:, None]).astype(np.float32))
+        s.spin.assign((np.asarray(state.angular_velocity) * moving[:, None]).astype(np.float32))
+        s.lightness.assign((np.asarray(state.inverse_mass) * moving).astype(np.float32))
+        s.mobility.assign((np.asarray(state.inverse_inertia) * moving[:, None, None]).astype(np.float32))
+        self.acceleration.assign((np.asarray(state.acceleration) * moving[:, None]).astype(np.float32))
+        self.reacts = bool((mobile & moving).any())
+        for one in (*self.impulse, *self.reaction_sum):
+            one.zero_()
+        self.moving.arrange(self.passes, "moving", self.rotation, self.position, grid)
+
+    def _deformed(self, state: BodyState, position: F64, rotation: F64) -> tuple[F64, F64]:
+        """Samples of bodies whose vertices move by themselves: in the world's frame, with velocities of their own."""
+        if not state.vertices:
+            return position, rotation
+        local = self.moving.local.numpy()
+        speed = self.moving.v.numpy()
+        position, rotation = position.copy(), rotation.copy()
+        for row, (vertices, velocities) in state.vertices.items():
+            sampled = self.sampled[row]
+            corner = self.setup.boundaries[row].mesh.faces[sampled.face]
+            old = self.setup.boundaries[row].mesh.vertices
+            offset = sampled.position - np.einsum("nk,nkd->nd", sampled.weights, old[corner])
+            turned = _turned(offset, old[corner], vertices[corner])
+            mine = self._moving_rows == row
+            local[mine] = np.einsum("nk,nkd->nd", sampled.weights, vertices[corner]) + turned - self.origin
+            speed[mine] = np.einsum("nk,nkd->nd", sampled.weights, velocities[corner])
+            position[row], rotation[row] = 0.0, np.eye(3)
+        self.moving.local.assign(local)
+        self.moving.v.assign(speed)
+        return position, rotation
+
+    def meet(self, work: Work, x: Any, volume: Any, h: float, n: int) -> None:
+        """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
+        from . import boundary_kernels as kernels
+        from . import grid_kernels
+
+        wp, w, run = warp(), work, self.passes
+        self.total = 0
+        self._work, self._x, self._volume, self._n = work, x, volume, n
+        self.pairs.start, self.pairs.touched = w.start, w.touched
+        fixed, moving = self.fixed.arranged, self.moving.arranged
+        if self.count:
+            run("count_pairs", kernels.count_pairs, n, [x, fixed, moving, h, w.touched])()
+            wp.utils.array_scan(w.touched[:n], w.start[:n], inclusive=False)
+            self.total = int(w.start[n - 1 : n].numpy()[0]) + int(w.touched[n - 1 : n].numpy()[0])
+            if self.total > self._room:
+                self._make_room(int(1.5 * self.total))
+        if self.total:
+            inputs = [x, fixed, moving, self.bodies, h, self.pairs, w.fill, w.lean, w.own]
+            run("fill_pairs", kernels.fill_pairs, n, inputs)()
+            run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order])()
+            wp.utils.radix_sort_pairs(self.key, self.order, self.total)
+            self.spans.zero_()
+            run("pair_spans", grid_kernels.spans, self.total, [self.total, self.key, self.spans])()
+        if self.total and self.reacts:
+            run(
+                "reach",
+                kernels.reach,
+                self.count * self.lanes,
+                [self.lanes, x, volume, self.pairs, self.order, self.spans, self.bodies, self.reach],
+            )()
+        run(
+            "finish",
+            kernels.finish_factors,
+            n,
+            [self.lanes, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self._least, w.stiffness],
+        )()
+        self.taken = w.none
+
+    def moving_walls(self) -> None:
+        """Write what bodies at their present velocity take away from D into `work.moving`."""
+        from . import boundary_kernels as kernels
+
+        w, s = self._work, self.bodies
+        if self.total:
+            self.passes(
+                "carry",
+                kernels.carry,
+                self._n,
+                [self._x, self.pairs, s.center, s.velocity, s.spin, w.own, w.moving],
+            )()
+        else:
+            w.moving.zero_()
+
+    def reaction(self, p: Any) -> list[Callable[[], None]]:
+        """Passes of one iteration: how the pressure accelerates bodies, and what that takes away from D."""
+        from . import boundary_kernels as kernels
+
+        if not (self.total and self.reacts):
+            return []
+        w, s, run = self._work, self.bodies, self.passes
+        self.taken = w.moving
+        return [
+            run(
+                "wrench",
+                kernels.wrench_lanes,
+                self.count * self.lanes,
+                [
+                    self.lanes,
+                    self._x,
+                    self._volume,
+                    p,
+                    self.pairs,
+                    self.order,
+                    self.spans,
+                    s.center,
+                    self.force,
+                    self.torque,
+                ],
+            ),
+            run(
+                "react",
+                kernels.react,
+                self.count,
+                [self.lanes, s, self.force, self.torque, self.linear, self.angular],
+            ),
+            run("taken", kernels.carry, self._n, [self._x, self.pairs, s.center, self.linear, self.angular, w.none, w.moving]),
+        ]
+
+    def book(self, p: Any) -> None:
+        """Add the impulses of a solve that has ended to the sums of both sides, and to the bodies' velocities."""
+        from . import boundary_kernels as kernels
+
+        if not self.total:
+            return
+        w, s, run = self._work, self.bodies, self.passes
+        lists = [self.pairs, self.order, self.spans, s.center, self.force, self.torque]
+        lanes = self.count * self.lanes
+        run("ledger", kernels.ledger_lanes, lanes, [self.lanes, self._x, self._volume, w.lightness, p, *lists])()
+        self._account(self.reaction_sum, moves=False)
+        run("book", kernels.wrench_lanes, lanes, [self.lanes, self._x, self._volume, p, *lists])()
+        self._account(self.impulse, moves=True)
+
+    def _account(self, sums: list[Any], *, moves: bool) -> None:
+        from . import boundary_kernels as kernels
+
+        self.passes(
+            f"account{int(moves)}",
+            kernels.account,
+            self.count,
+            [self.lanes, self.bodies, self.force, self.torque, self._work.settings, int(moves), *sums],
+        )()
+
+    def advance(self) -> None:
+        """Velocity of the bodies by everything but the liquid."""
+        from . import boundary_kernels as kernels
+
+        if self.count:
+            inputs = [self.acceleration, self._work.settings, self.bodies.velocity]
+            self.passes("kick", kernels.kick, self.count, inputs)()
+
+    def wrenches(self) -> tuple[F64, F64]:
+        """Impulses given to the bodies and taken by the liquid, (b, 6) each."""
+        b = self.count
+        given, taken = (np.concatenate([one.numpy()[:b] for one in sums], axis=1) for sums in (self.impulse, self.reaction_sum))
+        return given, taken
+
+
+LEAST_STIFFNESS = 1e-3
+"""In units of 1/(density spacing^2), where liquid at rest has 0.5: below it a particle has nothing to press against."""
+
+
+def _stays(boundary: Any) -> bool:
+    return boundary.motion == "static" and not boundary.deforming
+
+
+def _turned(offset: F64, before: F64, after: F64) -> F64:
+    """Offsets from faces turned with their faces' normals."""
+    length = np.linalg.norm(offset, axis=1, keepdims=True)
+    normal = [np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]) for c in (before, after)]
+    side = np.sign(np.einsum("nd,nd->n", offset, normal[0]))[:, None]
+    unit = normal[1] / np.maximum(np.linalg.norm(normal[1], axis=1, keepdims=True), 1e-300)
+    return np.asarray(side * length * unit)

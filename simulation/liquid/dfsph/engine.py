@@ -1,0 +1,295 @@
+"""The particle engine: one step of divergence-free smoothed particle hydrodynamics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....geometry.launch import chosen_device, warp
+from ....worlds.arrays import F64
+from ....worlds.errors import EngineError
+from ..engine import BodyState, LiquidSetup, Particles, StepReport
+from .bodies import Coupling, sampled_boundaries
+from .flow import Mouth, outflow_boxes, reasons
+from .passes import Passes
+from .pressure import Solved, solve
+from .settings import DfsphSettings
+from .state import pack, unpack
+from .store import Store, Work, cells_of
+
+__all__ = ["Dfsph"]
+
+SUPPORT = 2.0
+"""Support of the kernel in spacings."""
+CELLS_PER_PARTICLE = 8
+LEAST_CELLS = 1 << 16
+
+
+class Dfsph:
+    """A liquid of particles (the `Engine` protocol).
+
+    Args:
+        setup: what does not change.
+        settings: bounds of steps and errors.
+    """
+
+    def __init__(self, setup: LiquidSetup, settings: DfsphSettings | None = None) -> None:
+        wp = warp()
+        self.setup, self.settings = setup, settings or DfsphSettings()
+        self.device = chosen_device(setup.device)
+        self.origin: F64 = 0.5 * (np.asarray(setup.lower, dtype=float) + np.asarray(setup.upper, dtype=float))
+        self.h = SUPPORT * setup.spacing
+        self.time, self.steps, self.lost = 0.0, 0, 0
+        self.store = Store(self.device, self._first())
+        self.next_identity = self.store.count
+        self.speed = float(np.sqrt((np.asarray(setup.velocity) ** 2).sum(axis=1).max(initial=0.0)))
+        self.mouths = [Mouth(one, setup.spacing) for one in setup.inflows]
+        self.layers = [0] * len(self.mouths)
+        self.passes = Passes(self.device)
+        most = max(LEAST_CELLS, CELLS_PER_PARTICLE * self.store.count)
+        size = cells_of(setup.lower, setup.upper, self.h, most)
+        self._cells = int(np.prod(size))
+        lower, upper = (np.asarray(corner, dtype=float) - self.origin for corner in (setup.lower, setup.upper))
+        self._grid = [wp.vec3(*(lower - self.h)), 1.0 / self.h, wp.vec3i(*size)]
+        closed = [float(side == "closed") for side in setup.sides]
+        self._sides = [wp.vec3(*lower), wp.vec3(*upper), wp.vec3(*closed[0::2]), wp.vec3(*closed[1::2])]
+        self._density = wp.array([f.density for f in setup.fluids], dtype=wp.float32, device=self.device)
+        self._gravity = wp.vec3(*(float(g) for g in setup.gravity))
+        self._boxes = outflow_boxes(setup, self.origin, self.device)
+        self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
+        self._host = np.zeros(8, dtype=np.float32)
+        self._work: Work | None = None
+        self._sorted = 0
+        self._leavers = False
+
+    def _first(self) -> dict[str, Any]:
+        s, n = self.setup, len(self.setup.position)
+        warmth = np.array([f.temperature for f in s.fluids])
+        return {
+            "x": np.asarray(s.position, dtype=float).reshape(n, 3) - self.origin,
+            "v": np.asarray(s.velocity).reshape(n, 3),
+            "identity": np.arange(n),
+            "fluid": s.fluid,
+            "volume": s.volume,
+            "temperature": warmth[np.asarray(s.fluid, dtype=int)],
+            "pressure": np.zeros(n),
+            "push": np.zeros(n),
+            "held": np.full(n, -1.0),
+        }
+
+    @property
+    def work(self) -> Work:
+        """Arrays of the step, with room for all particles."""
+        if self._work is None or self._work.capacity < self.store.count:
+            room = {"room": self._work.room} if self._work else {}
+            self._work = Work(self.device, self.store.capacity, self._cells, **room)
+            self._sorted = 0
+        return self._work
+
+    def stable_dt(self) -> float:
+        """Largest stable step in the present state [s]."""
+        return self._stable(self.speed)
+
+    def _stable(self, speed: float) -> float:
+        reach = self.settings.cfl * self.setup.spacing
+        fall = float(np.linalg.norm(self.setup.gravity))
+        dt = self.settings.max_step
+        if speed > 0 or fall > 0:  # (speed + fall dt) dt <= reach
+            dt = min(dt, 2.0 * reach / (speed + float(np.sqrt(speed**2 + 4.0 * fall * reach))))
+        return dt
+
+    def step(self, limit: float, bodies: BodyState) -> StepReport:
+        """One step of at most `limit` seconds, with bodies as they are at its start."""
+        from . import step_kernels as kernels
+
+        added = self._let_in()
+        stable = min(self._stable(self.speed), self._stable(_fastest(bodies, self)))
+        dt = min(limit, stable)
+        w, n = self.work, self.store.count
+        self._host[:] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.5 * stable)
+        w.settings.assign(self._host)
+        if n == 0:
+            self.time += dt
+            self.steps += 1
+            return StepReport(dt, *self.coupling.wrenches(), added, {}, (0, 0), 0, (0.0, 0.0))
+        self.coupling.begin(bodies, self._grid)
+        self._sort(w)
+        self._neighbours(w)
+        s, run = self.store.now, self.passes
+        self.coupling.meet(w, s.x, s.volume, self.h, n)
+        spread = self._solve(w, density=False)
+        run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
+        self.coupling.advance()
+        pressed = self._solve(w, density=True)
+        run("travel", kernels.travel, n, [s.v, w.settings, s.x])()
+        margin = self.setup.spacing
+        run(
+            "leave",
+            kernels.leave,
+            n,
+            [s.x, *self._sides, margin, len(self.setup.outflows), self._boxes, w.leaving],
+        )()
+        error = self._census(w)
+        self.time += dt
+        self.steps += 1
+        given, taken = self.coupling.wrenches()
+        capped = int(pressed.capped) + int(spread.capped)
+        return StepReport(dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error)
+
+    def _solve(self, w: Work, *, density: bool) -> Solved:
+        s, k = self.store.now, self.settings
+        return solve(
+            self.passes,
+            w,
+            s.pressure if density else s.push,
+            s.v,
+            s.volume,
+            count=self.store.count,
+            density=density,
+            settings=self._host,
+            tolerance=k.density_error if density else k.divergence_error,
+            most=k.iterations,
+            coupling=self.coupling,
+        )
+
+    def _sort(self, w: Work) -> None:
+        """Bring the particles into the order of their cells; those that leave are dropped."""
+        from . import grid_kernels as kernels
+
+        s, n = self.store, self.store.count
+        if self._sorted:
+            self.passes("clear", kernels.clear_spans, self._sorted, [w.key, w.span])()
+        else:
+            w.span.zero_()
+            w.leaving.zero_()
+        self.passes("keys", kernels.keys, n, [s.now.x, w.leaving, *self._grid, w.key, w.index])()
+        warp().utils.radix_sort_pairs(w.key, w.index, n)
+        self.passes("reorder", kernels.reorder, n, [w.index, s.now, s.spare])()
+        s.swap()
+        self.passes("spans", kernels.spans, n, [n, w.key, w.span])()
+        self._sorted = n
+
+    def _neighbours(self, w: Work) -> None:
+        from . import boundary_kernels, grid_kernels, step_kernels
+
+        s, n, run = self.store.now, self.store.count, self.passes
+        run("lighten", step_kernels.lighten, n, [s.fluid, s.held, self._density, w.settings, w.lightness])()
+        while True:
+            lists = [w.room, w.row, w.stride, w.count, w.near, w.gradient, w.fill, w.lean, w.stiffness]
+            run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
+            most = int(w.count[:n].numpy().max())
+            if most <= w.room:
+                break
+            w.grow(self.device, 8 * (-(-(most + 4) // 8)))
+        walls = [s.x, *self._sides, self.setup.spacing, self.h, w.fill, w.lean, w.wall]
+        run("walls", boundary_kernels.walls, n, walls)()
+
+    def _let_in(self) -> dict[str, float]:
+        """Add the layers of inflows that are due."""
+        added: dict[str, float] = {}
+        new: list[dict[str, Any]] = []
+        for k, mouth in enumerate(self.mouths):
+            fluid = self.setup.fluids[mouth.inflow.fluid]
+            for place, held in mouth.layers(self.layers[k], self.time):
+                n = len(place)
+                new.append(
+                    {
+                        "x": place - self.origin,
+                        "v": np.tile(mouth.inflow.speed * mouth.normal, (n, 1)),
+                        "identity": self.next_identity + np.arange(n),
+                        "fluid": np.full(n, mouth.inflow.fluid),
+                        "volume": np.full(n, mouth.volume),
+                        "temperature": np.full(n, fluid.temperature),
+                        "pressure": np.zeros(n),
+                        "push": np.zeros(n),
+                        "held": np.full(n, held),
+                    }
+                )
+                self.next_identity += n
+                self.layers[k] += 1
+                added[mouth.inflow.name] = added.get(mouth.inflow.name, 0.0) + n * mouth.volume * fluid.density
+                self.speed = max(self.speed, mouth.inflow.speed)
+        if new:
+            old = self.store.columns()
+            self._replace({name: np.concatenate([old[name], *(one[name] for one in new)]) for name in old})
+        return added
+
+    def _let_out(self, w: Work) -> dict[str, float]:
+        """Take away what left, and sum its mass by the way it took."""
+        if not self._leavers:
+            return {}
+        self._leavers = False
+        n = self.store.count
+        code = w.leaving[:n].numpy()
+        old = self.store.columns()
+        mass = old["volume"].astype(float) * np.array([f.density for f in self.setup.fluids])[old["fluid"]]
+        names = reasons(self.setup)
+        removed = {names[c]: float(mass[code == c].sum()) for c in np.unique(code[code > 0])}
+        self.lost += int((code == names.index("lost")).sum())
+        self._replace({name: column[code == 0] for name, column in old.items()})
+        return removed
+
+    def _replace(self, columns: dict[str, Any]) -> None:
+        """Other particles instead; cells and leavers are made anew."""
+        self.store.replace(columns)
+        self._sorted = 0
+
+    def _census(self, w: Work) -> tuple[float, float]:
+        """Mean and largest compression, on the positions that the step started from; the largest speed; who leaves."""
+        from . import step_kernels as kernels
+
+        s, n = self.store.now, self.store.count
+        self.passes("census", kernels.census, w.lanes, [w.lanes, n, s.x, s.v, w.fill, w.leaving, w.out, w.bad])()
+        out, bad = w.out.numpy(), w.bad.numpy()
+        if (bad[:, 0] >= 0).any():
+            i = int(bad[:, 0].max())
+            where = ", ".join(f"{c:.4g}" for c in s.x[i : i + 1].numpy()[0] + self.origin)
+            raise EngineError(
+                f"step {self.steps} of the liquid at {self.time:.4f} s: particle {int(s.identity[i : i + 1].numpy()[0])} at ({where}) m "
+                "has no finite velocity; use a shorter max_step or a finer resolution"
+            )
+        self.speed = float(np.sqrt(out[:, 2].max()))
+        self._leavers = bool(bad[:, 1].any())
+        return float(out[:, 0].sum() / n), float(out[:, 1].max())
+
+    def particles(self) -> Particles:
+        """Copies of the present state; density and pressure are those of the last step."""
+        c, n = self.store.columns(), self.store.count
+        rest = np.array([f.density for f in self.setup.fluids])[c["fluid"]]
+        known = self._work is not None and self._sorted == n
+        fill = self._work.fill[:n].numpy().astype(float) if known and self._work is not None else np.ones(n)
+        return Particles(
+            c["x"].astype(float) + self.origin,
+            c["v"].astype(float),
+            c["identity"],
+            c["fluid"],
+            c["volume"].astype(float),
+            fill * rest,
+            (c["pressure"] + c["push"]).astype(float),
+            c["temperature"].astype(float),
+        )
+
+    def checkpoint(self) -> bytes:
+        """The full state; the engine itself continues from exactly these bytes."""
+        return pack(self)
+
+    def restore(self, state: bytes) -> None:
+        """Continue from a checkpoint."""
+        unpack(self, state)
+        self._sorted = 0
+
+
+def _fastest(bodies: BodyState, engine: Dfsph) -> float:
+    """Largest speed of a moving surface [m/s], bounded by its samples' distance from the centre."""
+    fastest = 0.0
+    for k, (boundary, sampled) in enumerate(zip(engine.setup.boundaries, engine.coupling.sampled, strict=True)):
+        if boundary.motion == "static" and not boundary.deforming:
+            continue
+        if k in bodies.vertices:
+            fastest = max(fastest, float(np.linalg.norm(bodies.vertices[k][1], axis=1).max(initial=0.0)))
+            continue
+        if len(sampled.position):
+            arm = float(np.linalg.norm(sampled.position, axis=1).max())
+            fastest = max(fastest, float(np.linalg.norm(bodies.velocity[k]) + arm * np.linalg.norm(bodies.angular_velocity[k])))
+    return fastest

@@ -1,0 +1,159 @@
+# mypy: ignore-errors
+"""Warp kernels of neighbourhoods: cells, reordering, and one search that also sums density and gradients.
+
+All gather: thread i writes only its own rows (or, for the spans of cells, entries that no other thread writes).
+"""
+
+import warp as wp
+
+from .shape_kernels import cell, cell_of, slope, weight, wrapped
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["clear_spans", "keys", "reorder", "search", "spans"]
+
+GONE = wp.constant(wp.int32(2147483647))
+"""Key of a particle that leaves: sorts last."""
+
+
+@wp.kernel
+def keys(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    leaving: wp.array(dtype=wp.int32),
+    low: wp.vec3,
+    inverse: wp.float32,
+    size: wp.vec3i,
+    key: wp.array(dtype=wp.int32),
+    index: wp.array(dtype=wp.int32),
+):
+    """Cell of each particle, and its place before sorting."""
+    i = first + wp.tid()
+    k = cell(cell_of(x[i], low, inverse), size)
+    if leaving[i] != 0:
+        k = GONE
+    key[i] = k
+    index[i] = i
+
+
+@wp.kernel
+def clear_spans(first: wp.int32, key: wp.array(dtype=wp.int32), span: wp.array(dtype=wp.vec2i)):
+    """Empty the cells that the last sort filled."""
+    i = first + wp.tid()
+    k = key[i]
+    if k != GONE and (i == 0 or key[i - 1] != k):
+        span[k] = wp.vec2i(0, 0)
+
+
+@wp.kernel
+def spans(first: wp.int32, count: wp.int32, key: wp.array(dtype=wp.int32), span: wp.array(dtype=wp.vec2i)):
+    """First and past-the-last particle of each cell that holds any; the first particle of a cell writes both."""
+    i = first + wp.tid()
+    k = key[i]
+    if k != GONE and (i == 0 or key[i - 1] != k):
+        end = i + 1
+        while end < count and key[end] == k:
+            end += 1
+        span[k] = wp.vec2i(i, end)
+
+
+@wp.struct
+class Particles:
+    """What a particle carries from step to step."""
+
+    x: wp.array(dtype=wp.vec3)
+    v: wp.array(dtype=wp.vec3)
+    identity: wp.array(dtype=wp.int32)
+    fluid: wp.array(dtype=wp.int32)
+    volume: wp.array(dtype=wp.float32)
+    temperature: wp.array(dtype=wp.float32)
+    pressure: wp.array(dtype=wp.float32)
+    push: wp.array(dtype=wp.float32)
+    held: wp.array(dtype=wp.float32)
+
+
+@wp.kernel
+def reorder(first: wp.int32, index: wp.array(dtype=wp.int32), before: Particles, after: Particles):
+    """Carry all values of particle index[i] to place i."""
+    i = first + wp.tid()
+    j = index[i]
+    after.x[i] = before.x[j]
+    after.v[i] = before.v[j]
+    after.identity[i] = before.identity[j]
+    after.fluid[i] = before.fluid[j]
+    after.volume[i] = before.volume[j]
+    after.temperature[i] = before.temperature[j]
+    after.pressure[i] = before.pressure[j]
+    after.push[i] = before.push[j]
+    after.held[i] = before.held[j]
+
+
+@wp.kernel
+def search(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+    span: wp.array(dtype=wp.vec2i),
+    low: wp.vec3,
+    inverse: wp.float32,
+    size: wp.vec3i,
+    h: wp.float32,
+    room: wp.int32,
+    row: wp.int32,
+    stride: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    near: wp.array(dtype=wp.int32),
+    gradient: wp.array(dtype=wp.vec3),
+    fill: wp.array(dtype=wp.float32),
+    lean: wp.array(dtype=wp.vec3),
+    stiffness: wp.array(dtype=wp.float32),
+):
+    """List the neighbours of i with V_j grad W_ij, and sum its fill (density / rest density), their gradients and the diagonal.
+
+    Neighbour k of particle i stands at i row + k stride. `count` goes beyond `room` where the list was too short.
+    `lightness` is 1/density, 0 for held particles.
+    """
+    i = first + wp.tid()
+    xi = x[i]
+    vi = volume[i]
+    c = cell_of(xi, low, inverse)
+    found = wp.int32(0)
+    sum_w = vi * weight(0.0, h)
+    sum_g = wp.vec3(0.0, 0.0, 0.0)
+    sum_d = wp.float32(0.0)
+    limit = h * h
+    per_h = 1.0 / h
+    cx0 = wrapped(c[0] - 1, size[0])
+    cx1 = wrapped(c[0], size[0])
+    cx2 = wrapped(c[0] + 1, size[0])
+    for dz in range(-1, 2):
+        layer = wrapped(c[2] + dz, size[2]) * size[1]
+        for dy in range(-1, 2):
+            line = (layer + wrapped(c[1] + dy, size[1])) * size[0]
+            for dx in range(3):
+                at = line + cx0
+                if dx == 1:
+                    at = line + cx1
+                if dx == 2:
+                    at = line + cx2
+                s = span[at]
+                for j in range(s[0], s[1]):
+                    way = xi - x[j]
+                    d2 = wp.dot(way, way)
+                    if d2 < limit and j != i:
+                        q = wp.sqrt(d2) * per_h
+                        vj = volume[j]
+                        g = way * (vj * slope(q, h))
+                        if found < room:
+                            at_k = i * row + found * stride
+                            near[at_k] = j
+                            gradient[at_k] = g
+                        found += 1
+                        sum_w += vj * weight(q, h)
+                        sum_g += g
+                        sum_d += vi * lightness[j] / vj * wp.dot(g, g)
+    count[i] = found
+    fill[i] = sum_w
+    lean[i] = sum_g
+    stiffness[i] = sum_d

@@ -1,0 +1,111 @@
+"""The two pressure solves of a step: one set of kernels, two right sides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import solve_kernels as kernels
+from .passes import Chain
+
+if TYPE_CHECKING:
+    from .bodies import Coupling
+    from .passes import Passes
+    from .store import Work
+
+__all__ = ["Solved", "solve"]
+
+RELAXATION = 0.3
+"""Step along the scaled gradient. Rows of A scaled by its diagonal have eigenvalues up to about 3. Own choice, by measurement."""
+CHUNK = 2
+"""Iterations per graph on a GPU, between two looks at the error."""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """How one solve ended."""
+
+    iterations: int
+    error: float
+    """Mean compression (of the density solve), or mean rate of compression times dt."""
+    capped: bool
+
+
+def solve(
+    passes: Passes,
+    work: Work,
+    p: Any,
+    v: Any,
+    volume: Any,
+    *,
+    count: int,
+    density: bool,
+    settings: Any,
+    tolerance: float,
+    most: int,
+    coupling: Coupling,
+) -> Solved:
+    """Raise p >= 0 [Pa] until nothing is compressed, and change v by it; p starts where the last step ended.
+
+    Args:
+        passes: prepared kernels.
+        work: arrays of the step; `settings` and neighbours are filled in.
+        p: pressure of this solve.
+        v: velocities.
+        volume: of the particles [m^3].
+        count: particles.
+        density: the constant-density solve; else the divergence-free one.
+        settings: host values of `work.settings`.
+        tolerance: mean error at which to stop.
+        most: iterations at most.
+        coupling: bodies that move with the pressure.
+    """
+    w, name = work, "density" if density else "divergence"
+    lists = [w.count, w.near, w.gradient, w.row, w.stride]
+    coupling.moving_walls()
+    passes(name + "rates", kernels.rates, count, [v, w.lean, *lists, w.moving, w.rate])()
+    passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b])()
+    passes(name + "begin", kernels.begin, count, [p, w.y])()
+    settings[2:6] = (0.0, 1.0, 0.0, RELAXATION)
+    w.settings.assign(settings)
+    reaction = coupling.reaction(w.y)
+    chain: list[Callable[[], None]] = [
+        passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *lists, w.a]),
+        *reaction,
+        passes(
+            name + "relax",
+            kernels.relax,
+            count,
+            [
+                w.a,
+                w.lean,
+                *lists,
+                coupling.taken,
+                w.stiffness,
+                w.b,
+                volume,
+                w.settings,
+                p,
+                w.y,
+                w.sums,
+            ],
+        ),
+        passes("lane_sums", kernels.lane_sums, w.lanes, [w.sums, count, w.lanes, w.partial]),
+        passes("close_sums", kernels.close_sums, 1, [w.lanes, w.partial, w.settings]),
+    ]
+    chunk = 1 if passes.device == "cpu" else CHUNK
+    run = Chain(chain * chunk, passes.device)
+    done, error = 0, np.inf
+    while done < most:
+        run()
+        done += chunk
+        error = float(w.settings.numpy()[4])
+        if not error > tolerance:
+            break
+    passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *lists, w.a])()
+    coupling.book(p)
+    passes(name + "end", kernels.end, count, [w.a, w.settings, v])()
+    return Solved(done, error, not error <= tolerance)

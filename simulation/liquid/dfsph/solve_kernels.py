@@ -1,0 +1,196 @@
+# mypy: ignore-errors
+"""Warp kernels of the two pressure solves: accelerated projected gradient on p >= 0, no compression where p > 0.
+
+Discrete divergence D v = sum_j V_j (v_i - v_j) . grad W_ij + walls, pressure acceleration a = -(1/rho) (p_i S_i + sum_j p_j V_j grad W_ij)
+with S_i = sum_j V_j grad W_ij + walls. Weighted by volume, -D a is a symmetric positive matrix A of p, so both solves are one
+convex problem with bounds (a linear complementarity problem): r = b - A p <= 0, p >= 0, p r = 0.
+"""
+
+import warp as wp
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["accelerate", "begin", "close_sums", "end", "lane_sums", "rates", "relax", "source"]
+
+DT = wp.constant(0)
+COUNT = wp.constant(1)
+BETA = wp.constant(2)
+NESTEROV = wp.constant(3)
+ERROR = wp.constant(4)
+OMEGA = wp.constant(5)
+MEND = wp.constant(7)
+"""Places in `settings`: step, particles, momentum of the solve and its counter, mean error, relaxation; (6 is the time;) shortest
+time in which compression is taken back, so that a very short step does not throw particles."""
+
+
+@wp.kernel
+def rates(
+    first: wp.int32,
+    v: wp.array(dtype=wp.vec3),
+    lean: wp.array(dtype=wp.vec3),
+    count: wp.array(dtype=wp.int32),
+    near: wp.array(dtype=wp.int32),
+    gradient: wp.array(dtype=wp.vec3),
+    row: wp.int32,
+    stride: wp.int32,
+    moving: wp.array(dtype=wp.float32),
+    rate: wp.array(dtype=wp.float32),
+):
+    """D v: rate of the fill [1/s]; `moving` is what moving walls take away."""
+    i = first + wp.tid()
+    s = wp.dot(v[i], lean[i]) - moving[i]
+    at = i * row
+    for _k in range(count[i]):
+        s -= wp.dot(v[near[at]], gradient[at])
+        at += stride
+    rate[i] = s
+
+
+@wp.kernel
+def source(
+    first: wp.int32,
+    fill: wp.array(dtype=wp.float32),
+    rate: wp.array(dtype=wp.float32),
+    settings: wp.array(dtype=wp.float32),
+    density_solve: wp.int32,
+    b: wp.array(dtype=wp.float32),
+):
+    """Right side [1/s^2]: compression predicted after dt over dt^2, or its rate over dt where the liquid is not thin."""
+    i = first + wp.tid()
+    dt = settings[DT]
+    over = fill[i] - 1.0
+    if density_solve != 0:
+        b[i] = (over / wp.max(dt, settings[MEND]) + rate[i]) / dt
+    else:
+        b[i] = wp.min(rate[i], (over + THIN) / dt + rate[i]) / dt
+
+
+THIN = wp.constant(wp.float32(0.02))
+"""Fill below 1 from which on a particle may be compressed in the divergence solve."""
+
+
+@wp.kernel
+def begin(
+    first: wp.int32,
+    p: wp.array(dtype=wp.float32),
+    y: wp.array(dtype=wp.float32),
+):
+    """Start from the pressure of the last step."""
+    i = first + wp.tid()
+    y[i] = p[i]
+
+
+@wp.kernel
+def accelerate(
+    first: wp.int32,
+    p: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+    lean: wp.array(dtype=wp.vec3),
+    count: wp.array(dtype=wp.int32),
+    near: wp.array(dtype=wp.int32),
+    gradient: wp.array(dtype=wp.vec3),
+    row: wp.int32,
+    stride: wp.int32,
+    a: wp.array(dtype=wp.vec3),
+):
+    """Acceleration by pressure [m/s^2]."""
+    i = first + wp.tid()
+    s = p[i] * lean[i]
+    at = i * row
+    for _k in range(count[i]):
+        s += p[near[at]] * gradient[at]
+        at += stride
+    a[i] = -lightness[i] * s
+
+
+@wp.kernel
+def relax(
+    first: wp.int32,
+    a: wp.array(dtype=wp.vec3),
+    lean: wp.array(dtype=wp.vec3),
+    count: wp.array(dtype=wp.int32),
+    near: wp.array(dtype=wp.int32),
+    gradient: wp.array(dtype=wp.vec3),
+    row: wp.int32,
+    stride: wp.int32,
+    bodies: wp.array(dtype=wp.float32),
+    stiffness: wp.array(dtype=wp.float32),
+    b: wp.array(dtype=wp.float32),
+    volume: wp.array(dtype=wp.float32),
+    settings: wp.array(dtype=wp.float32),
+    p: wp.array(dtype=wp.float32),
+    y: wp.array(dtype=wp.float32),
+    sums: wp.array(dtype=wp.vec2),
+):
+    """One accelerated step; sums: compression left (r > 0) and the sign that asks for a restart.
+
+    `bodies` is what accelerating bodies take away from D a.
+    """
+    i = first + wp.tid()
+    s = wp.dot(a[i], lean[i]) - bodies[i]
+    at = i * row
+    for _k in range(count[i]):
+        s -= wp.dot(a[near[at]], gradient[at])
+        at += stride
+    r = b[i] + s
+    old = p[i]
+    was = y[i]
+    fresh = wp.float32(0.0)
+    if stiffness[i] > 0.0:
+        fresh = wp.max(was + settings[OMEGA] * r / stiffness[i], 0.0)
+    p[i] = fresh
+    y[i] = fresh + settings[BETA] * (fresh - old)
+    sums[i] = wp.vec2(wp.max(r, 0.0), volume[i] * stiffness[i] * (was - fresh) * (fresh - old))
+
+
+@wp.kernel
+def end(
+    first: wp.int32,
+    a: wp.array(dtype=wp.vec3),
+    settings: wp.array(dtype=wp.float32),
+    v: wp.array(dtype=wp.vec3),
+):
+    """Velocity after the pressure of the solve."""
+    i = first + wp.tid()
+    v[i] = v[i] + settings[DT] * a[i]
+
+
+@wp.kernel
+def lane_sums(
+    first: wp.int32,
+    values: wp.array(dtype=wp.vec2),
+    total: wp.int32,
+    lanes: wp.int32,
+    partial: wp.array(dtype=wp.vec2d),
+):
+    """Sum of each lane, in a fixed order."""
+    t = first + wp.tid()
+    x = wp.float64(0.0)
+    y = wp.float64(0.0)
+    for i in range(t, total, lanes):
+        x += wp.float64(values[i][0])
+        y += wp.float64(values[i][1])
+    partial[t] = wp.vec2d(x, y)
+
+
+@wp.kernel
+def close_sums(
+    first: wp.int32,
+    lanes: wp.int32,
+    partial: wp.array(dtype=wp.vec2d),
+    settings: wp.array(dtype=wp.float32),
+):
+    """Mean compression that is left, and the momentum of the next accelerated step (Nesterov, with restarts)."""
+    x = wp.float64(0.0)
+    y = wp.float64(0.0)
+    for t in range(lanes):
+        x += partial[t][0]
+        y += partial[t][1]
+    dt = settings[DT]
+    settings[ERROR] = wp.float32(x) * dt * dt / settings[COUNT]
+    t0 = settings[NESTEROV]
+    if y > wp.float64(0.0):
+        t0 = 1.0
+    t1 = 0.5 * (1.0 + wp.sqrt(1.0 + 4.0 * t0 * t0))
+    settings[BETA] = (t0 - 1.0) / t1
+    settings[NESTEROV] = t1

@@ -1,0 +1,135 @@
+# mypy: ignore-errors
+"""Warp kernels of a step beside the solves: forces, motion, who leaves, and what is reported."""
+
+import warp as wp
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["census", "fall", "leave", "lighten", "travel"]
+
+DT = wp.constant(0)
+TIME = wp.constant(6)
+OPEN = wp.constant(1)
+LOST = wp.constant(2)
+
+
+@wp.kernel
+def lighten(
+    first: wp.int32,
+    fluid: wp.array(dtype=wp.int32),
+    held: wp.array(dtype=wp.float32),
+    density: wp.array(dtype=wp.float32),
+    settings: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+):
+    """1/density of each particle; 0 while an inflow still holds it."""
+    i = first + wp.tid()
+    one = 1.0 / density[fluid[i]]
+    if settings[TIME] < held[i]:
+        one = 0.0
+    lightness[i] = one
+
+
+@wp.kernel
+def fall(
+    first: wp.int32,
+    lightness: wp.array(dtype=wp.float32),
+    gravity: wp.vec3,
+    settings: wp.array(dtype=wp.float32),
+    v: wp.array(dtype=wp.vec3),
+):
+    """Gravity on what is not held."""
+    i = first + wp.tid()
+    if lightness[i] > 0.0:
+        v[i] = v[i] + settings[DT] * gravity
+
+
+@wp.kernel
+def travel(
+    first: wp.int32,
+    v: wp.array(dtype=wp.vec3),
+    settings: wp.array(dtype=wp.float32),
+    x: wp.array(dtype=wp.vec3),
+):
+    """Move with the velocity of the end of the step."""
+    i = first + wp.tid()
+    x[i] = x[i] + settings[DT] * v[i]
+
+
+@wp.struct
+class Box:
+    """An outflow: inside where all local coordinates are below the half sizes."""
+
+    center: wp.vec3
+    rotation: wp.mat33
+    half: wp.vec3
+
+
+@wp.kernel
+def leave(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    low: wp.vec3,
+    high: wp.vec3,
+    low_closed: wp.vec3,
+    high_closed: wp.vec3,
+    margin: wp.float32,
+    outflows: wp.int32,
+    boxes: wp.array(dtype=Box),
+    leaving: wp.array(dtype=wp.int32),
+):
+    """0 stays, 1 left through an open side, 2 lost through a closed one, 3 + k taken by outflow k."""
+    i = first + wp.tid()
+    xi = x[i]
+    code = wp.int32(0)
+    for a in range(3):
+        if xi[a] < low[a]:
+            if low_closed[a] == 0.0:
+                code = OPEN
+            elif xi[a] < low[a] - margin:
+                code = LOST
+        if xi[a] > high[a]:
+            if high_closed[a] == 0.0:
+                code = OPEN
+            elif xi[a] > high[a] + margin:
+                code = LOST
+    if code == 0:
+        for k in range(outflows):
+            y = wp.transpose(boxes[k].rotation) * (xi - boxes[k].center)
+            z = boxes[k].half
+            if code == 0 and wp.abs(y[0]) <= z[0] and wp.abs(y[1]) <= z[1] and wp.abs(y[2]) <= z[2]:
+                code = 3 + k
+    leaving[i] = code
+
+
+@wp.kernel
+def census(
+    first: wp.int32,
+    lanes: wp.int32,
+    total: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    v: wp.array(dtype=wp.vec3),
+    fill: wp.array(dtype=wp.float32),
+    leaving: wp.array(dtype=wp.int32),
+    out: wp.array(dtype=wp.vec4d),
+    bad: wp.array(dtype=wp.vec2i),
+):
+    """Per lane: sum and largest of compression, largest squared speed; a particle that is not finite or -1, leavers."""
+    t = first + wp.tid()
+    mean = wp.float64(0.0)
+    worst = wp.float32(0.0)
+    fast = wp.float32(0.0)
+    wrong = wp.int32(-1)
+    leavers = wp.int32(0)
+    for i in range(t, total, lanes):
+        over = wp.max(fill[i] - 1.0, 0.0)
+        mean += wp.float64(over)
+        worst = wp.max(worst, over)
+        v2 = wp.dot(v[i], v[i])
+        fast = wp.max(fast, v2)
+        if not (wp.isfinite(v2) and wp.isfinite(wp.dot(x[i], x[i])) and wp.isfinite(fill[i])):
+            wrong = i
+        if leaving[i] != 0:
+            leavers += 1
+    out[t] = wp.vec4d(mean, wp.float64(worst), wp.float64(fast), wp.float64(0.0))
+    bad[t] = wp.vec2i(wrong, leavers)

@@ -1,0 +1,117 @@
+"""Arrays of a particle liquid on a device: what is carried from step to step, and room for the work of one step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....geometry.launch import warp
+from ....worlds.arrays import F64
+
+__all__ = ["FIELDS", "Store", "Work", "lanes"]
+
+FIELDS = {
+    "x": ("vec3", np.float32),
+    "v": ("vec3", np.float32),
+    "identity": ("int32", np.int32),
+    "fluid": ("int32", np.int32),
+    "volume": ("float32", np.float32),
+    "temperature": ("float32", np.float32),
+    "pressure": ("float32", np.float32),
+    "push": ("float32", np.float32),
+    "held": ("float32", np.float32),
+}
+"""Fields of `grid_kernels.Particles`: Warp's type and NumPy's."""
+ROOM = 40
+"""Neighbours that a list has room for at first; water at rest has 27 to 33."""
+GROWTH = 1.3
+
+
+def lanes(device: str) -> int:
+    """Partial sums of a reduction: few on a CPU, many on a GPU. Sums depend on it, so it depends on the device alone."""
+    return 8 if device == "cpu" else 2048
+
+
+class Store:
+    """Particles in the order of their cells; `now` is the state, `spare` takes the next order."""
+
+    def __init__(self, device: str, columns: dict[str, Any]) -> None:
+        self.device = device
+        self.count = 0
+        self.capacity = 0
+        self.now: Any = None
+        self.spare: Any = None
+        self.replace(columns)
+
+    def _particles(self, capacity: int) -> Any:
+        from .grid_kernels import Particles
+
+        wp = warp()
+        made = Particles()
+        for name, (kind, _) in FIELDS.items():
+            setattr(made, name, wp.zeros(capacity, dtype=getattr(wp, kind), device=self.device))
+        return made
+
+    def replace(self, columns: dict[str, Any]) -> None:
+        """Take these particles instead; makes room where there is too little."""
+        self.count = len(columns["x"])
+        if self.count > self.capacity:
+            self.capacity = max(64, int(GROWTH * self.count) if self.capacity else self.count)
+            self.now, self.spare = self._particles(self.capacity), self._particles(self.capacity)
+        if self.count:
+            for name, (_, dtype) in FIELDS.items():
+                values = np.ascontiguousarray(columns[name], dtype=dtype)
+                getattr(self.now, name)[: self.count].assign(values)
+
+    def columns(self) -> dict[str, Any]:
+        """Copies of all fields."""
+        return {name: getattr(self.now, name)[: self.count].numpy().copy() for name in FIELDS}
+
+    def swap(self) -> None:
+        """The next order becomes the state."""
+        self.now, self.spare = self.spare, self.now
+
+
+class Work:
+    """Room for one step of up to `capacity` particles with up to `room` neighbours each."""
+
+    def __init__(self, device: str, capacity: int, cells: int, *, room: int = ROOM) -> None:
+        wp = warp()
+
+        def zeros(count: int, kind: Any) -> Any:
+            return wp.zeros(count, dtype=kind, device=device)
+
+        self.capacity, self.room = capacity, room
+        self.row, self.stride = (room, 1) if device == "cpu" else (1, capacity)
+        self.lanes = lanes(device)
+        self.key, self.index = zeros(2 * capacity, wp.int32), zeros(2 * capacity, wp.int32)
+        self.span = zeros(cells, wp.vec2i)
+        self.count, self.touched, self.leaving = (zeros(capacity, wp.int32) for _ in range(3))
+        self.start = zeros(capacity, wp.int32)
+        self.near, self.gradient = zeros(capacity * room, wp.int32), zeros(capacity * room, wp.vec3)
+        self.fill, self.stiffness, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(6))
+        self.own, self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(4))
+        self.lean, self.wall, self.a = (zeros(capacity, wp.vec3) for _ in range(3))
+        self.sums, self.partial = zeros(capacity, wp.vec2), zeros(self.lanes, wp.vec2d)
+        self.out, self.bad = zeros(self.lanes, wp.vec4d), zeros(self.lanes, wp.vec2i)
+        self.settings = zeros(8, wp.float32)
+
+    def grow(self, device: str, room: int) -> None:
+        """Longer neighbour lists."""
+        wp = warp()
+        self.room = room
+        self.row = room if device == "cpu" else 1
+        self.near = wp.zeros(self.capacity * room, dtype=wp.int32, device=device)
+        self.gradient = wp.zeros(self.capacity * room, dtype=wp.vec3, device=device)
+
+
+def cells_of(lower: F64, upper: F64, h: float, most: int) -> tuple[int, int, int]:
+    """Cells of size h along each axis of a box with a margin; the longest axes are wrapped until there are at most `most`."""
+    size = [max(3, int(np.ceil(extent / h)) + 3) for extent in np.asarray(upper) - np.asarray(lower)]
+    while size[0] * size[1] * size[2] > most:
+        longest = int(np.argmax(size))
+        if size[longest] <= 3:
+            break
+        size[longest] = max(3, (size[longest] + 1) // 2)
+    return size[0], size[1], size[2]

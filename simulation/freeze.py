@@ -21,7 +21,7 @@ def engine_versions() -> dict[str, str]:
     """Versions of what computes the motion."""
     from importlib.metadata import version
 
-    return {"mujoco": version("mujoco"), "numpy": version("numpy"), "scipy": version("scipy")}
+    return {"mujoco": version("mujoco"), "numpy": version("numpy"), "scipy": version("scipy"), "warp-lang": version("warp-lang")}
 
 
 def solver_source() -> str:

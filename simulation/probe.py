@@ -17,9 +17,10 @@ from ..worlds.folder import WorldFolder, safe_join
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
 from .protocol import Solver
-from .schedule import checkpoint_frames, checkpoint_path, make_solver, run_frames
+from .runs import Run, groups_of, make_run
+from .schedule import checkpoint_frames, checkpoint_path, run_frames
 
-__all__ = ["probe_frames", "recorded_inputs", "replay", "run_probe"]
+__all__ = ["positions_of", "probe_frames", "recorded_inputs", "replay", "run_probe"]
 
 SETTLING_SECONDS = 0.75
 """Simulated after the last beat's end, so that early settling can be seen [s]."""
@@ -73,15 +74,19 @@ def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str,
     """
     rng = np.random.default_rng(seed)
     results: list[dict[str, object]] = []
-    for name, cache in candidate.caches.items():
-        marks = checkpoint_frames(candidate.spec, cache.index.frames)
+    groups = groups_of(candidate.spec)
+    # In the order of the specification, so that the same intervals are drawn for the same seed.
+    for names in sorted(groups, key=lambda group: min(list(candidate.caches).index(n) for n in group)):
+        caches = {n: candidate.caches[n] for n in names}
+        count = min(c.index.frames for c in caches.values())
+        marks = checkpoint_frames(candidate.spec, count)
         chosen = sorted(rng.choice(marks, size=min(intervals, len(marks)), replace=False).tolist())
-        solver = make_solver(candidate.spec, candidate.built, name)
-        solver.prepare()
-        results.append(_replay_start(solver, cache))
-        ends = dict(zip(marks, [*marks[1:], cache.index.frames - 1], strict=True))
+        run = make_run(candidate.spec, candidate.built, names, caches=candidate.caches)
+        run.prepare()
+        results += [_replay_start(run.solvers[n], c) for n, c in caches.items()]
+        ends = dict(zip(marks, [*marks[1:], count - 1], strict=True))
         for start in chosen:
-            results.append(_replay_interval(solver, cache, start, ends[start], set(marks)))
+            results += _replay_interval(run, caches, start, ends[start], set(marks))
     return results
 
 
@@ -108,41 +113,56 @@ def _replay_start(solver: Solver, cache: Cache) -> dict[str, object]:
     }
 
 
+def positions_of(data: Mapping[str, Any]) -> str:
+    """Name of the channel that tells where the things of an instance are."""
+    return "position" if "position" in data else "particle/position"
+
+
 def _apart(cache: Cache, frame: int, data: Mapping[str, Any]) -> float | None:
     """Largest distance [m] between positions simulated and cached; None where they cannot be compared."""
-    stored = cache.read(frame, ("position",))["position"]
-    if stored.shape != data["position"].shape:
+    name = positions_of(data)
+    stored = cache.read(frame, (name,))[name]
+    if stored.shape != data[name].shape:
         return None
-    distance = float(np.abs(data["position"] - stored).max(initial=0.0))
+    distance = float(np.abs(data[name] - stored).max(initial=0.0))
     return distance if math.isfinite(distance) else None
 
 
-def _replay_interval(solver: Solver, cache: Cache, start: int, end: int, marks: set[int]) -> dict[str, object]:
+def _replay_interval(run: Run, caches: Mapping[str, Cache], start: int, end: int, marks: set[int]) -> list[dict[str, object]]:
+    """One record per instance of the run."""
     try:
-        solver.restore(_checkpoint(cache, start), start)
+        run.restore({n: _checkpoint(c, start) for n, c in caches.items()}, start)
     except EngineError as error:
-        return {
+        return [
+            {
+                "solver": cache.index.solver,
+                "frames": [start, end],
+                "identical": False,
+                "first_different_frame": start,
+                "largest_difference_m": None,
+                "reason": str(error),
+            }
+            for cache in caches.values()
+        ]
+    first_bad: dict[str, int] = {}
+    apart: dict[str, list[float | None]] = {n: [] for n in caches}
+    for frame in range(start + 1, end + 1):
+        run.advance(frame)
+        for name, cache in caches.items():
+            data = dict(run.solvers[name].frame_data())
+            if digest_arrays(data) != cache.frame_digest(frame):
+                first_bad.setdefault(name, frame)
+                apart[name].append(_apart(cache, frame, data))
+    for name, cache in caches.items():
+        if end in marks and name not in first_bad and run.solvers[name].checkpoint() != _checkpoint(cache, end):
+            first_bad[name] = end
+    return [
+        {
             "solver": cache.index.solver,
             "frames": [start, end],
-            "identical": False,
-            "first_different_frame": start,
-            "largest_difference_m": None,
-            "reason": str(error),
+            "identical": name not in first_bad,
+            "first_different_frame": first_bad.get(name),
+            "largest_difference_m": None if None in apart[name] else max((d for d in apart[name] if d is not None), default=0.0),
         }
-    first_bad = None
-    apart: list[float | None] = []
-    for frame in range(start + 1, end + 1):
-        solver.advance(frame)
-        data = dict(solver.frame_data())
-        if digest_arrays(data) != cache.frame_digest(frame):
-            first_bad = frame if first_bad is None else first_bad
-            apart.append(_apart(cache, frame, data))
-    if end in marks and first_bad is None and solver.checkpoint() != _checkpoint(cache, end):
-        first_bad = end
-    return {
-        "solver": cache.index.solver,
-        "frames": [start, end],
-        "identical": first_bad is None,
-        "first_different_frame": first_bad,
-        "largest_difference_m": None if None in apart else max((d for d in apart if d is not None), default=0.0),
-    }
+        for name, cache in caches.items()
+    ]

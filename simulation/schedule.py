@@ -3,44 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from ..worlds.audit import audit
 from ..worlds.built import BuiltEntity
-from ..worlds.cache import Cache, write_container
-from ..worlds.errors import EngineError, EvidenceError, InputError
+from ..worlds.cache import Cache, CacheIndex, write_container
+from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
-from .protocol import Intervention, Solver
+from .runs import Run, groups_of, make_run
 
-__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "make_solver", "run_frames"]
+__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "run_frames"]
 
 CHECKPOINT_SECONDS = 0.5
 """Interval between checkpoints [s of the world]: what a resumed or replayed run repeats at most."""
-
-
-def make_solver(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None = None) -> Solver:
-    """The solver of one instance, not yet prepared; with an intervention, of the run in which it is made.
-
-    Raises:
-        InputError: a member has no engine in this build.
-    """
-    others = [m for m in spec.simulation.solvers[name].members if spec.entities[m].physics.category != "rigid"]
-    if others:
-        raise InputError(f"members {others[:5]} of solver {name!r} are not rigid; this build simulates rigid bodies only")
-    import mujoco
-
-    from .rigid import SolverRigid
-
-    # Warnings are counted in the `overflows` record; the engine would also write a log file into the working directory.
-    mujoco.set_mju_user_warning(_ignore)
-
-    return SolverRigid(spec, built, name, intervention)
-
-
-def _ignore(message: str) -> None:
-    del message
 
 
 def checkpoint_frames(spec: WorldSpec, frames: int) -> list[int]:
@@ -69,15 +46,34 @@ def _trusted_frames(cache: Cache, frames: int) -> int:
     return min(len(digests), frames)
 
 
-def _resume(solver: Solver, cache: Cache, marks: list[int]) -> int:
-    """Continue from the first of some checkpoints that is whole; its frame, or -1."""
+def _resume(run: Run, caches: Mapping[str, Cache], marks: list[int]) -> int:
+    """Continue from the first of some checkpoints that all instances of a run have whole; its frame, or -1."""
     for mark in marks:
         try:
-            solver.restore(checkpoint_path(cache.folder, mark).read_bytes(), mark)
+            run.restore({n: checkpoint_path(c.folder, mark).read_bytes() for n, c in caches.items()}, mark)
         except (OSError, EngineError):
             continue
         return mark
     return -1
+
+
+def _take_over(cache: Cache, index: CacheIndex) -> bool:
+    """Take an equal liquid's cache from another candidate of this world; whether there was one.
+
+    Equal means the same recipe: nothing that reaches its domain differs, whatever else of the world does.
+    """
+    stage = cache.folder.parent
+    for other in sorted(stage.parent.parent.glob(f"*/{stage.name}/{cache.folder.name}")):
+        there = Cache(other)
+        try:
+            if other == cache.folder or there.index != index or _trusted_frames(there, index.frames) < index.frames:
+                continue
+        except EvidenceError:
+            continue
+        shutil.rmtree(cache.folder, ignore_errors=True)
+        shutil.copytree(other, cache.folder)
+        return True
+    return False
 
 
 def run_frames(
@@ -103,31 +99,58 @@ def run_frames(
         InputError: an instance cannot be prepared.
         EngineError: a solver failed.
     """
-    order = audit(spec).bake_order
+    groups = groups_of(spec)
     caches: dict[str, Cache] = {}
-    total = frames * len(order)
-    for rank, name in enumerate(order):
-        cache = caches[name] = Cache(folder / name)
-        trusted = _trusted_frames(cache, frames)
-        solver = make_solver(spec, built, name)
-        solver.prepare()
-        cache.write_index(dataclasses.replace(solver.index(), frames=frames))
-        if trusted >= frames:
-            continue
-        marks = set(checkpoint_frames(spec, frames))
-        start = _resume(solver, cache, [k for k in sorted(marks, reverse=True) if k < trusted])
-        if start < 0 and trusted > 0:
-            solver = make_solver(spec, built, name)
-            solver.prepare()
-        cache.begin_digests(cache.digests()[: start + 1] if start >= 0 else [])
-        for frame in range(start + 1, frames):
-            if frame > 0:
-                solver.advance(frame)
-            cache.add_digest(write_container(cache.path(frame), solver.frame_data()))
-            if frame in marks:
-                write_atomically(checkpoint_path(cache.folder, frame), solver.checkpoint())
+    for rank, names in enumerate(groups):
+
+        def say(frame: int, rank: int = rank, names: tuple[str, ...] = names) -> None:
             if progress is not None:
-                progress(rank * frames + frame + 1, total, f"{name}: frame {frame + 1} of {frames}")
+                text = f"{' and '.join(names)}: frame {frame + 1} of {frames}"
+                progress(rank * frames + frame + 1, frames * len(groups), text)
             if check is not None:
                 check()
+
+        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say)
+    return caches
+
+
+def _run_group(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    caches: dict[str, Cache],
+    done: Mapping[str, Cache],
+    *,
+    frames: int,
+    say: Callable[[int], None],
+) -> dict[str, Cache]:
+    """Simulate one group into its caches; `done` are those of the groups before it."""
+    names = tuple(caches)
+    trusted = min(_trusted_frames(c, frames) for c in caches.values())
+    run = make_run(spec, built, names, caches=done)
+    run.prepare()
+    for name, cache in caches.items():
+        index = dataclasses.replace(run.solvers[name].index(), frames=frames)
+        if trusted < frames and len(names) == 1 and index.settings and _take_over(cache, index):
+            trusted = frames
+        cache.write_index(index)
+    # A reader keeps the index that it saw first; another world's frames may have stood here.
+    caches = {n: Cache(c.folder) for n, c in caches.items()}
+    if trusted >= frames:
+        return caches
+    marks = set(checkpoint_frames(spec, frames))
+    start = _resume(run, caches, [k for k in sorted(marks, reverse=True) if k < trusted])
+    if start < 0 and trusted > 0:
+        run = make_run(spec, built, names, caches=done)
+        run.prepare()
+    for cache in caches.values():
+        cache.begin_digests(cache.digests()[: start + 1] if start >= 0 else [])
+    for frame in range(start + 1, frames):
+        if frame > 0:
+            run.advance(frame)
+        for name, cache in caches.items():
+            cache.add_digest(write_container(cache.path(frame), run.solvers[name].frame_data()))
+        if frame in marks:
+            for name, cache in caches.items():
+                write_atomically(checkpoint_path(cache.folder, frame), run.solvers[name].checkpoint())
+        say(frame)
     return caches

@@ -17,8 +17,10 @@ from ..worlds.cache import Cache, CacheIndex
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError, InputError
 from ..worlds.spec import WorldSpec
+from .probe import positions_of
 from .protocol import Intervention, Solver
-from .schedule import checkpoint_frames, checkpoint_path, make_solver
+from .runs import Run, groups_of, make_run, reads
+from .schedule import checkpoint_frames, checkpoint_path
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant"]
 
@@ -104,43 +106,51 @@ def run_variant(candidate: Candidate, done: Intervention, *, start: int, end: in
         EvidenceError: there is no checkpoint to start from, the cache is not what its checkpoint leads to, or the variant
             cannot be simulated.
     """
+    spec = candidate.spec
     caches: dict[str, Cache] = {}
-    for name, cache in candidate.caches.items():
-        index = dataclasses.replace(cache.index, frames=end + 1)
-        if not _concerned(candidate.spec, name, done):
-            caches[name] = _VariantCache(cache, index, {})
+    changed: set[str] = set()
+    for names in groups_of(spec):
+        own = {n: candidate.caches[n] for n in names}
+        if not any(_concerned(spec, n, done) or changed & set(reads(spec, n)) for n in names):
+            caches |= {n: _VariantCache(c, dataclasses.replace(c.index, frames=end + 1), {}) for n, c in own.items()}
             continue
-        mark = _nearest_checkpoint(candidate, cache, start)
-        own: dict[int, Mapping[str, Any]] = {}
+        changed |= set(names)
+        mark = min(_nearest_checkpoint(candidate, c, start) for c in own.values())
+        frames: dict[str, dict[int, Mapping[str, Any]]] = {n: {} for n in names}
         try:
-            state = checkpoint_path(cache.folder, mark).read_bytes()
+            states = {n: checkpoint_path(c.folder, mark).read_bytes() for n, c in own.items()}
             if done.apart and mark < start:
                 # Pairs that rest on each other until then must not part before.
-                state, mark = _state_at(candidate, cache, state, (mark, start)), start
-            solver = make_solver(candidate.spec, candidate.built, name, done)
-            solver.prepare(resumed=True)
-            solver.restore(state, mark)
+                states, mark = _states_at(candidate, own, states, (mark, start)), start
+            run = make_run(spec, candidate.built, names, caches=caches, intervention=done)
+            run.prepare(resumed=True)
+            run.restore(states, mark)
             for frame in range(mark + 1, end + 1):
-                solver.advance(frame)
-                if frame == start:
-                    _require_same(cache, solver, frame)
-                elif frame > start:
-                    own[frame] = _finite(solver, frame)
+                run.advance(frame)
+                for name, cache in own.items():
+                    if frame == start:
+                        _require_same(cache, run.solvers[name], frame)
+                    elif frame > start:
+                        frames[name][frame] = _finite(run.solvers[name], frame)
         except (EngineError, InputError, OSError) as error:
             raise EvidenceError(f"the run cannot be repeated: {error}") from error
-        caches[name] = _VariantCache(cache, index, own)
+        caches |= {n: _VariantCache(c, dataclasses.replace(c.index, frames=end + 1), frames[n]) for n, c in own.items()}
+    caches = {n: caches[n] for n in candidate.caches}
     return dataclasses.replace(candidate, caches=caches, digest=f"{candidate.digest}+variant", apart=done.apart)
 
 
-def _state_at(candidate: Candidate, cache: Cache, state: bytes, frames: tuple[int, int]) -> bytes:
-    """The state at the second frame of the untouched run, from that at the first."""
-    solver = make_solver(candidate.spec, candidate.built, cache.index.solver)
-    solver.prepare(resumed=True)
-    solver.restore(state, frames[0])
+def _states_at(
+    candidate: Candidate, caches: Mapping[str, Cache], states: Mapping[str, bytes], frames: tuple[int, int]
+) -> dict[str, bytes]:
+    """The states at the second frame of the untouched run, from those at the first."""
+    run: Run = make_run(candidate.spec, candidate.built, tuple(caches), caches=candidate.caches)
+    run.prepare(resumed=True)
+    run.restore(states, frames[0])
     for frame in range(frames[0] + 1, frames[1] + 1):
-        solver.advance(frame)
-    _require_same(cache, solver, frames[1])
-    return solver.checkpoint()
+        run.advance(frame)
+    for name, cache in caches.items():
+        _require_same(cache, run.solvers[name], frames[1])
+    return {n: s.checkpoint() for n, s in run.solvers.items()}
 
 
 def run_altered(candidate: Candidate, spec: WorldSpec, built: Mapping[str, BuiltEntity], *, end: int) -> Candidate:
@@ -150,31 +160,36 @@ def run_altered(candidate: Candidate, spec: WorldSpec, built: Mapping[str, Built
         EvidenceError: it cannot be simulated.
     """
     caches: dict[str, Cache] = {}
-    for name, cache in candidate.caches.items():
-        own: dict[int, Mapping[str, Any]] = {}
+    for names in groups_of(spec):
+        frames: dict[str, dict[int, Mapping[str, Any]]] = {n: {} for n in names}
         try:
-            solver = make_solver(spec, built, name)
-            solver.prepare()
+            run = make_run(spec, built, names, caches=caches)
+            run.prepare()
             for frame in range(end + 1):
                 if frame:
-                    solver.advance(frame)
-                own[frame] = _finite(solver, frame)
+                    run.advance(frame)
+                for name in names:
+                    frames[name][frame] = _finite(run.solvers[name], frame)
         except (EngineError, InputError) as error:
             raise EvidenceError(f"the altered world cannot be simulated: {error}") from error
-        caches[name] = _VariantCache(cache, dataclasses.replace(cache.index, frames=end + 1), own)
+        for name in names:
+            cache = candidate.caches[name]
+            caches[name] = _VariantCache(cache, dataclasses.replace(cache.index, frames=end + 1), frames[name])
+    caches = {n: caches[n] for n in candidate.caches}
     return dataclasses.replace(candidate, spec=spec, built=built, caches=caches, digest=f"{candidate.digest}+altered")
 
 
 def _finite(solver: Solver, frame: int) -> Mapping[str, Any]:
     data = solver.frame_data()
-    if not np.isfinite(data["position"]).all():
+    if not np.isfinite(data[positions_of(data)]).all():
         raise EngineError(f"coordinates are not finite at frame {frame}")
     return data
 
 
 def _require_same(cache: Cache, solver: Solver, frame: int) -> None:
     """That the checkpoint led to where the cache says the bodies are."""
-    stored, found = cache.read(frame, ("position",))["position"], solver.frame_data()["position"]
+    name = positions_of(solver.frame_data())
+    stored, found = cache.read(frame, (name,))[name], solver.frame_data()[name]
     apart = float(np.abs(stored - found).max(initial=0.0)) if stored.shape == found.shape else np.inf
     if not apart <= CONTINUES:
         raise EvidenceError(

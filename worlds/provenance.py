@@ -1,6 +1,7 @@
 """What depends on what: recipes of all artifacts of a world, and exactly which are stale after an edit (R115, R116).
 
-Artifacts: `terrain:<id>`, `built:<entity>`, `static:<entity>` (evidence at frame 0), `motion` (probe, bake and every verdict over
+Artifacts: `terrain:<id>`, `built:<entity>`, `static:<entity>` (evidence at frame 0), `liquid:<instance>` (frames of a liquid, which
+are taken over from an earlier bake where nothing that reaches its domain changed), `motion` (probe, bake and every verdict over
 them), `contact` and `category` (verdicts over the motion against bounds), `story` and `shots` (verdicts that read
 the story and the shot plan over the same motion), `acceptance`, `final`.
 """
@@ -9,14 +10,19 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .canonical import digest_of
+from .liquid_audit import coupled_groups
+from .liquids import domain_box, initial_box, spacing_of
 from .requirements import Row
 from .spec import Fastened, RigidPhysics, WorldSpec
 
-__all__ = ["geometry_slice", "motion_slice", "recipes", "stale_artifacts", "stale_rows"]
+__all__ = ["DOMAIN_MARGIN", "geometry_slice", "liquid_slice", "motion_slice", "recipes", "stale_artifacts", "stale_rows"]
+
+DOMAIN_MARGIN = 4.0
+"""Solids up to so many spacings outside a liquid's domain count as reaching into it."""
 
 
 def _physical(materials: Mapping[str, Any]) -> dict[str, Any]:
@@ -57,6 +63,61 @@ def motion_slice(spec: WorldSpec) -> dict[str, Any]:
         "materials": _physical({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
         "plan": plan,
     }
+
+
+def liquid_slice(spec: WorldSpec, name: str, meeting: Iterable[str]) -> dict[str, Any]:
+    """What decides the motion of a liquid that is pushed by bodies and does not push them.
+
+    Args:
+        spec: the specification.
+        name: the instance.
+        meeting: solids that reach into its domain; the paths of moving ones are content, not specification.
+    """
+    plan = spec.simulation
+    instance = plan.liquid[name]
+    members = [m for m in instance.members if m in spec.entities]
+    used = {spec.entities[m].material for m in members}
+    return {
+        "spec_version": spec.spec_version,
+        "instance": instance.model_dump(mode="json"),
+        "members": {
+            m: [geometry_slice(spec, m), spec.entities[m].model_dump(mode="json", include={"pose", "physics"})] for m in members
+        },
+        "materials": _physical({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
+        "solids": {
+            m: [geometry_slice(spec, m), spec.entities[m].pose.model_dump(mode="json"), spec.entities[m].motion]
+            for m in sorted(meeting)
+        },
+        "drivers": {
+            k: d.model_dump(mode="json")
+            for k, d in plan.drivers.items()
+            if d.kind in ("inflow", "outflow") and d.entity in members
+        },
+        "clock": [plan.fps, plan.preroll, list(plan.gravity), plan.seed],
+    }
+
+
+def _reaching(spec: WorldSpec, name: str) -> list[str]:
+    """Solids that may meet a liquid's domain, by the boxes of their shapes; what moves, or has no known box, may."""
+    low, high = domain_box(spec.simulation.liquid[name])
+    margin = DOMAIN_MARGIN * spacing_of(spec, name)
+    found = []
+    for key, entity in spec.entities.items():
+        if entity.physics.category != "rigid":
+            continue
+        box = initial_box(entity) if entity.motion == "static" else None
+        if box is None or ((box[1] >= low - margin).all() and (box[0] <= high + margin).all()):
+            found.append(key)
+    return found
+
+
+def _liquid_recipe(spec: WorldSpec, name: str, motion: str) -> str:
+    """Recipe of one liquid: with two-way couplings, or bodies that move, everything that moves decides."""
+    solids = _reaching(spec, name)
+    still = all(spec.entities[s].motion == "static" for s in solids)
+    if any(name in group for group in coupled_groups(spec)) or not still:
+        return motion
+    return digest_of(liquid_slice(spec, name, solids), spec.simulation.frames)
 
 
 _kept: deque[tuple[WorldSpec, dict[str, str]]] = deque(maxlen=8)
@@ -101,6 +162,8 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
     motion = digest_of(motion_slice(spec))
     graph = digest_of(relations, {k: r.model_dump(mode="json") for k, r in spec.graph.regions.items()})
     found["motion"] = motion
+    for name in spec.simulation.liquid:
+        found[f"liquid:{name}"] = _liquid_recipe(spec, name, motion)
     found["contact"] = digest_of(
         motion, [r for r in relations.values() if r["kind"] == Fastened.model_fields["kind"].default], limits
     )

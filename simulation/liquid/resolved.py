@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +27,19 @@ LEAST_ROOM = 27
 """Spacings cubed of a space behind a passage that counts."""
 
 
-def require_resolved(setup: LiquidSetup, solids: Sequence[PlacedSolid], engine: str) -> None:
+def require_resolved(setup: LiquidSetup, solids: Sequence[PlacedSolid], motion: Mapping[str, str], engine: str) -> None:
     """Refuse sources inside solids, walls that leak, and passages that liquid should pass but could not.
+
+    Args:
+        setup: the liquid.
+        solids: parts of its boundaries at their places, named by their boundary.
+        motion: of every boundary.
+        engine: that will move it.
 
     Raises:
         InputError: names the inflow, the wall or the passage, its size and the spacing that would resolve it.
     """
-    fixed = [s for s, b in zip(solids, setup.boundaries, strict=True) if b.motion != "dynamic"]
+    fixed = [s for s in solids if motion[s.name] != "dynamic"]
     for inflow in setup.inflows:
         _require_open(inflow, fixed, setup.spacing)
     for solid in fixed:
@@ -44,8 +50,7 @@ def require_resolved(setup: LiquidSetup, solids: Sequence[PlacedSolid], engine: 
                 f"resolve; make it at least {LEAST_WALL[engine] * setup.spacing:.3g} m thick, or use a resolution of at most "
                 f"{thick / LEAST_WALL[engine]:.3g} m"
             )
-    static = [s for s, b in zip(solids, setup.boundaries, strict=True) if b.motion == "static"]
-    _require_passages(setup, static)
+    _require_passages(setup, [s for s in solids if motion[s.name] == "static"])
 
 
 def _require_open(inflow: Inflow, solids: Sequence[PlacedSolid], spacing: float) -> None:

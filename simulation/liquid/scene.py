@@ -15,6 +15,7 @@ from ...worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_mat
 from ...worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
 from ...worlds.errors import InputError
 from ...worlds.liquids import domain_box, spacing_of
+from ...worlds.provenance import DOMAIN_MARGIN
 from .engine import SIDES, Boundary, Fluid, Inflow, LiquidSetup, Outflow
 from .filling import PlacedSolid, fill
 from .resolved import require_resolved
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LiquidScene", "build_scene", "meets_domain"]
 
-MARGIN = 4.0
-"""Solids up to so many spacings outside the domain are boundaries."""
+MARGIN = DOMAIN_MARGIN
 MOST_BLOCKED = 0.5
 """Own choice: a liquid that lies in solids by more than half is misplaced."""
 
@@ -41,8 +41,10 @@ class LiquidScene:
     """Pose of each boundary's body at frame 0."""
 
 
-def build_scene(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -> LiquidScene:
-    """Initial particles, boundaries and openings of a liquid instance.
+def build_scene(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, *, without: frozenset[str] = frozenset()
+) -> LiquidScene:
+    """Initial particles, boundaries and openings of a liquid instance; `without` some of its inflows.
 
     Raises:
         InputError: something is not resolved, a source lies in a solid, or a liquid lies in solids.
@@ -50,8 +52,7 @@ def build_scene(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) ->
     instance, plan = spec.simulation.liquid[name], spec.simulation
     spacing = spacing_of(spec, name)
     low, high = domain_box(instance)
-    boundaries, bodies, start = _boundaries(spec, built, instance, spacing)
-    solids = _placed(boundaries, start)
+    boundaries, bodies, start, solids = _boundaries(spec, built, instance, spacing)
     position, velocity, fluid, volume = _particles(spec, built, instance, solids, spacing)
     setup = LiquidSetup(
         spacing=spacing,
@@ -65,13 +66,13 @@ def build_scene(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) ->
         fluid=fluid,
         volume=volume,
         boundaries=boundaries,
-        inflows=tuple(_inflows(spec, instance)),
+        inflows=tuple(i for i in _inflows(spec, instance) if i.name not in without),
         outflows=tuple(_outflows(spec, instance)),
         device=instance.settings.device,
         seed=plan.seed,
     )
     assert len(setup.sides) == len(SIDES)
-    require_resolved(setup, solids, instance.engine)
+    require_resolved(setup, solids, {b.name: b.motion for b in boundaries}, instance.engine)
     return LiquidScene(setup, bodies, start)
 
 
@@ -108,10 +109,11 @@ def meets_domain(entity: Entity, built: BuiltEntity, box: tuple[F64, F64], margi
 
 def _boundaries(
     spec: WorldSpec, built: Mapping[str, BuiltEntity], instance: LiquidInstance, spacing: float
-) -> tuple[tuple[Boundary, ...], tuple[BuiltBody, ...], tuple[RigidPose, ...]]:
+) -> tuple[tuple[Boundary, ...], tuple[BuiltBody, ...], tuple[RigidPose, ...], list[PlacedSolid]]:
     box, margin = domain_box(instance), MARGIN * spacing
     friction = float(getattr(instance.settings, "wall_friction", 0.0))
     made: list[tuple[Boundary, BuiltBody, RigidPose]] = []
+    solids: list[PlacedSolid] = []
     for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
         contract = spec.entities[entity]
         if not meets_domain(contract, built[entity], box, margin):
@@ -127,7 +129,8 @@ def _boundaries(
             closed = all(p.closed for p in parts)
             boundary = Boundary(f"{entity}/{body.name}", _joined(meshes), motion, closed, friction)
             made.append((boundary, body, pose))
-    return tuple(m[0] for m in made), tuple(m[1] for m in made), tuple(m[2] for m in made)
+            solids += [PlacedSolid(boundary.name, Solid.from_mesh(m, closed=True), pose) for m in meshes]
+    return tuple(m[0] for m in made), tuple(m[1] for m in made), tuple(m[2] for m in made), solids
 
 
 def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:
@@ -168,10 +171,6 @@ def _span(values: F64, half: float, count: int, pad: float) -> slice:
     return slice(first, last + 1)
 
 
-def _placed(boundaries: tuple[Boundary, ...], start: tuple[RigidPose, ...]) -> list[PlacedSolid]:
-    return [PlacedSolid(b.name, Solid.from_mesh(b.mesh, closed=b.closed), p) for b, p in zip(boundaries, start, strict=True)]
-
-
 # ---------------------------------------------------------------- particles
 
 
@@ -209,6 +208,7 @@ def _particles(
 
 
 def _inflows(spec: WorldSpec, instance: LiquidInstance) -> Iterator[Inflow]:
+    """Times are those of the engine, whose clock starts with the preroll."""
     for key, driver in spec.simulation.drivers.items():
         if driver.kind == "inflow" and driver.entity in instance.members:
             pose = pose_of(driver.pose)
@@ -220,8 +220,8 @@ def _inflows(spec: WorldSpec, instance: LiquidInstance) -> Iterator[Inflow]:
                 half_size=(0.5 * driver.size[0], 0.5 * driver.size[1]),
                 round=driver.round,
                 speed=driver.flow_speed,
-                start=driver.start,
-                end=math.inf if driver.end is None else driver.end,
+                start=driver.start + spec.simulation.preroll,
+                end=math.inf if driver.end is None else driver.end + spec.simulation.preroll,
             )
 
 

@@ -57,13 +57,23 @@ CHANNELS = (
     Channel("event/impulse", "f8", "N s", ("events",), "event"),
     Channel("driver/active", "u1", "1", ("drivers",), "frame"),
 )
+EXCHANGED = Channel("exchange/impulse", "f8", "N s, N m s", ("bodies", "6"), "body")
 
 
 class SolverRigid:
-    """One MuJoCo instance. Between two checkpoints, equal bytes and settings give equal frames."""
+    """One MuJoCo instance. Between two checkpoints, equal bytes and settings give equal frames.
+
+    `coupled`: others push its bodies inside the frame (`step_to`), and what they gave is recorded.
+    """
 
     def __init__(
-        self, spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None = None
+        self,
+        spec: WorldSpec,
+        built: Mapping[str, BuiltEntity],
+        name: str,
+        intervention: Intervention | None = None,
+        *,
+        coupled: bool = False,
     ) -> None:
         self.spec, self.built, self.name = spec, built, name
         self._intervention = intervention or Intervention()
@@ -78,6 +88,11 @@ class SolverRigid:
         self.frame = 0
         self.refined = 0
         """Halvings of the step that the present frame took."""
+        self.time = 0.0
+        """Where the present frame stands [s]."""
+        self._coupled = coupled
+        self._wrench: F64 | None = None
+        self._before: frozenset[str] | None = None
 
     def prepare(self, *, resumed: bool = False) -> None:
         """Compile, open the skins, run the preroll, set the declared velocities: the state at frame 0.
@@ -89,6 +104,14 @@ class SolverRigid:
             InputError: the model cannot be built.
             EngineError: bodies overlap so much at frame 0 that the skins cannot open.
         """
+        self.compile()
+        start = -self.spec.simulation.preroll
+        if start < 0 and not resumed:
+            self._run(start, 0.0, self.settings.step)
+        self.start_frames()
+
+    def compile(self) -> None:
+        """The model and the state at the start of the preroll."""
         import mujoco
 
         self._mj = mujoco
@@ -109,8 +132,10 @@ class SolverRigid:
         self.drivers.follow_paths(self.data, 0, self.settings.step)
         self.relaxation = open_skins(self.rigid, self.data, self.settings)
         self.drivers.remember_poses(self.data)
-        if start < 0 and not resumed:
-            self._run(start, 0.0, self.settings.step)
+        self._received = np.zeros((len(self.rigid.bodies), 6))
+
+    def start_frames(self) -> None:
+        """The present state, with the declared velocities, is frame 0."""
         self.drivers.set_model(0.0)
         self._settle_kinematics()
         self.drivers.start_velocities(self.data)
@@ -136,10 +161,13 @@ class SolverRigid:
 
     # ------------------------------------------------------------------ stepping
 
-    def _run(self, start: float, end: float, step: float) -> int:
-        """Step from `start` to `end` [s], switching drivers exactly at their times; returns the steps taken."""
+    def _run(self, start: float, end: float, step: float, held: frozenset[str] | None = None) -> int:
+        """Step from `start` to `end` [s], switching drivers exactly at their times; returns the steps taken.
+
+        `held` tells who was held right before `start`.
+        """
         data, taken = self.data, 0
-        held = self.drivers.held(start)
+        held = self.drivers.held(start) if held is None else held
         stops = [start, *self.drivers.switch_times(start, end), end]
         for t0, t1 in itertools.pairwise(stops):
             count = max(1, math.ceil((t1 - t0) / step * (1 - 1e-9)))
@@ -147,12 +175,15 @@ class SolverRigid:
             set_contact_law(self.rigid, self.settings.contact_steps, dt)
             self.drivers.set_model(t0)
             self.drivers.set_data(data, t0)
+            if self._wrench is not None:
+                data.xfrc_applied[self.rigid.body_ids] += self._wrench
             self.drivers.plan_paths(t0, dt, count)
             if held - self.drivers.held(t0):
                 self._adopt_contacts(t0)
             held = self.drivers.held(t0)
             self._segment(t0, dt, count)
             taken += count
+        self._before = held
         return taken
 
     def _segment(self, start: float, dt: float, count: int) -> None:
@@ -161,7 +192,7 @@ class SolverRigid:
         first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
         gyration, ropes, watch = self.gyration.apply, self.drivers.has_ropes, self.ledger.watch
-        working = self.work.begin(data, velocities(model, data))
+        working = self.work.begin(data, velocities(model, data), self._outside())
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
         for k in range(count):
             if authored:
@@ -182,6 +213,9 @@ class SolverRigid:
             watch_sleep(data, start + (k + 1) * dt)
             if working:
                 self.work.after_step(data, dt)
+            if self._wrench is not None:
+                # Of what the engine integrated, less what drivers pushed: counted here, not taken from who gave it.
+                self._received += dt * (data.xfrc_applied - self.work.pushes)[self.rigid.body_ids]
         if authored:
             self.drivers.follow_paths(data, count, dt)
         self._settle_kinematics()
@@ -194,30 +228,73 @@ class SolverRigid:
         Raises:
             InputError: not the next frame.
         """
+        self.begin_frame(frame)
+        for level in range(self.settings.refine + 1):
+            self.begin_attempt(level)
+            self.step_to(frame * self._frame_time)
+            if self.end_attempt():
+                break
+        self.end_frame()
+
+    def begin_frame(self, frame: int) -> None:
+        """Start the next frame and remember where it starts, to redo it.
+
+        Raises:
+            InputError: not the next frame.
+        """
         if frame != self.frame + 1:
             raise InputError(f"advance({frame}) after frame {self.frame}; the next frame is {self.frame + 1}")
-        mujoco, model = self._mj, self.model
-        start, end = (frame - 1) * self._frame_time, frame * self._frame_time
-        mujoco.mj_copyData(self._saved, model, self.data)
-        memory, work = self.monitor.memory(), self._work
-        authored = self.ledger.authored_energy(self.data)
-        for level in range(self.settings.refine + 1):
-            self.monitor.begin()
-            self.ledger.begin()
-            step = self.settings.step / 2**level
-            taken = self._run(start, end, step)
-            self._joint_error = self.ledger.joint_error(self.data)
-            if level == self.settings.refine or not np.isfinite(self.data.qpos).all():
-                break
-            if self._nearest() >= 0.0:
-                break
-            mujoco.mj_copyData(self.data, model, self._saved)
-            self.monitor.recall(memory)
-            self._work = work
-        self._work -= self.ledger.authored_energy(self.data) - authored
-        self.refined = level
-        self.frame = frame
-        self._finish_frame(taken, step)
+        self._mj.mj_copyData(self._saved, self.model, self.data)
+        self._memory, self._work_before = self.monitor.memory(), self._work
+        self._authored = self.ledger.authored_energy(self.data)
+
+    def begin_attempt(self, level: int) -> None:
+        """Go through the frame that was begun with a step halved `level` times."""
+        if level > 0:
+            self._mj.mj_copyData(self.data, self.model, self._saved)
+            self.monitor.recall(self._memory)
+            self._work = self._work_before
+        self.monitor.begin()
+        self.ledger.begin()
+        self.refined, self._taken = level, 0
+        self.time = self.frame * self._frame_time
+        self._before = None
+        self._received[:] = 0.0
+
+    def step_to(self, end: float, wrench: F64 | None = None, *, start: float | None = None) -> None:
+        """Step on to `end` [s] under a constant wrench on the moving bodies.
+
+        Args:
+            end: [s].
+            wrench: force and torque about the centre of mass, world axes, per entry of `rigid.bodies`, shape (n, 6) [N, N m].
+            start: where time stands; default: where the last call of this frame ended.
+        """
+        begin = self.time if start is None else start
+        self._wrench = wrench
+        step = self.settings.step / 2**self.refined
+        self._taken += self._run(begin, end, step, self._before)
+        self._wrench = None
+        self.time = end
+
+    def end_attempt(self) -> bool:
+        """Whether the frame may end like this; else it is to be attempted again with half the step."""
+        self._joint_error = self.ledger.joint_error(self.data)
+        last = self.refined == self.settings.refine or not np.isfinite(self.data.qpos).all()
+        return bool(last or self._nearest() >= 0.0)
+
+    def end_frame(self) -> None:
+        """The frame that was begun is reached."""
+        self._work -= self.ledger.authored_energy(self.data) - self._authored
+        self.frame += 1
+        self._finish_frame(self._taken, self.settings.step / 2**self.refined)
+
+    def _outside(self) -> F64 | None:
+        """What others apply to all bodies, shape (nbody, 6): its work is no driver's."""
+        if self._wrench is None:
+            return None
+        spread: F64 = np.zeros((self.model.nbody, 6))
+        spread[self.rigid.body_ids] = self._wrench
+        return spread
 
     _joint_error = 0.0
 
@@ -347,6 +424,7 @@ class SolverRigid:
             "asleep": (data.body_awake[ids] == 0).astype(np.uint8) if len(ids) else np.zeros(0, dtype=np.uint8),
             "joint": data.qpos[self.rigid.joint_qpos].copy() if self.rigid.joints else np.zeros(0),
             "driver/active": self.drivers.active(start, self.frame * self._frame_time),
+            **({"exchange/impulse": self._received.copy()} if self._coupled else {}),
             **self.monitor.arrays(),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
@@ -357,7 +435,7 @@ class SolverRigid:
 
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
-        return CHANNELS
+        return (*CHANNELS, EXCHANGED) if self._coupled else CHANNELS
 
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""

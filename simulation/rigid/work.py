@@ -28,12 +28,18 @@ class DriverWork:
         self._path_dofs = drivers.kinematic_dofs
         self._armature = drivers.holds.armature(self._path_dofs)
         self._total = 0.0
+        self.pushes: F64 = np.zeros((model.nbody, 6))
+        """Wrenches of force drivers on all bodies in the present segment."""
 
-    def begin(self, data: Any, speeds: tuple[F64, F64]) -> bool:
-        """Start a segment whose forces are already written; returns whether there is anything to sum."""
+    def begin(self, data: Any, speeds: tuple[F64, F64], outside: F64 | None = None) -> bool:
+        """Start a segment whose forces are already written; returns whether there is anything to sum.
+
+        `outside` is what others apply to the bodies, shape (nbody, 6): it is not the drivers' work.
+        """
         self._total = 0.0
-        self._pushed = np.flatnonzero(data.xfrc_applied.any(axis=1))
-        self._wrench = data.xfrc_applied[self._pushed].copy()
+        self.pushes = data.xfrc_applied.copy() if outside is None else data.xfrc_applied - outside
+        self._pushed = np.flatnonzero(self.pushes.any(axis=1))
+        self._wrench = self.pushes[self._pushed].copy()
         self._push = self._power(speeds)
         self._speed = data.qvel.copy()
         self._first = True

@@ -1,0 +1,106 @@
+"""What others need of a running rigid instance to push its bodies: where they are, how they move and how they answer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from .records import velocities
+
+if TYPE_CHECKING:
+    from .solver import SolverRigid
+
+__all__ = ["MovingBodies", "RigidBodies"]
+
+
+class MovingBodies(NamedTuple):
+    """State of the moving bodies, one row per entry of `RigidModel.bodies`."""
+
+    position: F64
+    """Origin of the body's frame (n, 3) [m]."""
+    rotation: F64
+    """(n, 3, 3), body to world."""
+    center: F64
+    """Centre of mass (n, 3) [m]."""
+    velocity: F64
+    """Of the centre of mass (n, 3) [m/s]."""
+    angular_velocity: F64
+    """World axes (n, 3) [rad/s]."""
+    inverse_mass: F64
+    """(n,) [1/kg]; 0 for held and authored bodies."""
+    inverse_inertia: F64
+    """(n, 3, 3), world axes [1/(kg m^2)]."""
+    acceleration: F64
+    """Of the centre of mass, from everything but others' wrenches (n, 3) [m/s^2]."""
+
+
+class RigidBodies:
+    """Reads the bodies of a running rigid instance without changing it."""
+
+    def __init__(self, solver: SolverRigid) -> None:
+        import mujoco
+
+        self._mj, self._solver = mujoco, solver
+        self._probe = mujoco.MjData(solver.model)
+
+    def state(self) -> MovingBodies:
+        """The moving bodies at present."""
+        solver, data = self._solver, self._solver.data
+        ids = solver.rigid.body_ids
+        rotation = data.xmat[ids].reshape(-1, 3, 3).copy()
+        origin = data.xpos[ids] - np.einsum("nij,nj->ni", rotation, solver.rigid.offsets)
+        linear, angular = velocities(solver.model, data)
+        mass, inertia = self._mobility()
+        return MovingBodies(
+            origin, rotation, data.xipos[ids].copy(), linear[ids], angular[ids], mass, inertia, self._accelerations()
+        )
+
+    def _mobility(self) -> tuple[F64, F64]:
+        """1/mass (n,) and inverse inertia (n, 3, 3) of each body alone.
+
+        What hangs on joints answers with its whole tree: the mean over the directions is taken for 1/mass.
+        """
+        mujoco, solver = self._mj, self._solver
+        model, data, ids = solver.model, solver.data, solver.rigid.body_ids
+        turn = data.ximat[ids].reshape(-1, 3, 3)
+        light, inverse = np.zeros(len(ids)), np.zeros((len(ids), 3, 3))
+        fixed = solver.drivers.held(solver.time)
+        factored = False
+        for row, body in enumerate(ids.tolist()):
+            if solver.rigid.bodies[row].split("/", 1)[0] in fixed:
+                continue
+            free = model.jnt_type[model.body_jntadr[body]] == mujoco.mjtJoint.mjJNT_FREE
+            if free and model.body_subtreemass[body] <= model.body_mass[body] * (1 + 1e-9):
+                light[row] = 1.0 / model.body_mass[body]
+                inverse[row] = (turn[row] / model.body_inertia[body]) @ turn[row].T
+                continue
+            if not factored:
+                mujoco.mj_copyData(self._probe, model, data)
+                mujoco.mj_crb(model, self._probe)
+                mujoco.mj_factorM(model, self._probe)
+                factored = True
+            linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+            mujoco.mj_jacBodyCom(model, self._probe, linear, angular, body)
+            both = np.concatenate([linear, angular])
+            answer = np.zeros_like(both)
+            mujoco.mj_solveM(model, self._probe, answer, both)
+            light[row] = float(np.trace(linear @ answer[:3].T)) / 3.0
+            inverse[row] = angular @ answer[3:].T
+        return light, inverse
+
+    def _accelerations(self) -> F64:
+        mujoco, solver, probe = self._mj, self._solver, self._probe
+        model, ids = solver.model, solver.rigid.body_ids
+        mujoco.mj_copyData(probe, model, solver.data)
+        probe.xfrc_applied[:] = solver.work.pushes
+        mujoco.mj_forward(model, probe)
+        mujoco.mj_rnePostConstraint(model, probe)
+        arm = probe.xipos - probe.subtree_com[model.body_rootid]
+        spin = probe.cvel[:, :3]
+        speed = probe.cvel[:, 3:] + np.cross(spin, arm)
+        # Spatial accelerations, against a world that accelerates upwards; the centripetal part is not in them.
+        total = probe.cacc[:, 3:] + np.cross(probe.cacc[:, :3], arm) + np.cross(spin, speed) + model.opt.gravity
+        awake = solver.data.body_awake[ids] != 0
+        return np.asarray(np.where(awake[:, None], total[ids], 0.0))

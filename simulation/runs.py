@@ -1,0 +1,131 @@
+"""Which instances run together, and how a run of them is made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..worlds.audit import audit
+from ..worlds.errors import EvidenceError, InputError
+from ..worlds.liquid_audit import coupled_groups
+from .protocol import Intervention, Solver
+
+if TYPE_CHECKING:
+    from ..worlds.built import BuiltEntity
+    from ..worlds.cache import Cache
+    from ..worlds.spec import WorldSpec
+    from .coupling import CoupledRun
+    from .rigid import SolverRigid
+
+__all__ = ["Run", "groups_of", "make_run", "reads"]
+
+
+def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
+    """Instances in the order of the bake; those with two-way couplings stand together, the rigid one first."""
+    together = {name: group for group in coupled_groups(spec) for name in group}
+    order = audit(spec).bake_order
+    found = [tuple(sorted(together.get(n, {n}), key=lambda m: (m not in spec.simulation.rigid, order.index(m)))) for n in order]
+    return list(dict.fromkeys(found))
+
+
+def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Instances whose caches an instance reads while it runs: a liquid without two-way coupling reads the bodies' motion."""
+    if name not in spec.simulation.liquid or any(name in g for g in coupled_groups(spec)):
+        return ()
+    return tuple(spec.simulation.rigid)
+
+
+class Run:
+    """Solvers that advance frame by frame together: one instance, or a group of coupled ones."""
+
+    def __init__(self, solvers: Mapping[str, Solver], coupled: CoupledRun | None = None) -> None:
+        self.solvers, self._coupled = solvers, coupled
+
+    def prepare(self, *, resumed: bool = False) -> None:
+        """The state at frame 0; `resumed` leaves out what a checkpoint restored next replaces."""
+        if self._coupled is not None:
+            self._coupled.prepare(resumed=resumed)
+            return
+        for solver in self.solvers.values():
+            solver.prepare(resumed=resumed)
+
+    def advance(self, frame: int) -> None:
+        """Advance all from frame - 1 to `frame`."""
+        if self._coupled is not None:
+            self._coupled.advance(frame)
+            return
+        for solver in self.solvers.values():
+            solver.advance(frame)
+
+    def restore(self, states: Mapping[str, bytes], frame: int) -> None:
+        """Continue from checkpoints that were taken together at `frame`."""
+        for name, solver in self.solvers.items():
+            solver.restore(states[name], frame)
+
+
+def make_run(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    names: tuple[str, ...],
+    *,
+    caches: Mapping[str, Cache] | None = None,
+    intervention: Intervention | None = None,
+) -> Run:
+    """The run of one group of `groups_of`, not yet prepared; with an intervention, of the run in which it is made.
+
+    Args:
+        spec: the specification.
+        built: its geometry.
+        names: the group.
+        caches: of the instances that the group reads.
+        intervention: what is done to it from outside.
+
+    Raises:
+        InputError: a member has no engine in this build.
+        EvidenceError: what the group reads has no cache.
+    """
+    plan = spec.simulation
+    kinds = {"rigid" if n in plan.rigid else "liquid": () for n in names}
+    for name in names:
+        wanted = "rigid" if name in plan.rigid else "liquid"
+        others = [m for m in plan.solvers[name].members if spec.entities[m].physics.category != wanted]
+        if others:
+            raise InputError(
+                f"members {others[:5]} of solver {name!r} are not {wanted}; engine {plan.solvers[name].engine!r} moves {wanted} ones only"
+            )
+    if "liquid" not in kinds:
+        return Run({n: _rigid(spec, built, n, intervention) for n in names})
+    from .liquid.solver import SolverLiquid
+    from .recipes import coupled_recipe, liquid_recipe
+
+    if len(names) == 1:
+        name = names[0]
+        read = {n: (caches or {}).get(n) for n in reads(spec, name)}
+        missing = sorted(n for n, c in read.items() if c is None)
+        if missing:
+            raise EvidenceError(f"the liquid {name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
+        have = {n: c for n, c in read.items() if c is not None}
+        recipe = liquid_recipe(spec, built, name, have)
+        return Run({name: SolverLiquid(spec, built, name, caches=have, intervention=intervention, recipe=recipe)})
+    from .coupling import CoupledRun
+
+    recipe = coupled_recipe(spec, built)
+    first = _rigid(spec, built, names[0], intervention, coupled=True)
+    liquids = [SolverLiquid(spec, built, n, intervention=intervention, recipe=recipe) for n in names[1:]]
+    return Run({names[0]: first, **{liquid.name: liquid for liquid in liquids}}, CoupledRun(first, liquids))
+
+
+def _rigid(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None, *, coupled: bool = False
+) -> SolverRigid:
+    import mujoco
+
+    from .rigid import SolverRigid
+
+    # Warnings are counted in the `overflows` record; the engine would also write a log file into the working directory.
+    mujoco.set_mju_user_warning(_ignore)
+    return SolverRigid(spec, built, name, intervention, coupled=coupled)
+
+
+def _ignore(message: str) -> None:
+    del message

@@ -25,7 +25,19 @@ if TYPE_CHECKING:
 
 __all__ = ["check"]
 
-SPATIAL = frozenset({"reaches", "stays_in", "separation", "supported", "rests_on", "crosses", "displacement"})
+SPATIAL = frozenset(
+    {
+        "reaches",
+        "stays_in",
+        "separation",
+        "supported",
+        "rests_on",
+        "crosses",
+        "displacement",
+        "landscape_water",
+        "landscape_field",
+    }
+)
 SETTLING_FRAMES = 2
 """A closest approach this near to the end of the run counts as still under way. Own choice."""
 STARTED = 0.05

@@ -33,6 +33,8 @@ UNIONS = {
 ROOT = "World"
 NESTED = 6
 """A part brings the parts that only it needs along, at most so many."""
+LONGEST = 6500
+"""Characters of a union: its longest members are then named only, and told when they are asked for."""
 SHORT_DEFAULT = 40
 UNSAID = 1e9
 """Bounds that only keep numbers finite are left out."""
@@ -121,7 +123,13 @@ def _union(name: str) -> dict[str, Any]:
     first, *others = (o["fields"] for o in options.values())
     shared = {k: line for k, line in first.items() if k != "kind" and all(o.get(k) == line for o in others)} if others else {}
     own = {kind: {**o, "fields": {k: v for k, v in o["fields"].items() if k not in shared}} for kind, o in options.items()}
-    return {"union": name, **({"shared": shared} if shared else {}), "options": own}
+    found = {"union": name, **({"shared": shared} if shared else {}), "options": own}
+    kinds = dict(zip(options, _members()[name], strict=True))
+    for kind in sorted(own, key=lambda k: len(json.dumps(own[k])), reverse=True):
+        if len(json.dumps(found)) < LONGEST:
+            break
+        own[kind] = {**{k: v for k, v in own[kind].items() if k == "about"}, "part": kinds[kind]}
+    return found
 
 
 def _type(name: str) -> dict[str, Any]:

@@ -64,8 +64,8 @@ def test_the_skill_lists_these_mistakes() -> None:
 
 
 def test_a_category_without_an_engine_never_passes_the_audit() -> None:
-    water = {"category": "liquid", "resolution": 0.02}
-    report = audit(parse_spec(_broken(lambda d: d["entities"]["wooden_block"].update(physics=water))))
+    smoke = {"category": "gas", "resolution": 0.02}
+    report = audit(parse_spec(_broken(lambda d: d["entities"]["wooden_block"].update(physics=smoke))))
     assert next(r for r in report.rows if r.id == "audit:engine:wooden_block").status == "unverified"
     assert not report.passed
 

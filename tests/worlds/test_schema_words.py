@@ -49,6 +49,14 @@ def test_a_union_lists_its_options_with_ranges() -> None:
     assert set(described("Predicate")["options"]) >= {"contact", "rests_on", "until"}
 
 
+def test_long_members_of_a_union_are_parts_of_their_own() -> None:
+    options = described("Predicate")["options"]
+    named = {kind: o["part"] for kind, o in options.items() if "part" in o}
+    assert named["landscape_water"] == "LandscapeWater"
+    assert "ends_in" in described(named["landscape_water"])["fields"]
+    assert "fields" in options["reaches"]
+
+
 def test_ranges_and_defaults_are_told() -> None:
     fields = described("SimulationPlan")["fields"]
     assert fields["fps"].startswith("integer >= 1 and <= 240; default 24")

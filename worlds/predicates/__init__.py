@@ -1,5 +1,6 @@
 """Predicate models: what a beat or requirement asks, as typed data. Evaluators live in `verifiers/predicates/`."""
 
+from .landscape import LandscapeField, LandscapeWater
 from .models import (
     ATOMS,
     After,
@@ -42,6 +43,8 @@ __all__ = [
     "Displacement",
     "Eventually",
     "JointAngle",
+    "LandscapeField",
+    "LandscapeWater",
     "NoContact",
     "Not",
     "Or",

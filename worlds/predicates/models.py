@@ -24,6 +24,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .landscape import LandscapeField, LandscapeWater
 
 __all__ = [
     "ATOMS",
@@ -278,6 +279,8 @@ Atom = (
     | Displacement
     | Separation
     | JointAngle
+    | LandscapeWater
+    | LandscapeField
 )
 Combinator = Count | Always | Eventually | Until | Before | After | Within | And | Or | Not
 Predicate = Annotated[Atom | Combinator, Field(discriminator="kind")]

@@ -44,6 +44,13 @@ _KINDS = (
     PredicateInfo("displacement", "m", _POSE, _BAND),
     PredicateInfo("separation", "m", _POSE, _BAND),
     PredicateInfo("joint_angle", "rad", ("joint",), _BAND),
+    PredicateInfo(
+        "landscape_water",
+        "1",
+        (),
+        _BAND | {"min_depth": "up", "min_area": "up", "min_length": "up", "min_width": "up"},
+    ),
+    PredicateInfo("landscape_field", "1", (), _BAND),
     PredicateInfo("count", "1", (), _BAND),
     PredicateInfo("always", "1", ()),
     PredicateInfo("eventually", "1", ()),
@@ -83,7 +90,7 @@ def entities_of(predicate: SpecModel) -> tuple[str, ...]:
     return tuple(names)
 
 
-INVARIANTS = frozenset({"always", "stays_in", "supported", "no_contact", "not"})
+INVARIANTS = frozenset({"always", "stays_in", "supported", "no_contact", "not", "landscape_water", "landscape_field"})
 
 
 def is_invariant(predicate: SpecModel) -> bool:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .support_graph import SupportGraph
     from .surfaces import Surfaces
 
-__all__ = ["rest_rows"]
+__all__ = ["outside", "rest_rows"]
 
 LEVEL = 1e-3
 """Own choice: contact normals this near to the vertical (sine) make a contact of which the polygon decides."""
@@ -128,7 +128,7 @@ def _standing(group: Group) -> tuple[Balance, F64] | None:
     side = np.linalg.svd(group.down[None])[2][1:]
     flat = (np.concatenate([c[2].points for c in contacts]) - group.centers[0]) @ side.T
     back = np.asarray(flat.mean(axis=0) @ side)
-    return Balance(_outside(flat), back, 0.0), back
+    return Balance(outside(flat), back, 0.0), back
 
 
 def _middle(group: Group, entity: str, balance: Balance) -> F64:
@@ -137,7 +137,7 @@ def _middle(group: Group, entity: str, balance: Balance) -> F64:
     return balance.way * (1.0 + max(1.0, OUTSIDE / length)) if length > 0.0 else balance.way
 
 
-def _outside(points: F64) -> float:
+def outside(points: F64) -> float:
     """Signed distance of the origin outside the convex hull of points in the plane [m]; negative inside."""
     corners = points[hull_corners(points)]
     ahead = np.roll(corners, -1, axis=0)

@@ -1,7 +1,8 @@
 """Support: actual contact and a continuous chain to something static, over the frames that need it (R92, R93, R154).
 
 Declared `supports` relations are judged over their interval. Every free body that no relation covers at frame 0 is
-judged there anyhow: no edit of the scene graph removes that row.
+judged there anyhow: no edit of the scene graph removes that row. So are static things on landscapes (`landed.py`) and
+bodies that leave the ground for good (`kept.py`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
 from .carried import carried_row
 from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
+from .kept import kept_rows
+from .landed import landed_rows
 from .resting import rest_rows
 from .rows import Comparison, guarded, guarded_rows, pointer, row
 from .support_graph import SupportGraph, drop
@@ -29,7 +32,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import SpecModel, WorldSpec
     from .surfaces import Surfaces
 
-__all__ = ["check", "support_interval"]
+__all__ = ["atoms", "check", "support_interval"]
 
 MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses"})
 """Predicates that say that an entity leaves its place."""
@@ -84,24 +87,25 @@ def check(candidate: Candidate) -> list[Row]:
                 predicate=DERIVED,
                 entities=(name,),
             )
+    rows += [*landed_rows(surfaces), *kept_rows(surfaces)]
     unique = {r.id: r for r in rows}
     return [_scene(surfaces, list(unique.values())), *unique.values()]
 
 
-def _atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
-    """(kind, entity) of every atom in a dumped predicate; `each` of a count stands for its entities."""
+def atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
+    """Every atom in a dumped predicate that names an entity; `each` of a count stands for its entities."""
     if isinstance(data, list):
         for item in data:
-            yield from _atoms(item, each)
+            yield from atoms(item, each)
     elif isinstance(data, dict):
         each = tuple(data.get("entities", each))
         entity = data.get("entity")
         if isinstance(entity, str):
             for name in each if entity == "each" else (entity,):
-                yield str(data.get("kind")), name
+                yield {**data, "entity": name}
         for value in data.values():
             if isinstance(value, dict | list):
-                yield from _atoms(value, each)
+                yield from atoms(value, each)
 
 
 def support_interval(spec: WorldSpec, relation: Supports) -> tuple[int, int]:
@@ -121,7 +125,7 @@ def support_interval(spec: WorldSpec, relation: Supports) -> tuple[int, int]:
 
 
 def _asks_to_move(predicate: SpecModel, entity: str) -> bool:
-    return any(kind in MOVING_KINDS and name == entity for kind, name in _atoms(predicate.model_dump()))
+    return any(a["kind"] in MOVING_KINDS and a["entity"] == entity for a in atoms(predicate.model_dump()))
 
 
 def _not_reached(candidate: Candidate, name: str, relation: Supports, first: int) -> Row:

@@ -15,6 +15,7 @@ from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.requirements import Row
 from ..worlds.spec import HeightField
 from ..worlds.spec.terrain import Terrain
+from .grounds import patches
 from .landscapes import (
     LEDGER,
     Finding,
@@ -25,6 +26,7 @@ from .landscapes import (
     water_finding,
 )
 from .rows import guarded_rows, pointer, row
+from .tightness import tight_finding
 from .verdicts import correction
 
 __all__ = ["check"]
@@ -100,7 +102,35 @@ def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
                 extra=digest,
             )
         )
-    return rows + _ground_rows(candidate, name, land)
+    return [*rows, _tight_row(candidate, name, land), *_ground_rows(candidate, name, land)]
+
+
+def _tight_row(candidate: Candidate, name: str, land: SavedLandscape) -> Row:
+    """Whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
+    found = tight_finding(candidate, name, land)
+    good = found.measured == 0.0
+    hint = correction(
+        found.text,
+        "terrain",
+        f"give the dem layer holes='fill', or call build_terrain(terrain={name!r}, entity=...) with centers and sizes that adjoin",
+        pointers=(pointer("terrains", name),),
+    )
+    return row(
+        candidate,
+        id=f"terrain:{name}:tight",
+        check="terrain",
+        predicate="the land has no holes, and the grounds cut from it are closed and adjoin without gaps",
+        status="pass" if good else "fail",
+        explanation=found.text,
+        measured=found.measured,
+        bound=0.0,
+        comparison="<=",
+        unit="leaks",
+        frames=(0, 0),
+        corrections=() if good else (hint,),
+        evidence={"place": list(found.place)} if found.place else {},
+        extra=[candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), land.digest()],
+    )
 
 
 def _ground_rows(candidate: Candidate, name: str, land: SavedLandscape) -> list[Row]:

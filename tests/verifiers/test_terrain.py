@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from worldagent.construction.store import build_world
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
 from worldagent.verifiers.terrain import check
+from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.landscape import SavedLandscape, save_landscape
@@ -61,7 +63,7 @@ def _rows(folder: WorldFolder, spec: WorldSpec) -> dict[str, Row]:
 
 def test_a_landscape_that_holds_passes_every_claim(built: tuple[WorldFolder, SavedLandscape]) -> None:
     rows = _rows(built[0], _spec())
-    assert set(rows) == {f"terrain:land:{n}" for n in ("fill", "drainage", "water", "ledger", "plants")}
+    assert set(rows) == {f"terrain:land:{n}" for n in ("fill", "drainage", "water", "ledger", "plants", "tight")}
     assert {r.status for r in rows.values()} == {"pass"}
     assert all(r.measured is not None and r.measured <= (r.bound or 0) for r in rows.values())
 
@@ -135,6 +137,10 @@ def _crowd(a: dict[str, np.ndarray], about: dict[str, Any]) -> None:
     a["plant_position"][5] = a["plant_position"][6] + [0.05, 0, 0]
 
 
+def _hole(a: dict[str, np.ndarray], about: dict[str, Any]) -> None:
+    a["height"][60:62, 30] = np.nan
+
+
 def _pave(a: dict[str, np.ndarray], about: dict[str, Any]) -> None:
     a["plant_position"][7, :2] = 0, -290
 
@@ -142,7 +148,7 @@ def _pave(a: dict[str, np.ndarray], about: dict[str, Any]) -> None:
 BROKEN: list[tuple[str, Break]] = [
     ("fill", _dig), ("water", _lift), ("drainage", _turn), ("drainage", _circle), ("drainage", _spill), ("water", _tilt), ("water", _drain),
     ("water", _cut), ("water", _uphill), ("water", _dry), ("ledger", _lose), ("ledger", _cook), ("plants", _drown), ("plants", _float),
-    ("plants", _crowd), ("plants", _pave),
+    ("plants", _crowd), ("plants", _pave), ("tight", _hole),
 ]  # fmt: skip
 
 
@@ -198,3 +204,41 @@ def test_the_ground_is_a_part_of_the_landscape(built: tuple[WorldFolder, SavedLa
     for moved in ((60.0, -100.0, 0.01), (61.0, -100.0, 0.0)):
         row = _rows(folder, _with_ground(folder, land, moved))["terrain:land:ground:ground"]
         assert row.status == "fail", moved
+
+
+def _two_grounds(folder: WorldFolder, land: SavedLandscape, gap: float) -> WorldSpec:
+    entities = {}
+    for name, x in (("west", -50.0), ("east", 50.0 + gap)):
+        patch = cut_patch(folder, "land", land, center=(x, 0.0), size=(100.0, 80.0), cells=32)
+        shape = {"kind": "heightfield", "size": [100, 80], "file": patch.file, "digest": patch.digest, "base": 1.0}
+        entities[name] = {
+            "role": "ground",
+            "motion": "static",
+            "material": "rock",
+            "dimensions": {"size": [100, 80, patch.high - patch.low + 1]},
+            "pose": {"position": [x, 0.0, 0.0]},
+            "parts": {"land": {"shape": shape}},
+        }
+    return WorldSpec.model_validate({**_spec().model_dump(mode="json"), "entities": entities})
+
+
+@pytest.mark.parametrize(("gap", "status"), [(0.0, "pass"), (0.02, "fail"), (11.0, "fail"), (20.0, "pass")])
+def test_grounds_that_adjoin_leave_no_gap(built: tuple[WorldFolder, SavedLandscape], gap: float, status: str) -> None:
+    """Farther apart than a cell of the landscape they are two grounds."""
+    folder, land = built
+    row = _rows(folder, _two_grounds(folder, land, gap))["terrain:land:tight"]
+    assert row.status == status
+    if status == "fail":
+        assert row.evidence["place"][0] == pytest.approx(0.5 * gap, abs=1e-6)
+
+
+def test_a_ground_with_a_missing_triangle_is_open(built: tuple[WorldFolder, SavedLandscape]) -> None:
+    folder, land = built
+    spec = _two_grounds(folder, land, 0.0)
+    entities, _ = build_world(folder, spec)
+    whole = entities["west"].parts[0]
+    torn = replace(whole, render=TriangleMesh(whole.render.vertices, np.delete(whole.render.faces, 100, axis=0)))
+    entities = {**entities, "west": replace(entities["west"], parts=(torn,))}
+    rows = {r.id: r for r in check(Candidate(folder.root, spec, entities, "static"))}
+    assert rows["terrain:land:tight"].status == "fail"
+    assert "'west' is open" in rows["terrain:land:tight"].evidence["explanation"]

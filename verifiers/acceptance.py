@@ -260,7 +260,20 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = RE
 
 
 def _unjudged(candidate: Candidate, check: Check) -> Row:
-    """A check that found nothing to judge: no evidence is no pass."""
+    """A check that found nothing to judge: no evidence is no pass, unless nothing of the kind can exist."""
+    spec = candidate.spec
+    still = all(e.motion == "static" for e in spec.entities.values()) and not spec.simulation.drivers
+    if check == "causal" and still and not spec.story.beats:
+        return Row(
+            id="causal:none",
+            check=check,
+            group="temporal",
+            predicate="events have their causes",
+            status="not_applicable",
+            artifact=candidate.artifact,
+            evidence={"explanation": "every entity is static, and there is no driver and no beat: nothing happens"},
+            recipe=candidate.recipe(check, extra="none"),
+        )
     pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
     text = {"causal": "no beat names causes; say which beat brings about which"}.get(check, f"nothing for {check} to judge")
     return Row(

@@ -63,6 +63,14 @@ def test_an_unjudged_check_gets_a_row_that_says_what_to_do(tmp_path: Path) -> No
     assert "which beat brings about which" in made.corrections[0].action
 
 
+def test_where_nothing_can_happen_no_cause_is_missed(tmp_path: Path) -> None:
+    still = world({"ground": ground(), "a": box(0.1, 0.1, 0.1, at=(0, 0, 0.05), motion="static")})
+    for name, spec, status in (("still", still, "not_applicable"), ("moves", small(), "unverified")):
+        (tmp_path / name).mkdir()
+        assert acceptance._unjudged(make_candidate(tmp_path / name, spec, stage="full"), "causal").status == status
+    assert acceptance._unjudged(make_candidate(tmp_path, still, stage="full"), "beat").status == "unverified"
+
+
 # ---------------------------------------------------------------- which candidate
 
 

@@ -96,7 +96,8 @@ def _concerned(spec: WorldSpec, name: str, done: Intervention) -> bool:
     drivers = [plan.drivers[d] for d in done.without if d in plan.drivers]
     joints = [plan.joints[d.joint].child for d in drivers if hasattr(d, "joint") and d.joint in plan.joints]
     driven = {*(getattr(d, "entity", None) for d in drivers), *joints}
-    return bool(members & (driven | done.held)) or any(set(pair) <= members for pair in done.apart)
+    parted = any(set(pair) <= members or (name in plan.liquid and set(pair) & members) for pair in done.apart)
+    return bool(members & (driven | done.held)) or parted
 
 
 def run_variant(candidate: Candidate, done: Intervention, *, start: int, end: int) -> Candidate:

@@ -1,0 +1,190 @@
+"""Liquids as solver instances: one-way and two-way runs repeat, resume and replay by the byte, and their books close."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.construction.build import build_entity
+from worldagent.simulation.probe import replay
+from worldagent.simulation.protocol import Intervention
+from worldagent.simulation.runs import groups_of, make_run
+from worldagent.simulation.schedule import run_frames
+from worldagent.simulation.variants import run_variant
+from worldagent.worlds.audit import ENGINE_CHANNELS
+from worldagent.worlds.built import BuiltEntity
+from worldagent.worlds.cache import Cache
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.errors import EngineError, EvidenceError, InputError
+from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.records import QUANTITIES
+from worldagent.worlds.spec import WorldSpec
+
+FRAMES = 26
+KILLED = 17
+SMALL: dict[str, Any] = {"spacing": 0.04, "frames": FRAMES}
+
+
+class Stopped(Exception):
+    """What ends a run from outside."""
+
+
+def build(**options: Any) -> tuple[WorldSpec, dict[str, BuiltEntity]]:
+    spec = parse_spec({**tank_spec(**{**SMALL, **options}), "prompt": PROMPT})
+    return spec, {n: build_entity(spec, n, Path()) for n in spec.entities}
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["two-way", "one-way"])
+def baked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    spec, built = build(coupled=request.param)
+    folder = tmp_path_factory.mktemp("baked")
+    return Candidate(folder, spec, built, "full", run_frames(spec, built, folder / "a" / "bake", frames=FRAMES))
+
+
+def test_a_killed_run_goes_on_to_the_same_bytes(baked: Candidate, tmp_path: Path) -> None:
+    root = tmp_path / "a" / "bake"
+
+    def check() -> None:
+        if (root / "water" / f"frame_{KILLED:06d}.npz").exists():
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        run_frames(baked.spec, baked.built, root, frames=FRAMES, check=check)
+    again = run_frames(baked.spec, baked.built, root, frames=FRAMES)
+    for name, cache in baked.caches.items():
+        assert again[name].digests() == cache.digests(), name
+        assert again[name].index == cache.index
+
+
+def test_intervals_replay_from_their_checkpoints_by_the_byte(baked: Candidate) -> None:
+    results = replay(baked, intervals=2, seed=3)
+    assert {r["solver"] for r in results} == {"rigid", "water"}
+    assert all(r["identical"] for r in results), results
+
+
+def test_the_cache_holds_what_was_promised(baked: Candidate) -> None:
+    cache = baked.liquid_caches["water"]
+    frame = cache.read(FRAMES - 1)
+    assert set(frame) >= ENGINE_CHANNELS["dfsph"]
+    assert {f"record/{n}" for n, q in QUANTITIES.items() if "liquid" in q.of} == {n for n in frame if n.startswith("record/")}
+    assert cache.index.bodies == ("water",)
+    assert cache.index.colliders == ("crate/body", "tank/body")
+    count = len(frame["particle/id"])
+    assert len(set(frame["particle/id"].tolist())) == count == frame["record/particles"]
+    assert frame["particle/position"].dtype == np.float32
+    assert frame["particle/volume"].sum() * 1000.0 == pytest.approx(float(frame["record/mass"]), rel=1e-5)
+    start = float(cache.read(0)["record/mass"])
+    assert float(frame["record/mass"] + frame["record/domain_outflow"]) == pytest.approx(start, rel=1e-6)
+    assert frame["record/lost"] == 0
+
+
+def _series(cache: Cache, name: str) -> Any:
+    return np.array([cache.read(k, (name,))[name] for k in range(cache.index.frames)])
+
+
+def test_action_equals_reaction_and_both_sides_are_counted_apart(baked: Candidate) -> None:
+    """Law: what the liquid gave is what it lost; of two-way runs, also what MuJoCo integrated."""
+    water = baked.liquid_caches["water"]
+    given, lost = _series(water, "exchange/impulse"), _series(water, "exchange/reaction")
+    scale = np.abs(given[..., :3]).max()
+    assert scale > 0.1, "the water carries something"
+    assert np.abs((given + lost).sum(axis=1)[:, :3]).max() < 1e-5 * scale
+    rigid = baked.rigid_caches["rigid"]
+    if not baked.spec.simulation.couplings:
+        assert "exchange/impulse" not in rigid.read(0)
+        return
+    received = _series(rigid, "exchange/impulse")
+    row = water.index.colliders.index("crate/body")
+    assert np.abs(received[:, 0] - given[:, row]).max() < 1e-9 * scale
+    weight = 0.12**3 * 500 * 9.81 / 24
+    assert received[8:, 0, 2].mean() > 0.5 * weight, "the crate is carried"
+
+
+def test_one_way_liquid_does_not_move_the_crate(tmp_path: Path) -> None:
+    spec, built = build(coupled=False, frames=8)
+    dry = parse_spec(tank_without_water(spec))
+    with_water = run_frames(spec, built, tmp_path / "a" / "bake", frames=8)["rigid"].series("position")
+    without = run_frames(dry, {n: b for n, b in built.items() if n != "water"}, tmp_path / "b" / "bake", frames=8)
+    assert np.array_equal(with_water, without["rigid"].series("position"))
+
+
+def tank_without_water(spec: WorldSpec) -> dict[str, Any]:
+    document = spec.model_dump(mode="json", exclude_none=True)
+    del document["entities"]["water"], document["simulation"]["solvers"]["water"]
+    return document
+
+
+def test_a_counterfactual_of_a_coupled_run_holds_the_crate_and_leaves_the_past(baked: Candidate) -> None:
+    variant = run_variant(baked, Intervention(held=frozenset({"crate"}), since=5 / 24), start=5, end=8)
+    height = variant.caches["rigid"].series("position")[:, 0, 2]
+    assert np.ptp(height[5:]) < 1e-9
+    assert np.array_equal(height[:6], baked.caches["rigid"].series("position")[:6, 0, 2])
+    before, after = (variant.caches["water"].read(k, ("particle/position",))["particle/position"] for k in (5, 8))
+    assert np.array_equal(before, baked.caches["water"].read(5, ("particle/position",))["particle/position"])
+    untouched = baked.caches["water"].read(8, ("particle/position",))["particle/position"]
+    assert after.shape != untouched.shape or not np.array_equal(after, untouched)
+
+
+def test_held_water_neither_moves_nor_pushes(baked: Candidate) -> None:
+    variant = run_variant(baked, Intervention(held=frozenset({"water"}), since=5 / 24), start=5, end=7)
+    held = [variant.caches["water"].read(k)["particle/position"] for k in (5, 6, 7)]
+    assert np.array_equal(held[1], held[0])
+    assert np.array_equal(held[2], held[0])
+    assert np.abs(variant.caches["water"].read(7)["exchange/impulse"]).max() == 0.0
+
+
+def test_a_liquid_that_reads_bodies_needs_their_cache() -> None:
+    spec, built = build(coupled=False)
+    assert groups_of(spec) == [("rigid",), ("water",)]
+    with pytest.raises(EvidenceError, match="bake it first"):
+        make_run(spec, built, ("water",))
+
+
+def test_a_liquid_cannot_be_let_through_a_solid(baked: Candidate) -> None:
+    with pytest.raises(EvidenceError, match="cannot be let through"):
+        run_variant(baked, Intervention(apart=frozenset({("crate", "water")})), start=0, end=2)
+
+
+def test_a_damaged_checkpoint_is_no_checkpoint(baked: Candidate) -> None:
+    names = groups_of(baked.spec)[-1]
+    run = make_run(baked.spec, baked.built, names, caches=baked.caches)
+    run.prepare()
+    solver = run.solvers["water"]
+    state = bytearray(solver.checkpoint())
+    state[-1] ^= 1
+    with pytest.raises(EngineError, match="damaged"):
+        solver.restore(bytes(state), 0)
+    with pytest.raises(EngineError, match="not a checkpoint"):
+        solver.restore(b"WARS3", 0)
+    with pytest.raises(InputError, match="the next frame is 1"):
+        run.advance(2)
+
+
+def test_solids_outside_the_domain_do_not_drop_a_liquid(tmp_path: Path) -> None:
+    """A chair that moves outside the domain leaves the river's cache; moved into it, the river is simulated again."""
+    spec, _ = build(coupled=False, crate_at=None, frames=4)
+    chair = {**spec.entities["tank"].model_dump(mode="json", exclude_none=True), "role": "chair"}
+    chair |= {"parts": {"body": {"shape": {"kind": "box", "size": [0.1, 0.1, 0.1]}}}, "dimensions": {"size": [0.1, 0.1, 0.1]}}
+    spec = apply_patch(
+        spec,
+        [
+            {"op": "add", "path": "/entities/chair", "value": {**chair, "pose": {"position": [2.0, 0, 0]}}},
+            {"op": "add", "path": "/simulation/solvers/rigid/members/-", "value": "chair"},
+        ],
+    )
+    caches: list[Mapping[str, Cache]] = []
+    made: list[int] = []
+    for number, x in enumerate((2.0, 2.5, 0.0)):
+        moved = apply_patch(spec, [{"op": "replace", "path": "/entities/chair/pose/position", "value": [x, 0, 0.25]}])
+        built = {n: build_entity(moved, n, Path()) for n in moved.entities}
+        steps: list[str] = []
+        root = tmp_path / str(number) / "bake"
+        caches.append(run_frames(moved, built, root, frames=4, progress=lambda _, __, text, to=steps: to.append(text)))
+        made.append(sum("water" in s for s in steps))
+    assert made == [4, 0, 4]
+    assert caches[1]["water"].digests() == caches[0]["water"].digests()
+    assert caches[2]["water"].index.settings != caches[0]["water"].index.settings

@@ -12,6 +12,9 @@ from ..worlds.arrays import rotation_matrix
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Appearance
 from .lights import light_dicts
+from .liquid import liquids_of
+from .liquid_light import liquid_integrator
+from .liquid_shapes import liquid_shapes
 from .scenery import cut_from, landscapes_of, scenery_shapes
 from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
@@ -23,6 +26,8 @@ __all__ = ["Features", "SceneRenderer"]
 PATH_DEPTH = 5
 """Longest light path in segments; glass needs `GLASS_DEPTH`."""
 GLASS_DEPTH = 9
+PANE = 0.5
+"""Transmission from which on light crosses a solid beside liquids."""
 RAYS_PER_PASS = 4_000_000
 """Camera rays per launch; bounds the memory of the vectorised variants."""
 
@@ -72,7 +77,7 @@ def _batches(candidate: Candidate, tiles: dict[str, dict[str, Tile]]) -> dict[tu
     found: dict[tuple[str, str, bool], list[tuple[str, str, Surface]]] = {}
     scenery = landscapes_of(candidate)
     for entity in sorted(candidate.built):
-        if cut_from(candidate, entity) in scenery:
+        if cut_from(candidate, entity) in scenery or entity in candidate.liquids:
             continue
         changing = candidate.moves(entity) or candidate.spec.entities[entity].active is not None
         for part in candidate.built[entity].parts:
@@ -154,11 +159,12 @@ class SceneRenderer:
         self.candidate = candidate
         self.mi = mi = load_mitsuba()
         self._scalar = mi.variant().startswith("scalar")
-        materials = {p.material for b in candidate.built.values() for p in b.parts}
-        open_materials = {p.material for b in candidate.built.values() for p in b.parts if not p.closed}
+        solid = [p for name, b in candidate.built.items() if name not in candidate.liquids for p in b.parts]
+        materials, open_materials = {p.material for p in solid}, {p.material for p in solid if not p.closed}
         looks = {name: candidate.spec.materials[name].appearance for name in sorted(materials)}
         tiles = {name: pattern_tiles(look.pattern, look.color, seed=k) for k, (name, look) in enumerate(looks.items())}
         self._moving: list[_Batch] = []
+        self._panes: list[str] = []
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
         bsdfs: dict[tuple[str, str], Any] = {}
         for (material, layer, moving), batch in sorted(_batches(candidate, tiles).items()):
@@ -169,18 +175,38 @@ class SceneRenderer:
             scene[batch.name] = _mesh(mi, batch.name, batch.surface, positions, normals, bsdfs[material, layer])
             if moving:
                 self._moving.append(batch)
+            if looks[material].transmission >= PANE:
+                self._panes.append(batch.name)
         scene |= scenery_shapes(mi, candidate)
-        self.scene = mi.load_dict(scene)
-        self._parameters = mi.traverse(self.scene)
+        self._liquids = liquids_of(candidate)
+        if self._liquids:
+            # Faces of liquids are new in every frame; all the rest stays loaded.
+            scene = {k: mi.load_dict(v) if isinstance(v, dict) else v for k, v in scene.items()}
+        self._fixed = scene
         self._frame = frame
-        depth = GLASS_DEPTH if any(look.transmission > 0 for look in looks.values()) else PATH_DEPTH
-        self._path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth})
+        self._glassy = any(look.transmission > 0 for look in looks.values())
+        self._load(frame)
         self._aov = mi.load_dict({"type": "aov", "aovs": "albedo:albedo,normal:sh_normal"})
+
+    def _load(self, frame: int) -> None:
+        """Load the scene with the liquids of a frame, and the tracer that knows them."""
+        mi = self.mi
+        liquid = liquid_shapes(mi, self._liquids, frame)
+        self.scene = mi.load_dict({**self._fixed, **liquid.shapes})
+        self._parameters = mi.traverse(self.scene)
+        depth = GLASS_DEPTH if self._glassy or liquid.clear else PATH_DEPTH
+        if liquid.clear and not self._scalar:
+            faces, panes = [liquid.shapes[name] for name in liquid.clear], [self._fixed[name] for name in self._panes]
+            self._path = liquid_integrator(mi, faces, list(liquid.clear.values()), panes, depth)
+        else:
+            self._path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth})
 
     def pose(self, frame: int) -> None:
         """Move every body to where it is at `frame`."""
         if frame == self._frame:
             return
+        if self._liquids:
+            self._load(frame)
         if self._moving:
             placed = {batch.name: batch.placed(self.candidate, frame) for batch in self._moving}
             for name, (positions, _) in placed.items():

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..worlds.arrays import F64, I32, RigidPose
 from ..worlds.built import TriangleMesh
-from .textures import BOARD_LENGTH, BOARDS, Tile, board_joint
+from .textures import BOARD_LENGTH, BOARDS, F32, Tile, board_joint
 
-__all__ = ["CREASE", "Surface", "corner_normals", "textured_surfaces"]
+__all__ = ["CREASE", "Surface", "corner_normals", "soft_normals", "textured_surfaces"]
 
 CREASE = np.cos(np.radians(40.0))
 """Cosine of the angle between faces above which an edge stays sharp on a smooth part; own choice."""
@@ -69,6 +69,29 @@ def corner_normals(mesh: TriangleMesh, *, smooth: bool) -> F64:
     length = np.linalg.norm(result, axis=1, keepdims=True)
     result = np.where(length > 1e-12, result / np.maximum(length, 1e-12), flat[corner_face])
     return result.reshape(-1, 3, 3)
+
+
+SOFTENING = 6
+"""Passes that soften the normals of a liquid; own choice: ripples of single particles go, waves of three spacings stay."""
+
+
+def soft_normals(vertices: F64, faces: I32) -> F32:
+    """Normals of a closed surface without creases, averaged over neighbours; shape (v, 3)."""
+    from scipy.sparse import csr_matrix
+
+    count = len(vertices)
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    corner = faces.reshape(-1)
+    normals = np.stack([np.bincount(corner, np.repeat(across[:, k], 3), minlength=count) for k in range(3)], axis=1)
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    near = csr_matrix((np.ones(len(start)), (start, end)), shape=(count, count))
+    near = near + near.T
+    for _ in range(SOFTENING):
+        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+        normals = normals + 0.5 * (near @ normals) / np.maximum(np.asarray(near.sum(1)), 1)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    return normals.astype(np.float32)
 
 
 def _unit_hash(key: str) -> F64:

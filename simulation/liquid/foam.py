@@ -32,7 +32,7 @@ GROWTH, LIFE = 6.0, 1.2
 """Growth at full potential [1/s] and time in which foam fades to 1/e [s]; own choice."""
 LEAST = 0.04
 """Foam below this amount is gone."""
-BUBBLES = 10
+BUBBLES = 16
 """Bubbles of a particle at amount 1."""
 
 

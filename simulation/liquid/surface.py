@@ -21,12 +21,14 @@ from ...worlds.folder import write_atomically
 from ...worlds.liquid_surface import LiquidSurface, surface_folder
 from . import foam, surface_mesh
 from .surround import Surroundings, clumps, surroundings
-from .wall_fit import fit_to_sides, fit_to_walls
+from .wall_fit import fit_to_sides, fit_to_walls, off_sides, off_walls
 
 __all__ = ["SurfaceSettings", "default_settings", "mesh_surfaces", "surface_frame"]
 
 SMALLEST = 8.0
 """Separate pieces of surface and cavities of fewer particle volumes are left out: particles do not resolve them."""
+BARE = 0.4
+"""Distance from walls within which there is no foam."""
 Walls = Callable[[int], Sequence[TriangleMesh]]
 """World meshes of what holds the liquid, at a frame."""
 
@@ -150,6 +152,20 @@ def _meshes(
     return channels, records
 
 
+def _bubbles(
+    data: dict[str, Any], position: F64, normal: F64, amount: F64, settings: SurfaceSettings, walls: Sequence[TriangleMesh]
+) -> NDArray[np.float32]:
+    """Bubbles on the free surface: none where the liquid only leans on a wall."""
+    origin, spacing = np.asarray(data["origin"], dtype=np.float64), settings.spacing
+    found = foam.bubbles(data["particle/id"], position, normal, amount, spacing)
+    if settings.lower is not None and settings.upper is not None:
+        lower, upper = np.array(settings.lower) - origin, np.array(settings.upper) - origin
+        found = found[off_sides(found, lower, upper, settings.closed, BARE * spacing)]
+    if walls:
+        found = found[off_walls(found, [TriangleMesh(w.vertices - origin, w.faces) for w in walls], BARE * spacing)]
+    return found.astype(np.float32)
+
+
 def surface_frame(
     data: dict[str, Any],
     settings: SurfaceSettings,
@@ -182,7 +198,7 @@ def surface_frame(
         "spray/volume": data["particle/volume"][spray],
         "spray/fluid": data["particle/fluid"][spray],
         "spray/id": identity[spray],
-        "foam/position": foam.bubbles(identity, position, around.normal, amount, spacing).astype(np.float32),
+        "foam/position": _bubbles(data, position, around.normal, amount, settings, walls),
         "foam/id": state.identity,
         "foam/amount": state.amount,
     }

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry.launch import launch, warp
 from ...worlds.arrays import F64
 from ...worlds.built import TriangleMesh
 
-__all__ = ["fit_to_sides", "fit_to_walls"]
+__all__ = ["fit_to_sides", "fit_to_walls", "off_sides", "off_walls"]
 
 NEAR, FAR = 0.45, 0.85
 """Vertices up to NEAR spacings from a wall are laid onto it, from FAR on they stay; own choice: half a spacing and some."""
@@ -54,35 +55,59 @@ def fit_to_walls(vertices: F64, normals: F64, walls: Sequence[TriangleMesh], spa
         walls: solids in the same frame, outward.
         spacing: distance of particles at rest [m].
     """
+    distance, away = _from_walls(vertices, walls, FAR * spacing, 1e-3 * spacing)
+    near = np.isfinite(distance)
+    moved = _shifted(vertices[near], normals[near], distance[near], away[near], spacing)
+    found = vertices.copy()
+    found[near] = moved
+    return found
+
+
+def off_walls(points: F64, walls: Sequence[TriangleMesh], reach: float) -> NDArray[np.bool_]:
+    """Points (n, 3) that lie farther than `reach` [m] outside every wall."""
+    return np.asarray(np.isinf(_from_walls(points, walls, reach, 1e-9)[0]))
+
+
+def off_sides(points: F64, lower: F64, upper: F64, closed: Sequence[bool], reach: float) -> NDArray[np.bool_]:
+    """Points (n, 3) farther than `reach` [m] from the closed sides of a domain."""
+    found = np.ones(len(points), dtype=bool)
+    for axis in range(3):
+        found &= (not closed[2 * axis]) | (points[:, axis] - lower[axis] > reach)
+        found &= (not closed[2 * axis + 1]) | (upper[axis] - points[:, axis] > reach)
+    return found
+
+
+def _from_walls(points: F64, walls: Sequence[TriangleMesh], reach: float, touching: float) -> tuple[F64, F64]:
+    """Signed distance to the walls (inf beyond `reach`, negative inside) and unit vector away from them."""
+    none = np.full(len(points), np.inf), np.zeros((len(points), 3))
     walls = [w for w in walls if len(w.faces)]
-    if not walls or not len(vertices):
-        return vertices
+    if not walls or not len(points):
+        return none
     from .wall_kernels import nearest_wall
 
     wp = warp()
     starts = np.cumsum([0, *(len(w.vertices) for w in walls)])
-    origin = vertices.mean(0)
+    origin = points.mean(0)
     corners = np.concatenate([w.vertices for w in walls]) - origin
     faces = np.concatenate([w.faces + start for w, start in zip(walls, starts, strict=False)])
-    low, high = vertices.min(0) - origin - FAR * spacing, vertices.max(0) - origin + FAR * spacing
+    low, high = points.min(0) - origin - reach, points.max(0) - origin + reach
     corner = corners[faces]
     faces = faces[((corner.max(1) >= low) & (corner.min(1) <= high)).all(1)]
     if not len(faces):
-        return vertices
+        return none
     mesh = wp.Mesh(
         wp.array(corners.astype(np.float32), dtype=wp.vec3f, device="cpu"),
         wp.array(faces.astype(np.int32).reshape(-1), dtype=wp.int32, device="cpu"),
     )
-    count = len(vertices)
-    points = wp.array((vertices - origin).astype(np.float32), dtype=wp.vec3f, device="cpu")
+    count = len(points)
+    asked = wp.array((points - origin).astype(np.float32), dtype=wp.vec3f, device="cpu")
     place, outward = wp.zeros(count, dtype=wp.vec3f, device="cpu"), wp.zeros(count, dtype=wp.vec3f, device="cpu")
     sign = wp.zeros(count, dtype=wp.float32, device="cpu")
-    launch(nearest_wall, count, [mesh.id, float(FAR * spacing), points, place, sign, outward], device="cpu")
+    launch(nearest_wall, count, [mesh.id, float(reach), asked, place, sign, outward], device="cpu")
     side = sign.numpy().astype(np.float64)
-    gap = vertices - (place.numpy().astype(np.float64) + origin)
+    gap = points - (place.numpy().astype(np.float64) + origin)
     length = np.linalg.norm(gap, axis=1)
     # On the wall itself the way to it has no direction: there the face has.
-    near = length < 1e-3 * spacing
+    near = length < touching
     away = np.where(near[:, None], outward.numpy().astype(np.float64), (side / np.maximum(length, 1e-12))[:, None] * gap)
-    moved = _shifted(vertices, normals, side * length, away, spacing)
-    return np.where((side != 0)[:, None], moved, vertices)
+    return np.where(side == 0, np.inf, side * length), away

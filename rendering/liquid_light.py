@@ -1,9 +1,11 @@
+# mypy: disable-error-code="arg-type, operator"
 """A path tracer that knows liquids: refraction and absorption where one looks through, straight light for what lies within.
 
 Ordinary path tracing reaches the sun from under water only by chance. Here the faces of clear liquids bend light as long as
 a path has met nothing rough since the eye; from then on light crosses them straight, weakened by what they reflect and by
 the way inside (Beer-Lambert). So ground under water is lit without noise, and without caustics; panes of glass count alike.
-Vectorised variants only.
+Of diffuse light inside, the share 1 - 1/n^2 that cannot leave is mirrored, and radiance is divided by n^2 where it comes out:
+what lies under water looks darker, as it does. Vectorised variants only.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ def liquid_integrator(mi: Any, shapes: list[Any], absorption: list[F64], panes: 
         panes: shapes of clear solids, which light towards a rough surface crosses straight as well.
         depth: longest path in segments; faces of liquids count for none of them beyond three times as many.
     """
+    import drjit as dr
+
     if mi.variant() not in _made:
         _made[mi.variant()] = _defined(mi)
     integrator = _made[mi.variant()](mi.Properties())
@@ -40,6 +44,8 @@ def liquid_integrator(mi: Any, shapes: list[Any], absorption: list[F64], panes: 
     integrator.absorption = [mi.Color3f(*np.asarray(a, dtype=float).tolist()) for a in absorption]
     integrator.panes = [mi.ShapePtr(shape) for shape in panes]
     integrator.depth = depth
+    # As literals they would make every frame a program of its own, compiled anew.
+    dr.make_opaque(integrator.shapes, integrator.absorption, integrator.panes)
     return integrator
 
 
@@ -146,13 +152,18 @@ def _defined(mi: Any) -> type:
                 at_face = active & (liquid | (straight & self.pane(si.shape)))
                 bare, bent, _, ratio = mi.fresnel(-dr.dot(ray.d, si.sh_frame.n), IOR)
                 outer, _, _, _ = mi.fresnel(dr.abs(normal), IOR)
-                mirrored = ~straight & (sampler.next_1d(active) < bare)
+                within = liquid & (normal > 0)
+                held = dr.select(within, 1 - 1 / IOR**2, 0)
+                mirrored = sampler.next_1d(active) < dr.select(straight, held, bare)
                 through = at_face & ~mirrored
-                weight[at_face & straight] = weight * (1 - outer)
+                weight[through & straight] = weight * (1 - outer) / (1 - held)
+                weight[through & ~straight] = weight * dr.square(ratio)
+                # Sampled emitters are reached by straight ways only: nothing else accounts for mirrored ones.
+                sharp |= at_face & straight & mirrored
                 local = si.to_local(ray.d)
                 refracted = si.to_world(mi.refract(-local, bent, ratio))
                 bounced = si.to_world(mi.Vector3f(local.x, local.y, -local.z))
-                ahead = dr.select(straight, ray.d, dr.select(mirrored, bounced, refracted))
+                ahead = dr.select(mirrored, bounced, dr.select(straight, ray.d, refracted))
                 inside[through & liquid] = dr.select(normal < 0, sigma, 0)
                 faces[at_face] = faces + 1
 

@@ -51,7 +51,9 @@ def _mesh(mi: Any, name: str, vertices: F64, faces: I32, bsdf: Any, *, color: F6
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
     if emits:
-        properties["mesh_emitter"] = mi.load_dict({"type": "area", "radiance": {"type": "mesh_attribute", "name": "vertex_color"}})
+        properties["mesh_emitter"] = mi.load_dict(
+            {"type": "area", "radiance": {"type": "mesh_attribute", "name": "vertex_color"}}
+        )
     mesh = mi.Mesh(name, len(vertices), len(faces), props=properties, has_vertex_normals=True, has_vertex_texcoords=False)
     if color is not None:
         mesh.add_attribute("vertex_color", 3, color.astype(np.float32).ravel())
@@ -108,4 +110,3 @@ def _lava(mi: Any, name: str, drawn: Drawn) -> Any:
     crust = mi.load_dict({"type": "principled", "base_color": {"type": "rgb", "value": list(CRUST)}, "roughness": 0.8})
     color = glow(drawn.temperature)
     return _mesh(mi, name, drawn.vertices, drawn.faces, crust, color=color, emits=bool((color > 0).any()))
-

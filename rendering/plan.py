@@ -17,6 +17,7 @@ from ..worlds.errors import InputError
 from ..worlds.spec.story import BoxRegion, Connects, CylinderRegion, SphereRegion
 from .denoise import U8
 from .drawing import Color, distinct_color, label_regions, line, region_edges, text, text_size
+from .liquid_preview import LiquidLayer
 from .views import Bounds, active, focus_bounds
 
 __all__ = ["plan_view", "section_view"]
@@ -26,6 +27,8 @@ FAR = 2000.0
 REGION_COLOR: Color = (20, 110, 60)
 ROUTE_COLOR: Color = (190, 60, 20)
 Project = Callable[[F64], F64]
+LIQUID_NEARER = 2e-3
+"""How much nearer liquids are drawn, in spans of the picture."""
 
 
 def _behind(mesh: TriangleMesh, normal: F64, offset: float) -> TriangleMesh:
@@ -138,12 +141,22 @@ def _drawing(
     eye = box.center + FAR * span * towards
     camera = Camera(eye, box.center, 2 * math.degrees(math.atan(0.5 / FAR)), width, height)
     names = [n for n in sorted(candidate.built) if active(candidate, n, frame)]
-    meshes = []
-    for name in names:
-        for part in candidate.built[name].parts:
-            placed = TriangleMesh(candidate.pose(name, frame, part.body).apply(part.render.vertices), part.render.faces)
-            meshes.append(placed if cut is None else _behind(placed, towards, cut))
-    owner = np.array([k for k, name in enumerate(names) for _ in candidate.built[name].parts], dtype=np.int32)
+    meshes, owned = [], []
+    layer = LiquidLayer(candidate)
+    # Liquid reaches a little into the walls it touches: nearer, so that its cut shows before them.
+    nearer = LIQUID_NEARER * span * towards
+    wet = {
+        liquid.entity: TriangleMesh(mesh.vertices + nearer, mesh.faces)
+        for liquid, mesh in zip(layer.liquids, layer.meshes(frame), strict=True)
+    }
+    for k, name in enumerate(names):
+        placed = [wet[name]] if name in wet else [
+            TriangleMesh(candidate.pose(name, frame, p.body).apply(p.render.vertices), p.render.faces)
+            for p in candidate.built[name].parts
+        ]  # fmt: skip
+        meshes += placed if cut is None else [_behind(mesh, towards, cut) for mesh in placed]
+        owned += [k] * len(placed)
+    owner = np.array(owned, dtype=np.int32)
     still = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     seen = IdCaster(meshes).cast(camera, [still] * len(meshes))
     entity = np.where(seen.ids >= 0, owner[np.maximum(seen.ids, 0)], -1)

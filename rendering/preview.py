@@ -13,6 +13,7 @@ from ..worlds.arrays import F64, compose
 from ..worlds.candidate import Candidate
 from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
+from .liquid_preview import LiquidLayer, over, tinted
 from .shades import pattern_shade
 from .textures import F32
 from .views import active, camera_for, focus_bounds, part_frame
@@ -21,6 +22,8 @@ __all__ = ["PreviewRenderer", "id_view", "preview"]
 
 SHADOW_PIXELS = 640
 """Side of the sun's depth picture."""
+PANE, GLAZE = 0.5, 0.12
+"""Transmission from which on a part is a pane that one sees liquids through, and how much of its own colour it shows."""
 SUN_DISTANCE = 30.0
 """Distance of the sun's eye in focus diagonals; far enough that its rays are nearly parallel."""
 SKY, HORIZON, BELOW = (0.30, 0.48, 0.78), (0.74, 0.80, 0.86), (0.42, 0.40, 0.38)
@@ -32,24 +35,42 @@ class PreviewRenderer:
 
     def __init__(self, candidate: Candidate) -> None:
         self.candidate = candidate
-        self.parts = [(name, part) for name in sorted(candidate.built) for part in candidate.built[name].parts]
-        self.entities = sorted(candidate.built)
+        solid = [name for name in sorted(candidate.built) if name not in candidate.liquids]
+        self.parts = [(name, part) for name in solid for part in candidate.built[name].parts]
+        self._layer = LiquidLayer(candidate)
+        liquid = [one.entity for one in self._layer.liquids]
+        self.entities = sorted([*solid, *liquid])
         self._caster = IdCaster([part.render for _, part in self.parts])
         index = {name: k for k, name in enumerate(self.entities)}
-        self._entity_of = np.array([index[name] for name, _ in self.parts], dtype=np.int32)
+        self._entity_of = np.array([index[name] for name in [*(n for n, _ in self.parts), *liquid]], dtype=np.int32)
         looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
         self._colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
         self._looks = looks
+        self._panes = [k for k, look in enumerate(looks) if look.transmission >= PANE]
         self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
 
     def cast(self, frame: int, camera: Camera) -> IdImage:
-        """Ids of parts, depth and normals; entities that do not exist at the frame are left out."""
+        """Ids of parts and after them of liquids, depth and normals; entities that do not exist at the frame are left out."""
+        solid = self._cast_solid(frame, camera)
+        if not self._layer.liquids:
+            return solid
+        # Panes hide no liquid.
+        liquid = self._layer.cast(frame, camera)
+        shown = (liquid.ids >= 0) & (liquid.depth < self._cast_solid(frame, camera, panes=False).depth)
+        return over(solid, liquid, len(self.parts), shown)
+
+    def _cast_solid(self, frame: int, camera: Camera, *, panes: bool = True) -> IdImage:
+        if not panes and not self._panes:
+            panes = True
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
-        shown = [k for k, (name, _) in enumerate(self.parts) if active(self.candidate, name, frame)]
+        left_out = () if panes else self._panes
+        shown = [k for k, (name, _) in enumerate(self.parts) if k not in left_out and active(self.candidate, name, frame)]
         return self._caster.cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
 
     def mask(self, frame: int, camera: Camera, entity: str) -> Any:
         """Pixels that an entity would cover if nothing stood before it, shape (height, width)."""
+        if entity in self.candidate.liquids:
+            return self._layer.cast(frame, camera, entity).ids >= 0
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         own = [k for k, (name, _) in enumerate(self.parts) if name == entity]
         return self._caster.cast(camera, poses, only=own).ids >= 0
@@ -70,7 +91,7 @@ class PreviewRenderer:
         distance = SUN_DISTANCE * size
         fov = 2 * math.degrees(math.atan(0.62 / SUN_DISTANCE))
         eye = Camera(box.center + distance * self._sun(), box.center, fov, SHADOW_PIXELS, SHADOW_PIXELS)
-        nearest = self.cast(frame, eye).depth
+        nearest = self._cast_solid(frame, eye).depth
         pixels, depth = eye.project(points)
         bias = 2.0 * 1.24 * size / SHADOW_PIXELS
         lit = np.zeros(len(points), dtype=np.float32)
@@ -84,7 +105,7 @@ class PreviewRenderer:
 
     def preview(self, frame: int, camera: Camera) -> U8:
         """Hemisphere light, sun with shadows, dark lines where entities meet, frame number and time."""
-        image = self.cast(frame, camera)
+        image = self._cast_solid(frame, camera, panes=not self._layer.liquids)
         eye, directions = camera.rays()
         hit = image.ids >= 0
         height = directions[..., 2:]
@@ -105,6 +126,15 @@ class PreviewRenderer:
         light = 0.95 * lambert[:, None] * np.array([1.0, 0.95, 0.86]) + _mix((0.17, 0.16, 0.15), (0.36, 0.42, 0.50), sky[:, None])
         shade = self._shade(frame, image.ids[hit], points, normals)
         picture[hit] = self._colors[image.ids[hit]] * shade[:, None] * light + gloss[:, None]
+        if self._layer.liquids:
+            image = over(image, self._layer.cast(frame, camera), len(self.parts))
+            wet = image.ids >= len(self.parts)
+            seen, faces = image.ids[wet] - len(self.parts), image.normals[wet].astype(np.float64)
+            picture[wet] = tinted(picture[wet], self._layer.liquids, seen, faces, directions[wet], sun, SKY)
+            pane = self._cast_solid(frame, camera)
+            before = (pane.ids != image.ids) & (pane.depth < image.depth)
+            picture[before] = picture[before] * (1 - GLAZE) + GLAZE * self._colors[pane.ids[before]]
+            image = over(image, pane, 0, before)
         shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
         edges = region_edges(self.entity_ids(image))
         shown[edges] = (shown[edges] * 0.45).astype(np.uint8)

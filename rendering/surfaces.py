@@ -83,7 +83,9 @@ def soft_normals(vertices: F64, faces: I32) -> F32:
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
     corner = faces.reshape(-1)
-    normals = np.stack([np.bincount(corner, np.repeat(across[:, k], 3), minlength=count) for k in range(3)], axis=1)
+    normals: F64 = np.stack([np.bincount(corner, np.repeat(across[:, k], 3), minlength=count) for k in range(3)], axis=1).astype(
+        float
+    )
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     near = csr_matrix((np.ones(len(start)), (start, end)), shape=(count, count))
     near = near + near.T

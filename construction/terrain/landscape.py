@@ -12,7 +12,7 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from ...worlds.limits import check_cap
-from ...worlds.spec.terrain import Terrain
+from ...worlds.spec.terrain import Hydraulic, Terrain
 from .channels import Channels, carve
 from .climate import BIOMES, LAPSE, Biome, bank_distance, height_above_water, moisture, soil_depth, wetness_index
 from .erosion import Ground, MassBalance, erode_rivers, relax_slopes
@@ -20,6 +20,7 @@ from .flood import Drainage, drain
 from .grid import Grid
 from .ground import GroundCover, cover
 from .layers import shape_land
+from .pipes import Rain, run_off
 from .relief import horizons, relief, sunlight, wind_exposure
 from .vegetation import HECTARE, Plants, Species, scatter, species_of, suitability
 from .water import WaterBodies, find_sea, find_water
@@ -33,6 +34,8 @@ ROUNDS = (0.75, 0.25)
 """Parts of the years between two settlings of the slopes."""
 LAKE_CELLS = 10
 """A lake has at least so many cells: smaller ones are noise of the grid."""
+MM_PER_HOUR = 3.6e6
+"""In one m/s."""
 SNOW_BAND = 150.0
 """Height over which snow cover grows from none to full [m]."""
 SNOW_SLOPE = 1.2
@@ -145,8 +148,33 @@ def _eroded(grid: Grid, terrain: Terrain, raw: F64, valid: np.ndarray, figures: 
         before = float(ground.height[valid].sum())
         ground, excess, done = relax_slopes(ground, talus=talus, talus_rock=rock, valid=valid)
         slid, passes = slid + abs(float(ground.height[valid].sum()) - before), passes + done
+    if plan.hydraulic is not None:
+        ground = _stormed(ground, terrain, plan.hydraulic, sea, valid, figures, say)
+        before = float(ground.height[valid].sum())
+        ground, excess, done = relax_slopes(ground, talus=talus, talus_rock=rock, valid=valid)
+        slid, passes = slid + abs(float(ground.height[valid].sum()) - before), passes + done
     figures["river_erosion"] = {**moved.__dict__, "residual": moved.residual}
     figures["slopes"] = {"excess": excess, "passes": passes, "mass_residual": slid / max(float(ground.deposit.sum()), 1e-12)}
+    return ground
+
+
+def _stormed(
+    ground: Ground, terrain: Terrain, plan: Hydraulic, sea: np.ndarray, valid: np.ndarray, figures: dict[str, Any], say: Say
+) -> Ground:
+    """After a storm; its ledgers and its cost go into the figures."""
+    rain = Rain(
+        rate=plan.rain / MM_PER_HOUR, duration=plan.duration, capacity=plan.capacity, dissolving=plan.dissolving,
+        settling=plan.deposition, evaporation=plan.evaporation / MM_PER_HOUR, roughness=plan.roughness,
+    )  # fmt: skip
+    ground, balance, record = run_off(
+        ground, rain, sea=sea, sea_level=terrain.sea_level or 0.0, valid=valid,
+        say=lambda part: say(0.4 + 0.1 * part, f"a storm, {part:.0%} of {plan.duration:g} s"),
+    )  # fmt: skip
+    figures["hydraulic_erosion"] = {
+        **balance.__dict__, "residual": balance.residual, "rained": record.rained, "ran_off": record.left,
+        "evaporated": record.evaporated, "stored": record.stored, "water_residual": record.water_residual,
+        "deepest": float(record.depth.max()), "fastest": float(record.speed.max()), "steps": record.steps, "device": record.device,
+    }  # fmt: skip
     return ground
 
 

@@ -50,7 +50,7 @@ def terrain_recipe(folder: WorldFolder, spec: WorldSpec, name: str) -> str:
         if layer.kind == "dem":
             path = safe_join(folder.assets, layer.file)
             files[layer.file] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "missing"
-    versions = {package: version(package) for package in ("numpy", "scipy", "numba")}
+    versions = {package: version(package) for package in ("numpy", "scipy", "numba", "warp-lang")}
     return digest_of(spec.spec_version, terrain, files, source_digest(Path(__file__).parent), versions)
 
 

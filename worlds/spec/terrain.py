@@ -18,6 +18,7 @@ __all__ = [
     "Condition",
     "Erosion",
     "GroundRule",
+    "Hydraulic",
     "Hydrology",
     "Inflow",
     "Layer",
@@ -199,6 +200,23 @@ Layer = Annotated[
 ]
 
 
+class Hydraulic(SpecModel):
+    """One storm whose water runs over the land, digs gullies and lays down fans. Fine grids: cells of a few metres."""
+
+    rain: float = Field(default=150.0, gt=0, le=2000, description="[mm/h]; a cloudburst brings 50 to 300")
+    duration: float = Field(
+        default=900.0, gt=0, le=86400, description="[s]; its cost grows with it and with 1 / cell^3: a few minutes at 500^2 cells"
+    )
+    capacity: float = Field(
+        default=50.0, ge=0, le=1000,
+        description="load that water carries, by volume, over speed times slope [s/m]; floods carry 0.1 to 1, more does the work of as many storms",
+    )  # fmt: skip
+    dissolving: float = Field(default=0.05, ge=0, le=10, description="part of the free capacity taken up from loose ground [1/s]")
+    deposition: float = Field(default=0.05, ge=0, le=10, description="part of the load beyond the capacity that settles [1/s]")
+    evaporation: float = Field(default=0.0, ge=0, le=2000, description="[mm/h]")
+    roughness: float = Field(default=0.05, ge=0.01, le=1, description="Manning's n [s/m^(1/3)]; 0.03 bare, 0.05 stony, 0.2 grass")
+
+
 class Erosion(SpecModel):
     """How long nature worked on the layers."""
 
@@ -213,6 +231,7 @@ class Erosion(SpecModel):
     talus_deg: float = Field(default=33.0, ge=5, le=50, description="angle of repose of loose matter")
     rock_deg: float = Field(default=60.0, ge=10, le=85, description="steepest slope that rock keeps")
     soil: NonNegative = Field(default=0.5, le=100, description="loose matter on the rock at the start [m]")
+    hydraulic: Hydraulic | None = Field(default=None, description="a storm after the rivers; default: none")
 
 
 class Inflow(SpecModel):

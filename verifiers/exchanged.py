@@ -17,10 +17,11 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 
 if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
     from ..worlds.spec import WorldSpec
     from .ledgers import Books
 
-__all__ = ["CHANNEL", "Exchanged", "both_ways", "exchanged"]
+__all__ = ["CHANNEL", "Exchanged", "both_ways", "exchange_steps", "exchanged", "partners"]
 
 CHANNEL = "exchange/impulse"
 """Linear and angular impulse about each body's centre of mass over the frame [N s], [N m s], shape (n, 6)."""
@@ -42,15 +43,34 @@ class Exchanged:
     """Uncertainty of that work, summed since frame 0 [J], shape (F,)."""
 
 
-def both_ways(spec: WorldSpec, solver: str) -> bool:
-    """Whether a liquid instance and this one act on each other."""
-    plan = spec.simulation
+def partners(spec: WorldSpec, solver: str) -> tuple[str, ...]:
+    """Liquid instances that act on this one and are acted on by it."""
+    plan, found = spec.simulation, dict[str, None]()
     for coupling in plan.couplings.values():
         if coupling.direction == "two_way" and solver in (coupling.source, coupling.target):
             other = coupling.target if coupling.source == solver else coupling.source
-            if other in plan.solvers and plan.solvers[other].engine != "mujoco":
-                return True
-    return False
+            if other in plan.liquid:
+                found[other] = None
+    return tuple(found)
+
+
+def both_ways(spec: WorldSpec, solver: str) -> bool:
+    """Whether a liquid instance and this one act on each other."""
+    return bool(partners(spec, solver))
+
+
+def exchange_steps(candidate: Candidate, solver: str) -> F64:
+    """Steps of coupled liquids per frame, each of which also ends a step of the bodies, shape (frames,).
+
+    Raises:
+        EvidenceError: a liquid has no record of them.
+    """
+    total = np.zeros(candidate.frame_count)
+    for name in partners(candidate.spec, solver):
+        if name not in candidate.caches:
+            raise EvidenceError(f"instance {name!r} has no cache yet; probe or bake it")
+        total += np.asarray(candidate.caches[name].series("record/steps"), dtype=np.float64)[: len(total)]
+    return total
 
 
 def exchanged(books: Books) -> Exchanged:

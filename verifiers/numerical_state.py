@@ -9,6 +9,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
+from .exchanged import exchange_steps
 from .findings import Finding, again, halve, separate
 from .ledgers import Books, books_of
 from .surfaces import Surfaces, surfaces_of
@@ -42,6 +43,7 @@ def counters(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", divide="ignore"):
         needed = np.ceil(h / np.maximum(step, 1e-12) * (1 - 1e-6))
         drivers = 2 * len(candidate.spec.simulation.drivers) + len(candidate.spec.entities)
+        cuts = exchange_steps(candidate, solver)
         faults = {
             "a counter is negative or no whole number": np.any(
                 [~((values[n] >= 0) & (values[n] == np.floor(values[n]))) for n in _COUNTS], axis=0
@@ -49,7 +51,7 @@ def counters(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             "the step is longer than planned": ~(step <= settings.step * (1 + 1e-9)),
             "the step is shorter than refinement makes it": ~(step >= settings.step / 2**settings.refine * (1 - 1e-9)),
             "steps do not cover the frame": ~(steps >= needed),
-            "steps are more than the frame holds": ~(steps <= needed + drivers + 1),
+            "steps are more than the frame holds": ~(steps <= needed + drivers + 1 + cuts),
             "more steps at the cap than steps": ~(values["iterations_capped"] <= np.maximum(steps, 0)),
             "more iterations than the cap": ~(values["iterations_max"] <= settings.iterations),
             "the count of warnings falls": np.diff(values["overflows"], prepend=values["overflows"][0]) < 0,

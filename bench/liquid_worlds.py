@@ -34,7 +34,7 @@ from ..worlds.spec import (
 )
 from . import small_worlds as sw
 
-__all__ = ["DENSITY", "Flow", "G", "lattice", "liquid_world", "pool_in_tank", "tank", "water"]
+__all__ = ["DENSITY", "Flow", "G", "lattice", "liquid_world", "pool_in_tank", "stream", "tank", "water"]
 
 G = 9.81
 DENSITY = 1000.0
@@ -114,6 +114,22 @@ class Flow:
                 "identity": [np.array(i) for i in self.identity], "change": dict(self.change), "share": dict(self.share)}  # fmt: skip
         return dataclasses.replace(self, **(copy | more))
 
+    def drained(self) -> Flow:
+        """A copy in which what has left the domain is gone and counted."""
+        domain = next(iter(self.spec.simulation.liquid.values())).settings.domain
+        low, high = (np.array(domain.center) + s * 0.5 * np.array(domain.size) for s in (-1.0, 1.0))
+        gone: set[int] = set()
+        position, velocity, identity, left = [], [], [], []
+        for p, v, i in zip(self.position, self.velocity, self.identity, strict=True):
+            out = ((p < low) | (p > high)).any(axis=1)
+            gone |= set(np.asarray(i)[out].tolist())
+            keep = ~np.isin(i, list(gone))
+            position.append(p[keep])
+            velocity.append(v[keep])
+            identity.append(np.asarray(i)[keep])
+            left.append(self.volume * DENSITY * len(gone))
+        return self.edited(position=position, velocity=velocity, identity=identity, left=np.array(left))
+
     def impulses(self) -> F64:
         """Given to every boundary over each frame (frames, b, 6): the holder gets what the change of momentum less gravity leaves."""
         given = np.zeros((self.frames, len(self.colliders), 6))
@@ -133,7 +149,7 @@ class Flow:
 
     def candidate(self, folder: Path) -> Candidate:
         """Write both caches and open them."""
-        base = sw.make_candidate(folder, self.spec, tracks=self.tracks, channels=self.rigid)
+        base = sw.make_candidate(folder, self.spec, tracks=self.tracks, channels=self.rigid, records=self._rigid_records())
         name = next(iter(self.spec.simulation.liquid))
         plan, instance = self.spec.simulation, self.spec.simulation.liquid[name]
         cache = Cache(folder / "cache" / name)
@@ -152,6 +168,32 @@ class Flow:
         if self.surface is not None:
             self._surfaces(cache, digests)
         return dataclasses.replace(base, caches={**base.caches, name: cache})
+
+    def _rigid_records(self) -> dict[str, Any]:
+        """Records of the rigid instance, whose bodies move without turning."""
+        spec, total = (
+            self.spec,
+            dict.fromkeys(("kinetic_energy", "potential_energy", "momentum_x", "momentum_y", "momentum_z", "max_speed"), 0.0),
+        )
+        gravity, built = np.array(spec.simulation.gravity), sw.build_all(spec)
+        moving = [n for n, e in spec.entities.items() if e.motion == "dynamic" and e.physics.category == "rigid"]
+        for row, name in enumerate(moving):
+            body = built[name].bodies[0]
+            position = np.broadcast_to(
+                np.asarray(self.tracks.get(name, (spec.entities[name].pose.position,))[0]), (self.frames, 3)
+            )
+            velocity = self.rigid["velocity"][:, row] if "velocity" in self.rigid else np.zeros((self.frames, 3))
+            speed = np.linalg.norm(velocity, axis=1)
+            add = {
+                "kinetic_energy": 0.5 * body.mass * speed**2,
+                "potential_energy": -body.mass * ((position + body.center) @ gravity),
+            }
+            add |= {f"momentum_{a}": body.mass * velocity[:, i] for i, a in enumerate("xyz")}
+            total = {n: v + add.get(n, 0.0) for n, v in total.items()} | {"max_speed": np.maximum(total["max_speed"], speed)}
+        step = 5e-4
+        mass = sum(built[n].bodies[0].mass for n in moving)
+        return {**total, "driver_work": 0.0, "mass": mass, "body_count": len(moving), "joint_error": 0.0, "step": step, "steps": 84,
+                "max_travel_per_step": np.asarray(total["max_speed"]) * step * 2, "iterations_capped": 0, "iterations_max": 3, "contacts_max": 0, "overflows": 0}  # fmt: skip
 
     def _frame(self, k: int, given: F64) -> dict[str, Any]:
         p, v, n = self.position[k], self.velocity[k], len(self.position[k])
@@ -254,6 +296,62 @@ def liquid_world(
     return base.model_copy(update={"simulation": plan})
 
 
+def stream(
+    *, speed: float = 1.0, width: float = 0.08, height: float = 0.8, spacing: float = 0.02, frames: int = 24, fps: int = 24, others: Mapping[str, Entity] | None = None,
+    offset: Sequence[float] = (0.0, 0.0),
+) -> Flow:  # fmt: skip
+    """Water that an inflow at `height` [m] lets fall freely out of the open bottom of the domain; layers one spacing apart."""
+    from ..worlds.spec import InflowDriver, Pose
+
+    entities = {"pool": water((width, width, 2 * spacing), (offset[0], offset[1], height - spacing), spacing), **(others or {})}
+    # Local +z of the opening looks down: a half turn about x.
+    driver = InflowDriver(
+        entity="pool",
+        pose=Pose(position=(offset[0], offset[1], height), quaternion=(0, 1, 0, 0)),
+        size=(width, width),
+        speed=speed,
+    )
+    low, high = (-0.3, -0.3, 0.0), (0.3, 0.3, height + 0.2)
+    spec = liquid_world(entities, spacing=spacing, low=low, high=high, frames=frames, fps=fps, drivers={"tap": driver})
+    n = round(width / spacing)
+    axis = (np.arange(n) + 0.5) * spacing - width / 2
+    layer = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2) + np.array(offset)
+    born = np.concatenate(
+        [
+            [-1.5 * spacing / speed, -0.5 * spacing / speed],
+            (np.arange(int(frames / fps * speed / spacing) + 1) + 0.5) * spacing / speed,
+        ]
+    )
+    position, velocity, identity, came, left = [], [], [], [], []
+    mass = len(layer) * spacing**3 * DENSITY
+    for k in range(frames):
+        age = k / fps - born
+        # Those of the initial volume start at rest depth with the speed of the flow.
+        z = height - speed * np.maximum(age, 0.0) - 0.5 * G * np.maximum(age, 0.0) ** 2
+        first = np.array([-1.5, -0.5]) * spacing
+        z[:2] = height + first[::-1] * 1.0 - speed * k / fps - 0.5 * G * (k / fps) ** 2
+        fall = np.where(np.arange(len(born)) < 2, k / fps, np.maximum(age, 0.0))
+        there = ((age >= 0.0) | (np.arange(len(born)) < 2)) & (z > 0.0)
+        rows = np.flatnonzero(there)
+        position.append(np.concatenate([np.column_stack([layer, np.full(len(layer), z[r])]) for r in rows]))
+        velocity.append(np.concatenate([np.tile([0.0, 0.0, -speed - G * fall[r]], (len(layer), 1)) for r in rows]))
+        identity.append(np.concatenate([np.arange(len(layer)) + len(layer) * r for r in rows]))
+        came.append(mass * float((age[2:] >= 0.0).sum()))
+        gone = ((age >= 0.0) | (np.arange(len(born)) < 2)) & ~there
+        left.append(mass * float(gone.sum()))
+    order = [np.argsort(i) for i in identity]
+    return Flow(
+        spec.model_copy(update={"entities": {**spec.entities, "pool": spec.entities["pool"].model_copy(update={"physics": spec.entities["pool"].physics.model_copy(update={"linear_velocity": (0.0, 0.0, -speed)})})}}),
+        [p[o] for p, o in zip(position, order, strict=True)], [v[o] for v, o in zip(velocity, order, strict=True)], [i[o] for i, o in zip(identity, order, strict=True)],
+        spacing**3, tuple(f"{n}/body" for n in (others or {})), inflow={"tap": np.array(came)}, left=np.array(left),
+    )  # fmt: skip
+
+
+def middle_column(width: float, spacing: float) -> float:
+    """x of a column of the lattice that fills `width` about 0, next to its middle."""
+    return 0.5 * spacing if round(width / spacing) % 2 == 0 else 0.0
+
+
 def pool_in_tank(
     *,
     size: Sequence[float] = (0.4, 0.3, 0.16),
@@ -271,7 +369,7 @@ def pool_in_tank(
     x, y, depth = size
     inner = (x, y, 2 * depth)
     entities = {
-        "tank": tank(inner, wall, gap=gap, gap_at=0.5 * spacing),
+        "tank": tank(inner, wall, gap=gap, gap_at=middle_column(x, spacing)),
         "pool": water((x, y, depth), (0, 0, depth / 2), spacing),
         **(others or {}),
     }

@@ -250,9 +250,12 @@ class Coupling:
             wanted[k] = displaced * liquid.strength
             speeding = (rise[k] - rise[k - window]) / time
             ends = [displaced * (liquid.strength - c * speeding) for c in ADDED]
-            fastest = float(speed[span].max())
-            slack = DRAG * 0.5 * density * section * fastest**2 + density * liquid.strength * section * 0.5 * liquid.spacing
-            outside = max(min(ends) - slack - push[k], push[k] - max(ends) - slack, 0.0)
+            drag = DRAG * 0.5 * density * section * float(speed[span].max()) ** 2
+            blur = density * liquid.strength * section * 0.5 * liquid.spacing
+            # Drag pushes against the motion only.
+            low = min(ends) - blur - (drag if rise[span].max() > 0.0 else 0.0)
+            high = max(ends) + blur + (drag if rise[span].min() < 0.0 else 0.0)
+            outside = max(low - push[k], push[k] - high, 0.0)
             excess[k] = outside / (density * volume * liquid.strength)
         return excess, push, wanted
 

@@ -1,7 +1,7 @@
 """Books of a liquid: mass against what came in and went out, records against the particles, energy against its sources (R99).
 
 - `mass`: particles' mass + outflow - inflow is that of frame 0 at every frame (`LEDGER`, relative).
-- `start`: the volume of the particles at frame 0 is that of the members' parts (`DRIFT`).
+- `start`: the volume of the particles at frame 0 is that of the members' parts less solids in them (`DRIFT`).
 - `records`: every record is what the particles themselves say.
 - `identity`: particles appear at inflows only, vanish at outflows and open sides only, and no two share an id.
 - `energy`: kinetic + potential energy, less what inflow brought and bodies did, never grows by more than
@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ..geometry import Solid, contains
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .findings import Finding
 from .liquid_rows import baked_again, first_over, longer_step, place
+from .liquid_solids import deepest, pieces_of
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -33,6 +35,8 @@ DRIFT = 0.01
 """Relative error of volume, as the issue has it."""
 RECORD = 1e-4
 """Relative to the scale of each record: single-precision positions and velocities summed."""
+OVERLAP_POINTS = 100_000
+"""Points in a part's box at which it is asked whether a solid is there too."""
 REACH = 1.5
 """Own choice: particles may appear or vanish this many spacings and two frames of travel away from where they are let in or out."""
 RECORDED = {"mass": "kg", "volume": "m^3", "particles": "1", "momentum_x": "kg m/s", "momentum_y": "kg m/s", "momentum_z": "kg m/s",
@@ -44,7 +48,7 @@ class Books:
 
     claims: ClassVar[Mapping[str, str]] = {
         "mass": f"mass of particles + outflow - inflow is that of frame 0 within {LEDGER:g} of the largest",
-        "start": f"volume of particles at frame 0 is that of the declared parts within {DRIFT:.0%}",
+        "start": f"volume of particles at frame 0 is that of the declared parts outside of solids within {DRIFT:.0%}",
         "records": f"records of mass, volume, momentum and energy are those of the particles within {RECORD:g} of their scale",
     }
 
@@ -109,7 +113,7 @@ class Books:
         return Finding(found.status, found.text, found.measured, found.bound, "1", None, found.frame, found.hints, evidence)
 
     def _start(self, own: F64) -> Finding:
-        declared = sum(b.volume for m in self.liquid.members for b in self.liquid.candidate.entity(m).bodies)
+        declared = declared_volume(self.liquid)
         liquid, have = self.liquid, float(own[0, 1])
         passes = liquid.inflows or liquid.outflows or not all(liquid.closed)
         if liquid.candidate.spec.simulation.preroll > 0 and passes:
@@ -152,6 +156,26 @@ class Books:
         )
         evidence = {n: float(e) if np.isfinite(e) else "not finite" for n, e in zip(names, error.max(axis=0), strict=True)}
         return Finding(found.status, found.text, found.measured, RECORD, "1", None, found.frame, found.hints, evidence)
+
+
+def declared_volume(liquid: Liquid) -> float:
+    """Volume of the members' parts at frame 0, less what solids and the space outside the domain take of it [m^3]."""
+    candidate, total = liquid.candidate, 0.0
+    pieces = pieces_of(candidate)
+    for member in liquid.members:
+        for part in candidate.entity(member).parts:
+            solid = Solid.from_mesh(part.render, closed=part.closed)
+            pose = candidate.pose(member, 0, part.body)
+            step = float(np.cbrt(np.prod(solid.upper - solid.lower) / OVERLAP_POINTS))
+            counts = np.maximum(np.ceil((solid.upper - solid.lower) / step).astype(int), 2)
+            axes = [np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(solid.lower, solid.upper, counts, strict=True)]
+            grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+            points = pose.apply(grid[contains(solid, grid)])
+            taken = ((points < liquid.lower) | (points > liquid.upper)).any(axis=1)
+            for found in deepest(pieces, points, 0, 0.0):
+                taken[found.rows] = True
+            total += abs(solid.volume) * (1.0 - float(taken.mean()) if len(points) else 1.0)
+    return total
 
 
 class Identity:

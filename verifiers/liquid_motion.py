@@ -100,7 +100,7 @@ class Motion:
                 self.given = max(self.given, driver.flow_speed)
                 self.top = max(self.top, float(liquid.inflow_frame(name)[0] @ liquid.up))
         self.given = max(self.given, 2.0 * float(self.bodies.moving[frame.index]))
-        fall = np.maximum(self.top - np.maximum(height, self.lowest), 0.0) + 2.0 * liquid.spacing
+        fall = max(self.top - self.lowest, 0.0) + 2.0 * liquid.spacing
         allowed = JET * np.sqrt(self.given**2 + 2.0 * liquid.strength * fall) + 0.05
         speed = np.linalg.norm(frame.velocity, axis=1)
         ratio = speed / allowed
@@ -112,7 +112,7 @@ class Motion:
                 float(speed[worst]),
                 int((ratio > 1.0).sum()),
                 place(frame.position[worst]),
-                float(allowed[worst]),
+                float(allowed),
                 float(ratio[worst]),
             )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import PREDICATES
-from . import combine, kinematic, landscape, touching
+from . import combine, kinematic, landscape, liquid, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed
@@ -34,6 +34,15 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "joint_angle": kinematic.joint_angle,
     "landscape_water": landscape.landscape_water,
     "landscape_field": landscape.landscape_field,
+    "liquid_volume_in": liquid.liquid_volume_in,
+    "liquid_level_at": liquid.liquid_level_at,
+    "liquid_flux_through": liquid.liquid_flux_through,
+    "liquid_arrives": liquid.liquid_arrives,
+    "submerged_fraction": liquid.submerged_fraction,
+    "wet_area": liquid.wet_area,
+    "splash_height": liquid.splash_height,
+    "liquid_speed": liquid.liquid_speed,
+    "liquid_temperature": liquid.liquid_temperature,
     "count": combine.count,
     "always": combine.always,
     "eventually": combine.eventually,

@@ -9,22 +9,32 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field
 
 from ..vocabulary import (
     BeatRef,
     EntityRef,
-    Finite,
     FrameInterval,
     JointRef,
     NonNegative,
     Positive,
-    Ref,
     RegionRef,
     SpecModel,
     Vec3,
 )
+from .fields import Band, Subject, When
 from .landscape import LandscapeField, LandscapeWater
+from .liquids import (
+    LiquidArrives,
+    LiquidFluxThrough,
+    LiquidLevelAt,
+    LiquidSpeed,
+    LiquidTemperature,
+    LiquidVolumeIn,
+    SplashHeight,
+    SubmergedFraction,
+    WetArea,
+)
 
 __all__ = [
     "ATOMS",
@@ -38,6 +48,12 @@ __all__ = [
     "Displacement",
     "Eventually",
     "JointAngle",
+    "LiquidArrives",
+    "LiquidFluxThrough",
+    "LiquidLevelAt",
+    "LiquidSpeed",
+    "LiquidTemperature",
+    "LiquidVolumeIn",
     "NoContact",
     "Not",
     "Or",
@@ -46,30 +62,16 @@ __all__ = [
     "RestsOn",
     "Separation",
     "Speed",
+    "SplashHeight",
     "StaysIn",
+    "SubmergedFraction",
     "Supported",
     "Tilts",
     "Topples",
     "Until",
+    "WetArea",
     "Within",
 ]
-
-When = Literal["eventually", "always", "end"]
-Subject = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$"), Ref("entity")]
-"""An entity id, or `each` inside `count`."""
-
-
-class _Band(SpecModel):
-    min: Finite | None = None
-    max: Finite | None = None
-
-    @model_validator(mode="after")
-    def _some_bound(self) -> _Band:
-        if self.min is None and self.max is None:
-            raise ValueError("give min, max or both")
-        if self.min is not None and self.max is not None and self.min > self.max:
-            raise ValueError("min must be <= max")
-        return self
 
 
 class Reaches(SpecModel):
@@ -136,7 +138,7 @@ class Supported(SpecModel):
     when: When = "always"
 
 
-class Tilts(_Band):
+class Tilts(Band):
     """Angle [rad] between the entity's own `axis` and the same axis at frame 0."""
 
     kind: Literal["tilts"] = "tilts"
@@ -153,7 +155,7 @@ class Topples(SpecModel):
     min_angle: Positive = Field(default=0.6, le=3.1415, description="[rad]")
 
 
-class Speed(_Band):
+class Speed(Band):
     """Speed of the centre of mass [m/s]."""
 
     kind: Literal["speed"] = "speed"
@@ -161,7 +163,7 @@ class Speed(_Band):
     when: When = "eventually"
 
 
-class Displacement(_Band):
+class Displacement(Band):
     """Distance of the centre of mass from where it was at frame 0 [m], or its component along `axis`."""
 
     kind: Literal["displacement"] = "displacement"
@@ -170,7 +172,7 @@ class Displacement(_Band):
     when: When = "eventually"
 
 
-class Separation(_Band):
+class Separation(Band):
     """Signed clearance between the visible surfaces of two entities [m]."""
 
     kind: Literal["separation"] = "separation"
@@ -179,7 +181,7 @@ class Separation(_Band):
     when: When = "always"
 
 
-class JointAngle(_Band):
+class JointAngle(Band):
     """Coordinate of a hinge [rad] or slide [m], relative to frame 0's reference."""
 
     kind: Literal["joint_angle"] = "joint_angle"
@@ -187,7 +189,7 @@ class JointAngle(_Band):
     when: When = "eventually"
 
 
-class Count(_Band):
+class Count(Band):
     """How many of the entities satisfy `predicate`, in which `each` stands for the entity."""
 
     kind: Literal["count"] = "count"
@@ -281,6 +283,15 @@ Atom = (
     | JointAngle
     | LandscapeWater
     | LandscapeField
+    | LiquidVolumeIn
+    | LiquidLevelAt
+    | LiquidFluxThrough
+    | LiquidArrives
+    | SubmergedFraction
+    | WetArea
+    | SplashHeight
+    | LiquidSpeed
+    | LiquidTemperature
 )
 Combinator = Count | Always | Eventually | Until | Before | After | Within | And | Or | Not
 Predicate = Annotated[Atom | Combinator, Field(discriminator="kind")]

@@ -30,6 +30,7 @@ class PredicateInfo:
 
 _BAND: dict[str, Tightens] = {"min": "up", "max": "down"}
 _POSE = ("position", "quaternion")
+_LIQUID = ("origin", "particle/position", "particle/fluid", "particle/volume")
 _KINDS = (
     PredicateInfo("reaches", "m", _POSE),
     PredicateInfo("stays_in", "m", _POSE),
@@ -51,6 +52,15 @@ _KINDS = (
         _BAND | {"min_depth": "up", "min_area": "up", "min_length": "up", "min_width": "up"},
     ),
     PredicateInfo("landscape_field", "1", (), _BAND),
+    PredicateInfo("liquid_volume_in", "m^3", _LIQUID, _BAND),
+    PredicateInfo("liquid_level_at", "m", _LIQUID, _BAND),
+    PredicateInfo("liquid_flux_through", "m^3", (*_LIQUID, "particle/id"), _BAND),
+    PredicateInfo("liquid_arrives", "m^3", _LIQUID, {"min_volume": "up", "within": "down"}),
+    PredicateInfo("submerged_fraction", "1", _LIQUID, _BAND),
+    PredicateInfo("wet_area", "m^2", _LIQUID, _BAND),
+    PredicateInfo("splash_height", "m", _LIQUID, _BAND),
+    PredicateInfo("liquid_speed", "m/s", (*_LIQUID, "particle/velocity"), _BAND),
+    PredicateInfo("liquid_temperature", "K", (*_LIQUID, "particle/temperature"), _BAND),
     PredicateInfo("count", "1", (), _BAND),
     PredicateInfo("always", "1", ()),
     PredicateInfo("eventually", "1", ()),

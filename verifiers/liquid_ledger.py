@@ -171,7 +171,7 @@ def declared_volume(liquid: Liquid) -> float:
             axes = [np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(solid.lower, solid.upper, counts, strict=True)]
             grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
             points = pose.apply(grid[contains(solid, grid)])
-            taken = ((points < liquid.lower) | (points > liquid.upper)).any(axis=1)
+            taken = np.asarray(((points < liquid.lower) | (points > liquid.upper)).any(axis=1))
             for found in deepest(pieces, points, 0, 0.0):
                 taken[found.rows] = True
             total += abs(solid.volume) * (1.0 - float(taken.mean()) if len(points) else 1.0)

@@ -23,7 +23,7 @@ __all__ = [
 
 
 class LiquidVolumeIn(Band):
-    """Volume of the liquid inside a region [m^3]."""
+    """Volume of a liquid in a region [m^3]."""
 
     kind: Literal["liquid_volume_in"] = "liquid_volume_in"
     entity: Subject = Field(description="the liquid")
@@ -32,30 +32,30 @@ class LiquidVolumeIn(Band):
 
 
 class LiquidLevelAt(Band):
-    """Height of the liquid's highest point [m] in the upright column of `radius` about a point; the domain's bottom where it is dry."""
+    """Height z of a liquid's surface over a point [m]."""
 
     kind: Literal["liquid_level_at"] = "liquid_level_at"
     entity: Subject = Field(description="the liquid")
     point: tuple[Finite, Finite] = Field(description="x, y [m]")
-    radius: Positive | None = Field(default=None, description="[m]; default: two spacings of the liquid")
+    radius: Positive | None = Field(
+        default=None,
+        description="of the upright column whose highest liquid counts [m]; default: two spacings. A dry column has the height of the domain's bottom",
+    )
     when: When = "eventually"
 
 
 class LiquidFluxThrough(Band):
-    """Volume of the liquid that has passed a disc or rectangle along its normal since the interval began [m^3], or its rate [m^3/s].
-
-    What passes against the normal counts negative.
-    """
+    """Volume of a liquid that passes an opening [m^3], or its rate [m^3/s]."""
 
     kind: Literal["liquid_flux_through"] = "liquid_flux_through"
     entity: Subject = Field(description="the liquid")
     point: Vec3 = Field(description="middle [m]")
-    normal: Vec3
+    normal: Vec3 = Field(description="what passes against it counts negative")
     radius: Positive | None = Field(default=None, description="of a disc [m]; give radius or size")
     size: tuple[Positive, Positive] | None = Field(
         default=None, description="of a rectangle [m]: level extent across the normal, and the extent across both"
     )
-    measure: Literal["total", "rate"] = "total"
+    measure: Literal["total", "rate"] = Field(default="total", description="total: since the interval began")
     when: When = "eventually"
 
     @model_validator(mode="after")
@@ -68,7 +68,7 @@ class LiquidFluxThrough(Band):
 
 
 class LiquidArrives(SpecModel):
-    """At least `min_volume` of the liquid has come into a region, or to within `within` of an entity's surface."""
+    """A liquid comes into a region or to an entity."""
 
     kind: Literal["liquid_arrives"] = "liquid_arrives"
     entity: Subject = Field(description="the liquid")
@@ -85,7 +85,7 @@ class LiquidArrives(SpecModel):
 
 
 class SubmergedFraction(Band):
-    """Share of the entity's volume that lies under the liquid's surface about it, 0..1."""
+    """Share of an entity under a liquid's surface, 0..1."""
 
     kind: Literal["submerged_fraction"] = "submerged_fraction"
     entity: Subject
@@ -94,39 +94,44 @@ class SubmergedFraction(Band):
 
 
 class WetArea(Band):
-    """Area of the entity's visible surface within one spacing of the liquid [m^2]: now, or at any frame of the interval so far."""
+    """Area of an entity that a liquid wets [m^2]."""
 
     kind: Literal["wet_area"] = "wet_area"
     entity: Subject
     liquid: EntityRef
-    measure: Literal["now", "ever"] = "now"
+    measure: Literal["now", "ever"] = Field(
+        default="now", description="liquid within one spacing at the frame, or at any frame of the interval so far"
+    )
     when: When = "eventually"
 
 
 class SplashHeight(Band):
-    """Height that at least eight particles of the liquid exceed, above its highest point at frame 0 or above `over` [m]."""
+    """Height of a liquid's splash [m]."""
 
     kind: Literal["splash_height"] = "splash_height"
     entity: Subject = Field(description="the liquid")
-    over: Finite | None = Field(default=None, description="height z that counts as 0 [m]")
+    over: Finite | None = Field(
+        default=None,
+        description="height z that counts as 0 [m]; default: the liquid's highest point at frame 0. Eight particles make a splash",
+    )
     when: When = "eventually"
 
 
 class LiquidSpeed(Band):
-    """Mean (by mass) or largest speed of the liquid [m/s], all of it or what is inside a region; 0 where there is none."""
+    """Speed of a liquid [m/s]."""
 
     kind: Literal["liquid_speed"] = "liquid_speed"
     entity: Subject = Field(description="the liquid")
-    region: RegionRef | None = None
-    measure: Literal["mean", "largest"] = "mean"
+    region: RegionRef | None = Field(default=None, description="default: all of the liquid")
+    measure: Literal["mean", "largest"] = Field(default="mean", description="mean: by mass; 0 where there is none")
     when: When = "eventually"
 
 
 class LiquidTemperature(Band):
-    """Mean (by mass), lowest or highest temperature of the liquid [K], all of it or what is inside a region."""
+    """Temperature of a liquid [K]."""
 
     kind: Literal["liquid_temperature"] = "liquid_temperature"
     entity: Subject = Field(description="the liquid")
-    region: RegionRef | None = None
-    measure: Literal["mean", "lowest", "highest"] = "mean"
+    region: RegionRef | None = Field(default=None, description="default: all of the liquid")
+    measure: Literal["mean", "lowest", "highest"] = Field(default="mean", description="mean: by mass")
     when: When = "eventually"

@@ -9,25 +9,32 @@ from typing import Any
 import numpy as np
 
 from ....geometry.launch import chosen_device, warp
-from ....worlds.errors import LimitError
+from ....worlds.arrays import F64
+from ....worlds.errors import EngineError, EvidenceError, LimitError
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
 from . import column_kernels as columns
 from . import grid_kernels as cells
 from . import multigrid, seeding
 from . import multigrid_kernels as blocks
+from . import solid_kernels as walls
 from . import transfer_kernels as transfer
+from .exchange import Exchange
+from .markers import Markers, from_bytes, to_bytes
 from .run import Runner
 from .settings import FlipSettings
+from .solids import Solids
+from .sources import Sources
 
 __all__ = ["Flip"]
 
 PAD = 2
 """Cells around the domain, for faces beyond its walls."""
+KARMAN = 0.41
 
 
 @dataclass
 class Grid:
-    """The sparse grid of one step and what lives in its cells."""
+    """The sparse grid of one step."""
 
     columns: Any
     cells: int
@@ -50,6 +57,7 @@ class Flip:
         self.device = chosen_device(setup.device)
         self.run = Runner(self.device)
         seeding.check(setup)
+        wp = warp()
         self._cell = float(setup.spacing)
         self._origin = np.asarray(setup.lower, dtype=np.float64) - PAD * self._cell
         size = (np.asarray(setup.upper, dtype=np.float64) - self._origin) / self._cell
@@ -59,34 +67,22 @@ class Flip:
                 f"the liquid's domain has {' x '.join(map(str, self._shape))} cells of {self._cell:g} m, more than 2^31; "
                 "enlarge the resolution or shrink the domain"
             )
-        self._lower = np.full(3, float(PAD))
-        self._upper = size
+        self._box = [wp.vec3(float(PAD), float(PAD), float(PAD)), wp.vec3(*size)]
+        self._sides = columns.vec6i(*(int(side == "open") for side in setup.sides))
         self._density = setup.fluids[0].density
         self._reach = math.ceil(self.settings.cfl) + 1
+        apic = self.settings.transfer == "apic"
+        self.markers = Markers(self.run, self._origin, self._cell, self._density, apic=apic)
         start = seeding.seed(setup, self.settings.particles_per_cell)
-        self._set(start)
-        self._time = 0.0
+        self.markers.add(start)
+        self.solids = Solids(self.run, setup, self._origin)
+        self.sources = Sources(self.run, setup, self._origin)
+        self.time = 0.0
+        self._begun = False
         self._speed = float(np.linalg.norm(start.velocity, axis=1).max(initial=0.0))
-
-    def _set(self, start: Particles) -> None:
-        """Take particles over."""
-        wp = warp()
-        n = len(start.position)
-        self._count = n
-        position = np.empty((n, 4), dtype=np.float32)
-        position[:, :3] = (start.position - self._origin) / self._cell
-        position[:, 3] = start.volume / self._cell**3
-        velocity = np.zeros((n, 4), dtype=np.float32)
-        velocity[:, :3] = start.velocity
-        self.run.upload("position", position, wp.vec4)
-        self.run.upload("velocity", velocity, wp.vec4)
-        self.run.upload("slot", np.arange(n, dtype=np.int32), wp.int32)
-        self.run.upload("affine", np.zeros((n, 3, 3), dtype=np.float32), wp.mat33)
-        self._identity = start.identity.copy()
-        self._fluid = start.fluid.copy()
-        self._volume = start.volume.copy()
-        self._temperature = start.temperature.copy()
-        self._next = int(start.identity.max(initial=-1)) + 1
+        self._speed = max(self._speed, *(i.speed for i in setup.inflows), 0.0)
+        self.volume = float(start.volume.sum())
+        """Of the liquid as the grid sees it [m^3]: what lies under the surface at the start of the last step."""
 
     def stable_dt(self) -> float:
         """Largest stable step in the present state [s]: the fastest particle, sped up by gravity, crosses `cfl` cells."""
@@ -98,41 +94,82 @@ class Flip:
         """One step of at most `limit` seconds; shorter where that makes the steps to `limit` equal.
 
         Raises:
-            EngineError: a particle's state is no longer finite.
+            EngineError: a particle's state is no longer finite; the text names the place.
+            InputError: the bodies do not fit the boundaries, or an inflow lies in a solid.
         """
+        if not self._begun:
+            self.sources.clear_solids(lambda points: self.solids.distance(points, bodies))
+            self._begun = True
+        fast = float(np.linalg.norm(bodies.velocity, axis=1).max(initial=0.0))
+        self._speed = max(self._speed, fast)
         dt = limit / max(1, math.ceil(limit / self.stable_dt() - 1e-6))
+        self.solids.update(bodies)
+        if self.markers.live == 0:
+            return self._close(dt, np.zeros((self.solids.count, 6)), np.zeros((self.solids.count, 6)), (0, 0), 0, (0.0, 0.0))
         grid = self._build_grid()
+        self._dt = dt
         self._to_faces(grid, dt)
+        mouths, half = self.sources.speeds(self.time, dt)
+        self._cut(grid, half)
         levels = self._build_rows(grid)
-        solution = self._press(levels, dt)
+        fine, run = levels[0], self.run
+        near, cell = grid.near, run.array("cell", fine.rows, warp().int32)
+        exchange = Exchange(
+            run, self.solids, bodies, fine, grid.columns, [near, cell, *self._faces(grid, "opening"), self._owners(grid)], mouths
+        )
+        exchange.mass = self._density * self._cell**3
+        pressed = self._press(levels, exchange, dt)
         moved, excess = self._correct(grid, levels)
-        self._finish(grid, levels[0], dt)
-        self._advance(grid, dt)
-        self._time += dt
-        none = np.zeros((len(self.setup.boundaries), 6))
-        return StepReport(
-            dt,
-            none,
-            none.copy(),
-            {},
-            {},
-            (solution.iterations, moved.iterations),
-            int(solution.capped) + int(moved.capped),
-            excess,
+        q = run.array("q", fine.rows, warp().float32)
+        impulse = exchange.end(q)
+        change = self._finish(grid, fine, exchange, dt)
+        reaction = exchange.felt(impulse, change)
+        self._advance(grid, exchange, dt)
+        capped = int(pressed.capped) + int(moved.capped)
+        iterations = (pressed.iterations, moved.iterations)
+        return self._close(dt, impulse[: self.solids.count], reaction, iterations, capped, excess)
+
+    def _close(
+        self, dt: float, impulse: F64, reaction: F64, iterations: tuple[int, int], capped: int, excess: tuple[float, float]
+    ) -> StepReport:
+        """Take out what left, let in what came, and find the fastest particle."""
+        wp, run, markers = warp(), self.run, self.markers
+        removed = self.sources.take_out(markers, run.array("left", max(1, markers.total), wp.int32))
+        added = self.sources.let_in(markers, self.time, dt)
+        self.time += dt
+        many = -(-markers.total // run.block)
+        top = run.array("top", max(1, many), wp.float64)
+        run(transfer.fastest, many, [markers.total, run.block, markers.velocity, top], grain=16)
+        most = float(run.read(top, many).max(initial=0.0))
+        if not math.isfinite(most):
+            self._fail()
+        inflow = max((i.speed for i in self.setup.inflows), default=0.0)
+        self._speed = max(math.sqrt(most), inflow)
+        return StepReport(dt, impulse, reaction, added, removed, iterations, capped, excess)
+
+    def _fail(self) -> None:
+        velocity = self.run.read(self.markers.velocity, self.markers.total)
+        bad = int(np.flatnonzero(~np.isfinite(velocity).all(axis=1))[0])
+        place = self._origin + self._cell * self.run.read(self.markers.position, self.markers.total)[bad, :3]
+        raise EngineError(
+            f"the grid liquid is no longer finite at t = {self.time:.4g} s: particle {self.markers.identity[bad]} near "
+            f"({', '.join(f'{x:.3g}' for x in place)}) m; shorten max_step or lower cfl (now {self.settings.cfl:g})"
         )
 
     def _build_grid(self) -> Grid:
         """Sort the particles by cell and lay columns of cells around them."""
-        wp, run, n = warp(), self.run, self._count
+        wp, run, markers = warp(), self.run, self.markers
+        n = markers.total
         nx, ny, nz = self._shape
         many = nx * ny
         keys, order = run.array("keys", 2 * n, wp.int32), run.array("order", 2 * n, wp.int32)
-        run(columns.find_keys, n, [run.array("position", n, wp.vec4), nx, ny, nz, keys, order], grain=16384)
+        run(columns.find_keys, n, [markers.position, nx, ny, nz, keys, order], grain=16384)
         wp.utils.radix_sort_pairs(keys, order, n)
-        self._permute(order)
         head = run.array("head", many + 1, wp.int32)
-        head.zero_()
         run(columns.find_heads, n, [keys, n, nz, many, head], grain=16384)
+        markers.sort(order)
+        run.swap("low", "low/before")
+        run.swap("start", "start/before")
         low, high = run.array("low", many + 1, wp.int32), run.array("high", many + 1, wp.int32)
         low2, high2 = run.array("low2", many + 1, wp.int32), run.array("high2", many + 1, wp.int32)
         run(columns.find_ranges, many, [head, keys, nz, low, high])
@@ -150,39 +187,16 @@ class Flip:
         run(columns.link, total, [grid, near])
         return Grid(grid, total, near, head)
 
-    def _permute(self, order: Any) -> None:
-        wp, run, n = warp(), self.run, self._count
-        before = [run.array(name, n, kind) for name, kind in (("position", wp.vec4), ("velocity", wp.vec4), ("slot", wp.int32))]
-        after = [run.array(name, n, kind) for name, kind in (("position2", wp.vec4), ("velocity2", wp.vec4), ("slot2", wp.int32))]
-        run(transfer.permute, n, [order, *before, *after], grain=16384)
-        for name in ("position", "velocity", "slot"):
-            run.swap(name, name + "2")
-        if self.settings.transfer == "apic":
-            affine, other = run.array("affine", n, wp.mat33), run.array("affine2", n, wp.mat33)
-            run(transfer.permute_affine, n, [order, affine, other], grain=16384)
-            run.swap("affine", "affine2")
-
     def _to_faces(self, grid: Grid, dt: float) -> None:
         """Velocities of faces and densities of cells from the particles, after gravity."""
-        wp, run, n = warp(), self.run, self._count
+        wp, run, markers = warp(), self.run, self.markers
         sums = run.array("scratch", grid.cells * transfer.SUMS, wp.float32)
-        apic = int(self.settings.transfer == "apic")
-        state = [run.array("position", n, wp.vec4), run.array("velocity", n, wp.vec4), run.array("affine", n, wp.mat33)]
         nx, ny, _ = self._shape
-        run(transfer.add_up, nx * ny, [grid.columns, grid.head, *state, apic, sums], grain=64)
+        state = [markers.position, markers.velocity, markers.affine, int(markers.apic)]
+        run(transfer.add_up, nx * ny, [grid.columns, grid.head, *state, sums], grain=64)
         kick = wp.vec3(*(float(g) * dt for g in self.setup.gravity))
-        run(
-            transfer.gather,
-            grid.cells,
-            [
-                grid.columns,
-                sums,
-                kick,
-                *self._faces(grid, "old", "weight"),
-                *self._of(grid, "density"),
-                *self._faces(grid, "new"),
-            ],
-        )
+        faces = [*self._faces(grid, "old", "weight"), *self._of(grid, "density"), *self._faces(grid, "new")]
+        run(transfer.gather, grid.cells, [grid.columns, sums, kick, *faces])
 
     def _faces(self, grid: Grid, *names: str) -> list[Any]:
         return [self.run.array(name, grid.cells, warp().vec3) for name in names]
@@ -190,100 +204,162 @@ class Flip:
     def _of(self, grid: Grid, *names: str) -> list[Any]:
         return [self.run.array(name, grid.cells, warp().float32) for name in names]
 
-    def _build_rows(self, grid: Grid) -> list[multigrid.Level]:
-        """Open shares, surface, and the system of equations with its coarser levels."""
+    def _owners(self, grid: Grid) -> Any:
+        return self.run.array("face_owner", grid.cells, warp().vec3i)
+
+    def _cut(self, grid: Grid, mouths: Any) -> None:
+        """Open shares of faces and cells: the domain, boundaries, mouths of inflows."""
         wp, run, total = warp(), self.run, grid.cells
-        box = [wp.vec3(*self._lower), wp.vec3(*self._upper)]
-        sides = columns.vec6i(*(int(side == "open") for side in self.setup.sides))
-        run(cells.open_box, total, [grid.columns, *box, sides, *self._faces(grid, "open"), *self._of(grid, "room", "spread")])
+        (opening,), (room, spread, solid) = self._faces(grid, "opening"), self._of(grid, "room", "spread", "solid")
+        run(cells.open_box, total, [grid.columns, *self._box, self._sides, opening, room, spread, self._owners(grid)])
+        if self.solids.count:
+            many = self._shape[0] * self._shape[1] + 1
+            before = columns.Columns()
+            before.nx, before.ny, before.nz = self._shape
+            before.low, before.start = run.array("low/before", many, wp.int32), run.array("start/before", many, wp.int32)
+            before.column = grid.columns.column
+            for name in ("fixed", "fixed_owner"):
+                run.swap(name, name + "/before")
+            owner, owner_before = (run.array(f"fixed_owner{end}", total, wp.int32) for end in ("", "/before"))
+            fixed, fixed_before, points = (run.array(name, total, walls.vec8) for name in ("fixed", "fixed/before", "points"))
+            halves = run.array("halves", total, walls.vec6)
+            assert self.solids.fixed is not None
+            distance, nearest = self._of(grid, "distance")[0], run.array("owner", total, wp.int32)
+            inputs = [grid.columns, before, self.solids.reuse, *self.solids.fixed, fixed_before, owner_before, self.solids.moving]
+            run(walls.corner_distances, total, [*inputs, fixed, owner, points, distance, nearest], grain=256)
+            self.solids.reuse = 1
+            run(walls.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
+            run(walls.cut_faces, total, [grid.near, distance, nearest, halves, opening, self._owners(grid)])
+            run(walls.near_solid, total, [grid.columns, solid, halves, spread])
+            if self.settings.roughness > 0.0:
+                self._rub(grid)
+        if self.sources.mouths:
+            inputs = [grid.columns, len(self.sources.mouths), self.solids.count, *self.sources.shape(), mouths]
+            run(walls.open_mouths, total, [*inputs, opening, self._owners(grid)])
+
+    def _rub(self, grid: Grid) -> None:
+        """Friction by the law of the wall: shear stress density (karman u / ln(z / z0))^2 in a layer of one cell."""
+        rough = self.settings.roughness
+        law = (KARMAN / math.log((0.5 * self._cell + rough) / rough)) ** 2
+        self.run(
+            walls.rub,
+            grid.cells,
+            [grid.near, *self._of(grid, "solid"), law * self._dt / self._cell, *self._faces(grid, "new", "new2")],
+        )
+        self.run.swap("new", "new2")
+
+    def _build_rows(self, grid: Grid) -> list[multigrid.Level]:
+        """Surface, and the system of equations with its coarser levels."""
+        wp, run, total = warp(), self.run, grid.cells
         red, wet = run.array("red", total + 1, wp.int32), run.array("wet", total + 1, wp.int32)
-        phi = self._of(grid, "phi")[0]
-        run(cells.find_surface, total, [grid.columns, *self._of(grid, "density", "spread", "room"), *box, phi, red, wet])
+        (phi,) = self._of(grid, "phi")
+        run(cells.find_surface, total, [grid.columns, *self._of(grid, "density", "spread"), *self._box, phi, red, wet])
+        if self.solids.count:
+            inputs = [grid.columns, grid.near, *self._of(grid, "solid"), *self._faces(grid, "opening"), wet, phi, red]
+            phi, hidden = self.run.array("phi2", total, wp.float32), run.array("wet2", total + 1, wp.int32)
+            run(cells.find_hidden, total, [*inputs, hidden, phi])
+            run.swap("phi", "phi2")
+            run(cells.close_buried, total, [grid.near, phi, *self._faces(grid, "opening")])
+            wet = hidden
         row, cell, rows, reds = multigrid.number(run, run.array, total, red, wet)
         level = multigrid.rows_of(run.array, grid.columns, total, row, rows, reds)
         right, airy = run.array("pressure_right", rows, wp.float32), run.array("airy", rows, wp.int32)
-        open_, new = self._faces(grid, "open", "new")
-        run(
-            cells.build_rows,
-            rows,
-            [grid.near, cell, row, phi, open_, new, level.link, level.coefficient, level.diagonal, right, airy],
-        )
+        system = [level.link, level.coefficient, level.diagonal, right, airy]
+        run(cells.build_rows, rows, [grid.near, cell, row, phi, *self._faces(grid, "opening", "new"), *system])
+        many = -(-total // run.block)
+        sums = run.array("volume/sums", many, wp.float64)
+        run(cells.measure, many, [total, run.block, phi, *self._of(grid, "room"), sums], grain=16)
+        self.volume = float(run.read(sums, many).sum()) * self._cell**3
         return multigrid.hierarchy(run, level)
 
-    def _press(self, levels: list[multigrid.Level], dt: float) -> multigrid.Solution:
+    def _press(self, levels: list[multigrid.Level], exchange: Exchange, dt: float) -> multigrid.Solution:
         wp, run, rows = warp(), self.run, levels[0].rows
         bound = self.settings.pressure_error * self._cell / dt
         right, q = run.array("pressure_right", rows, wp.float32), run.array("q", rows, wp.float32)
-        return multigrid.solve(run, levels, right, q, bound, self.settings.iterations)
+        exchange.start(right, dt)
+        return multigrid.solve(run, levels, right, q, bound, self.settings.iterations, exchange.add)
 
     def _correct(self, grid: Grid, levels: list[multigrid.Level]) -> tuple[multigrid.Solution, tuple[float, float]]:
-        """Displacement potential that undoes compression; mean and largest compression found."""
+        """Displacement potential that undoes compression; mean compression inside the liquid and the largest one."""
         wp, run, rows = warp(), self.run, levels[0].rows
         right, push = run.array("push_right", rows, wp.float32), run.array("push", rows, wp.float32)
         excess, airy = run.array("excess", rows, wp.float32), run.array("airy", rows, wp.int32)
         share = self.settings.volume_correction
-        run(
-            cells.rate_density,
-            rows,
-            [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, share, right, excess],
-        )
-        found = run.read(excess, rows)
-        bounds = (float(np.abs(found).mean()), float(found.max())) if rows else (0.0, 0.0)
+        state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, share, right, excess]
+        run(cells.rate_density, rows, state)
+        found, inner = run.read(excess, rows), run.read(airy, rows) == 0
+        bounds = (float(found[inner].mean()) if inner.any() else 0.0, float(found.max(initial=0.0)))
         if share == 0.0:
             push.zero_()
             return multigrid.Solution(0, 0.0, False), bounds
         return multigrid.solve(run, levels, right, push, 10.0 * self.settings.pressure_error, self.settings.iterations), bounds
 
-    def _finish(self, grid: Grid, level: multigrid.Level, dt: float) -> None:
-        """Velocities after pressure, extended beyond the liquid."""
+    def _finish(self, grid: Grid, level: multigrid.Level, exchange: Exchange, dt: float) -> F64:
+        """Velocities after pressure, extended beyond the liquid; the change of momentum that the pressure made."""
         wp, run, total, rows = warp(), self.run, grid.cells, level.rows
         known, known2 = run.array("known", total, wp.vec3i), run.array("known2", total, wp.vec3i)
         q, push = run.array("q", rows, wp.float32), run.array("push", rows, wp.float32)
+        scale = self._density * self._cell / dt
+        state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening"), self._owners(grid)]
+        after = [*self._faces(grid, "new2", "drift"), known, *self._of(grid, "pressure")]
         run(
             cells.project,
             total,
-            [
-                grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "open"), q, push, self._cell / dt,
-                self._density * self._cell / dt, *self._of(grid, "density", "spread"), *self._faces(grid, "weight", "new", "drift"),
-                known, *self._of(grid, "pressure"),
-            ],
-        )  # fmt: skip
+            [*state, exchange.walls, q, push, self._cell / dt, scale, *self._faces(grid, "weight", "new"), *after],
+        )
+        many = -(-total // run.block)
+        sums = run.array("momentum/sums", many, walls.vec6d)
+        faces = self._faces(grid, "opening", "new", "new2")
+        run(walls.momentum, many, [total, run.block, *state[:4], *faces, sums], grain=16)
+        change = run.read(sums, many).sum(axis=0) * self._density * self._cell**3
+        change[3:] *= self._cell
+        run.swap("new", "new2")
         for step in (2, 1, 1):
             new, drift, new2, drift2 = self._faces(grid, "new", "drift", "new2", "drift2")
             run(cells.extend, total, [grid.near, step, known, new, drift, known2, new2, drift2])
             known, known2 = known2, known
             run.swap("new", "new2")
             run.swap("drift", "drift2")
+        state = [grid.columns, grid.near, *self._box, self._sides, int(self.solids.count > 0), *self._of(grid, "solid")]
+        state += [*self._faces(grid, "opening"), self._owners(grid), exchange.walls]
+        run(walls.constrain, total, [*state, *self._faces(grid, "new", "drift", "new2", "drift2")])
+        run.swap("new", "new2")
+        run.swap("drift", "drift2")
+        return np.asarray(change)
 
-    def _advance(self, grid: Grid, dt: float) -> None:
-        wp, run, n = warp(), self.run, self._count
-        sides = columns.vec6i(*(int(side == "open") for side in self.setup.sides))
+    def _advance(self, grid: Grid, exchange: Exchange, dt: float) -> None:
+        """Velocities and places of the particles."""
+        wp, run, markers = warp(), self.run, self.markers
+        n, way = markers.total, dt / self._cell
         left = run.array("left", n, wp.int32)
-        run(
-            transfer.advance,
-            n,
-            [
-                grid.columns, *self._faces(grid, "old", "new", "drift"), *self._of(grid, "pressure"), self.settings.flip_ratio,
-                int(self.settings.transfer == "apic"), dt / self._cell, float(self._reach - 1), wp.vec3(*self._lower),
-                wp.vec3(*self._upper), sides, run.array("position", n, wp.vec4), run.array("velocity", n, wp.vec4),
-                run.array("affine", n, wp.mat33), left,
-            ],
-        )  # fmt: skip
-        velocity = run.read(run.array("velocity", n, wp.vec4), n)[:, :3]
-        self._speed = float(np.sqrt((velocity.astype(np.float64) ** 2).sum(axis=1).max(initial=0.0)))
+        fields = [grid.columns, *self._faces(grid, "old", "new", "drift"), *self._of(grid, "pressure")]
+        how = [self.settings.flip_ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
+        run(transfer.advance, n, [*fields, *how, markers.position, markers.velocity, markers.affine, left])
+        if self.solids.count:
+            state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.int32), exchange.walls]
+            run(walls.push_out, n, [*state, way, *self._box, self._sides, markers.position])
 
     def particles(self) -> Particles:
         """The marker particles, in the order of their cells."""
-        wp, run, n = warp(), self.run, self._count
-        position, velocity = run.read(run.array("position", n, wp.vec4), n), run.read(run.array("velocity", n, wp.vec4), n)
-        slot = run.read(run.array("slot", n, wp.int32), n)
-        return Particles(
-            self._origin + self._cell * position[:, :3].astype(np.float64),
-            velocity[:, :3].astype(np.float64),
-            self._identity[slot],
-            self._fluid[slot],
-            self._volume[slot],
-            np.full(n, self._density),
-            velocity[:, 3].astype(np.float64),
-            self._temperature[slot],
-        )
+        return self.markers.particles()
+
+    def checkpoint(self) -> bytes:
+        """The full state; the engine itself continues from exactly these bytes."""
+        travel = np.array([[mouth.travel, mouth.layers] for mouth in self.sources.mouths]).reshape(-1, 2)
+        return to_bytes({**self.markers.dump(), "clock": np.array([self.time, self._speed, self.volume]), "travel": travel})
+
+    def restore(self, state: bytes) -> None:
+        """Continue from a checkpoint.
+
+        Raises:
+            EvidenceError: the bytes are no checkpoint of this engine.
+        """
+        try:
+            found = from_bytes(state)
+            self.markers.load(found)
+            self.time, self._speed, self.volume = (float(value) for value in found["clock"])
+            for mouth, (travel, layers) in zip(self.sources.mouths, found["travel"], strict=True):
+                mouth.travel, mouth.layers = float(travel), int(layers)
+        except (KeyError, ValueError, OSError) as error:
+            raise EvidenceError(f"these bytes are no checkpoint of the grid engine ({error}); start from another one") from error
+        self.solids.reuse = 0

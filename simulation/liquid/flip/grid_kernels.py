@@ -10,14 +10,29 @@ Enright et al. 2003), velocities after it, and their extension beyond the liquid
 import warp as wp
 
 from .column_kernels import Columns, place_of, vec6i
+from .solid_kernels import Walls, face_center, wall_speed
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["build_rows", "extend", "find_surface", "number_rows", "open_box", "project", "rate_density", "vec6"]
+__all__ = [
+    "build_rows",
+    "close_buried",
+    "extend",
+    "find_hidden",
+    "find_surface",
+    "measure",
+    "number_rows",
+    "open_box",
+    "project",
+    "rate_density",
+    "vec6",
+]
 
 vec6 = wp.types.vector(length=6, dtype=wp.float32)
 LEAST_OPEN = wp.constant(0.02)
 """Faces open by less are closed: their cells would make the system stiff."""
+BURIED = wp.constant(9.0)
+"""Distance to the surface that marks cells inside solids which touch no open one."""
 LEAST_THETA = wp.constant(0.05)
 """Nearest distance of the surface to the centre of a liquid cell, in cells."""
 
@@ -50,6 +65,7 @@ def tent_inside(center: float, low: float, high: float):
 def open_box(
     first: wp.int32, grid: Columns, lower: wp.vec3, upper: wp.vec3, sides: vec6i,
     opening: wp.array(dtype=wp.vec3), room: wp.array(dtype=float), spread: wp.array(dtype=float),
+    face_owner: wp.array(dtype=wp.vec3i),
 ):  # fmt: skip
     """Open shares in a box whose closed sides (0 in `sides`) are walls; `spread` is the room weighted as density is."""
     c = first + wp.tid()
@@ -73,12 +89,12 @@ def open_box(
     opening[c] = wp.vec3(full[0] * share[1] * share[2], share[0] * full[1] * share[2], share[0] * share[1] * full[2])
     room[c] = share[0] * share[1] * share[2]
     spread[c] = tent
+    face_owner[c] = wp.vec3i(-1, -1, -1)
 
 
 @wp.kernel
 def find_surface(
-    first: wp.int32, grid: Columns, density: wp.array(dtype=float), spread: wp.array(dtype=float), room: wp.array(dtype=float),
-    lower: wp.vec3, upper: wp.vec3,
+    first: wp.int32, grid: Columns, density: wp.array(dtype=float), spread: wp.array(dtype=float), lower: wp.vec3, upper: wp.vec3,
     phi: wp.array(dtype=float), red: wp.array(dtype=wp.int32), wet: wp.array(dtype=wp.int32),
 ):  # fmt: skip
     """Signed distance [cells] of a cell's centre to the surface, negative inside, and whether its pressure is sought.
@@ -97,7 +113,7 @@ def find_surface(
     for axis in range(3):
         if float(at[axis]) + 0.5 < lower[axis] or float(at[axis]) + 0.5 > upper[axis]:
             inside = 0
-    if room[c] < LEAST_OPEN:
+    if spread[c] < 0.05:
         inside = 0
     phi[c] = d
     w = int(0)
@@ -105,6 +121,56 @@ def find_surface(
         w = 1
     wet[c] = w
     red[c] = w * (1 - ((at[0] + at[1] + at[2]) & 1))
+
+
+@wp.kernel
+def find_hidden(
+    first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
+    wet: wp.array(dtype=wp.int32), phi: wp.array(dtype=float), red_out: wp.array(dtype=wp.int32),
+    wet_out: wp.array(dtype=wp.int32), phi_out: wp.array(dtype=float),
+):  # fmt: skip
+    """Cells whose centre lies in a solid continue the liquid beside them: they carry the pressure of cut faces."""
+    c = first + wp.tid()
+    d = phi[c]
+    w = wet[c]
+    if solid[c] < 0.0:
+        n = near[c]
+        total = float(0.0)
+        count = float(0.0)
+        for side in range(6):
+            m = n[side]
+            if m >= 0:
+                face = c
+                if side % 2 == 1:
+                    face = m
+                if opening[face][side // 2] >= LEAST_OPEN and solid[m] >= 0.0:
+                    total += phi[m]
+                    count += 1.0
+        w = 0
+        d = float(BURIED)
+        if count > 0.0:
+            d = total / count
+            if d < 0.0:
+                w = 1
+    at = place_of(grid, c)
+    wet_out[c] = w
+    phi_out[c] = d
+    red_out[c] = w * (1 - ((at[0] + at[1] + at[2]) & 1))
+
+
+@wp.kernel
+def close_buried(first: wp.int32, near: wp.array(dtype=vec6i), phi: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3)):
+    """Faces of cells that lie in a solid and touch no open one are closed."""
+    c = first + wp.tid()
+    share = opening[c]
+    for axis in range(3):
+        o = near[c][2 * axis]
+        if phi[c] > 5.0:
+            share[axis] = 0.0
+        if o >= 0:
+            if phi[o] > 5.0:
+                share[axis] = 0.0
+    opening[c] = share
 
 
 @wp.kernel
@@ -191,14 +257,31 @@ def rate_density(
     if airy[r] == 1:
         e = wp.max(e, 0.0)
     excess[r] = e
-    right[r] = share * wp.clamp(e, -0.2, 0.5)
+    right[r] = share * wp.min(spread[c], 1.0) * wp.clamp(e, -0.2, 0.5)
+
+
+@wp.kernel
+def measure(
+    first: wp.int32,
+    cells: int,
+    block: int,
+    phi: wp.array(dtype=float),
+    room: wp.array(dtype=float),
+    sums: wp.array(dtype=wp.float64),
+):
+    """Volume under the surface in each block of cells [cells]."""
+    n = first + wp.tid()
+    total = wp.float64(0.0)
+    for c in range(n * block, wp.min((n + 1) * block, cells)):
+        total += wp.float64(room[c] * wp.clamp(0.5 - phi[c], 0.0, 1.0))
+    sums[n] = total
 
 
 @wp.kernel
 def project(
-    first: wp.int32, near: wp.array(dtype=vec6i), row: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
-    opening: wp.array(dtype=wp.vec3), q: wp.array(dtype=float), push: wp.array(dtype=float), per_cell: float, scale: float,
-    density: wp.array(dtype=float), spread: wp.array(dtype=float), weight: wp.array(dtype=wp.vec3),
+    first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), row: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
+    opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i), walls: Walls, q: wp.array(dtype=float),
+    push: wp.array(dtype=float), per_cell: float, scale: float, weight: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
     now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3), known: wp.array(dtype=wp.vec3i), pressure: wp.array(dtype=float),
 ):  # fmt: skip
     """Velocity of a cell's faces after the pressure, the drift that moves particles, and whether each face is known (2), carries
@@ -207,23 +290,27 @@ def project(
     c = first + wp.tid()
     n = near[c]
     r = row[c]
-    u = now[c]
+    u = before[c]
     d = u
     state = wp.vec3i()
+    w = weight[c]
     for axis in range(3):
         other = n[2 * axis]
         s = int(-1)
         if other >= 0:
             s = row[other]
-        w = weight[c]
         if w[axis] > 1.0e-6:
             state[axis] = 1
         share = opening[c][axis]
         if share < LEAST_OPEN:
-            u[axis] = 0.0
-            d[axis] = 0.0
             state[axis] = 0
             if r >= 0 or s >= 0:
+                who = face_owner[c][axis]
+                v = float(0.0)
+                if who >= 0:
+                    v = wall_speed(walls, who, face_center(place_of(grid, c), axis))[axis]
+                u[axis] = v
+                d[axis] = v
                 state[axis] = 2
         elif r >= 0 or s >= 0:
             dq = float(0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -155,10 +156,13 @@ def _cycle(run: Runner, levels: list[Level]) -> None:
         run(kernels.relax, level.reds, [0, *system])
 
 
-def solve(run: Runner, levels: list[Level], right: Any, x: Any, bound: float, cap: int) -> Solution:
+def solve(
+    run: Runner, levels: list[Level], right: Any, x: Any, bound: float, cap: int, more: Callable[[Any, Any], float] | None = None
+) -> Solution:
     """Solve the finest level's system from x = 0 until no residual exceeds `bound`.
 
-    `levels[0].right` is overwritten: it holds the residual.
+    `levels[0].right` is overwritten: it holds the residual. `more(p, ap)` adds further terms of the matrix to A p and returns what
+    they add to p A p.
     """
     wp = warp()
     fine = levels[0]
@@ -184,6 +188,8 @@ def solve(run: Runner, levels: list[Level], right: Any, x: Any, bound: float, ca
         run(kernels.copy_direction, rows, [beta, fine.x, p], grain=65536)
         run(kernels.multiply, blocks, [rows, run.block, fine.link, fine.coefficient, fine.diagonal, p, ap, sums], grain=grain)
         along = float(run.read(sums, blocks).sum())
+        if more is not None:
+            along += more(p, ap)
         if not along > 0.0:
             break
         run(kernels.update, blocks, [rows, run.block, now / along, p, ap, x, residual, sums], grain=grain)

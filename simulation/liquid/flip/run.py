@@ -65,8 +65,8 @@ class Runner:
         return found
 
     def swap(self, a: str, b: str) -> None:
-        """Exchange two kept arrays."""
-        self._arrays[a], self._arrays[b] = self._arrays[b], self._arrays[a]
+        """Exchange two kept arrays; one that is not there yet is made at its next use."""
+        self._arrays[a], self._arrays[b] = self._arrays.get(b), self._arrays.get(a)
 
     def scan(self, source: Any, target: Any, count: int) -> int:
         """Exclusive prefix sum of int32 over `count` elements; returns the last one."""

@@ -12,7 +12,7 @@ from .column_kernels import Columns, cell_at, place_of, vec6i
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["SUMS", "add_up", "advance", "gather", "permute", "permute_affine"]
+__all__ = ["SUMS", "add_up", "advance", "fastest", "gather", "permute", "permute_affine"]
 
 SUMS = 51
 """Sums per cell of a column: weight and momentum of 6 + 6 + 9 faces, weight of 9 centres."""
@@ -313,3 +313,18 @@ def advance(
         x[axis] = t
     position[p] = x
     left[p] = gone
+
+
+@wp.kernel
+def fastest(first: wp.int32, count: int, block: int, velocity: wp.array(dtype=wp.vec4), top: wp.array(dtype=wp.float64)):
+    """Largest squared speed of each block of particles; infinite where one is not finite."""
+    n = first + wp.tid()
+    most = float(0.0)
+    for p in range(n * block, wp.min((n + 1) * block, count)):
+        v = velocity[p]
+        s = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+        if wp.isfinite(s):
+            most = wp.max(most, s)
+        else:
+            most = float(wp.inf)
+    top[n] = wp.float64(most)

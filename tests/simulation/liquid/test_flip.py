@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
+from worldagent.simulation.liquid.engine import Fluid, Inflow, Outflow
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.flip.settings import FlipSettings
-from worldagent.worlds.errors import InputError
+from worldagent.worlds.errors import EngineError, EvidenceError, InputError
 
-from .flip_setup import advance, block, tank
+from .flip_setup import WATER, advance, block, tank
 
 CELL = 1 / 16
 
@@ -43,3 +46,65 @@ def test_two_runs_give_the_same_bytes() -> None:
 def test_settings_outside_their_range_are_refused(name: str, value: float) -> None:
     with pytest.raises(InputError, match=name):
         FlipSettings(**{name: value})
+
+
+def test_a_restored_engine_continues_with_the_same_bytes() -> None:
+    one, two = column(), column()
+    advance(one, 0.2)
+    state = one.checkpoint()
+    advance(one, 0.2)
+    two.restore(state)
+    advance(two, 0.2)
+    assert one.checkpoint() == two.checkpoint()
+
+
+def test_bytes_that_are_no_checkpoint_are_refused() -> None:
+    with pytest.raises(EvidenceError, match="checkpoint"):
+        column().restore(b"nothing")
+
+
+def test_inflow_equals_outflow_and_storage_to_the_last_particle() -> None:
+    """A jet along +x into a tank with an open side and a drain."""
+    cell = 1 / 16
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    setup = tank(
+        (1.0, 0.5, 0.75),
+        block((0, 0, 0), (1.0, 0.5, 0.25), cell),
+        cell,
+        sides=("closed", "open", "closed", "closed", "closed", "closed"),
+        inflows=(Inflow("jet", 0, np.array([0.1, 0.25, 0.4]), turn, (0.1, 0.1), False, 1.0, 0.0, 0.4),),
+        outflows=(Outflow("drain", np.array([0.5, 0.25, 0.0]), np.eye(3), (0.1, 0.1, 0.05)),),
+    )
+    engine = Flip(setup)
+    before = 1000.0 * engine.particles().volume.sum()
+    reports = advance(engine, 0.7)
+    added = sum(r.added["jet"] for r in reports)
+    left = {name: sum(r.removed[name] for r in reports) for name in ("drain", "domain")}
+    assert added == pytest.approx(1000.0 * 0.04 * 1.0 * 0.4, rel=0.1)
+    assert left["drain"] > 0
+    assert left["domain"] > 0
+    particles = engine.particles()
+    assert before + added - sum(left.values()) == pytest.approx(1000.0 * particles.volume.sum(), rel=1e-12)
+    assert len(set(particles.identity)) == len(particles.identity)
+
+
+def test_an_inflow_outside_the_domain_is_refused() -> None:
+    inflow = Inflow("jet", 0, np.array([5.0, 0.25, 0.4]), np.eye(3), (0.1, 0.1), True, 1.0)
+    engine = Flip(tank((1.0, 0.5, 0.75), block((0, 0, 0), (1.0, 0.5, 0.25), CELL), CELL, inflows=(inflow,)))
+    with pytest.raises(InputError, match="jet"):
+        advance(engine, 0.01)
+
+
+def test_a_velocity_that_is_not_finite_ends_with_its_place() -> None:
+    water = block((0, 0, 0), (0.25, 0.25, 0.25), CELL)
+    velocity = np.zeros_like(water)
+    velocity[3] = np.nan
+    engine = Flip(tank((0.5, 0.5, 0.5), water, CELL, velocity=velocity))
+    with pytest.raises(EngineError, match=r"near \("):
+        advance(engine, 0.01)
+
+
+def test_what_one_density_cannot_hold_is_refused() -> None:
+    setup = tank((0.5, 0.5, 0.5), block((0, 0, 0), (0.25, 0.25, 0.25), CELL), CELL)
+    with pytest.raises(InputError, match="density"):
+        Flip(dataclasses.replace(setup, fluids=(WATER, Fluid("oil", 800.0, 1e-3))))

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..geometry import Solid, contains
 from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
 from .findings import Finding
 from .liquid_bodies import Bodies, exchanged
 from .liquid_rows import baked_again, longer_step
+from .liquid_samples import sample_inside
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Correction
     from .liquid_frames import Frame, Liquid, Step
 
-__all__ = ["BUOYANCY", "REACTION", "Coupling", "coupled", "level_about", "sample_inside"]
+__all__ = ["BUOYANCY", "REACTION", "Coupling", "coupled", "level_about"]
 
 REACTION = 1e-4
 """Relative to the largest impulse of the boundary in any frame: single-precision sums."""
@@ -39,8 +39,6 @@ ADDED = (0.2, 1.2)
 DRAG = 1.5
 """Largest drag coefficient of a blunt body, times half the density, its box's section and the square of its speed."""
 WINDOW_SECONDS = 0.25
-POINTS = 600
-"""Points inside a body at which it is asked whether they are under water."""
 RING = 3.0
 """[spacings] Liquid up to this far from a body's box tells the level about it."""
 ROUGH = 2.0
@@ -258,21 +256,6 @@ class Coupling:
             outside = max(low - push[k], push[k] - high, 0.0)
             excess[k] = outside / (density * volume * liquid.strength)
         return excess, push, wanted
-
-
-def sample_inside(liquid: Liquid, name: str) -> F64:
-    """Points spread evenly inside the parts of a body, in its frame [m], shape (n, 3)."""
-    entity, body = name.split("/")
-    solids = [Solid.from_mesh(p.render, closed=p.closed) for p in liquid.candidate.entity(entity).parts_of(body)]
-    low, high = np.min([s.lower for s in solids], axis=0), np.max([s.upper for s in solids], axis=0)
-    step = float(np.cbrt(np.prod(high - low) / POINTS))
-    counts = np.maximum(np.ceil((high - low) / step).astype(int), 4)
-    axes = [np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(low, high, counts, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    held = np.zeros(len(grid), dtype=bool)
-    for solid in solids:
-        held |= contains(solid, grid)
-    return grid[held] if held.any() else 0.5 * (low + high)[None]
 
 
 def level_about(liquid: Liquid, frame: Frame, points: F64) -> float | None:

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Solid
 from ..worlds.arrays import F64
 from .findings import Finding
 from .liquid_rows import coarse, longer_step, place
+from .liquid_samples import samples
 from .liquid_solids import Piece, pieces_of
 from .verdicts import correction
 
@@ -43,36 +43,6 @@ POCKET = 64
 """[cubes] Open spaces smaller than this, between surfaces that nearly touch, count as closed: no liquid is resolved in them."""
 SOME = 2000
 """Most ways searched per barrier and frame; further ones count like these in proportion."""
-
-
-def samples(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64]:
-    """Points all over a surface within a box, at most `spacing` [m] apart, and the normals there, each shape (n, 3)."""
-    t, n = solid.triangles, solid.face_normals
-    points, normals = [], []
-    while len(t):
-        meets = (t.max(axis=1) >= low).all(axis=1) & (t.min(axis=1) <= high).all(axis=1)
-        t, n = t[meets], n[meets]
-        edge = np.linalg.norm(t - np.roll(t, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-        large = edge > 32.0 * spacing
-        for k in 2 ** np.arange(6):
-            mine = ~large & (np.ceil(edge / spacing) <= k) & (np.ceil(edge / spacing) > k // 2)
-            if mine.any():
-                i, j = np.meshgrid(np.arange(k + 1), np.arange(k + 1), indexing="ij")
-                inner = i + j <= k
-                weights = np.stack([i[inner], j[inner], k - i[inner] - j[inner]], axis=1) / k
-                made = np.einsum("wc,tcx->twx", weights, t[mine]).reshape(-1, 3)
-                points.append(made)
-                normals.append(np.repeat(n[mine], len(weights), axis=0))
-        t, n = t[large], np.repeat(n[large], 4, axis=0)
-        middle = 0.5 * (t + np.roll(t, -1, axis=1))
-        a, b, c = t[:, 0], t[:, 1], t[:, 2]
-        ab, bc, ca = middle[:, 0], middle[:, 1], middle[:, 2]
-        t = np.stack([np.stack(q, axis=1) for q in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))], axis=1).reshape(
-            -1, 3, 3
-        )
-    if not points:
-        return np.zeros((0, 3)), np.zeros((0, 3))
-    return np.concatenate(points), np.concatenate(normals)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,9 +22,8 @@ from ...worlds.predicates import (
     WetArea,
 )
 from .. import motion
-from ..liquid_coupling import sample_inside
 from ..liquid_frames import Frame, Liquid, liquid_of
-from ..liquid_leaks import samples
+from ..liquid_samples import sample_inside, samples
 from ..liquid_solids import Piece, pieces_of
 from .kinematic import region_offset
 from .outcome import Comparison, Outcome, Series, band, judge

@@ -1,0 +1,63 @@
+"""Points all over surfaces and inside bodies, at which a judge of liquids asks its questions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..geometry import Solid, contains
+from ..worlds.arrays import F64
+
+if TYPE_CHECKING:
+    from .liquid_frames import Liquid
+
+__all__ = ["sample_inside", "samples"]
+
+POINTS = 600
+"""Points inside a body at which it is asked whether they are under water."""
+
+
+def samples(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64]:
+    """Points all over a surface within a box, at most `spacing` [m] apart, and the normals there, each shape (n, 3)."""
+    t, n = solid.triangles, solid.face_normals
+    points, normals = [], []
+    while len(t):
+        meets = (t.max(axis=1) >= low).all(axis=1) & (t.min(axis=1) <= high).all(axis=1)
+        t, n = t[meets], n[meets]
+        edge = np.linalg.norm(t - np.roll(t, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+        large = edge > 32.0 * spacing
+        for k in 2 ** np.arange(6):
+            mine = ~large & (np.ceil(edge / spacing) <= k) & (np.ceil(edge / spacing) > k // 2)
+            if mine.any():
+                i, j = np.meshgrid(np.arange(k + 1), np.arange(k + 1), indexing="ij")
+                inner = i + j <= k
+                weights = np.stack([i[inner], j[inner], k - i[inner] - j[inner]], axis=1) / k
+                made = np.einsum("wc,tcx->twx", weights, t[mine]).reshape(-1, 3)
+                points.append(made)
+                normals.append(np.repeat(n[mine], len(weights), axis=0))
+        t, n = t[large], np.repeat(n[large], 4, axis=0)
+        middle = 0.5 * (t + np.roll(t, -1, axis=1))
+        a, b, c = t[:, 0], t[:, 1], t[:, 2]
+        ab, bc, ca = middle[:, 0], middle[:, 1], middle[:, 2]
+        t = np.stack([np.stack(q, axis=1) for q in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))], axis=1).reshape(
+            -1, 3, 3
+        )
+    if not points:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    return np.concatenate(points), np.concatenate(normals)
+
+
+def sample_inside(liquid: Liquid, name: str) -> F64:
+    """Points spread evenly inside the parts of a body, in its frame [m], shape (n, 3)."""
+    entity, body = name.split("/")
+    solids = [Solid.from_mesh(p.render, closed=p.closed) for p in liquid.candidate.entity(entity).parts_of(body)]
+    low, high = np.min([s.lower for s in solids], axis=0), np.max([s.upper for s in solids], axis=0)
+    step = float(np.cbrt(np.prod(high - low) / POINTS))
+    counts = np.maximum(np.ceil((high - low) / step).astype(int), 4)
+    axes = [np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(low, high, counts, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    held = np.zeros(len(grid), dtype=bool)
+    for solid in solids:
+        held |= contains(solid, grid)
+    return grid[held] if held.any() else 0.5 * (low + high)[None]

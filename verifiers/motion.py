@@ -78,8 +78,28 @@ def _body_centers(candidate: Candidate, entity: str, body: str) -> F64:
     return centers
 
 
+def _liquid_centers(candidate: Candidate, entity: str) -> F64 | None:
+    """Centre of mass of a liquid over the frames, NaN where there is none of it; None for what is no simulated liquid."""
+    names = ("origin", "particle/position", "particle/fluid", "particle/volume")
+    for cache in candidate.liquid_caches.values():
+        if entity not in cache.index.bodies:
+            continue
+        row, found = cache.index.bodies.index(entity), np.full((candidate.frame_count, 3), np.nan)
+        for frame in range(candidate.frame_count):
+            data = cache.read(frame, names)
+            own = data["particle/fluid"] == row
+            weight = data["particle/volume"][own].astype(np.float64)
+            if weight.sum() > 0:
+                found[frame] = data["origin"] + weight @ data["particle/position"][own].astype(np.float64) / weight.sum()
+        return found
+    return None
+
+
 def centers(candidate: Candidate, entity: str) -> F64:
-    """Centre of mass of the whole entity in the world [m], shape (frames, 3)."""
+    """Centre of mass of the whole entity in the world [m], shape (frames, 3); of a liquid, that of what there is of it."""
+    poured = _liquid_centers(candidate, entity)
+    if poured is not None:
+        return poured
     require_motion(candidate, entity)
     bodies = candidate.entity(entity).bodies
     total = entity_mass(candidate, entity)

@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from .liquid_words import missing_liquid
 from .predicates import entities_of, is_invariant
 from .references import kinds_of
 from .scenery_words import missing_scenery
@@ -96,6 +97,8 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
             place,
             f"clause {key} {text!r} names {word!r} and nothing is it: declare {what}, or a static entity called so; {ESCAPE}",
         )
+    for word, what in missing_liquid(spec, text, clause.met_by):
+        yield Problem(place, f"clause {key} {text!r} tells of a liquid ({word}) that nothing simulates: {what}; {ESCAPE}")
     beats = {n: spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats}
     yield from _events(spec, key, text, beats)
     lasts = lasting_words(text)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from .spec import WorldSpec
 
-__all__ = ["missing_scenery"]
+__all__ = ["missing_scenery", "names_scenery"]
 
 _WORDS: Mapping[str, re.Pattern[str]] = {
     kind: re.compile(rf"\b(?:{words})\b", re.IGNORECASE)
@@ -19,6 +19,11 @@ _WORDS: Mapping[str, re.Pattern[str]] = {
         "trees": "trees|forests?|woods|woodland",
     }.items()
 }
+
+
+def names_scenery(text: str) -> bool:
+    """Whether a clause names water of a landscape."""
+    return any(pattern.search(text) for kind, pattern in _WORDS.items() if kind != "trees")
 
 
 def missing_scenery(spec: WorldSpec, text: str) -> Iterator[tuple[str, str, str]]:

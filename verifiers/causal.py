@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Onset", "check", "driver_start", "onset_of"]
 
-INSTANTS = frozenset({"contact", "reaches", "crosses"})
+INSTANTS = frozenset({"contact", "reaches", "crosses", "liquid_arrives"})
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,14 @@ receiver through a link of a frame:
 - a **contact**, from its beginning on, if its impulse is large enough for the receiver. A receiver at rest passes on, within
   the frame, only what presses it harder than what it carried all along: resting contacts link nothing.
 - a **joint**, spring or rope end while it holds, if the receiver moves.
+- a **liquid** and a body that push each other, over the whole frame. A liquid moves while its particles do on the whole.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is
 another story. Static entities receive but never send: a shared floor connects nothing. Kinematic entities send but never
 receive, because nothing acts on them; nor do those that a release driver holds. What set a source going is no effect of it:
 a hammer that strikes two bells does not link the first with the second.
 
-Logs of further solvers (what flows, what breaks) join `Chains._links` as frames of `_Links`: sender, receiver, the time span in
+Logs of further solvers (what breaks) join `Chains._links` as frames of `_Links`: sender, receiver, the time span in
 which the link carries, and the impulse that it gives.
 """
 
@@ -30,6 +31,7 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
 from . import motion
+from .liquid_links import liquid_motion, liquid_pushes, stirred
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -151,7 +153,7 @@ class Chains:
     """
 
     def __init__(self, candidate: Candidate) -> None:
-        if not candidate.rigid_caches:
+        if not candidate.caches:
             raise EvidenceError("no contact log: simulate first")
         self.candidate = candidate
         spec = candidate.spec
@@ -163,6 +165,7 @@ class Chains:
         self._fps = spec.simulation.fps
         self._pause = max(2, round(PAUSE * self._fps))
         self._joined = self._joint_links()
+        self._pushes = liquid_pushes(candidate)
         self._links = [self._contact_links(k) for k in range(candidate.frame_count)]
         self._moving, self._floor = self._motions()
         self._freed = np.full(len(self.names), -NEVER)
@@ -182,6 +185,9 @@ class Chains:
                     motion.velocities(self.candidate, name), axis=1
                 )
                 floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * np.nan_to_num(momentum, nan=NEVER))
+            elif name in self.candidate.liquids:
+                moving[:, i] = stirred(self.candidate, name)
+                floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * liquid_motion(self.candidate, name)[1])
         return moving, floors
 
     # ---------------------------------------------------------------- links
@@ -219,6 +225,7 @@ class Chains:
                 found += [(a, b, t, t, total.get(pair, j) if single else j) for t, j in times]
                 if pair in after:
                     found.append((a, b, times[0][0], end, total.get(pair, times[0][1])))
+        found += [(self._index[a], self._index[b], start, end, j) for a, b, j in self._pushes[frame] if b in self._index]
         return _both_ways(found)
 
     def _joint_links(self) -> _Links:
@@ -412,6 +419,8 @@ def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:
 
 def not_still(candidate: Candidate, entity: str) -> Flags:
     """Whether the entity is not still, shape (frames,)."""
+    if entity in candidate.liquids:
+        return stirred(candidate, entity)
     speed = np.linalg.norm(motion.velocities(candidate, entity), axis=1)
     fast: Flags = ~((speed <= STILL_SPEED) & (motion.spins(candidate, entity) <= STILL_SPIN))
     return fast

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
 
-__all__ = ["Columns", "Grid", "Hits", "Ints", "Pieces", "Soup", "expand", "rasterise"]
+__all__ = ["Columns", "Grid", "Hits", "Ints", "Pieces", "Soup", "expand", "heights_of", "rasterise"]
 
 Ints = NDArray[np.intp]
 CHUNK = 150_000
@@ -144,7 +144,7 @@ class Columns:
         row, triangle = inside[group], self.pieces.triangle[piece]
         solid = self.soup.solid[triangle]
         row, triangle = row[solid], triangle[solid]
-        height, covered, up, slope = _heights(self.soup.triangles[triangle], points[row])
+        height, covered, up, slope = heights_of(self.soup.triangles[triangle], points[row])
         off = np.abs(height - z[row])
         ok = np.flatnonzero(covered & up & (np.hypot(*slope.T) <= tangent) & (off <= reach))
         order = ok[np.lexsort((off[ok], row[ok]))]
@@ -153,7 +153,7 @@ class Columns:
         return found
 
 
-def _heights(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_], F64]:
+def heights_of(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_], F64]:
     """Height of each triangle's plane at its point, whether the triangle covers it, faces up, and its gradient (n, 2)."""
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
     normal = np.cross(b - a, c - a)
@@ -250,7 +250,7 @@ def rasterise(soup: Soup, grid: Grid) -> Columns:
         polygon, alive = _clip_to_cells(corner, grid.origin + grid.cell * index, grid.cell)
         z = polygon[alive][:, :, 2]
         pieces.append(Pieces(cell[alive], triangle[alive], z.min(axis=1), z.max(axis=1), polygon[alive][:, :, :2]))
-        height, covered, up, gradient = _heights(corner, grid.centers(cell))
+        height, covered, up, gradient = heights_of(corner, grid.centers(cell))
         covered &= soup.solid[triangle]
         hits.append(Hits(cell[covered], height[covered], up[covered], gradient[covered], triangle[covered]))
     return Columns(grid, soup, _sorted_pieces(pieces), _sorted_hits(hits))

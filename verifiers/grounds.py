@@ -83,25 +83,35 @@ class Land:
         index[outside] = -1
         return index, np.clip(local - index, 0.0, 1.0)
 
+    def depths_at(self, points: F64) -> F64:
+        """Depth of the water below its surface down to the heights of points, shape (n, 3) [m]; 0 where there is none.
+
+        There is water where the nearest lattice point has some; its level is taken between all near ones that have.
+        """
+        index, (v, u) = self._squares(points)
+        weight = np.stack([(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u])
+        level = np.stack(self._corners(self.water, index))
+        wet = np.isfinite(level)
+        share = np.where(wet, weight, 0.0)
+        surface = np.where(wet, level, 0.0)
+        between = (share * surface).sum(axis=0) / np.maximum(share.sum(axis=0), 1e-300)
+        nearest = np.take_along_axis(wet, weight.argmax(axis=0)[None], axis=0)[0] & (index[:, 0] >= 0)
+        return np.where(nearest, np.maximum(between - points[:, 2], 0.0), 0.0)
+
     def heights_at(self, points: F64) -> F64:
         """Height of the ground at points [m], shape (n,); NaN off the land."""
-        return self._at(self.height, points, triangles=True)
+        index, (v, u) = self._squares(points)
+        a, b, d, e = self._corners(self.height, index)
+        found = a + np.where(u >= v, (b - a) * u + (e - b) * v, (e - d) * u + (d - a) * v)
+        return np.where(index[:, 0] >= 0, found, np.nan)
 
-    def depths_at(self, points: F64) -> F64:
-        """Depth of the water below its surface down to the heights of points, shape (n, 3) [m]; 0 where there is none."""
-        level = self._at(self.water, points, triangles=False)
-        return np.maximum(np.where(np.isfinite(level), level - points[:, 2], 0.0), 0.0)
-
-    def _at(self, values: F64, points: F64, *, triangles: bool) -> F64:
+    def _squares(self, points: F64) -> tuple[np.ndarray, F64]:
         index, share = self.places(points)
-        known = index[:, 0] >= 0
-        (row, col), (v, u) = np.where(known[:, None], index, 0).T, share.T
-        a, b, d, e = values[row, col], values[row, col + 1], values[row + 1, col], values[row + 1, col + 1]
-        if triangles:
-            found = a + np.where(u >= v, (b - a) * u + (e - b) * v, (e - d) * u + (d - a) * v)
-        else:
-            found = np.choose((v > 0.5) * 2 + (u > 0.5), [a, b, d, e])
-        return np.where(known, found, np.nan)
+        return index, share.T
+
+    def _corners(self, values: F64, index: np.ndarray) -> tuple[F64, F64, F64, F64]:
+        row, col = np.maximum(index, 0).T
+        return values[row, col], values[row, col + 1], values[row + 1, col], values[row + 1, col + 1]
 
 
 @lru_cache(maxsize=2)

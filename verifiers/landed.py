@@ -7,9 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
 from ..worlds.requirements import Correction
+from .columns import heights_of
 from .free_bodies import LEFT, along_up, placement
 from .grounds import Land, Patch, lands, patches
 from .rows import guarded_rows, pointer, row
@@ -26,11 +28,18 @@ SUNK = 0.5
 """[m] Own choice: depth of a foundation; what stands deeper has its ground floor in the ground, unless a `fastened` relation
 says how deep it is meant to be."""
 BASE = 0.05
-"""[m] Own choice: the underside this near to an entity's lowest point is its base."""
+"""[m] Own choice: level underside this near to an entity's lowest point is its base."""
+LEVEL = 0.999
+"""Own choice: cosine up to which an underside is level (2.6 degrees)."""
+BROAD = 0.02
+"""Own choice: a level base has at least this share of the footprint; round things have none and are not asked to lie flat."""
 OVER_EDGE = 0.002
 """[m] How far the centre may seem to lie outside the places that it stands on."""
 POINTS = 12_000
 """Places under an entity that are looked at."""
+PAIRS = 2_000_000
+FINE = 16
+"""Places along a small underside at least."""
 BINS = 48
 
 
@@ -62,6 +71,8 @@ class _Standing(NamedTuple):
     entity: str
     points: F64
     """Its underside [m], shape (n, 3)."""
+    base: NDArray[np.bool_]
+    """Which of them belong to a broad level base, shape (n,)."""
     gap: F64
     """Height of each over the ground [m], shape (n,); NaN beside the land."""
     owner: str
@@ -123,7 +134,10 @@ def _under(surfaces: Surfaces, land: Land, grids: list[_Grid], entity: str) -> _
             for p in (surfaces.parts[i] for i in surfaces.parts_of[entity])
         ]
     )
-    points = _underside(corners, 0.5 * land.cell)
+    low, high = corners[:, :, :2].min(axis=(0, 1)), corners[:, :, :2].max(axis=(0, 1))
+    lattices = [(land.low, np.full(2, land.cell)), *((g.low, g.cell) for g in grids)]
+    lattice = np.concatenate([_lattice(start, cell, low, high) for start, cell in lattices])
+    points, base = _underside(corners, min(0.5 * land.cell, float((high - low).max()) / FINE), lattice)
     ground = land.heights_at(points[:, :2])
     owner = land.name
     for grid in grids:
@@ -132,27 +146,64 @@ def _under(surfaces: Surfaces, land: Land, grids: list[_Grid], entity: str) -> _
         owner = grid.owner if np.isfinite(here).any() else owner
     if not np.isfinite(ground).any():
         return None
-    return _Standing(entity, points, points[:, 2] - ground, owner)
+    return _Standing(entity, points, base, points[:, 2] - ground, owner)
 
 
-def _underside(corners: F64, spacing: float) -> F64:
-    """Places on the lowest surface over each spot of the footprint [m], shape (n, 3), at most about `spacing` apart."""
-    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    parts = np.clip(np.ceil(edge / spacing), 1, 64).astype(np.int64)
-    while (total := int(((parts + 1) * (parts + 2) // 2).sum())) > POINTS and parts.max() > 1:
-        parts = np.maximum(1, (parts * min(0.9, np.sqrt(POINTS / total))).astype(np.int64))
-    found = []
-    for count in np.unique(parts):
-        i, j = (k.ravel() for k in np.mgrid[: count + 1, : count + 1])
-        share = np.stack([i, j, count - i - j], axis=1)[i + j <= count] / count
-        found.append(np.einsum("sk,tkc->tsc", share, corners[parts == count]).reshape(-1, 3))
-    points = np.concatenate(found)
+def _lattice(start: F64, cell: F64, low: F64, high: F64) -> F64:
+    """Lattice points within a rectangle [m], shape (n, 2); none where there would be very many."""
+    first, last = np.ceil((low - start) / cell).astype(int), np.floor((high - start) / cell).astype(int)
+    if (last < first).any() or int(np.prod(last - first + 1)) > POINTS:
+        return np.zeros((0, 2))
+    x, y = (start[k] + cell[k] * np.arange(first[k], last[k] + 1) for k in (0, 1))
+    return np.stack([v.ravel() for v in np.meshgrid(x, y)], axis=1)
+
+
+def _over_lattice(corners: F64, lattice: F64) -> F64:
+    """Where triangles lie over lattice points [m], shape (n, 3): there the ground has its summits."""
+    if len(corners) * len(lattice) > PAIRS or not len(lattice):
+        return np.zeros((0, 3))
+    pair = np.repeat(np.arange(len(corners)), len(lattice))
+    at = np.tile(lattice, (len(corners), 1))
+    z, covered, _, _ = heights_of(corners[pair], at)
+    return np.column_stack([at, z])[covered]
+
+
+def _underside(corners: F64, spacing: float, lattice: F64) -> tuple[F64, NDArray[np.bool_]]:
+    """Places on the lowest surface over each spot of the footprint [m], shape (n, 3), and which lie on a broad level base."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+    down = normal[:, 2] < -1e-6 * size
+    if not down.any():  # open or inside out
+        down[:] = True
+    corners, facing, area = corners[down], -normal[down, 2] / size[down], 0.5 * size[down]
+    level = (facing >= LEVEL) & (corners[:, :, 2].max(axis=1) <= corners[:, :, 2].min() + BASE)
+    wide = np.ptp(corners[:, :, :2], axis=(0, 1))
+    level &= float(area[level].sum()) >= BROAD * float(wide[0] * wide[1])
+    points, flat = _sampled(corners, level, spacing)
+    summits = _over_lattice(corners[level], lattice)
+    points, flat = np.concatenate([points, summits]), np.concatenate([flat, np.ones(len(summits), dtype=bool)])
     low, size = points[:, :2].min(axis=0), np.maximum(np.ptp(points[:, :2], axis=0), 1e-9)
     spot = np.minimum((points[:, :2] - low) / size * BINS, BINS - 1).astype(np.int64)
     key = spot[:, 0] * BINS + spot[:, 1]
     least = np.full(BINS * BINS, np.inf)
     np.minimum.at(least, key, points[:, 2])
-    return np.asarray(points[points[:, 2] <= least[key] + BASE])
+    keep = points[:, 2] <= least[key] + BASE
+    return points[keep], flat[keep]
+
+
+def _sampled(corners: F64, level: NDArray[np.bool_], spacing: float) -> tuple[F64, NDArray[np.bool_]]:
+    """Places on triangles at most about `spacing` apart, and the mark of their triangle."""
+    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    parts = np.clip(np.ceil(edge / spacing), 1, 64).astype(np.int64)
+    while (total := int(((parts + 1) * (parts + 2) // 2).sum())) > POINTS and parts.max() > 1:
+        parts = np.maximum(1, (parts * min(0.9, np.sqrt(POINTS / total))).astype(np.int64))
+    found, marks = [], []
+    for count in np.unique(parts):
+        i, j = (k.ravel() for k in np.mgrid[: count + 1, : count + 1])
+        share = np.stack([i, j, count - i - j], axis=1)[i + j <= count] / count
+        found.append(np.einsum("sk,tkc->tsc", share, corners[parts == count]).reshape(-1, 3))
+        marks.append(np.repeat(level[parts == count], len(share)))
+    return np.concatenate(found), np.concatenate(marks)
 
 
 def _groups(surfaces: Surfaces, names: list[str]) -> Iterator[list[str]]:
@@ -209,9 +260,10 @@ def _stands(surfaces: Surfaces, one: _Standing, reach: float, *, alone: bool) ->
     points, gap = one.points[known], one.gap[known]
     deepest = int(np.argmin(gap))
     sunk, allowed = -float(gap[deepest]), max(SUNK, surfaces.allowed_depth(one.entity, one.owner))
-    base = points[:, 2] <= points[:, 2].min() + BASE
+    base = one.base[known]
+    alone &= bool(base.any())
     widest = int(np.argmax(np.where(base, gap, -np.inf)))
-    hanging = float(gap[widest])
+    hanging = float(gap[widest]) if base.any() else 0.0
     lift = along_up(surfaces, sunk)
     if sunk > allowed:
         place = points[deepest]

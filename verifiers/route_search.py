@@ -81,6 +81,8 @@ def find_route(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Co
     most = MOST_CELLS if over_land is None else OPEN_CELLS
     try:
         near = _Search(surfaces, relation, frame, MARGINS[0], absent, most, wide=False)
+        if over_land is not None and near.bare and over_land.evidence["cell_m"] >= relation.width:
+            return over_land
         if near.clipped and not near.wide_enough:
             if over_land is not None and near.bare:
                 return over_land
@@ -110,7 +112,7 @@ class _Search:
         low, high = self._area(margin, wide=wide)
         self.soup, scene_low, scene_high = self._soup(low, high)
         self.clipped = bool((low > scene_low).any() or (high < scene_high).any())
-        self.columns = self._rasterise(np.maximum(low, scene_low), np.minimum(high, scene_high))
+        self.low, self.high = np.maximum(low, scene_low), np.minimum(high, scene_high)
 
     def _area(self, margin: float, *, wide: bool) -> tuple[F64, F64]:
         boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
@@ -153,7 +155,14 @@ class _Search:
         soup = Soup(*(np.concatenate(column) for column in zip(*found, strict=True)))
         return soup, np.min([e[0] for e in ends], axis=0), np.max([e[1] for e in ends], axis=0)
 
-    def _rasterise(self, low: F64, high: F64) -> Columns:
+    @cached_property
+    def columns(self) -> Columns:
+        """The scene, rasterised.
+
+        Raises:
+            EvidenceError: the area is too large, or nothing is there.
+        """
+        low, high = self.low, self.high
         if (low >= high).any() or not len(self.soup.triangles):
             raise EvidenceError(f"regions {self.relation.a!r} and {self.relation.b!r} lie outside everything built")
         boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]

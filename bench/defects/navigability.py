@@ -14,6 +14,7 @@ from ...verifiers.navigability import PITCH, RASTER_NOISE
 from ...verifiers.walkable import GAP, SAME
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, Part, Sphere
 from ..small_worlds import entity, pose
+from ._land_ways import LAND_MECHANISMS
 from ._routes import EAST, WEST, Site, block, carrier, flight, furniture, prism, ramp, site, stairs, tanks
 from .cases import Mechanism, Suite, World
 
@@ -470,6 +471,7 @@ SUITE = Suite(
         Mechanism("cracks", "boards with cracks", False, _cracks, 0.02, 0.9, "1"),
         Mechanism("low sill", "sills at the limit, rugs, pebbles", False, _low_sill, 0.0001, 0.01, "m"),
         Mechanism("passing by", "moves, and leaves the width", False, _passing_by, 0.001, 0.1, "m"),
+        *LAND_MECHANISMS,
     ),
 )
 """Worlds of the check `navigability`."""

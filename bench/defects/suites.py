@@ -15,7 +15,18 @@ from .judge import Outcome, interval, smallest_detected, survey
 
 __all__ = ["CHECKS", "run", "suite_of", "table"]
 
-CHECKS = ("scale", "interpenetration", "support", "navigability", "causal", "category", "numerical", "contact", "shots")
+CHECKS = (
+    "terrain",
+    "scale",
+    "interpenetration",
+    "support",
+    "navigability",
+    "causal",
+    "category",
+    "numerical",
+    "contact",
+    "shots",
+)
 """Checks with a suite: module `bench/defects/<check>.py`, attribute `SUITE`."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""

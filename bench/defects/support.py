@@ -26,6 +26,7 @@ from ...worlds.spec import (
     Wedge,
     WeldJoint,
 )
+from ._land_support import LAND_MECHANISMS
 from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
 from ._support_worlds import FRAMES, RNG, Scene, block, turn
 from .cases import Mechanism, Suite, World
@@ -464,5 +465,6 @@ SUITE = Suite(
         Mechanism("in-a-hollow", "held by concave things", False, _in_a_hollow, 1e-4, 5e-4, "m"),
         Mechanism("strong-lift", "an upright rail that holds", False, _strong_lift, 1.001, 10.0, "weight"),
         Mechanism("far-away", "beside a wall, far from the origin", False, _dim, 1.0, 1e5, "m"),
+        *LAND_MECHANISMS,
     ),
 )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.bench.defects._lands import NAME, axes, declared, keep
-from worldagent.bench.small_worlds import box, make_candidate, world
+from worldagent.bench.small_worlds import ball, box, make_candidate, world
 from worldagent.verifiers.support import check
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.requirements import Row
@@ -116,3 +116,10 @@ def test_worlds_without_landscapes_have_no_such_row(tmp_path: Path) -> None:
 def test_what_hovers_on_purpose_is_kinematic(tmp_path: Path) -> None:
     rows = _rows(tmp_path, 0.0 * _grid()[0], {"drone": box(1, 1, 1, at=(0, 0, 5), motion="kinematic")})
     assert not [r for r in rows if r.startswith("support:ground")]
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.3, 0.6])
+def test_a_boulder_that_touches_a_slope_is_not_asked_to_lie_flat(slope: float, tmp_path: Path) -> None:
+    x, _ = _grid()
+    rows = _rows(tmp_path, slope * x, {"boulder": ball(1.0, at=(0, 0, np.hypot(1.0, slope) - 0.001))})
+    assert rows["support:ground:boulder"].status == "pass"

@@ -17,7 +17,11 @@ CATEGORIES: dict[str, dict[str, Any]] = {
     "rigid": {"available": True, "engine": "mujoco", "covers": "rigid bodies, joints, ropes of links, drivers"},
     "elastic": {"available": False},
     "cloth": {"available": False},
-    "liquid": {"available": False},
+    "liquid": {
+        "available": True,
+        "engine": "dfsph, flip",
+        "covers": "free-surface liquids as particles or on a grid, inflows and outflows; dfsph pushes bodies and is pushed by them",
+    },
     "gas": {"available": False},
     "particles": {"available": False},
 }

@@ -24,7 +24,7 @@ def bake_sim(
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
 ) -> ToolReply:
-    """Simulate every frame of the frozen candidate, in the declared solver order, and check all of it.
+    """Simulate every frame of the frozen candidate, in the declared solver order, coupled instances together, and check all of it.
 
     Use it after a passing probe of exactly these settings; it is refused without one. An interrupted bake is resumed, a
     complete one is given back. Takes about as long for each frame as the probe did; the reply estimates it.

@@ -37,12 +37,12 @@ def ground_material(spec: WorldSpec, material: str | None) -> str:
 
 
 def membership(spec: WorldSpec, entity: str) -> list[dict[str, Any]]:
-    """Operations that make an entity a member of a solver instance: of the first; of a new rigid one where there is none."""
+    """Operations that make an entity a member of a rigid instance: of the first; of a new one where there is none."""
     solvers = spec.simulation.solvers
     if any(entity in s.members for s in solvers.values()):
         return []
-    if solvers:
-        return [{"op": "add", "path": f"/simulation/solvers/{next(iter(solvers))}/members/-", "value": entity}]
+    if spec.simulation.rigid:
+        return [{"op": "add", "path": f"/simulation/solvers/{next(iter(spec.simulation.rigid))}/members/-", "value": entity}]
     return [{"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": [entity]}}]
 
 

@@ -211,7 +211,12 @@ def _refuse_overlap(session: Session, entity: str, pose: RigidPose) -> None:
         return points.min(0), points.max(0)
 
     low, high = box(entity, pose)
+    if spec.entities[entity].physics.category == "liquid":
+        return
     for other, contract in spec.entities.items():
+        # A liquid gives way: its volume is what solids leave of it.
+        if contract.physics.category == "liquid":
+            continue
         if other == entity or frozenset((entity, other)) in meant:
             continue
         there = pose_of(contract.pose)

@@ -31,14 +31,17 @@ def probe_sim(
     """Simulate to 0.75 s after the last beat with production settings, judge the motion, and freeze the settings if it passes.
 
     Use it when the static rows pass, and again after every repair. It covers preroll, activation, first contact, peak response
-    and early settling (a world that is meant to rest has none of them). Refused while the audit or a static row fails.
+    and early settling (a world that is meant to rest has none of them). Liquids run at their production resolution, too.
+    Refused while the audit or a static row fails; when a liquid's spacing does not resolve a wall, a passage or a source, with its name.
     Returns: passed, phases (frames), open rows with measured value, bound, first failing entity and frame, ranked causes and
     suggested patches, and a link to a contact sheet; or a job_id when it takes longer than wait_s.
     Not for: looking only (render_shot), nor for judging changed beats or shots on unchanged motion (run_checks(scope='probe')).
     Next: bake_sim when passed; else one edit_spec with a hypothesis and one parameter group, then probe again.
     """
     from ..simulation.freeze import freeze_hash
+    from ..simulation.probe import probe_frames
     from ..worlds.limits import check_workspace, estimate_counts
+    from .estimates import liquid_seconds
     from .measurements import is_whole
     from .session import Session
     from .waiting import start_and_wait
@@ -61,6 +64,8 @@ def probe_sim(
         check_workspace(context.workspace, estimate_counts(session.spec)["cache_bytes"])
     key = f"probe:{freeze}:{session.revision}"
     data = start_and_wait(context, session, "probe", {"detail": detail}, wait_s=wait_s, key=key, reuse=whole)
+    if "state" in data:
+        data["estimate_s"] = liquid_seconds(session.spec, probe_frames(session.spec))
     return told(world, "probe", data, detail)
 
 

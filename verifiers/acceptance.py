@@ -19,6 +19,8 @@ from ..worlds.clauses import clauses_of
 from ..worlds.environment import environment
 from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
+from ..worlds.liquid_audit import coupled_groups
+from ..worlds.liquids import spacing_of
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
@@ -123,6 +125,30 @@ def _declared(spec: WorldSpec) -> list[dict[str, str]]:
     return found
 
 
+def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
+    """What liquids simplify: their resolution, and bodies that they do not push."""
+    found = []
+    for name, instance in spec.simulation.liquid.items():
+        spacing = spacing_of(spec, name)
+        kind = "particles" if instance.engine == "dfsph" else "cells"
+        found.append(
+            {
+                "what": f"{kind} of {spacing:g} m for the liquid {name!r}",
+                "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved",
+            }
+        )
+        coupled = {s for g in coupled_groups(spec) if name in g for s in g}
+        free = [r for r, s in spec.simulation.rigid.items() if any(spec.entities[m].motion == "dynamic" for m in s.members)]
+        for rigid in [r for r in free if r not in coupled]:
+            found.append(
+                {
+                    "what": f"the liquid {name!r} is pushed by bodies of {rigid!r} and does not push them",
+                    "effect": "omitted reaction: nothing floats or is carried",
+                }
+            )
+    return found
+
+
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
@@ -135,6 +161,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": f"resting bodies hover up to {2 * skin:g} m",
             }
         )
+    found += _liquids(spec)
     for name, terrain in spec.terrains.items():
         found.append(
             {"what": f"water of the landscape {name!r} is a surface to look at", "effect": "nothing floats, flows or gets wet"}

@@ -23,7 +23,27 @@ Channels written by a rigid instance (n bodies in the order of `CacheIndex.bodie
 | `event/speed` | f8 (e,) | closing speed at the contact [m/s] |
 | `event/impulse` | f8 (e,) | normal impulse within the frame, from the event on [N s] |
 | `driver/active` | u1 (d,) | driver acted during the frame, in the order of `CacheIndex.drivers` |
+| `exchange/impulse` | f8 (n, 6) | of a two-way coupling: what the engine integrated of the liquids' wrenches over the frame, about the centres of mass [N s, N m s] |
 | `record/<quantity>` | f8 () | quantities of `worlds/records.py` |
+
+Channels written by a liquid instance (n particles; b boundaries in the order of `CacheIndex.colliders`, `entity/body`; k inflows and
+outflows in the order of `CacheIndex.drivers`; `CacheIndex.bodies` are the liquid entities):
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `origin` | f8 (3,) | what float32 positions are relative to, world [m] |
+| `particle/position` | f4 (n, 3) | relative to `origin` [m] |
+| `particle/velocity` | f4 (n, 3) | [m/s] |
+| `particle/id` | i4 (n,) | stays with a particle for life |
+| `particle/fluid` | i4 (n,) | index into `CacheIndex.bodies` |
+| `particle/volume` | f4 (n,) | at rest density [m^3] |
+| `particle/density` | f4 (n,) | [kg/m^3] |
+| `particle/pressure` | f4 (n,) | [Pa] |
+| `particle/temperature` | f4 (n,) | [K]; only where a member declares heat |
+| `exchange/impulse` | f8 (b, 6) | given to each boundary over the frame, about its body's centre of mass [N s, N m s] |
+| `exchange/reaction` | f8 (b, 6) | change of the liquid's own momentum through each boundary over the frame, measured on the liquid |
+| `inflow/mass` | f8 (k,) | let in since frame 0 [kg]; 0 for outflows |
+| `outflow/mass` | f8 (k,) | taken away since frame 0 [kg]; 0 for inflows |
 """
 
 from __future__ import annotations
@@ -69,13 +89,13 @@ class CacheIndex:
     frames: int
     """Number of frames the cache holds when complete."""
     bodies: tuple[str, ...]
-    """`entity/body` of every moving body."""
+    """`entity/body` of every moving body; of a liquid instance, its entities."""
     colliders: tuple[str, ...]
     """Entity ids, static ones included; contact pairs index into it."""
     joints: tuple[str, ...]
     drivers: tuple[str, ...]
     settings: str
-    """Settings hash that the freeze records."""
+    """Of a liquid: hash of everything that decides its motion, so that another candidate may take its frames over; else empty."""
     versions: dict[str, str]
 
 

@@ -102,7 +102,8 @@ async def test_capabilities_name_engines_versions_and_caps(workspace: Path, monk
         "engine": "mujoco",
         "covers": "rigid bodies, joints, ropes of links, drivers",
     }
-    assert not found["categories"]["liquid"]["available"]
+    assert found["categories"]["liquid"]["engine"] == "dfsph, flip"
+    assert not found["categories"]["gas"]["available"]
     assert found["versions"]["mujoco"]
     assert found["caps"]["bodies"]["value"] == 2000
 

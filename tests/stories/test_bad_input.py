@@ -62,9 +62,14 @@ AUDIT: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "a beat after the end": ([("/story/beats/fall/frames", [4, 99])], "story", "end after the last frame 35"),
     "an impossible density": ([("/materials/wood/density", 9000)], "density:wood", "allowed 120 to 1200"),
     "an engine that is not there": (
-        [(f"{BALL}/physics", {"category": "liquid", "resolution": 0.01})],
+        [(f"{BALL}/physics", {"category": "gas", "resolution": 0.01})],
         "engine:ball",
-        "no engine for 'liquid' in this build; rigid is available",
+        "no engine for 'gas' in this build; rigid and liquid are available",
+    ),
+    "a liquid in the engine of bodies": (
+        [(f"{BALL}/physics", {"category": "liquid", "resolution": 0.01})],
+        "liquids",
+        "'ball' is liquid, which engine 'mujoco' does not move",
     ),
 }  # fmt: skip
 

@@ -85,7 +85,7 @@ def run_frames(
     progress: Callable[[int, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
 ) -> dict[str, Cache]:
-    """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, resuming what is there.
+    """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces of liquids, resuming what is there.
 
     Args:
         spec: the specification.
@@ -111,6 +111,10 @@ def run_frames(
                 check()
 
         caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say)
+    if spec.simulation.liquid:
+        from .surfaces import mesh_liquids
+
+        mesh_liquids(spec, built, caches, progress=progress, check=check)
     return caches
 
 

@@ -173,7 +173,7 @@ class Candidate:
 
 
 def cache_digest(caches: Mapping[str, Cache]) -> str:
-    """SHA-256 over the indices and the recorded frame digests of all caches, hex.
+    """SHA-256 over the indices and the recorded digests of all frames and surfaces, hex.
 
     Raises:
         EvidenceError: a cache has no digests or lacks frames.
@@ -187,7 +187,9 @@ def cache_digest(caches: Mapping[str, Cache]) -> str:
             )
         state.update(name.encode())
         state.update(json.dumps(asdict(caches[name].index), sort_keys=True).encode())
-        for digest in digests[: caches[name].index.frames]:
+        surface = LiquidSurface(caches[name])
+        shown = [surface.digest()] if surface.count() >= caches[name].index.frames > 0 else []
+        for digest in [*digests[: caches[name].index.frames], *shown]:
             state.update(digest.encode())
     return state.hexdigest()
 

@@ -1,0 +1,92 @@
+"""Surfaces of all liquids of a run, laid onto the solids that hold them, as the last step of a probe or bake (R70)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from ..worlds.arrays import RigidPose, compose, pose_of
+from ..worlds.built import BuiltEntity, TriangleMesh
+from ..worlds.cache import Cache
+from ..worlds.errors import InputError
+from ..worlds.liquid_surface import LiquidSurface
+from ..worlds.liquids import domain_box, spacing_of
+from ..worlds.spec import WorldSpec
+from .liquid.scene import MARGIN, meets_domain
+from .liquid.surface import default_settings, mesh_surfaces
+
+__all__ = ["mesh_liquids", "walls_of"]
+
+
+def walls_of(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]
+) -> Callable[[int], list[TriangleMesh]]:
+    """World meshes of the closed parts that meet a liquid's domain, by frame.
+
+    Args:
+        spec: the specification.
+        built: its geometry.
+        name: the liquid instance.
+        caches: of all instances, for what moves.
+    """
+    box, margin = domain_box(spec.simulation.liquid[name]), MARGIN * spacing_of(spec, name)
+    rigid = [c for n, c in caches.items() if n in spec.simulation.rigid]
+    still: list[TriangleMesh] = []
+    moving: list[tuple[TriangleMesh, Cache, int, str]] = []
+    for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
+        if not meets_domain(spec.entities[entity], built[entity], box, margin):
+            continue
+        starts = {b.name: compose(pose_of(spec.entities[entity].pose), b.pose) for b in built[entity].bodies}
+        for part in (p for p in built[entity].parts if p.closed):
+            place = next(((c, row) for c in rigid if (row := c.body_row(entity, part.body)) is not None), None)
+            if place is None:
+                still.append(TriangleMesh(starts[part.body].apply(part.render.vertices), part.render.faces))
+            else:
+                moving.append((part.render, *place, entity))
+
+    def at(frame: int) -> list[TriangleMesh]:
+        found = list(still)
+        poses: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for mesh, cache, row, entity in moving:
+            interval = spec.entities[entity].active
+            if interval is not None and not interval[0] <= frame <= interval[1]:
+                continue
+            if id(cache) not in poses:
+                data = cache.read(frame, ("position", "quaternion"))
+                poses[id(cache)] = (data["position"], data["quaternion"])
+            position, quaternion = poses[id(cache)]
+            found.append(TriangleMesh(RigidPose(position[row], quaternion[row]).apply(mesh.vertices), mesh.faces))
+        return found
+
+    return at
+
+
+def mesh_liquids(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    caches: Mapping[str, Cache],
+    *,
+    progress: Callable[[int, int, str], None] | None = None,
+    check: Callable[[], None] | None = None,
+) -> dict[str, LiquidSurface]:
+    """Make or resume the surfaces of every liquid instance; one in which no particle ever is gets none.
+
+    Args:
+        spec: the specification.
+        built: its geometry.
+        caches: complete, of all instances.
+        progress: called with (done, total, message).
+        check: called between frames; raises to stop.
+    """
+    made = {}
+    for name in spec.simulation.liquid:
+        low, high = domain_box(spec.simulation.liquid[name])
+        closed = [side == "closed" for side in spec.simulation.liquid[name].settings.domain.sides]
+        try:
+            settings = default_settings(caches[name], lower=low, upper=high, closed=closed)
+        except InputError:
+            continue
+        walls = walls_of(spec, built, name, caches)
+        made[name] = mesh_surfaces(caches[name], settings=settings, progress=progress, check=check, walls=walls)
+    return made

@@ -84,7 +84,7 @@ def mesh_liquids(
         low, high = domain_box(spec.simulation.liquid[name])
         closed = [side == "closed" for side in spec.simulation.liquid[name].settings.domain.sides]
         try:
-            settings = default_settings(caches[name], lower=low, upper=high, closed=closed)
+            settings = default_settings(caches[name], lower=low.tolist(), upper=high.tolist(), closed=closed)
         except InputError:
             continue
         walls = walls_of(spec, built, name, caches)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,9 @@ from worldagent.simulation.variants import run_variant
 from worldagent.worlds.audit import ENGINE_CHANNELS
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache
-from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.errors import EngineError, EvidenceError, InputError
+from worldagent.worlds.liquid_surface import LiquidSurface
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.records import QUANTITIES
 from worldagent.worlds.spec import WorldSpec
@@ -43,6 +45,19 @@ def baked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     spec, built = build(coupled=request.param)
     folder = tmp_path_factory.mktemp("baked")
     return Candidate(folder, spec, built, "full", run_frames(spec, built, folder / "a" / "bake", frames=FRAMES))
+
+
+def test_surfaces_come_with_a_run_hold_its_volume_and_belong_to_its_digest(baked: Candidate, tmp_path: Path) -> None:
+    cache = baked.caches["water"]
+    surface = LiquidSurface(cache)
+    assert surface.count() == FRAMES
+    assert all(surface.records(frame)["surface_volume"] > 0 for frame in range(FRAMES))
+    held, particles = surface.records(0), cache.read(0, ("particle/volume",))["particle/volume"]
+    assert held["surface_volume"] + held["spray_volume"] == pytest.approx(float(particles.sum()), rel=0.02)
+    copied = shutil.copytree(cache.folder, tmp_path / "water")
+    assert cache_digest({"water": Cache(copied)}) == cache_digest({"water": cache})
+    shutil.rmtree(copied / "surface")
+    assert cache_digest({"water": Cache(copied)}) != cache_digest({"water": cache})
 
 
 def test_a_killed_run_goes_on_to_the_same_bytes(baked: Candidate, tmp_path: Path) -> None:
@@ -184,7 +199,7 @@ def test_solids_outside_the_domain_do_not_drop_a_liquid(tmp_path: Path) -> None:
         steps: list[str] = []
         root = tmp_path / str(number) / "bake"
         caches.append(run_frames(moved, built, root, frames=4, progress=lambda _, __, text, to=steps: to.append(text)))
-        made.append(sum("water" in s for s in steps))
+        made.append(sum("water: frame" in s for s in steps))
     assert made == [4, 0, 4]
     assert caches[1]["water"].digests() == caches[0]["water"].digests()
     assert caches[2]["water"].index.settings != caches[0]["water"].index.settings

@@ -142,18 +142,22 @@ def erode_rivers(
     fixed = ~known if base is None else base | ~known
     factor = np.where(fixed, 0.0, np.broadcast_to(np.asarray(erodibility, dtype=np.float64), grid.shape) * dt)
     rise = np.where(fixed, 0.0, np.broadcast_to(np.asarray(uplift, dtype=np.float64), grid.shape) * dt)
+    # Of the sea only the shore takes part: water that is there is gone.
+    drained = known if base is None else known & (~base | ndimage.binary_dilation(known & ~base, np.ones((3, 3))))
+    if not drained.any():
+        drained = known
     ground = ground.copied()
     total = MassBalance(0.0, 0.0, 0.0)
     for _ in range(steps):
         ground.bedrock[...] += rise
         ground.uplift[...] += rise
         height = ground.height
-        drainage = drain(grid, height, valid=known)
+        drainage = drain(grid, height, valid=drained)
         receiver = drainage.receiver.ravel()
         strength = _strength(drainage.accumulation(), exponent, factor).ravel()
         new = incise(height.ravel(), drainage.filled.ravel(), receiver, drainage.order, grid.cols, grid.cell, strength)
         new = new.reshape(grid.shape)
-        removed = np.where(known, height - new, 0.0)
+        removed = np.where(drained, height - new, 0.0)
         depth = np.where(fixed, 0.0, np.nan_to_num(drainage.depth, copy=False))
         label, count = ndimage.label(depth > 0, np.ones((3, 3)))
         volume = np.bincount(label.ravel(), weights=depth.ravel(), minlength=count + 1)
@@ -172,14 +176,15 @@ def erode_rivers(
 
 
 def _strength(area: F64, exponent: float, factor: F64) -> F64:
-    """`factor` times `area` to the power `exponent`; in the place of `area`."""
+    """`factor` times `area` to the power `exponent`."""
+    found = np.empty_like(area)
 
     def work(first: int, last: int) -> None:
-        np.power(area[first:last], exponent, out=area[first:last])
-        area[first:last] *= factor[first:last]
+        np.power(area[first:last], exponent, out=found[first:last])
+        found[first:last] *= factor[first:last]
 
     in_slices(len(area), work)
-    return area
+    return found
 
 
 def _move(ground: Ground, change: F64) -> None:

@@ -6,6 +6,7 @@ The terrain itself is never changed: filling is the level that water would reach
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -44,10 +45,18 @@ class Drainage:
 
     def accumulation(self, weight: F64 | None = None) -> F64:
         """Sum of `weight` (default: the area of a cell [m^2]) over each cell and all that drains through it."""
+        return self._area if weight is None else self._gathered(weight)
+
+    @cached_property
+    def _area(self) -> F64:
+        found = self._gathered(np.full(self.grid.shape, self.grid.cell_area))
+        found.flags.writeable = False
+        return found
+
+    def _gathered(self, weight: F64) -> F64:
         from .flood_kernels import accumulate
 
-        given = np.full(self.grid.shape, self.grid.cell_area) if weight is None else weight
-        flat = np.where(self.valid, given, 0.0).ravel().astype(np.float64)
+        flat = np.where(self.valid, weight, 0.0).ravel().astype(np.float64, copy=False)
         return np.asarray(accumulate(flat, self.receiver.ravel(), self.order)).reshape(self.grid.shape)
 
     def basins(self) -> np.ndarray:
@@ -95,7 +104,7 @@ def drain(grid: Grid, height: F64, *, valid: Any = None) -> Drainage:
     known = np.isfinite(height) if valid is None else np.asarray(valid, dtype=bool) & np.isfinite(height)
     if not known.any():
         raise InputError("there is no cell with a height: the surface is all no-data")
-    solid = np.where(known, height, 0.0).astype(np.float64)
+    solid = np.where(known, height, 0.0).astype(np.float64, copy=False)
     filled, receiver, order = flood(solid.ravel(), known.ravel(), grid.rows, grid.cols)
     return Drainage(
         grid=grid,

@@ -22,7 +22,7 @@ from .ground import GroundCover, cover
 from .layers import shape_land
 from .pipes import Rain, run_off
 from .relief import horizons, relief, sunlight, wind_exposure
-from .vegetation import HECTARE, Plants, Species, scatter, species_of, suitability
+from .vegetation import HECTARE, Plants, Species, fitness, scatter, species_of
 from .water import WaterBodies, find_sea, find_water
 from .zones import along, declared_zone, zone_distance
 
@@ -266,8 +266,9 @@ def _fields(
 ) -> dict[str, F64]:
     height = ground.height - channels.cut
     shape = relief(grid, height, window=3 * grid.cell)
-    seen = horizons(grid, height)
-    sun = sunlight(grid, height, latitude=float(np.radians(terrain.climate.latitude_deg)), day=terrain.climate.day, horizon=seen)
+    climate = terrain.climate
+    latitude, wind = (float(np.radians(angle)) for angle in (climate.latitude_deg, climate.wind_deg))
+    sun = sunlight(grid, height, latitude=latitude, day=climate.day, wind=wind)
     wet = water.standing | channels.bed
     level = np.where(water.standing, drainage.filled, np.where(channels.bed, height, np.nan))
     if terrain.sea_level is not None:
@@ -298,7 +299,7 @@ def _fields(
         "sun_hours": sun.hours,
         "sunlight": sun.energy,
         "sky": sun.sky,
-        "wind_exposure": wind_exposure(seen, direction=float(np.radians(terrain.climate.wind_deg))),
+        "wind_exposure": sun.exposure,
         "water_distance": bank_distance(grid, wet),
         "height_above_water": height_above_water(drainage, wet, level),
         "wetness": wetness_index(drainage, shape.slope),
@@ -356,14 +357,15 @@ def _planted(
     allowed = ~blocked
     if plan.zone is not None:
         allowed &= zone_distance(grid, declared_zone(terrain, plan.zone)) <= 0
+    fitting = fitness(kinds, given, allowed)
     for form in plan.forms:
         own = [s for s in kinds if s.form == form]
-        total = sum((np.where(allowed, suitability(s, given), 0.0) * s.density for s in own), start=np.zeros(grid.shape))
+        total = sum((fitting[s.name] * s.density for s in own), start=np.zeros(grid.shape))
         fields[f"{form}_density"] = np.asarray(total) * plan.density / HECTARE
     # A cell reaches half its diagonal towards what is blocked.
     clearance = bank_distance(grid, blocked) - 0.75 * grid.cell
     found = scatter(
-        grid, fields["height"], kinds, given, allowed=allowed, clearance=clearance, density=plan.density,
+        grid, fields["height"], kinds, fitting, clearance=clearance, density=plan.density,
         rng=np.random.default_rng([terrain.seed, 2, plan.seed]), most=plan.most,
     )  # fmt: skip
     figures["plants_by_species"] = {name: int((found.kind == k).sum()) for k, name in enumerate(found.species)}

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ...worlds.arrays import F64
+from .slices import in_slices
 
 __all__ = ["billow", "fractal", "gradient_noise", "ridged", "warped"]
+
+POINTS = 65536
+"""Points that one thread takes at a time."""
 
 
 def gradient_noise(x: F64, y: F64, wavelength: float, seed: int) -> F64:
@@ -18,7 +22,13 @@ def gradient_noise(x: F64, y: F64, wavelength: float, seed: int) -> F64:
 
     wide = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
     flat = [np.ascontiguousarray(a).ravel() for a in wide]
-    return np.asarray(gradient(*flat, wavelength, seed)).reshape(wide[0].shape)
+    found = np.empty(flat[0].size)
+
+    def work(first: int, last: int) -> None:
+        found[first:last] = gradient(flat[0][first:last], flat[1][first:last], wavelength, seed)
+
+    in_slices(found.size, work, size=POINTS)
+    return found.reshape(wide[0].shape)
 
 
 def _octaves(wavelength: float, cell: float, octaves: int) -> int:

@@ -26,7 +26,7 @@ def _angle(i, j, seed):
     return h * (2.0 * np.pi / 4294967296.0)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def gradient(x, y, wavelength, seed):
     """Noise of one wavelength at points x, y [m], shape (n,).
 
@@ -37,17 +37,21 @@ def gradient(x, y, wavelength, seed):
     shift_x, shift_y = seed * SHIFT_X % 1.0, seed * SHIFT_Y % 1.0
     mixed = seed * 0x27D4EB2F & MASK
     out = np.empty(x.size)
+    last_i, last_j, known = 0, 0, False
+    ax = ay = bx = by = cx = cy = dx = dy = 0.0
     for k in range(x.size):
         u = (c * x[k] + s * y[k]) / wavelength + shift_x
         v = (c * y[k] - s * x[k]) / wavelength + shift_y
         i, j = int(np.floor(u)), int(np.floor(v))
         p, q = u - i, v - j
         ease_p, ease_q = p * p * p * (p * (p * 6.0 - 15.0) + 10.0), q * q * q * (q * (q * 6.0 - 15.0) + 10.0)
-        a, b = _angle(i, j, mixed), _angle(i + 1, j, mixed)
-        south = (np.cos(a) * p + np.sin(a) * q) * (1.0 - ease_p) + (np.cos(b) * (p - 1.0) + np.sin(b) * q) * ease_p
-        a, b = _angle(i, j + 1, mixed), _angle(i + 1, j + 1, mixed)
-        north = (np.cos(a) * p + np.sin(a) * (q - 1.0)) * (1.0 - ease_p) + (
-            np.cos(b) * (p - 1.0) + np.sin(b) * (q - 1.0)
-        ) * ease_p
+        if not known or i != last_i or j != last_j:  # neighbours often share the lattice cell
+            a, b = _angle(i, j, mixed), _angle(i + 1, j, mixed)
+            ax, ay, bx, by = np.cos(a), np.sin(a), np.cos(b), np.sin(b)
+            a, b = _angle(i, j + 1, mixed), _angle(i + 1, j + 1, mixed)
+            cx, cy, dx, dy = np.cos(a), np.sin(a), np.cos(b), np.sin(b)
+            last_i, last_j, known = i, j, True
+        south = (ax * p + ay * q) * (1.0 - ease_p) + (bx * (p - 1.0) + by * q) * ease_p
+        north = (cx * p + cy * (q - 1.0)) * (1.0 - ease_p) + (dx * (p - 1.0) + dy * (q - 1.0)) * ease_p
         out[k] = np.sqrt(2.0) * (south + ease_q * (north - south))
     return out

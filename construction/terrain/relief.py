@@ -9,12 +9,16 @@ from scipy import ndimage
 
 from ...worlds.arrays import F64
 from .grid import Grid
+from .slices import in_slices
 
 __all__ = ["Relief", "Sunlight", "horizons", "relief", "sunlight", "wind_exposure"]
 
 AZIMUTHS = 32
-REACH_CELLS = (1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 48, 64)
-"""Distances at which the horizon is looked for [cells]: dense near, sparse far."""
+NEAR_CELLS = 64
+"""The horizon is looked for at least so far [cells], and to a quarter of the longer side."""
+FAR_CELLS = 16
+"""From here on the mean height of a neighbourhood counts [cells]."""
+BLOCK_ROWS = 32
 SOLAR_CONSTANT = 1361.0
 TRANSMISSION = 0.7
 """Clear-sky transmission of the beam per air mass (Liu & Jordan 1960: 0.6 to 0.75)."""
@@ -48,6 +52,8 @@ class Sunlight:
     """Beam on the slope and diffuse from the visible sky [MJ/m^2]."""
     sky: F64
     """Visible part of the sky, 0 to 1."""
+    exposure: F64
+    """Of `wind_exposure`."""
 
 
 def relief(grid: Grid, height: F64, *, window: float = 0.0) -> Relief:
@@ -74,30 +80,50 @@ def relief(grid: Grid, height: F64, *, window: float = 0.0) -> Relief:
     )
 
 
+class Skyline:
+    """Horizons of a surface, looked at part by part: all of them at once would be 32 fields."""
+
+    def __init__(self, grid: Grid, height: F64, *, azimuths: int = AZIMUTHS) -> None:
+        self.grid, self.azimuths = grid, azimuths
+        self.low = height.astype(np.float32)
+        most = max(NEAR_CELLS, max(grid.shape) // 4)
+        reaches = sorted({round(1.32**k) for k in range(int(np.log(most) / np.log(1.32)) + 1)} | {2, 3, most})
+        self.edge = most + 1
+        self.levels: list[tuple[np.ndarray, list[int]]] = []
+        for low, high in ((1, FAR_CELLS), *((FAR_CELLS * 2**k, FAR_CELLS * 2 ** (k + 1)) for k in range(16))):
+            own = [r for r in reaches if low < r <= high or r == low == 1]
+            if own:
+                width = 1 if low == 1 else 2 * (low // 16) + 1
+                seen = ndimage.uniform_filter(self.low, width, mode="nearest") if width > 1 else self.low
+                self.levels.append((np.pad(seen, self.edge, mode="edge"), own))
+
+    def rows(self, first: int, last: int) -> np.ndarray:
+        """Tangents of the horizon of some rows, shape (azimuths, last - first, cols), float32."""
+        from .light_kernels import raise_horizons
+
+        found = np.zeros((self.azimuths, last - first, self.grid.cols), dtype=np.float32)
+        for k in range(self.azimuths):
+            angle = 2 * np.pi * k / self.azimuths
+            for seen, reaches in self.levels:
+                for reach in reaches:
+                    col, row = round(reach * np.cos(angle)), round(reach * np.sin(angle))
+                    away = float(np.hypot(col, row)) * self.grid.cell
+                    raise_horizons(self.low, seen, self.edge, row, col, away, first, last, found[k])
+        return found
+
+
 def horizons(grid: Grid, height: F64, *, azimuths: int = AZIMUTHS) -> np.ndarray:
     """Tangent of the elevation of the horizon, shape (azimuths, rows, cols); azimuth k points to 2 pi k / azimuths from east.
 
-    Looked for at `REACH_CELLS` distances along each direction; beyond the edge the land goes on level.
+    Looked for along each direction at distances that grow by a third up to a quarter of the longer side (at least
+    `NEAR_CELLS`); from `FAR_CELLS` on what counts is the mean height of a neighbourhood as wide as the gap between
+    directions, so that a finer grid sees the same skyline. Beyond the edge the land goes on level.
     """
-    low = height.astype(np.float32)
-    found = np.zeros((azimuths, *grid.shape), dtype=np.float32)
-    edge = max(REACH_CELLS) + 1
-    padded = np.pad(low, edge, mode="edge")
-    for k in range(azimuths):
-        angle = 2 * np.pi * k / azimuths
-        for reach in REACH_CELLS:
-            col, row = round(reach * np.cos(angle)), round(reach * np.sin(angle))
-            away = np.hypot(col, row) * grid.cell
-            if away == 0:
-                continue
-            there = padded[edge + row : edge + row + grid.rows, edge + col : edge + col + grid.cols]
-            np.maximum(found[k], (there - low) / np.float32(away), out=found[k])
-    return np.asarray(found)
+    line = Skyline(grid, height, azimuths=azimuths)
+    return np.concatenate(in_slices(grid.rows, line.rows), axis=1)
 
 
-def sunlight(
-    grid: Grid, height: F64, *, latitude: float, day: int, horizon: np.ndarray | None = None, steps: int = 24
-) -> Sunlight:
+def sunlight(grid: Grid, height: F64, *, latitude: float, day: int, steps: int = 24, wind: float = 0.0) -> Sunlight:
     """Sun that reaches the ground on one clear day.
 
     Args:
@@ -105,45 +131,55 @@ def sunlight(
         height: [m], shape (rows, cols).
         latitude: [rad], north positive; y is north.
         day: of the year, 1 to 365.
-        horizon: of `horizons`.
         steps: times between sunrise and sunset.
+        wind: where the wind comes from [rad], from east towards north.
 
     References:
         Declination: Spencer 1971, Search 2(5), 172.
     """
-    seen = horizons(grid, height) if horizon is None else horizon
-    count = len(seen)
+    from .light_kernels import shine
+
+    line = Skyline(grid, height)
+    places, level = _sun_places(latitude, day, steps, line.azimuths)
+    diffuse = level * DIFFUSE_SHARE / (1 - DIFFUSE_SHARE)
+    north, east = np.gradient(height, grid.cell)
+    hours, beam, sky, exposure = (np.zeros(grid.shape) for _ in range(4))
+
+    def work(first: int, last: int) -> None:
+        part = np.s_[first:last]
+        seen = line.rows(first, last)
+        shine(seen, east[part], north[part], places, hours[part], beam[part])
+        # Share of an isotropic sky above the horizon, weighted by the cosine (Dozier & Frew 1990, level ground).
+        np.mean(1.0 / (1.0 + seen * seen), axis=0, dtype=np.float64, out=sky[part])
+        beam[part] += diffuse * sky[part]
+        exposure[part] = wind_exposure(seen, direction=wind)
+
+    in_slices(grid.rows, work, size=BLOCK_ROWS)
+    return Sunlight(hours=hours, energy=beam, sky=sky, exposure=exposure)
+
+
+def _sun_places(latitude: float, day: int, steps: int, azimuths: int) -> tuple[F64, float]:
+    """Where the sun stands through the day (see `shine`), and the energy that level ground gets without horizon [MJ/m^2]."""
     turn = 2 * np.pi * (day - 1) / 365
     declination = (
         0.006918 - 0.399912 * np.cos(turn) + 0.070257 * np.sin(turn) - 0.006758 * np.cos(2 * turn)
         + 0.000907 * np.sin(2 * turn) - 0.002697 * np.cos(3 * turn) + 0.00148 * np.sin(3 * turn)
     )  # fmt: skip
     half_day = np.arccos(np.clip(-np.tan(latitude) * np.tan(declination), -1.0, 1.0))
-    north, east = np.gradient(height, grid.cell)
-    upright = 1.0 / np.sqrt(1.0 + east**2 + north**2)
-    # Share of an isotropic sky above the horizon, weighted by the cosine (Dozier & Frew 1990, level ground).
-    sky = np.mean(1.0 / (1.0 + seen.astype(np.float64) ** 2), axis=0)
-    hours, beam = np.zeros(grid.shape), np.zeros(grid.shape)
     interval = 2 * half_day / steps
-    level = 0.0
+    seconds = interval / (2 * np.pi) * 86400
+    found, level = [], 0.0
     for angle in (np.arange(steps) + 0.5) * interval - half_day:
         up = np.sin(latitude) * np.sin(declination) + np.cos(latitude) * np.cos(declination) * np.cos(angle)
         if up <= 0.01:
             continue
         to_east = -np.cos(declination) * np.sin(angle)
         to_north = np.cos(latitude) * np.sin(declination) - np.sin(latitude) * np.cos(declination) * np.cos(angle)
-        bearing = np.arctan2(to_north, to_east) / (2 * np.pi) * count % count
-        below, share = int(bearing), bearing % 1.0
-        skyline = (1 - share) * seen[below % count] + share * seen[(below + 1) % count]
-        lit = skyline <= up / np.hypot(to_east, to_north)
-        facing = np.maximum((up - east * to_east - north * to_north) * upright, 0.0)
-        seconds = interval / (2 * np.pi) * 86400
+        bearing = np.arctan2(to_north, to_east) / (2 * np.pi) * azimuths % azimuths
         strength = SOLAR_CONSTANT * TRANSMISSION ** (1.0 / up) * seconds / 1e6
-        hours += lit * (seconds / 3600)
-        beam += lit * facing * strength
-        level += up * strength
-    diffuse = level * DIFFUSE_SHARE / (1 - DIFFUSE_SHARE)
-    return Sunlight(hours=hours, energy=beam + diffuse * sky, sky=sky)
+        found.append((bearing, up / np.hypot(to_east, to_north), up, to_east, to_north, seconds / 3600, strength))
+        level += float(up * strength)
+    return np.array(found, dtype=np.float64).reshape(-1, 7), level
 
 
 def wind_exposure(horizon: np.ndarray, *, direction: float, spread: float = np.pi / 6) -> F64:

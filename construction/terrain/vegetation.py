@@ -14,8 +14,9 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from .grid import Grid
+from .slices import in_slices
 
-__all__ = ["Plants", "Species", "scatter", "species_of", "suitability", "trapezoid"]
+__all__ = ["Plants", "Species", "fitness", "scatter", "species_of", "suitability", "trapezoid"]
 
 RESPONSES = ("moisture", "temperature", "slope", "soil", "light", "exposure")
 HECTARE = 1e4
@@ -111,13 +112,32 @@ def suitability(species: Species, fields: Mapping[str, F64]) -> F64:
     return total
 
 
+def fitness(kinds: Sequence[Species], fields: Mapping[str, F64], allowed: np.ndarray) -> dict[str, F64]:
+    """Suitability for each species by name, 0 where nothing may grow: water, bed, road, building (R45).
+
+    Args:
+        kinds: the species.
+        fields: of `suitability`.
+        allowed: cells where something may grow, shape (rows, cols).
+    """
+    found = {s.name: np.zeros(allowed.shape) for s in kinds}
+
+    def work(first: int, last: int) -> None:
+        part = np.s_[first:last]
+        given = {name: values[part] for name, values in fields.items()}
+        for species in kinds:
+            found[species.name][part] = np.where(allowed[part], suitability(species, given), 0.0)
+
+    in_slices(len(allowed), work, size=16)
+    return found
+
+
 def scatter(
     grid: Grid,
     height: F64,
     kinds: Sequence[Species],
-    fields: Mapping[str, F64],
+    fitting: Mapping[str, F64],
     *,
-    allowed: np.ndarray,
     clearance: F64,
     density: float,
     rng: np.random.Generator,
@@ -129,8 +149,7 @@ def scatter(
         grid: of all fields.
         height: of the ground [m].
         kinds: highest priority first.
-        fields: of `suitability`.
-        allowed: cells where something may grow: no water, bed, road, building (R45).
+        fitting: of `fitness`.
         clearance: distance to the nearest cell that is not allowed [m].
         density: factor on the density of every kind.
         rng: where and how large.
@@ -139,7 +158,6 @@ def scatter(
     Raises:
         InputError: the estimate exceeds `most`.
     """
-    fitting = {s.name: np.where(allowed, suitability(s, fields), 0.0) for s in kinds}
     expected = {s.name: float(fitting[s.name].sum()) * grid.cell_area * s.density / HECTARE * density for s in kinds}
     if sum(expected.values()) > most:
         largest = max(expected, key=lambda k: expected[k])

@@ -147,7 +147,9 @@ def find_lakes(
     flat, wet = label.ravel(), depth.ravel()
     cells = np.bincount(flat, minlength=count + 1)
     volume = np.bincount(flat, weights=wet, minlength=count + 1) * area
-    deepest = ndimage.maximum(depth, label, np.arange(count + 1))
+    below = np.flatnonzero(flat)
+    deepest = np.zeros(count + 1)
+    np.maximum.at(deepest, flat[below], wet[below])
     keep = (cells * area >= least_area) & (deepest >= least_depth)
     keep[0] = False
     kept = np.flatnonzero(keep)
@@ -161,7 +163,8 @@ def find_lakes(
     gathered = np.bincount(flat[leaving], weights=through[leaving], minlength=count + 1)
     outlet = np.full(count + 1, -1, dtype=np.int64)
     outlet[flat[leaving]] = drainage.receiver.ravel()[leaving]
-    level = ndimage.maximum(np.where(drainage.valid, drainage.filled, -np.inf), label, np.arange(count + 1))
+    level = np.full(count + 1, -np.inf)
+    level[flat[below]] = drainage.filled.ravel()[below]  # one level in each
     lakes = tuple(
         Lake(
             number=int(number[k]),
@@ -239,14 +242,24 @@ def _channel(
     wanted = density * land.sum() * drainage.grid.cell_area
     length = np.where(land, _steps(drainage), 0.0)
     flow = np.where(land, discharge.ravel(), 0.0)
-    order = np.argsort(-flow, kind="stable")
-    reached = int(np.searchsorted(np.cumsum(length[order]), wanted)) if wanted > 0 else 0
-    least = float(flow[order[min(reached, order.size - 1)]]) if wanted > 0 else np.inf
+    least = _least_flow(flow, length, wanted, drainage.grid.cell) if wanted > 0 else np.inf
     if inflow is not None and (inflow > 0).any():
         least = min(least, float(inflow[inflow > 0].min()))
     if not 0 < least < np.inf:
         return none, float("inf")
     return drainage.valid & (discharge >= least) & ~standing, least
+
+
+def _least_flow(flow: F64, length: F64, wanted: float, cell: float) -> float:
+    """The largest flow such that all ways [m] with at least as much add up to the wanted length."""
+    # A way is at least a cell long, so that no more cells can be needed; those without a way come on top.
+    most = min(int(wanted / cell) + int(((length == 0) & (flow > 0)).sum()) + 2, flow.size)
+    if most < flow.size:
+        top = np.flatnonzero(flow >= np.partition(flow, flow.size - most)[flow.size - most])
+        flow, length = flow[top], length[top]
+    order = np.argsort(-flow, kind="stable")
+    reached = int(np.searchsorted(np.cumsum(length[order]), wanted))
+    return float(flow[order[min(reached, order.size - 1)]])
 
 
 def _reaches(drainage: Drainage, channel: np.ndarray, lake: np.ndarray, sea: np.ndarray, discharge: F64) -> list[River]:

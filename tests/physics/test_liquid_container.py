@@ -1,0 +1,72 @@
+"""Still water in an open tank of five boxes, as users build tanks: it stays in, stays still, and weighs on the floor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench import small_liquids
+from worldagent.construction.build import build_entity
+from worldagent.simulation.liquid.engine import BodyState, Engine
+from worldagent.simulation.liquid.scene import LiquidScene, build_scene
+from worldagent.worlds.spec import WorldSpec
+
+SPACING = 0.025
+DEPTH = 0.2
+
+
+def tank(tmp_path: Path, engine: str, wall: float, monkeypatch: pytest.MonkeyPatch) -> LiquidScene:
+    monkeypatch.setattr(small_liquids, "WALL", wall)
+    spec = WorldSpec.model_validate({
+        "prompt": "p", **small_liquids.tank_spec(crate_at=None, engine=engine, spacing=SPACING, depth=DEPTH),
+    })  # fmt: skip
+    return build_scene(spec, {n: build_entity(spec, n, tmp_path) for n in spec.entities}, "water")
+
+
+def engine_of(name: str, scene: LiquidScene) -> Engine:
+    if name == "flip":
+        from worldagent.simulation.liquid.flip.engine import Flip
+        from worldagent.simulation.liquid.flip.settings import FlipSettings
+
+        return Flip(scene.setup, FlipSettings())
+    from worldagent.simulation.liquid.dfsph.engine import Dfsph
+    from worldagent.simulation.liquid.dfsph.settings import DfsphSettings
+
+    return Dfsph(scene.setup, DfsphSettings())
+
+
+def resting(scene: LiquidScene) -> BodyState:
+    count = len(scene.setup.boundaries)
+    place = np.array([p.position for p in scene.start])
+    none = np.zeros((count, 3))
+    return BodyState(place, np.tile(np.eye(3), (count, 1, 1)), place, none, none, np.zeros(count), np.zeros((count, 3, 3)), none)
+
+
+@pytest.mark.parametrize("wall", [0.03, 0.1])
+@pytest.mark.parametrize("engine", ["dfsph", "flip"])
+def test_still_water_stays_in_its_tank(tmp_path: Path, engine: str, wall: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = tank(tmp_path, engine, wall, monkeypatch)
+    running, bodies = engine_of(engine, scene), resting(scene)
+    start, time, pushes = float(scene.setup.volume.sum()), 0.0, []
+    removed: dict[str, Any] = {}
+    while time < 0.5:
+        report = running.step(min(5e-3, 0.5 - time), bodies)
+        time += report.dt
+        if time > 0.25:
+            pushes.append((report.dt, report.impulse[:, 2].sum()))
+        removed |= {n: m for n, m in report.removed.items() if m > 0}
+    found = running.particles()
+    x, y, z = found.position.T
+    half = 0.2 + 0.25 * SPACING
+    inside = (np.abs(x) < half) & (np.abs(y) < half) & (z > -0.25 * SPACING)
+    assert not removed
+    assert int((~inside).sum()) == 0, f"{int((~inside).sum())} of {len(x)} particles left the tank"
+    assert found.volume.sum() == pytest.approx(start, rel=1e-6)
+    assert z.max() == pytest.approx(DEPTH, abs=SPACING)
+    speed = np.linalg.norm(found.velocity, axis=1)
+    assert np.sqrt(np.mean(speed**2)) < 0.05, "still water does not boil"
+    weight = 1000.0 * start * 9.81
+    mean = sum(j for _, j in pushes) / sum(t for t, _ in pushes)
+    assert mean == pytest.approx(-weight, rel=0.05)

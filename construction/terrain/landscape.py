@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,36 +11,30 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from ...worlds.limits import check_cap
-from ...worlds.spec.terrain import Hydraulic, Terrain
+from ...worlds.spec.terrain import Terrain
 from .channels import Channels, carve
 from .climate import BIOMES, LAPSE, Biome, bank_distance, height_above_water, moisture, soil_depth, wetness_index
-from .erosion import Ground, MassBalance, erode_rivers, relax_slopes
+from .erosion import Ground
 from .flood import Drainage, drain
 from .grid import Grid
 from .ground import GroundCover, cover
 from .layers import shape_land
-from .pipes import Rain, run_off
 from .relief import horizons, relief, sunlight, wind_exposure
 from .vegetation import HECTARE, Plants, Species, fitness, scatter, species_of
-from .water import WaterBodies, find_sea, find_water
+from .water import WaterBodies, find_water
+from .weathering import Say, weather
 from .zones import along, declared_zone, zone_distance
 
 __all__ = ["Landscape", "build_landscape"]
 
 COARSE_CELLS = 160
 """Cells along the longer side of the grid on which wind and rain are followed."""
-ROUNDS = (0.75, 0.25)
-"""Parts of the years between two settlings of the slopes."""
 LAKE_CELLS = 10
 """A lake has at least so many cells: smaller ones are noise of the grid."""
-MM_PER_HOUR = 3.6e6
-"""In one m/s."""
 SNOW_BAND = 150.0
 """Height over which snow cover grows from none to full [m]."""
 SNOW_SLOPE = 1.2
 """Slope on which no snow holds (50 degrees)."""
-
-Say = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -100,7 +93,7 @@ def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, t
         raise InputError("the terrain has no layers: it is a plain. Add layers, or call build_terrain without terrain")
     valid = np.isfinite(raw)
     figures: dict[str, Any] = {}
-    ground = _eroded(grid, terrain, raw, valid, figures, say)
+    ground = weather(grid, terrain, raw, valid, figures, say)
     worked = shape_land(grid, terrain, assets, after=ground.height) - ground.height
     ground = ground.reshaped(np.where(valid, worked, 0.0))
     say(0.5, "routing the water")
@@ -124,58 +117,6 @@ def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, t
     }
     say(1.0, "done")
     return Landscape(grid, fields, drainage, water, channels, covered, plants, figures)
-
-
-def _eroded(grid: Grid, terrain: Terrain, raw: F64, valid: np.ndarray, figures: dict[str, Any], say: Say) -> Ground:
-    """Rivers and slopes in turn: scree that dams a valley is cleared by its river again."""
-    plan = terrain.erosion
-    solid = np.where(valid, raw, 0.0)
-    if plan is None:
-        return Ground.bare(grid, solid)
-    ground = Ground.bare(grid, solid, soil=plan.soil)
-    talus, rock = (float(np.tan(np.radians(angle))) for angle in (plan.talus_deg, max(plan.rock_deg, plan.talus_deg)))
-    sea = find_sea(solid, terrain.sea_level, valid)
-    moved, slid, excess, passes = MassBalance(0.0, 0.0, 0.0), 0.0, 0.0, 0
-    for part in ROUNDS if plan.years > 0 else (0.0,):
-        if part > 0:
-            say(0.08 + 0.3 * (1 - part), f"{plan.years * part:g} years of rivers")
-            ground, balance = erode_rivers(
-                ground, years=plan.years * part, steps=max(1, round(plan.steps * part)), erodibility=plan.erodibility,
-                creep=plan.creep, uplift=plan.uplift, base=sea, valid=valid,
-            )  # fmt: skip
-            moved = moved + balance
-        say(0.12 + 0.3 * (1 - part), "slopes find their rest")
-        before = float(ground.height[valid].sum())
-        ground, excess, done = relax_slopes(ground, talus=talus, talus_rock=rock, valid=valid)
-        slid, passes = slid + abs(float(ground.height[valid].sum()) - before), passes + done
-    if plan.hydraulic is not None:
-        ground = _stormed(ground, terrain, plan.hydraulic, sea, valid, figures, say)
-        before = float(ground.height[valid].sum())
-        ground, excess, done = relax_slopes(ground, talus=talus, talus_rock=rock, valid=valid)
-        slid, passes = slid + abs(float(ground.height[valid].sum()) - before), passes + done
-    figures["river_erosion"] = {**moved.__dict__, "residual": moved.residual}
-    figures["slopes"] = {"excess": excess, "passes": passes, "mass_residual": slid / max(float(ground.deposit.sum()), 1e-12)}
-    return ground
-
-
-def _stormed(
-    ground: Ground, terrain: Terrain, plan: Hydraulic, sea: np.ndarray, valid: np.ndarray, figures: dict[str, Any], say: Say
-) -> Ground:
-    """After a storm; its ledgers and its cost go into the figures."""
-    rain = Rain(
-        rate=plan.rain / MM_PER_HOUR, duration=plan.duration, capacity=plan.capacity, dissolving=plan.dissolving,
-        settling=plan.deposition, evaporation=plan.evaporation / MM_PER_HOUR, roughness=plan.roughness,
-    )  # fmt: skip
-    ground, balance, record = run_off(
-        ground, rain, sea=sea, sea_level=terrain.sea_level or 0.0, valid=valid,
-        say=lambda part: say(0.4 + 0.1 * part, f"a storm, {part:.0%} of {plan.duration:g} s"),
-    )  # fmt: skip
-    figures["hydraulic_erosion"] = {
-        **balance.__dict__, "residual": balance.residual, "rained": record.rained, "ran_off": record.left,
-        "evaporated": record.evaporated, "stored": record.stored, "water_residual": record.water_residual,
-        "deepest": float(record.depth.max()), "fastest": float(record.speed.max()), "steps": record.steps, "device": record.device,
-    }  # fmt: skip
-    return ground
 
 
 def _rain(grid: Grid, terrain: Terrain, biome: Biome, surface: F64) -> F64:

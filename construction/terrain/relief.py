@@ -142,7 +142,7 @@ def sunlight(grid: Grid, height: F64, *, latitude: float, day: int, steps: int =
     line = Skyline(grid, height)
     places, level = _sun_places(latitude, day, steps, line.azimuths)
     diffuse = level * DIFFUSE_SHARE / (1 - DIFFUSE_SHARE)
-    north, east = np.gradient(height, grid.cell)
+    north, east = (np.asarray(d) for d in np.gradient(height, grid.cell))
     hours, beam, sky, exposure = (np.zeros(grid.shape) for _ in range(4))
 
     def work(first: int, last: int) -> None:
@@ -150,7 +150,7 @@ def sunlight(grid: Grid, height: F64, *, latitude: float, day: int, steps: int =
         seen = line.rows(first, last)
         shine(seen, east[part], north[part], places, hours[part], beam[part])
         # Share of an isotropic sky above the horizon, weighted by the cosine (Dozier & Frew 1990, level ground).
-        np.mean(1.0 / (1.0 + seen * seen), axis=0, dtype=np.float64, out=sky[part])
+        sky[part] = np.mean(1.0 / (1.0 + seen * seen), axis=0, dtype=np.float64)
         beam[part] += diffuse * sky[part]
         exposure[part] = wind_exposure(seen, direction=wind)
 

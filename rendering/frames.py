@@ -14,6 +14,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import EngineError, InputError
 from .denoise import U8, denoise, meter, tonemap
+from .haze import hazed
 from .mitsuba_scene import SceneRenderer
 from .variant import choose_variant
 from .views import camera_for, shot_of
@@ -39,9 +40,9 @@ def _check_frame(candidate: Candidate, frame: int) -> None:
 class FrameRenderer:
     """Renders frames of one candidate; keeps the scene and each shot's exposure between frames."""
 
-    def __init__(self, candidate: Candidate) -> None:
+    def __init__(self, candidate: Candidate, *, camera: Camera | None = None) -> None:
         self.candidate = candidate
-        self._scene = SceneRenderer(candidate)
+        self._scene = SceneRenderer(candidate, eyes=() if camera is None else (camera.position,))
         self._gains: dict[str | None, float] = {}
 
     def _gain(self, shot: str | None, frame: int, camera: Camera | None) -> float:
@@ -92,6 +93,8 @@ class FrameRenderer:
         radiance = self._scene.radiance(view, samples, seed=SEED)
         if denoise:
             radiance = _denoised(radiance, self._scene, view)
+        if self._scene.outdoors:
+            radiance = hazed(self._scene, view, radiance, seed=SEED)
         return tonemap(radiance, gain=gain)
 
 
@@ -125,7 +128,7 @@ def render_frame(
     Raises:
         InputError: the frame or the shot does not exist, or nothing is built.
     """
-    return FrameRenderer(candidate).render(
+    return FrameRenderer(candidate, camera=camera).render(
         frame, shot=shot, camera=camera, width=width, height=height, samples=samples, denoise=denoise
     )
 

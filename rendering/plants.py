@@ -1,4 +1,4 @@
-"""Plants and stones of a landscape as triangles: a low form for the distance, one with branches and leaves near a camera.
+"""Plants and stones of a landscape as triangles, in three grades of detail.
 
 A form stands on the origin, is one unit high, and is placed by scale, turn and shift; all instances of a kind become one mesh.
 """
@@ -25,17 +25,47 @@ class Form(NamedTuple):
     foliage: np.ndarray
 
 
-def form_of(shape: str, *, near: bool, seed: int) -> Form:
+def form_of(shape: str, *, detail: int, seed: int) -> Form:
     """The form of a kind.
 
     Args:
         shape: `broad`, `cone`, `palm`, `bush`, `tuft`, `column` or `rock`.
-        near: with branches and leaves.
+        detail: 0 a few triangles, 1 a low form, 2 with branches and leaves.
         seed: of its irregularity.
     """
     rng = np.random.default_rng([seed, 7])
+    if detail == 0:
+        return _far(shape, rng)
+    near = detail == 2
     makers = {"broad": _broad, "cone": _cone, "palm": _palm, "bush": _bush, "tuft": _tuft, "column": _column, "rock": _rock}
     return makers[shape](rng, near)
+
+
+_FAR = {"broad": (0.3, 0.5, 0.3), "cone": (0.19, 0.1, 0.12), "palm": (0.3, 0.82, 0.7), "bush": (0.55, 0.4, 0.0),
+        "tuft": (0.15, 0.5, 0.0), "column": (0.06, 0.5, 0.0), "rock": (0.65, 0.3, -0.2)}  # fmt: skip
+"""Of a far form: half its width, height of its widest part, foot."""
+
+
+def _far(shape: str, rng: np.random.Generator) -> Form:
+    """A crown of two rings as wide and high as the plant; a pyramid for what is pointed."""
+    wide, middle, foot = _FAR[shape]
+    turn = np.arange(5) * 2 * np.pi / 5 + rng.uniform()
+    k = np.arange(5)
+    n = (k + 1) % 5
+
+    def ring(radius: float, z: float) -> F64:
+        ragged = radius * (1 + rng.uniform(-0.15, 0.15, 5))
+        return np.stack([ragged * np.cos(turn), ragged * np.sin(turn), np.full(5, z) + rng.uniform(-0.04, 0.04, 5)], 1)
+
+    top, tip, bottom = np.full(5, 5), np.array([[0, 0, 1.0 if shape != "rock" else 0.85]]), np.array([[0, 0, foot]])
+    if shape in ("cone", "tuft", "column"):
+        faces = np.concatenate([np.stack([k, n, top], 1), np.stack([n, k, top + 1], 1)])
+        vertices = np.concatenate([ring(wide, middle), tip, bottom])
+    else:
+        sides = [np.stack([k, n, n + 5], 1), np.stack([k, n + 5, k + 5], 1)]
+        faces = np.concatenate([*sides, np.stack([k + 5, n + 5, top + 5], 1), np.stack([n, k, top + 6], 1)])
+        vertices = np.concatenate([ring(wide, middle), ring(0.65 * wide, 0.3 * middle + 0.63), tip, bottom])
+    return Form(vertices, faces, np.full(len(faces), shape != "rock"))
 
 
 def placed(form: Form, position: F64, height: F64, yaw: F64) -> tuple[F64, np.ndarray]:

@@ -28,6 +28,7 @@ Part = Literal[
     "events",
     "records",
     "acceptance",
+    "terrain",
     "worlds",
 ]
 
@@ -42,7 +43,8 @@ def inspect_world(
             "guide: the skills, file by file; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
             "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
-            "acceptance: the last verdict, its approximation register, its report and bundle; worlds: all ids"
+            "acceptance: the last verdict, its approximation register, its report and bundle; terrain: a built landscape in numbers, "
+            "values at points, places to build on; worlds: all ids"
         ),
     ] = "overview",
     pointer: Annotated[
@@ -59,6 +61,25 @@ def inspect_world(
     ] = None,
     entities: Annotated[list[str] | None, Field(description="For state and events: only these entities")] = None,
     frames: Annotated[tuple[int, int] | None, Field(description="For state, events and records: [first, last]")] = None,
+    terrain: Annotated[str | None, Field(description="For terrain: id under /terrains; default the only one")] = None,
+    points: Annotated[
+        list[tuple[float, float]] | None,
+        Field(
+            min_length=1, max_length=40, description="For terrain: x, y [m] to tell the land at; with find, one to search from"
+        ),
+    ] = None,
+    profile: Annotated[
+        int | None, Field(ge=2, le=200, description="For terrain: so many places along the line through the points instead")
+    ] = None,
+    find: Annotated[
+        Literal["flat", "shore", "sea", "lake", "river"] | None,
+        Field(
+            description="For terrain: nearest dry flat squares of size, places beside the sea or a lake (shore: either), or in rivers"
+        ),
+    ] = None,
+    size: Annotated[
+        float, Field(gt=0, le=5000, description="For find: side of a flat square, or distance between other places [m]")
+    ] = 20.0,
     detail: Annotated[Detail, Field(description="full: rows with all evidence, edits with their patches")] = "concise",
     limit: Annotated[int, Field(ge=1, le=200, description="Most items to return")] = 40,
     offset: Annotated[int, Field(ge=0, description="Items to skip: the next_offset of the last reply")] = 0,
@@ -102,6 +123,10 @@ def inspect_world(
         data = parts.iterations(session, detail, offset=offset, limit=limit)
     elif part == "acceptance":
         data = parts.acceptance(session, offset=offset, limit=limit)
+    elif part == "terrain":
+        from .surveys import terrain as survey
+
+        data = survey(session, terrain, points=points, profile=profile, find=find, size=size, offset=offset, limit=limit)
     else:
         from .measurements import measured
 

@@ -15,7 +15,7 @@ from ..worlds.spec import WorldSpec
 from .rows import summary
 from .session import Session
 
-__all__ = ["OVERVIEW", "describe", "ground_material", "membership", "terrain"]
+__all__ = ["OVERVIEW", "describe", "ground_material", "membership", "reach_line", "short", "terrain"]
 
 OVERVIEW = ("hillshade", "accumulation", "cover", "moisture")
 """Fields on the overview sheet."""
@@ -111,35 +111,38 @@ def describe(land: SavedLandscape) -> dict[str, Any]:
     reaches = sorted(about["reaches"], key=lambda r: -r["discharge"][1])
     rows, cols = land.shape
 
-    def place(index: int) -> list[float]:
-        row, col = divmod(index, cols)
-        return [round((col - 0.5 * (cols - 1)) * land.cell, 2), round((row - 0.5 * (rows - 1)) * land.cell, 2)]
-
     return {
         "cells": [cols, rows],
         "height_range": [round(float(np.nanmin(height)), 3), round(float(np.nanmax(height)), 3)],
-        "lakes": [{k: _short(v) for k, v in lake.items()} for lake in about["lakes"][:SHOWN]],
-        "rivers": [
-            {
-                "kind": r["kind"],
-                "from": place(r["cells"][0]),
-                "to": place(r["cells"][-1]),
-                "ends_in": r["ends_in"],
-                "order": r["order"],
-                "width": _short(r["width"]),
-                "discharge": _short(r["discharge"]),
-            }
-            for r in reaches[:SHOWN]
-        ],
+        "lakes": [{k: short(v) for k, v in lake.items()} for lake in about["lakes"][:SHOWN]],
+        "rivers": [{"kind": r["kind"], **reach_line(land, r)} for r in reaches[:SHOWN]],
         "features": {k: about["figures"][k] for k in ("lakes", "rivers", "streams", "plants")},
         "erosion": {k: about["figures"][k] for k in ("river_erosion", "slopes") if k in about["figures"]},
     }
 
 
-def _short(value: Any) -> Any:
+def reach_line(land: SavedLandscape, reach: dict[str, Any]) -> dict[str, Any]:
+    """A reach in numbers: where it begins and ends, and how large it is at both ends."""
+    import numpy as np
+
+    rows, cols = land.shape
+    cells = np.array(reach["cells"])
+    x, y = (cells % cols - 0.5 * (cols - 1)) * land.cell, (cells // cols - 0.5 * (rows - 1)) * land.cell
+    return {
+        "number": reach["number"],
+        "from": [round(float(x[0]), 2), round(float(y[0]), 2)],
+        "to": [round(float(x[-1]), 2), round(float(y[-1]), 2)],
+        "length": round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 1),
+        "ends_in": reach["ends_in"],
+        **{k: short(reach[k]) for k in ("order", "width", "depth", "discharge")},
+    }
+
+
+def short(value: Any) -> Any:
+    """A value with five significant digits."""
     if isinstance(value, float):
         return float(f"{value:.5g}")
-    return [_short(v) for v in value] if isinstance(value, list) else value
+    return [short(v) for v in value] if isinstance(value, list) else value
 
 
 def _overview(folder: WorldFolder, name: str, land: SavedLandscape) -> str:

@@ -73,7 +73,7 @@ def _found(
         found = (
             river_places(land, near=near, apart=size, most=FOUND)
             if find == "river"
-            else shore_places(land, find, near=near, apart=size, most=FOUND)
+            else shore_places(land, find, sea_level=session.spec.terrains[name].sea_level, near=near, apart=size, most=FOUND)
         )
         text = f"{len(found)} places {'in rivers and streams' if find == 'river' else f'at the {find}'}, nearest to {list(near)} first"
         place = found[0]["at"]
@@ -109,7 +109,7 @@ def _values(
         lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
         along = np.linspace(0.0, lengths[-1], profile)
         places = np.stack([np.interp(along, lengths, corners[:, k]) for k in (0, 1)], 1)
-    told = at_points(land, places.tolist())
+    told = at_points(land, places.tolist(), sea_level=session.spec.terrains[name].sea_level)
     if along is not None:
         told = [
             {"along": round(float(s), 1), **{k: v for k, v in t.items() if k != "normal"}}

@@ -33,7 +33,13 @@ def _checked(grid: Grid, points: F64) -> None:
         )
 
 
-def at_points(land: SavedLandscape, points: Sequence[Sequence[float]]) -> list[dict[str, Any]]:
+def _levels(land: SavedLandscape, sea_level: float | None) -> F64:
+    """Surface of all water [m], NaN where it is dry."""
+    level = land.field("water_level")
+    return level if sea_level is None else np.where(land.raw("sea").astype(bool), sea_level, level)
+
+
+def at_points(land: SavedLandscape, points: Sequence[Sequence[float]], *, sea_level: float | None) -> list[dict[str, Any]]:
     """What is at each point (x, y) [m]: heights, slope, normal, cover, water, moisture.
 
     Raises:
@@ -47,7 +53,7 @@ def at_points(land: SavedLandscape, points: Sequence[Sequence[float]]) -> list[d
     ground, dx, dy = (grid.sample(f, at[:, 0], at[:, 1]) for f in (height, east, north))
     normal = np.stack([-dx, -dy, np.ones(len(at))], 1)
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    kinds, level = _water_kind(land), land.field("water_level")
+    kinds, level = _water_kind(land), _levels(land, sea_level)
     moisture, soil, away = land.field("moisture"), land.field("soil_depth"), land.field("water_distance")
     cover = land.raw("cover")
     found: list[dict[str, Any]] = []
@@ -89,7 +95,7 @@ def _nearest_apart(grid: Grid, mask: np.ndarray, near: tuple[float, float], apar
     x, y = (cells % grid.cols - 0.5 * (grid.cols - 1)) * grid.cell, (cells // grid.cols - 0.5 * (grid.rows - 1)) * grid.cell
     order = np.argsort(np.hypot(x - near[0], y - near[1]), kind="stable")
     cells, x, y = cells[order], x[order], y[order]
-    found = []
+    found: list[int] = []
     while len(cells) and len(found) < most:
         found.append(int(cells[0]))
         far = np.hypot(x - x[0], y - y[0]) >= apart
@@ -145,7 +151,7 @@ def flat_places(
 
 
 def shore_places(
-    land: SavedLandscape, kind: str, *, near: tuple[float, float], apart: float, most: int = 10
+    land: SavedLandscape, kind: str, *, sea_level: float | None, near: tuple[float, float], apart: float, most: int = 10
 ) -> list[dict[str, Any]]:
     """Dry places beside water of a kind (`sea`, `lake`, or `shore` for both), nearest first, with the direction of the water.
 
@@ -156,7 +162,7 @@ def shore_places(
     wanted = np.isin(kinds, [k for k, n in enumerate(WATERS) if n == kind or (kind == "shore" and n in ("sea", "lake"))])
     if not wanted.any():
         raise InputError(f"the landscape has no {'sea or lake' if kind == 'shore' else kind}; declare it in /hydrology/required")
-    height, slope, level = land.field("height"), land.field("slope"), land.field("water_level")
+    height, slope, level = land.field("height"), land.field("slope"), _levels(land, sea_level)
     beside = ndimage.binary_dilation(wanted, EIGHT) & (kinds == 0) & np.isfinite(height)
     toward = ndimage.distance_transform_edt(~wanted, return_distances=False, return_indices=True)
     found = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +12,13 @@ from worldagent.construction.terrain.store import build_terrain_file, cut_patch
 from worldagent.construction.terrain.vegetation import species_of
 from worldagent.geometry.camera import Camera
 from worldagent.rendering import field_map, render_frame
+from worldagent.rendering.ground_look import ground_image
+from worldagent.rendering.haze import hazed
+from worldagent.rendering.mitsuba_scene import SceneRenderer
+from worldagent.rendering.planting import NEAR_M, eyes_of, nearest_eye
 from worldagent.rendering.plants import form_of, placed
-from worldagent.rendering.scenery import cut_from, ground_image, landscapes_of
+from worldagent.rendering.scenery import cut_from, drawn_land, landscapes_of
+from worldagent.rendering.waters import courses, surface_height
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.folder import WorldFolder
@@ -26,7 +32,11 @@ LAND = {
     "sea_level": 0,
     "layers": {"hill": {"kind": "cone", "radius": 240, "height": 90, "irregularity": 0.0}},
     "climate": {"biome": "tropical"},
-    "ground": {"beach": {"material": "sand", "where": [{"field": "height", "at_most": 25}]}},
+    "zones": {"north": {"polygon": [[-300, 60], [300, 60], [300, 300], [-300, 300]]}},
+    "ground": {
+        "beach": {"material": "sand", "where": [{"field": "height", "at_most": 25}]},
+        "north": {"material": "clay", "zone": "north", "order": 2},
+    },
     "vegetation": {"density": 0.5},
 }
 
@@ -37,7 +47,11 @@ def candidate(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
     spec = {
         "title": "t",
         "prompt": "p",
-        "materials": {"rock": {"density": 2600}, "sand": {"density": 1600, "appearance": {"color": [0.9, 0.1, 0.1]}}},
+        "materials": {
+            "rock": {"density": 2600},
+            "sand": {"density": 1600, "appearance": {"color": [0.9, 0.1, 0.1]}},
+            "clay": {"density": 1600, "appearance": {"color": [0.05, 0.05, 0.9]}},
+        },
         "terrains": {"land": LAND},
         "simulation": {"frames": 2},
     }
@@ -58,20 +72,20 @@ def candidate(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
     return Candidate(folder.root, made, built, "static")
 
 
-@pytest.mark.parametrize("near", [False, True])
+@pytest.mark.parametrize("detail", [0, 1, 2])
 @pytest.mark.parametrize("shape", sorted({s.shape for b in ("temperate", "desert", "tropical") for s in species_of(b)}))
-def test_every_form_is_about_one_unit_high_and_stands_on_its_foot(shape: str, near: bool) -> None:
-    form = form_of(shape, near=near, seed=3)
+def test_every_form_is_about_one_unit_high_and_stands_on_its_foot(shape: str, detail: int) -> None:
+    form = form_of(shape, detail=detail, seed=3)
     assert np.isfinite(form.vertices).all()
     assert form.faces.max() < len(form.vertices)
     assert len(form.foliage) == len(form.faces)
-    assert -0.45 < form.vertices[:, 2].min() < 0.15
+    assert -0.45 < form.vertices[:, 2].min() < (0.75 if detail == 0 else 0.15)
     assert 0.6 < form.vertices[:, 2].max() < 1.3
-    assert near or len(form.faces) < 90
+    assert len(form.faces) < (21, 90, 10_000)[detail]
 
 
 def test_instances_are_scaled_turned_and_set_on_their_place() -> None:
-    form = form_of("cone", near=False, seed=1)
+    form = form_of("cone", detail=1, seed=1)
     position = np.array([[10.0, 20.0, 5.0], [0.0, 0.0, 1.0]])
     vertices, faces = placed(form, position, np.array([4.0, 2.0]), np.array([np.pi / 2, 0.0]))
     first, second = vertices[: len(form.vertices)], vertices[len(form.vertices) :]
@@ -118,3 +132,57 @@ def test_every_stored_field_is_described_and_none_else(candidate: Candidate) -> 
 
 def test_a_landscape_of_another_specification_is_not_drawn(candidate: Candidate, tmp_path: Path) -> None:
     assert landscapes_of(Candidate(tmp_path, candidate.spec, candidate.built, "static")) == {}
+
+
+def test_the_colours_of_the_ground_lie_where_their_ground_lies(candidate: Candidate) -> None:
+    view = Camera(np.array([0.0, 0.0, 500.0]), np.array([0.0, 1.0, 0.0]), 30.0, 60, 60)
+    albedo = SceneRenderer(candidate).features(view).albedo
+    north, south = albedo[4:20, 20:40].reshape(-1, 3).mean(0), albedo[40:56, 20:40].reshape(-1, 3).mean(0)
+    assert north[2] > 2 * north[0], "blue clay in the north"
+    assert south[2] < south[0] + south[1], "none in the south"
+
+
+def test_haze_leaves_what_is_near_and_hides_what_is_far(candidate: Candidate) -> None:
+    class Scene:
+        def depth(self, view: Camera) -> Any:
+            return np.array([[0.0, 10.0, 1e7]], dtype=np.float32)
+
+        def radiance(self, view: Camera, samples: int, *, seed: int) -> Any:
+            return np.full((4, 8, 3), 2.0, dtype=np.float32)
+
+    up = Camera(np.zeros(3), np.array([1.0, 0.0, 3.0]), 20.0, 3, 1)
+    air = hazed(Scene(), up, np.ones((1, 3, 3), dtype=np.float32), seed=0)  # type: ignore[arg-type]
+    assert air[0, :, 0] == pytest.approx([1.0, 1.0, 2.0], abs=1e-3)
+
+
+def test_plants_near_any_camera_are_told_by_its_eyes(candidate: Candidate) -> None:
+    position = landscapes_of(candidate)["land"].raw("plant_position")
+    own = position[0] + [0.0, 0.0, 2.0]
+    assert len(eyes_of(candidate)) == 0, "the plan has no shot"
+    assert not np.isfinite(nearest_eye(position, eyes_of(candidate))).any()
+    away = nearest_eye(position, eyes_of(candidate, (own,)))
+    assert away[0] == pytest.approx(2.0)
+    assert (away < NEAR_M).any()
+
+
+def test_rivers_follow_smooth_courses_of_their_width_on_the_drawn_land(tmp_path: Path) -> None:
+    terrain = {
+        "extent": [900, 900], "cell": 10,
+        "layers": {"fall": {"kind": "ramp", "rise": 60, "direction_deg": 63}, "rough": {"kind": "noise", "amplitude": 8, "wavelength": 300}},
+        "hydrology": {"inflows": {"in": {"position": [150, 350], "discharge": 0.5}}, "required": ["river"]},
+    }  # fmt: skip
+    spec = {"title": "t", "prompt": "p", "terrains": {"land": terrain}, "simulation": {"frames": 2}}
+    land, _ = build_terrain_file(WorldFolder(tmp_path), WorldSpec.model_validate(spec), "land")
+    x, y, height = drawn_land(land)
+    course = max(courses(land), key=lambda c: c.width.max())
+    reach = max(land.about["reaches"], key=lambda r: max(r["width"]))
+    assert course.width[-1] == pytest.approx(reach["width"][1], rel=0.05)
+    assert (np.diff(course.level) <= 0).all()
+    steps = np.diff(course.line, axis=0)
+    steps = steps[np.linalg.norm(steps, axis=1) > 1e-9]
+    turns = np.degrees(np.abs(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0])))))
+    assert np.percentile(turns, 90) < 20, "no stairs of 45 degrees"
+    corner = np.array([[x[3], y[7]], [0.5 * (x[3] + x[4]), 0.5 * (y[7] + y[8])]])
+    found = surface_height(x, y, height, corner)
+    assert found[0] == pytest.approx(height[7, 3])
+    assert found[1] == pytest.approx(0.5 * (height[7, 3] + height[8, 4])), "the edge from south-west to north-east"

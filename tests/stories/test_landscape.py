@@ -76,6 +76,32 @@ def test_a_landscape_is_declared_built_seen_and_stood_upon(agent: Any) -> None:
     assert "revision" not in again, "the same ground is no new revision"
 
 
+def test_an_agent_asks_the_land_before_it_places_things(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec())
+    early = agent.result("inspect_world", world="w", part="terrain")
+    assert early.is_error
+    assert "build_terrain" in early.content[0].text
+    built = agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=40, wait_s=120)
+    told = agent.call("inspect_world", world="w", part="terrain")
+    assert told["waters"][0]["level"] == built["lakes"][0]["level"]
+    assert told["balance"]["river_erosion"] <= 1e-6
+    assert sum(told["plants"].values()) == built["features"]["plants"]
+    flat = agent.call("inspect_world", world="w", part="terrain", find="flat", size=20, points=[[150, 150]])
+    assert flat["places"][0]["distance"] < 15, "the yard is level"
+    line = agent.call("inspect_world", world="w", part="terrain", points=[[-150, 0], [150, 0]], profile=31)
+    assert [p["along"] for p in line["places"]] == [10.0 * k for k in range(31)]
+    assert any(p.get("water") == "lake" for p in line["places"]), "the line crosses the lake"
+    for arguments, words in (
+        ({"find": "sea"}, "no sea"),
+        ({"profile": 5}, "needs points"),
+        ({"find": "flat", "points": [[0, 0], [1, 1]]}, "one point"),
+        ({"terrain": "moon"}, "not one of"),
+    ):
+        answer = agent.result("inspect_world", world="w", part="terrain", **arguments)
+        assert answer.is_error
+        assert words in answer.content[0].text
+
+
 def test_plants_leave_the_ground_as_it_is_and_layers_do_not(agent: Any) -> None:
     agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec())
     agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=40, wait_s=120)

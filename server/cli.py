@@ -31,6 +31,7 @@ BENCHMARKS: dict[str, str] = {
     "result-size": "worldagent.bench.result_size:run",
     "hydrology": "worldagent.bench.hydrology:run",
     "island": "worldagent.bench.island:run",
+    "liquid-flip": "worldagent.bench.liquid_flip:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

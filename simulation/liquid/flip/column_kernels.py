@@ -9,7 +9,7 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["Columns", "cell_at", "count_cells", "dilate", "fill_cells", "find_heads", "find_keys", "find_ranges", "link", "vec6i"]
+__all__ = ["Columns", "cell_at", "count_cells", "dilate", "find_bases", "find_heads", "find_keys", "find_ranges", "link", "vec6i"]
 
 vec6i = wp.types.vector(length=6, dtype=wp.int32)
 NONE = wp.constant(1 << 30)
@@ -25,6 +25,8 @@ class Columns:
     low: wp.array(dtype=wp.int32)
     start: wp.array(dtype=wp.int32)
     column: wp.array(dtype=wp.int32)
+    base: wp.array(dtype=wp.int32)
+    """start - low, so that cell (i, j, k) of an existing column is base + k."""
 
 
 @wp.func
@@ -138,23 +140,10 @@ def count_cells(
 
 
 @wp.kernel
-def fill_cells(
-    first: wp.int32, grid: Columns, head: wp.array(dtype=wp.int32), keys: wp.array(dtype=wp.int32), count: int, cells: int,
-    column: wp.array(dtype=wp.int32), head_cell: wp.array(dtype=wp.int32),
-):  # fmt: skip
-    """Column and first particle of each cell."""
+def find_bases(first: wp.int32, grid: Columns, base: wp.array(dtype=wp.int32)):
+    """start - low of each column."""
     c = first + wp.tid()
-    p = head[c]
-    end = head[c + 1]
-    s = grid.start[c]
-    for cell in range(s, grid.start[c + 1]):
-        column[cell] = c
-        key = c * grid.nz + grid.low[c] + cell - s
-        while p < end and keys[p] < key:
-            p += 1
-        head_cell[cell] = p
-    if c == grid.nx * grid.ny - 1:
-        head_cell[cells] = count
+    base[c] = grid.start[c] - grid.low[c]
 
 
 @wp.kernel

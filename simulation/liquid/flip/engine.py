@@ -28,7 +28,7 @@ from .sources import Sources
 __all__ = ["Flip"]
 
 PAD = 2
-"""Cells around the domain, for faces beyond its walls."""
+"""Cells below the domain, for faces beyond its walls; above there is one more."""
 KARMAN = 0.41
 
 
@@ -61,7 +61,7 @@ class Flip:
         self._cell = float(setup.spacing)
         self._origin = np.asarray(setup.lower, dtype=np.float64) - PAD * self._cell
         size = (np.asarray(setup.upper, dtype=np.float64) - self._origin) / self._cell
-        self._shape = tuple(math.ceil(n - 1e-6) + PAD for n in size)
+        self._shape = tuple(math.ceil(n - 1e-6) + PAD + 1 for n in size)
         if np.prod(np.array(self._shape, dtype=np.float64)) >= 2**31 - 1:
             raise LimitError(
                 f"the liquid's domain has {' x '.join(map(str, self._shape))} cells of {self._cell:g} m, more than 2^31; "
@@ -183,6 +183,8 @@ class Flip:
         grid.low, grid.start = low, start
         grid.column = run.array("column", total, wp.int32)
         run(blocks.name_columns, many, [grid, grid.column])
+        grid.base = run.array("base", many, wp.int32)
+        run(columns.find_bases, many, [grid, grid.base], grain=16384)
         near = run.array("near", total, columns.vec6i)
         run(columns.link, total, [grid, near])
         return Grid(grid, total, near, head)
@@ -196,7 +198,7 @@ class Flip:
         run(transfer.add_up, nx * ny, [grid.columns, grid.head, *state, sums], grain=64)
         kick = wp.vec3(*(float(g) * dt for g in self.setup.gravity))
         faces = [*self._faces(grid, "old", "weight"), *self._of(grid, "density"), *self._faces(grid, "new")]
-        run(transfer.gather, grid.cells, [grid.columns, sums, kick, *faces])
+        run(transfer.gather, nx * ny, [grid.columns, sums, kick, *faces], grain=64)
 
     def _faces(self, grid: Grid, *names: str) -> list[Any]:
         return [self.run.array(name, grid.cells, warp().vec3) for name in names]

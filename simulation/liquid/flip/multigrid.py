@@ -16,7 +16,7 @@ from .run import Runner
 
 __all__ = ["Level", "Solution", "hierarchy", "solve"]
 
-FEWEST = 64
+FEWEST = 128
 """Rows below which no coarser level is made."""
 DEPTH = 10
 BOTTOM = 8
@@ -126,6 +126,18 @@ def number(run: Runner, array: Any, total: int, red: Any, wet: Any) -> tuple[Any
     return row, cell, rows, reds
 
 
+def _bottom(run: Runner, level: Level, system: list[Any]) -> None:
+    """Sweeps on the coarsest level, red and black, then black and red."""
+    if run.device == "cpu":
+        run(kernels.settle, 1, [BOTTOM, level.rows, level.reds, *system])
+        return
+    for n in range(4 * BOTTOM):
+        if (n % 2 == 1) == (n < 2 * BOTTOM):
+            run(kernels.relax, level.rows - level.reds, [level.reds, *system])
+        else:
+            run(kernels.relax, level.reds, [0, *system])
+
+
 def _cycle(run: Runner, levels: list[Level]) -> None:
     """One V-cycle from `right` to `x` of the finest level, symmetric."""
     last = len(levels) - 1
@@ -134,12 +146,7 @@ def _cycle(run: Runner, levels: list[Level]) -> None:
         run(kernels.start_red, level.rows, [level.right, level.diagonal, level.reds, level.x], grain=65536)
         run(kernels.relax, level.rows - level.reds, [level.reds, *system])
         if depth == last:
-            for _ in range(BOTTOM):
-                run(kernels.relax, level.reds, [0, *system])
-                run(kernels.relax, level.rows - level.reds, [level.reds, *system])
-            for _ in range(BOTTOM):
-                run(kernels.relax, level.rows - level.reds, [level.reds, *system])
-                run(kernels.relax, level.reds, [0, *system])
+            _bottom(run, level, system)
         else:
             coarse = levels[depth + 1]
             run(

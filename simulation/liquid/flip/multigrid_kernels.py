@@ -15,7 +15,7 @@ wp.set_module_options({"enable_backward": False})
 
 __all__ = [
     "coarse_columns", "coarse_rows", "copy_direction", "inner", "mark_blocks", "multiply", "name_columns", "relax", "restrict",
-    "return_up", "start_red", "update", "vec8i",
+    "return_up", "settle", "start_red", "update", "vec8i",
 ]  # fmt: skip
 
 vec8i = wp.types.vector(length=8, dtype=wp.int32)
@@ -152,6 +152,22 @@ def relax(
     """Half a sweep over the rows from `offset` on, all of one colour."""
     r = offset + first + wp.tid()
     x[r] = (right[r] + pull(link[r], coefficient[r], x)) / diagonal[r]
+
+
+@wp.kernel
+def settle(
+    first: wp.int32, sweeps: int, rows: int, reds: int, link: wp.array(dtype=vec6i), coefficient: wp.array(dtype=vec6),
+    diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
+):  # fmt: skip
+    """Sweeps down and up on few rows by one thread: what as many `relax` do, without their launches."""
+    for n in range(4 * sweeps + first):
+        low = int(0)
+        high = reds
+        if (n % 2 == 1) == (n < 2 * sweeps):
+            low = reds
+            high = rows
+        for r in range(low, high):
+            x[r] = (right[r] + pull(link[r], coefficient[r], x)) / diagonal[r]
 
 
 @wp.kernel

@@ -8,7 +8,7 @@ vector per cell. Weights are trilinear (tents of half width one cell).
 
 import warp as wp
 
-from .column_kernels import Columns, cell_at, place_of, vec6i
+from .column_kernels import Columns, vec6i
 
 wp.set_module_options({"enable_backward": False})
 
@@ -43,14 +43,12 @@ def permute_affine(
 
 
 @wp.func
-def put(
-    sums: wp.array(dtype=float), at: int, w0: float, w1: float, momentum: float, slope: float,
-):  # fmt: skip
+def put(sums: wp.array(dtype=float), at: int, w0: float, w1: float, momentum: float, slope: float):
     """Add weight and momentum to a node and to the one above, where the momentum grows by `slope`."""
     sums[at] = sums[at] + w0
     sums[at + 1] = sums[at + 1] + w0 * momentum
-    sums[at + WIDTH] = sums[at + WIDTH] + w1
-    sums[at + WIDTH + 1] = sums[at + WIDTH + 1] + w1 * (momentum + slope)
+    sums[at + 2] = sums[at + 2] + w1
+    sums[at + 3] = sums[at + 3] + w1 * (momentum + slope)
 
 
 @wp.kernel
@@ -68,6 +66,7 @@ def add_up(
         sums[n] = 0.0
     i = c // grid.ny
     j = c - i * grid.ny
+    many = 2 * (e - s)
     for p in range(head[c], head[c + 1]):
         x = position[p]
         v = velocity[p]
@@ -101,37 +100,39 @@ def add_up(
             pu = pu - g[0, 0] * tx - g[0, 1] * cy1 - g[0, 2] * cz1
             pv = pv - g[1, 0] * cx1 - g[1, 1] * ty - g[1, 2] * cz1
             pw = pw - g[2, 0] * cx1 - g[2, 1] * cy1 - g[2, 2] * tz
-        row = (s + k - grid.low[c]) * WIDTH
-        center = row + bz * WIDTH
         z1 = m * cz1
         z0 = m - z1
-        n = center + 2 * (by + 1)
+        level = k - grid.low[c]
+        low = s * WIDTH + 2 * (level + bz)
+        n = low + many * (by + 1)
         put(sums, n, (1.0 - tx) * cy0 * z0, (1.0 - tx) * cy0 * z1, pu, g[0, 2])
-        put(sums, n + 2, (1.0 - tx) * cy1 * z0, (1.0 - tx) * cy1 * z1, pu + g[0, 1], g[0, 2])
-        put(sums, n + 6, tx * cy0 * z0, tx * cy0 * z1, pu + g[0, 0], g[0, 2])
-        put(sums, n + 8, tx * cy1 * z0, tx * cy1 * z1, pu + g[0, 0] + g[0, 1], g[0, 2])
-        n = center + 12 + 4 * (bx + 1)
+        put(sums, n + many, (1.0 - tx) * cy1 * z0, (1.0 - tx) * cy1 * z1, pu + g[0, 1], g[0, 2])
+        put(sums, n + 3 * many, tx * cy0 * z0, tx * cy0 * z1, pu + g[0, 0], g[0, 2])
+        put(sums, n + 4 * many, tx * cy1 * z0, tx * cy1 * z1, pu + g[0, 0] + g[0, 1], g[0, 2])
+        n = low + many * (6 + 2 * (bx + 1))
         put(sums, n, cx0 * (1.0 - ty) * z0, cx0 * (1.0 - ty) * z1, pv, g[1, 2])
-        put(sums, n + 2, cx0 * ty * z0, cx0 * ty * z1, pv + g[1, 1], g[1, 2])
-        put(sums, n + 4, cx1 * (1.0 - ty) * z0, cx1 * (1.0 - ty) * z1, pv + g[1, 0], g[1, 2])
-        put(sums, n + 6, cx1 * ty * z0, cx1 * ty * z1, pv + g[1, 0] + g[1, 1], g[1, 2])
+        put(sums, n + many, cx0 * ty * z0, cx0 * ty * z1, pv + g[1, 1], g[1, 2])
+        put(sums, n + 2 * many, cx1 * (1.0 - ty) * z0, cx1 * (1.0 - ty) * z1, pv + g[1, 0], g[1, 2])
+        put(sums, n + 3 * many, cx1 * ty * z0, cx1 * ty * z1, pv + g[1, 0] + g[1, 1], g[1, 2])
         f1 = m * tz
         f0 = m - f1
-        n = row + 24 + 2 * (3 * (bx + 1) + by + 1)
+        n = s * WIDTH + 2 * level + many * (12 + 3 * (bx + 1) + by + 1)
         put(sums, n, cx0 * cy0 * f0, cx0 * cy0 * f1, pw, g[2, 2])
-        put(sums, n + 2, cx0 * cy1 * f0, cx0 * cy1 * f1, pw + g[2, 1], g[2, 2])
-        put(sums, n + 6, cx1 * cy0 * f0, cx1 * cy0 * f1, pw + g[2, 0], g[2, 2])
-        put(sums, n + 8, cx1 * cy1 * f0, cx1 * cy1 * f1, pw + g[2, 0] + g[2, 1], g[2, 2])
-        n = center + 42 + 3 * (bx + 1) + by + 1
+        put(sums, n + many, cx0 * cy1 * f0, cx0 * cy1 * f1, pw + g[2, 1], g[2, 2])
+        put(sums, n + 3 * many, cx1 * cy0 * f0, cx1 * cy0 * f1, pw + g[2, 0], g[2, 2])
+        put(sums, n + 4 * many, cx1 * cy1 * f0, cx1 * cy1 * f1, pw + g[2, 0] + g[2, 1], g[2, 2])
+        n = s * WIDTH + 21 * many + level + bz + (e - s) * (3 * (bx + 1) + by + 1)
         sums[n] = sums[n] + cx0 * cy0 * z0
-        sums[n + 1] = sums[n + 1] + cx0 * cy1 * z0
-        sums[n + 3] = sums[n + 3] + cx1 * cy0 * z0
-        sums[n + 4] = sums[n + 4] + cx1 * cy1 * z0
-        n = n + WIDTH
-        sums[n] = sums[n] + cx0 * cy0 * z1
+        sums[n + 1] = sums[n + 1] + cx0 * cy0 * z1
+        n = n + e - s
+        sums[n] = sums[n] + cx0 * cy1 * z0
         sums[n + 1] = sums[n + 1] + cx0 * cy1 * z1
-        sums[n + 3] = sums[n + 3] + cx1 * cy0 * z1
-        sums[n + 4] = sums[n + 4] + cx1 * cy1 * z1
+        n = n + 2 * (e - s)
+        sums[n] = sums[n] + cx1 * cy0 * z0
+        sums[n + 1] = sums[n + 1] + cx1 * cy0 * z1
+        n = n + e - s
+        sums[n] = sums[n] + cx1 * cy1 * z0
+        sums[n + 1] = sums[n + 1] + cx1 * cy1 * z1
 
 
 @wp.kernel
@@ -139,97 +140,158 @@ def gather(
     first: wp.int32, grid: Columns, sums: wp.array(dtype=float), kick: wp.vec3,
     was: wp.array(dtype=wp.vec3), weight: wp.array(dtype=wp.vec3), density: wp.array(dtype=float), now: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Velocity and weight of the faces of a cell, its density relative to rest, and the velocity after gravity's `kick` [m/s]."""
+    """Velocity and weight of the faces of a column's cells, their density relative to rest, and the velocity after gravity's
+    `kick` [m/s].
+    """
     c = first + wp.tid()
-    at = place_of(grid, c)
-    wu = float(0.0)
-    wv = float(0.0)
-    ww = float(0.0)
-    mu = float(0.0)
-    mv = float(0.0)
-    mw = float(0.0)
-    rho = float(0.0)
-    for a in range(-1, 2):
-        for b in range(-1, 2):
-            n = cell_at(grid, at[0] - a, at[1] - b, at[2])
-            if n >= 0:
-                q = n * WIDTH
+    start = grid.start[c]
+    end = grid.start[c + 1]
+    if end == start:
+        return
+    for cell in range(start, end):
+        was[cell] = wp.vec3()
+        weight[cell] = wp.vec3()
+        density[cell] = 0.0
+    i = c // grid.ny
+    j = c - i * grid.ny
+    for s in range(9):
+        a = s // 3 - 1
+        b = s - 3 * (s // 3) - 1
+        if i - a >= 0 and j - b >= 0 and i - a < grid.nx and j - b < grid.ny:
+            col = (i - a) * grid.ny + j - b
+            other = grid.start[col]
+            n = grid.start[col + 1] - other
+            shift = grid.low[col] - grid.low[c]
+            low = wp.max(0, shift)
+            high = wp.min(end - start, shift + n)
+            u = other * WIDTH + 2 * n * (3 * a + b + 1) - 2 * shift
+            v = other * WIDTH + 2 * n * (6 + 2 * (a + 1) + b) - 2 * shift
+            w = other * WIDTH + 2 * n * (12 + 3 * (a + 1) + b + 1) - 2 * shift
+            d = other * WIDTH + 42 * n + n * (3 * (a + 1) + b + 1) - shift
+            for k in range(low, high):
+                m = wp.vec3(0.0, 0.0, sums[w + 2 * k])
+                p = wp.vec3(0.0, 0.0, sums[w + 2 * k + 1])
                 if a >= 0:
-                    s = q + 2 * (3 * a + b + 1)
-                    wu += sums[s]
-                    mu += sums[s + 1]
+                    m[0] = sums[u + 2 * k]
+                    p[0] = sums[u + 2 * k + 1]
                 if b >= 0:
-                    s = q + 12 + 2 * (2 * (a + 1) + b)
-                    wv += sums[s]
-                    mv += sums[s + 1]
-                s = q + 24 + 2 * (3 * (a + 1) + b + 1)
-                ww += sums[s]
-                mw += sums[s + 1]
-                rho += sums[q + 42 + 3 * (a + 1) + b + 1]
-    u = wp.vec3()
-    if wu > 1.0e-6:
-        u[0] = mu / wu
-    if wv > 1.0e-6:
-        u[1] = mv / wv
-    if ww > 1.0e-6:
-        u[2] = mw / ww
-    was[c] = u
-    weight[c] = wp.vec3(wu, wv, ww)
-    density[c] = rho
-    now[c] = u + kick
+                    m[1] = sums[v + 2 * k]
+                    p[1] = sums[v + 2 * k + 1]
+                weight[start + k] = weight[start + k] + m
+                was[start + k] = was[start + k] + p
+                density[start + k] = density[start + k] + sums[d + k]
+    for cell in range(start, end):
+        m = weight[cell]
+        p = was[cell]
+        for axis in range(3):
+            if m[axis] > 1.0e-6:
+                p[axis] = p[axis] / m[axis]
+            else:
+                p[axis] = 0.0
+        was[cell] = p
+        now[cell] = p + kick
+
+
+@wp.func
+def blend(
+    field: wp.array(dtype=wp.vec3), n00: int, n01: int, n10: int, n11: int, axis: int, wx: float, wy: float, wz: float,
+):  # fmt: skip
+    """Value between eight faces of an axis: four columns and the cells above them."""
+    a = field[n00][axis]
+    b = field[n01][axis]
+    c = field[n10][axis]
+    d = field[n11][axis]
+    a = a + wz * (field[n00 + 1][axis] - a)
+    b = b + wz * (field[n01 + 1][axis] - b)
+    c = c + wz * (field[n10 + 1][axis] - c)
+    d = d + wz * (field[n11 + 1][axis] - d)
+    a = a + wy * (b - a)
+    c = c + wy * (d - c)
+    return a + wx * (c - a)
 
 
 @wp.struct
 class Stencil:
-    """Cells and weights of the two centres (or faces) around a point along each axis."""
+    """The cells at the bottom of the four columns around a point for each axis, and the point's place between faces (f) and
+    between centres (c)."""
 
-    base: wp.vec3i
-    part: wp.vec3
+    u00: wp.int32
+    u01: wp.int32
+    u10: wp.int32
+    u11: wp.int32
+    v00: wp.int32
+    v01: wp.int32
+    v10: wp.int32
+    v11: wp.int32
+    w00: wp.int32
+    w01: wp.int32
+    w10: wp.int32
+    w11: wp.int32
+    f: wp.vec3
+    c: wp.vec3
 
 
 @wp.func
-def around(x: float, y: float, z: float, axis: int):
-    """Lower corner and fractions of the cube of faces `axis` around a point."""
-    sx = x - 0.5
-    sy = y - 0.5
-    sz = z - 0.5
-    if axis == 0:
-        sx = x
-    if axis == 1:
-        sy = y
-    if axis == 2:
-        sz = z
+def stencil(grid: Columns, x: float, y: float, z: float):
+    """Where a point lies; all cells around it exist."""
+    i = int(x)
+    j = int(y)
+    k = int(z)
+    ci = int(x - 0.5)
+    cj = int(y - 0.5)
+    ck = int(z - 0.5)
     s = Stencil()
-    fx = wp.floor(sx)
-    fy = wp.floor(sy)
-    fz = wp.floor(sz)
-    s.base = wp.vec3i(int(fx), int(fy), int(fz))
-    s.part = wp.vec3(sx - fx, sy - fy, sz - fz)
+    s.f = wp.vec3(x - float(i), y - float(j), z - float(k))
+    s.c = wp.vec3(x - 0.5 - float(ci), y - 0.5 - float(cj), z - 0.5 - float(ck))
+    n = i * grid.ny + cj
+    s.u00 = grid.base[n] + ck
+    s.u01 = grid.base[n + 1] + ck
+    s.u10 = grid.base[n + grid.ny] + ck
+    s.u11 = grid.base[n + grid.ny + 1] + ck
+    n = ci * grid.ny + j
+    s.v00 = grid.base[n] + ck
+    s.v01 = grid.base[n + 1] + ck
+    s.v10 = grid.base[n + grid.ny] + ck
+    s.v11 = grid.base[n + grid.ny + 1] + ck
+    n = ci * grid.ny + cj
+    s.w00 = grid.base[n] + k
+    s.w01 = grid.base[n + 1] + k
+    s.w10 = grid.base[n + grid.ny] + k
+    s.w11 = grid.base[n + grid.ny + 1] + k
     return s
 
 
 @wp.func
-def sample(grid: Columns, field: wp.array(dtype=wp.vec3), x: float, y: float, z: float):
+def sample(s: Stencil, field: wp.array(dtype=wp.vec3)):
     """Velocity at a point [m/s]."""
-    result = wp.vec3()
-    for axis in range(3):
-        s = around(x, y, z, axis)
-        total = float(0.0)
-        for a in range(2):
-            wa = 1.0 - s.part[0]
-            if a == 1:
-                wa = s.part[0]
-            for b in range(2):
-                wb = 1.0 - s.part[1]
-                if b == 1:
-                    wb = s.part[1]
-                n = cell_at(grid, s.base[0] + a, s.base[1] + b, s.base[2])
-                if n >= 0:
-                    lower = field[n]
-                    upper = field[n + 1]
-                    total += wa * wb * (lower[axis] + s.part[2] * (upper[axis] - lower[axis]))
-        result[axis] = total
-    return result
+    return wp.vec3(
+        blend(field, s.u00, s.u01, s.u10, s.u11, 0, s.f[0], s.c[1], s.c[2]),
+        blend(field, s.v00, s.v01, s.v10, s.v11, 1, s.c[0], s.f[1], s.c[2]),
+        blend(field, s.w00, s.w01, s.w10, s.w11, 2, s.c[0], s.c[1], s.f[2]),
+    )
+
+
+@wp.func
+def slope(
+    field: wp.array(dtype=wp.vec3), n00: int, n01: int, n10: int, n11: int, axis: int, wx: float, wy: float, wz: float,
+):  # fmt: skip
+    """Gradient of one component between eight faces [m/s per cell]."""
+    a0 = field[n00][axis]
+    b0 = field[n01][axis]
+    c0 = field[n10][axis]
+    d0 = field[n11][axis]
+    a1 = field[n00 + 1][axis]
+    b1 = field[n01 + 1][axis]
+    c1 = field[n10 + 1][axis]
+    d1 = field[n11 + 1][axis]
+    a = a0 + wz * (a1 - a0)
+    b = b0 + wz * (b1 - b0)
+    c = c0 + wz * (c1 - c0)
+    d = d0 + wz * (d1 - d0)
+    gx = (1.0 - wy) * (c - a) + wy * (d - b)
+    gy = (1.0 - wx) * (b - a) + wx * (d - c)
+    gz = (1.0 - wx) * ((1.0 - wy) * (a1 - a0) + wy * (b1 - b0)) + wx * ((1.0 - wy) * (c1 - c0) + wy * (d1 - d0))
+    return wp.vec3(gx, gy, gz)
 
 
 @wp.kernel
@@ -245,59 +307,31 @@ def advance(
     """
     p = first + wp.tid()
     x = position[p]
-    v = velocity[p]
-    full = wp.vec3()
-    change = wp.vec3()
-    g = wp.mat33()
-    for axis in range(3):
-        s = around(x[0], x[1], x[2], axis)
-        f = float(0.0)
-        d = float(0.0)
-        for a in range(2):
-            wa = 1.0 - s.part[0]
-            if a == 1:
-                wa = s.part[0]
-            for b in range(2):
-                wb = 1.0 - s.part[1]
-                if b == 1:
-                    wb = s.part[1]
-                n = cell_at(grid, s.base[0] + a, s.base[1] + b, s.base[2])
-                if n >= 0:
-                    n0 = now[n]
-                    n1 = now[n + 1]
-                    rise = n1[axis] - n0[axis]
-                    mean = n0[axis] + s.part[2] * rise
-                    f += wa * wb * mean
-                    if apic == 1:
-                        g[axis, 0] = g[axis, 0] + (2.0 * float(a) - 1.0) * wb * mean
-                        g[axis, 1] = g[axis, 1] + (2.0 * float(b) - 1.0) * wa * mean
-                        g[axis, 2] = g[axis, 2] + wa * wb * rise
-                    else:
-                        o0 = was[n]
-                        o1 = was[n + 1]
-                        d += wa * wb * (o0[axis] + s.part[2] * (o1[axis] - o0[axis]))
-        full[axis] = f
-        change[axis] = f - d
-    here = cell_at(grid, int(wp.floor(x[0])), int(wp.floor(x[1])), int(wp.floor(x[2])))
-    press = float(0.0)
-    if here >= 0:
-        press = pressure[here]
+    s = stencil(grid, x[0], x[1], x[2])
+    full = sample(s, now)
+    press = pressure[grid.base[int(x[0]) * grid.ny + int(x[1])] + int(x[2])]
     if apic == 1:
-        affine[p] = g
+        gu = slope(now, s.u00, s.u01, s.u10, s.u11, 0, s.f[0], s.c[1], s.c[2])
+        gv = slope(now, s.v00, s.v01, s.v10, s.v11, 1, s.c[0], s.f[1], s.c[2])
+        gw = slope(now, s.w00, s.w01, s.w10, s.w11, 2, s.c[0], s.c[1], s.f[2])
+        affine[p] = wp.matrix_from_rows(gu, gv, gw)
         velocity[p] = wp.vec4(full[0], full[1], full[2], press)
     else:
-        velocity[p] = wp.vec4(
-            full[0] + ratio * (v[0] + change[0] - full[0]),
-            full[1] + ratio * (v[1] + change[1] - full[1]),
-            full[2] + ratio * (v[2] + change[2] - full[2]),
-            press,
-        )
+        v = velocity[p]
+        flown = wp.vec3(v[0], v[1], v[2]) - sample(s, was)
+        full = full + ratio * flown
+        velocity[p] = wp.vec4(full[0], full[1], full[2], press)
     half = 0.5 * cells_per_speed
-    d1 = sample(grid, drift, x[0], x[1], x[2])
-    d2 = sample(grid, drift, x[0] + half * d1[0], x[1] + half * d1[1], x[2] + half * d1[2])
+    d = sample(s, drift)
+    y = wp.vec3()
+    for axis in range(3):
+        t = x[axis] + wp.clamp(half * d[axis], 0.5 - reach, reach - 0.5)
+        y[axis] = wp.clamp(t, lower[axis] - 0.5, upper[axis] + 0.5)
+    s = stencil(grid, y[0], y[1], y[2])
+    d = sample(s, drift)
     gone = int(0)
     for axis in range(3):
-        t = x[axis] + wp.clamp(cells_per_speed * d2[axis], -reach, reach)
+        t = x[axis] + wp.clamp(cells_per_speed * d[axis], -reach, reach)
         if t < lower[axis] + 0.001:
             if sides[2 * axis] == 1:
                 if t < lower[axis]:

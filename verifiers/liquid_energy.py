@@ -38,6 +38,8 @@ DRIVEN = 0.005
 """[m/s] Boundaries slower than this drive nothing."""
 WET = 2.0
 """Spacings from a side of the domain within which liquid can feel it."""
+TENSION = 0.1
+"""Own choice: share of the surface energy of all liquid in one cube that drops may give back as they merge."""
 LEAST_RISE = 0.02
 """Own choice: least energy scale, weight times this many spacings times 100: noise of a tank at rest is no growth."""
 
@@ -72,7 +74,7 @@ class Energy:
         low, top = (float(np.quantile(height, q)) for q in (0.0, 0.999)) if frame.count else (0.0, 0.0)
         self.half_height = max(self.half_height, 0.5 * weight * (top - low))
         strongest = max(liquid.physics(m).surface_tension for m in liquid.members)
-        self.tension = max(self.tension, strongest * 6.0 * frame.count ** (2 / 3) * liquid.pitch**2)
+        self.tension = max(self.tension, TENSION * strongest * 6.0 * frame.count ** (2 / 3) * liquid.pitch**2)
         given, doubt = 0.0, 0.0
         if step.before is not None:
             came = step.new

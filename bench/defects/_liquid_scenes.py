@@ -21,7 +21,7 @@ CRATE = 0.12
 def pool(rng: np.random.Generator, *, frames: int = 24, **more: Any) -> Flow:
     """Still water in an open tank of random size."""
     size = tuple(SPACING * float(n) for n in rng.integers((14, 10, 6), (20, 14, 9)))
-    return pool_in_tank(size=size, spacing=SPACING, wall=float(rng.uniform(0.015, 0.04)), frames=frames, **more)
+    return pool_in_tank(size=size, spacing=SPACING, **{"wall": float(rng.uniform(0.015, 0.04)), "frames": frames, **more})
 
 
 def slosh(rng: np.random.Generator, *, amplitude: float = 0.004, frames: int = 24) -> Flow:
@@ -90,7 +90,7 @@ def block(size: Sequence[float], at: Sequence[float], *, frames: int = 12) -> Fl
     """A block of water in free fall."""
     entities = {"ground": sw.ground(1.0), "pool": water(size, at, SPACING)}
     spec = liquid_world(entities, spacing=SPACING, low=(-1, -1, -0.1), high=(1, 1, 3.2), frames=frames)
-    start = lattice(np.array(at) - np.array(size) / 2, size, SPACING)
+    start = lattice([a - s / 2 for a, s in zip(at, size, strict=True)], size, SPACING)
     times = np.arange(frames) / 24.0
     position = [start + np.array([0, 0, -0.5 * G * t * t]) for t in times]
     velocity: list[F64] = [np.tile([0.0, 0.0, -G * t], (len(start), 1)) for t in times]

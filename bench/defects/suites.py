@@ -23,11 +23,12 @@ CHECKS = (
     "navigability",
     "causal",
     "category",
+    "liquid",
     "numerical",
     "contact",
     "shots",
 )
-"""Checks with a suite: module `bench/defects/<check>.py`, attribute `SUITE`."""
+"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. That of liquids is of the category check."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""
 

@@ -23,7 +23,7 @@ def test_a_suite_has_enough_distinct_worlds_of_each_kind(check: str) -> None:
 @pytest.mark.parametrize(("check", "mechanism"), CASES, ids=IDS)
 def test_a_hand_picked_world_of_every_mechanism_is_judged_rightly(check: str, mechanism: Mechanism) -> None:
     """The least magnitude is the hardest: just over the bound, or as near to it as a sound world goes."""
-    verdict = judge_one(check, mechanism, mechanism.hand_picked[0], seed=1)
+    verdict = judge_one(suite_of(check).check, mechanism, mechanism.hand_picked[0], seed=1)
     text = [(r.id, r.status, r.evidence) for r in verdict.rows if r.status not in ("pass", "not_applicable")]
     assert verdict.detected if mechanism.broken else not verdict.alarm, text
 

@@ -48,8 +48,8 @@ DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
 }
 """[kg/m^3], in bulk; from the material tables of the CRC Handbook, widened to the nearest round number."""
 _PARTICLES = frozenset(
-    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
-    | {"exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
+    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure", "temperature")}
+    | {"origin", "exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
 )
 ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     "mujoco": frozenset(

@@ -105,12 +105,15 @@ def drain(grid: Grid, height: F64, *, valid: Any = None) -> Drainage:
     if not known.any():
         raise InputError("there is no cell with a height: the surface is all no-data")
     solid = np.where(known, height, 0.0).astype(np.float64, copy=False)
-    filled, receiver, order = flood(solid.ravel(), known.ravel(), grid.rows, grid.cols)
+    filled = solid.ravel().copy()
+    receiver, order, waiting = (np.empty(filled.size, dtype=np.int32) for _ in range(3))
+    queue = np.empty((filled.size, 2), dtype=np.int32)
+    count = flood(known.ravel(), grid.rows, grid.cols, filled, receiver, order, waiting, queue)
     return Drainage(
         grid=grid,
         valid=known,
         height=np.where(known, height, np.nan),
         filled=np.where(known, filled.reshape(grid.shape), np.nan),
         receiver=receiver.reshape(grid.shape),
-        order=order,
+        order=order[:count].copy() if count < order.size else order,
     )

@@ -62,39 +62,43 @@ def _pop(heap_z, heap_n, heap_i, count):
 
 
 @njit(cache=True, nogil=True)
-def flood(height, valid, rows, cols):
+def flood(valid, rows, cols, filled, receiver, order, waiting, queue):
     """Fill depressions and route every cell (Barnes, Lehman & Mulla 2014, algorithm 2; O'Callaghan & Mark 1984).
 
     Water leaves over the edge of the grid and over the edge of invalid cells. A cell drains to its steepest lower
     neighbour on the filled surface; on flats to the neighbour that flooded it, which leads to the outlet.
 
-    Cells wait in buckets of height, a list each; only those of the lowest bucket stand in a heap. It is small enough for
-    the cache, so that the time grows in proportion to the cells. The order is that of one heap over all cells.
+    Cells wait in buckets of height, a list each; only those of the lowest bucket stand in a heap. The order is
+    that of one heap over all cells, in half the memory.
+
+    The caller brings all large arrays: memory of numpy lies in huge pages, where the system has them, and that of numba not.
 
     Args:
-        height: [m], shape (n,).
         valid: False where there is no land, shape (n,).
         rows: rows of the grid.
         cols: columns of the grid.
+        filled: the heights [m]; the filled surface in the end; shape (n,).
+        receiver: gets the receivers, shape (n,), int32.
+        order: gets all valid cells, each after its receiver, shape (n,), int32.
+        waiting: work space, shape (n,), int32.
+        queue: work space, shape (n, 2), int32.
 
     Returns:
-        filled [m], receiver, order (every cell after its receiver; as long as there are valid cells).
+        number of valid cells: entries of `order`.
     """
     n = rows * cols
-    filled = height.copy()
-    receiver = np.full(n, OPEN, np.int32)
-    order = np.empty(n, np.int32)
+    receiver[:] = OPEN
     low, high = np.inf, -np.inf
     for c in range(n):
         if valid[c]:
-            low, high = min(low, height[c]), max(high, height[c])
+            low, high = min(low, filled[c]), max(high, filled[c])
         else:
             receiver[c], filled[c] = NO_LAND, np.inf
     buckets = min(max(n // CELLS_OF_BUCKET, 1), MOST_BUCKETS)
     scale = buckets / (high - low) if high - low > 1e-300 else 0.0
-    head, queue = np.full(buckets, -1, np.int32), np.empty((n, 2), np.int32)  # per cell: the next of its list, its number
+    head = np.full(buckets, -1, np.int32)  # first cell of each bucket; `queue` holds per cell: the next of its list, its number
     heap_z, heap_n, heap_i = np.empty(1024), np.empty(1024, np.int32), np.empty(1024, np.int32)
-    waiting = np.empty(n, np.int32)  # cells below the level at which they were met: a queue needs no heap
+    # In `waiting` stand cells below the level at which they were met: a queue needs no heap.
     first, last, in_heap, entries, done, now = 0, 0, 0, 0, 0, -1
     for r in range(rows):
         for q in range(cols):
@@ -107,7 +111,7 @@ def flood(height, valid, rows, cols):
                     for dq in range(-1, 2):
                         outlet = outlet or not valid[(r + dr) * cols + q + dq]
             if outlet:
-                bucket = min(int((height[c] - low) * scale), buckets - 1)
+                bucket = min(int((filled[c] - low) * scale), buckets - 1)
                 queue[c, 0], queue[c, 1], head[bucket] = head[bucket], entries, c
                 entries += 1
                 receiver[c] = c
@@ -170,7 +174,7 @@ def flood(height, valid, rows, cols):
     for c in range(n):
         if receiver[c] == NO_LAND:
             receiver[c] = -1
-    return filled, receiver, order[:done]
+    return done
 
 
 @njit(cache=True, nogil=True)

@@ -31,6 +31,8 @@ COARSE_CELLS = 160
 """Cells along the longer side of the grid on which wind and rain are followed."""
 LAKE_CELLS = 10
 """A lake has at least so many cells: smaller ones are noise of the grid."""
+PERCENTILES = (0, 5, 10, 25, 50, 75, 90, 95, 100)
+"""Of the figures on relief."""
 SNOW_BAND = 150.0
 """Height over which snow cover grows from none to full [m]."""
 SNOW_SLOPE = 1.2
@@ -109,6 +111,7 @@ def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, t
     say(0.85, "planting")
     plants = _planted(grid, terrain, fields, water, channels, figures)
     figures |= {
+        "relief": _relief_figures(fields, valid & ~water.sea),
         "lakes": len(water.lakes),
         "rivers": sum(r.kind == "river" for r in water.rivers),
         "streams": sum(r.kind == "stream" for r in water.rivers),
@@ -117,6 +120,21 @@ def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, t
     }
     say(1.0, "done")
     return Landscape(grid, fields, drainage, water, channels, covered, plants, figures)
+
+
+def _relief_figures(fields: dict[str, F64], land: np.ndarray) -> dict[str, Any]:
+    """Distribution of height and slope over the land above the sea; the hypsometric integral (Strahler 1952)."""
+    if not land.any():
+        return {}
+    height, slope = fields["height"][land], fields["slope"][land]
+    low, high, mean = float(height.min()), float(height.max()), float(height.mean())
+    return {
+        "percentiles": list(PERCENTILES),
+        "height": [round(float(v), 2) for v in np.percentile(height, PERCENTILES)],
+        "slope_deg": [round(float(v), 2) for v in np.degrees(np.arctan(np.percentile(slope, PERCENTILES)))],
+        "hypsometric_integral": round((mean - low) / max(high - low, 1e-9), 4),
+        "land_share": round(float(land.mean()), 4),
+    }
 
 
 def _rain(grid: Grid, terrain: Terrain, biome: Biome, surface: F64) -> F64:

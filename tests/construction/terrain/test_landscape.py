@@ -116,6 +116,31 @@ def test_every_field_is_finite_or_says_where_there_is_no_water(island: Landscape
     assert 0 <= island.fields["moisture"].min() <= island.fields["moisture"].max() <= 1
 
 
+def test_the_figures_hold_the_distribution_of_height_and_slope(island: Landscape) -> None:
+    figures, height = island.figures["relief"], island.fields["height"]
+    land = ~island.water.sea
+    assert figures["height"] == sorted(figures["height"])
+    assert figures["height"][0] == pytest.approx(height[land].min(), abs=0.01)
+    assert figures["height"][-1] == pytest.approx(height[land].max(), abs=0.01)
+    assert (height[land] <= figures["height"][4]).mean() == pytest.approx(0.5, abs=0.01)
+    assert 0.1 < figures["hypsometric_integral"] < 0.6, "a cone of a third and what erosion left of it"
+    assert figures["slope_deg"][-1] < 90
+    assert figures["land_share"] == pytest.approx(land.mean(), abs=1e-3)
+
+
+def test_finer_grids_see_the_same_skyline() -> None:
+    """The horizon is looked for over the same metres on a grid four times as fine."""
+    means = []
+    for cells in (256, 1024):
+        grid = Grid(8, cells, 4096 / cells)
+        x, _ = grid.points()
+        ridge = 300 * np.exp(-((x - 600) ** 2) / 200**2)
+        seen = horizons(grid, ridge, azimuths=2)[0]
+        means.append(seen[4, (x[4] > -200) & (x[4] < 0)].mean())
+    assert means[0] > 0.2
+    assert means[1] == pytest.approx(means[0], rel=0.05)
+
+
 def test_required_water_that_the_land_does_not_have_is_refused_with_a_remedy() -> None:
     plain = {"extent": [400, 400], "cell": 10, "layers": {"r": {"kind": "ramp", "rise": 20}}}
     for kind, words in (("lake", "crater"), ("sea", "sea_level")):

@@ -19,7 +19,7 @@ from ..worlds.requirements import Check, RowClass
 
 __all__ = ["TABLES", "Cause", "Condition", "Entry", "PatchRule", "Probe", "entries", "table_schema"]
 
-TABLES = ("rigid-bodies", "outdoor-terrain")
+TABLES = ("rigid-bodies", "outdoor-terrain", "liquids", "coupled-systems")
 """Skills whose diagnosis applies in this build."""
 
 

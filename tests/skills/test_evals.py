@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.bench import skill_building, skill_repair, skill_settings
+from worldagent.bench import skill_building, skill_liquids, skill_repair, skill_settings
 from worldagent.bench.failing_worlds import try_patches
 from worldagent.bench.trial import Trial
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
@@ -134,3 +134,20 @@ def test_a_world_built_by_the_rules_leaves_fewer_rows_open(tmp_path: Path) -> No
         open_rows[arm] = [r.id for r in Trial(tmp_path / arm, prompt, spec).judge().rows]
     assert open_rows["with"] == []
     assert len(open_rows["without"]) > 1
+
+
+# ---------------------------------------------------------------- liquids, coupled-systems
+
+
+def test_a_vessel_of_thin_glass_is_resolved_by_the_rule_and_not_by_a_coarse_guess(tmp_path: Path) -> None:
+    sizes = {"side": 0.08, "depth": 0.06, "wall": 0.004}
+    ruled = skill_liquids.start_resolution("dfsph", sizes)
+    assert ruled == pytest.approx(1.8 * 0.004)
+    assert skill_liquids._accepted("dfsph", sizes, ruled, tmp_path) == ""
+    assert "thick" in skill_liquids._accepted("dfsph", sizes, 0.02, tmp_path)
+
+
+@pytest.mark.parametrize("shape", ["box", "sphere", "lying_cylinder"])
+def test_drafts_of_the_skill_displace_the_weight_of_the_body(shape: str) -> None:
+    for ratio in (0.15, 0.42, 0.5, 0.77):
+        assert skill_liquids.submerged_share(shape, skill_liquids.start_draft(shape, ratio)) == pytest.approx(ratio, rel=0.03)

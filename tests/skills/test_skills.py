@@ -9,13 +9,17 @@ from typing import Any, get_args
 
 import pytest
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
+from worldagent.simulation.liquid.resolved import LEAST_WALL
 from worldagent.verifiers.diagnosis_table import TABLES
+from worldagent.verifiers.liquid import WATCHES
+from worldagent.verifiers.liquid_numerical import Numbers
 from worldagent.worlds.audit import DENSITY_RANGES, audit
 from worldagent.worlds.groups import GROUPS
+from worldagent.worlds.liquids import LEAST_SPACINGS
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import PREDICATES
 from worldagent.worlds.requirements import Check
-from worldagent.worlds.spec import Entity
+from worldagent.worlds.spec import Entity, LiquidPhysics, Material
 from worldagent.worlds.spec.shapes import Shape
 from worldagent.worlds.spec.simulation import Driver, Joint
 from worldagent.worlds.spec.story import Relation
@@ -54,7 +58,7 @@ def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) 
     assert _named((BUILDING / "reference" / "kinds.md").read_text(), heading) == kinds
 
 
-@pytest.mark.parametrize("name", ["rigid-bodies", "repair", "world-building"])
+@pytest.mark.parametrize("name", ["rigid-bodies", "repair", "world-building", "liquids", "coupled-systems"])
 def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
     lines = (SKILLS / name / "SKILL.md").read_text().splitlines()
     assert lines[:2] == ["---", f"name: {name}"]
@@ -143,7 +147,10 @@ ROWS = {
     "relations": ["relations:holds"],
     "causal": ["causal:a:b", "causal:without:a:b"],
     "robustness": ["robustness:r:b"],
-    "category": [f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")],
+    "category": [
+        *(f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")),
+        *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.claims),
+    ],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
     "beat": ["beat:b", "beat:vacuous:b", "beat:driven:b", "requirement:r", "probe:phases"],
     "shots": [f"shots:{n}:x" for n in ("cover", "visible", "framed", "inside", "motion")] + ["shots:tiling"],
@@ -154,7 +161,9 @@ ROWS = {
 def _numerical() -> list[str]:
     from worldagent.verifiers.numerical import CLAIMS
 
-    return [f"numerical:{name}:rigid" for name in CLAIMS] + ["numerical:promise"]
+    return (
+        [f"numerical:{name}:rigid" for name in CLAIMS] + [f"numerical:{n}:water" for n in Numbers.claims] + ["numerical:promise"]
+    )
 
 
 @pytest.mark.parametrize("check", get_args(Check))
@@ -163,3 +172,27 @@ def test_every_row_of_a_check_matches_a_diagnosis_of_that_check(check: str) -> N
     patterns = [re.compile(e["row_pattern"]) for e in failing]
     for row in _numerical() if check == "numerical" else ROWS[check]:
         assert any(p.search(row) for p in patterns), row
+
+
+def test_the_rules_of_resolution_in_the_liquids_skill_are_its_data_and_pass_the_refusals() -> None:
+    text = (SKILLS / "liquids" / "SKILL.md").read_text()
+    rules = json.loads((SKILLS / "liquids" / "resolution.json").read_text())
+    rows = [[c.strip() for c in line.split("|")[1:4]] for line in text.split("## Resolution", 1)[1].split("Particles are", 1)[0].splitlines()
+            if line.startswith("| ")][1:]  # fmt: skip
+    for words, *stated in rows:
+        name = next(k for k in rules["dfsph"] if k in words.replace("wall", "wall ").split())
+        for engine, value in zip(("dfsph", "flip"), stated, strict=True):
+            number = float(value.split("/")[0]) / float(value.split("/")[1]) if "/" in value else float(value)
+            assert number == pytest.approx(rules[engine][name]), (engine, name)
+    for engine in rules:
+        assert rules[engine]["opening"] * LEAST_SPACINGS < 1
+        assert rules[engine]["wall"] * LEAST_WALL[engine] < 1
+
+
+def test_the_liquids_of_the_skill_have_densities_that_the_audit_accepts() -> None:
+    for name, liquid in json.loads((SKILLS / "liquids" / "liquids.json").read_text()).items():
+        low, high = DENSITY_RANGES[liquid["substance"]]
+        assert low <= liquid["density"] <= high, name
+        physics = {k: v for k, v in liquid.items() if k in LiquidPhysics.model_fields}
+        LiquidPhysics.model_validate({"category": "liquid", "resolution": 0.01, **physics})
+        Material.model_validate({"density": liquid["density"], "substance": liquid["substance"]})

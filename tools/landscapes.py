@@ -117,7 +117,8 @@ def describe(land: SavedLandscape) -> dict[str, Any]:
         "lakes": [{k: short(v) for k, v in lake.items()} for lake in about["lakes"][:SHOWN]],
         "rivers": [{"kind": r["kind"], **reach_line(land, r)} for r in reaches[:SHOWN]],
         "features": {k: about["figures"][k] for k in ("lakes", "rivers", "streams", "plants")},
-        "erosion": {k: about["figures"][k] for k in ("river_erosion", "slopes") if k in about["figures"]},
+        "relief": about["figures"].get("relief", {}),
+        "erosion": {k: about["figures"][k] for k in ("river_erosion", "hydraulic_erosion", "slopes") if k in about["figures"]},
     }
 
 

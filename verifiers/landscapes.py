@@ -169,14 +169,16 @@ def ledger_finding(land: SavedLandscape) -> Finding:
     wear, deposit, uplift, works = (land.field(n) for n in ("wear", "deposit", "uplift", "earthworks"))
     valid = np.isfinite(start) & np.isfinite(ground)
     gap = np.where(valid, np.abs(ground - start - uplift - works + wear - deposit), 0.0)
-    balance = land.about["figures"].get("river_erosion")
+    figures = land.about["figures"]
+    ledgers = [figures[k] for k in ("river_erosion", "hydraulic_erosion") if k in figures]
     moved = float(wear[valid].sum() + deposit[valid].sum()) * land.cell**2
     lost = float(gap.sum()) * land.cell**2 / max(moved, 1e-9)
     text = f"cells miss {lost:.2g} of what was moved ({moved:.4g} m^3)"
-    if balance is not None:
+    if ledgers:
+        written, worn = (sum(ledger[k] for ledger in ledgers) for k in ("exported", "worn"))
         exported = float((wear - deposit)[valid].sum()) * land.cell**2
-        lost = max(lost, abs(exported - balance["exported"]) / max(abs(balance["worn"]), 1e-9))
-        text += f"; {exported:.6g} m^3 left the land, the ledger says {balance['exported']:.6g}"
+        lost = max(lost, abs(exported - written) / max(abs(worn), 1e-9))
+        text += f"; {exported:.6g} m^3 left the land, the ledger says {written:.6g}"
     return Finding(lost if np.isfinite(lost) else float("inf"), text, _place(land, int(gap.argmax())))
 
 

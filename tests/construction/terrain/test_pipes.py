@@ -173,5 +173,8 @@ def test_a_landscape_with_a_storm_records_its_ledgers() -> None:
     assert figures["water_residual"] <= 1e-6
     assert figures["worn"] > 0
     fields = built.fields
+    exported = (fields["wear"] - fields["deposit"]).sum() * built.grid.cell_area
+    ledgers = [built.figures[k]["exported"] for k in ("river_erosion", "hydraulic_erosion")]
+    assert exported == pytest.approx(sum(ledgers), rel=1e-9)
     change = fields["ground"] - fields["start"] - fields["uplift"] - fields["earthworks"]
     assert change == pytest.approx(fields["deposit"] - fields["wear"], abs=1e-9)

@@ -15,6 +15,7 @@ from .clauses import clauses_of
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
 from .groups import group_of
 from .liquid_audit import coupled_groups, coupling_problems, liquid_problems
+from .liquids import declares_heat
 from .predicates import PREDICATES, entities_of
 from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
 from .requirements import Correction, Row
@@ -48,7 +49,7 @@ DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
 }
 """[kg/m^3], in bulk; from the material tables of the CRC Handbook, widened to the nearest round number."""
 _PARTICLES = frozenset(
-    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure", "temperature")}
+    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
     | {"origin", "exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
 )
 ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
@@ -266,6 +267,7 @@ class _Audit:
         """R14-R16, R28, R29: beats in range, owned, checkable, with evidence, causally ordered."""
         plan, beats, problems, evidence = self.spec.simulation, self.spec.story.beats, [], []
         channels = frozenset().union(*(ENGINE_CHANNELS.get(s.engine, frozenset()) for s in plan.solvers.values()))
+        channels |= {"particle/temperature"} if any(declares_heat(self.spec, n) for n in plan.liquid) else frozenset()
         for name, beat in beats.items():
             place = f"/story/beats/{name}"
             if beat.frames[1] > self.last:

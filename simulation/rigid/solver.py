@@ -92,6 +92,7 @@ class SolverRigid:
         """Where the present frame stands [s]."""
         self._coupled = coupled
         self._wrench: F64 | None = None
+        self._absorbed: F64 | None = None
         self._before: frozenset[str] | None = None
 
     def prepare(self, *, resumed: bool = False) -> None:
@@ -215,7 +216,7 @@ class SolverRigid:
                 self.work.after_step(data, dt)
             if self._wrench is not None:
                 # Of what the engine integrated, less what drivers pushed: counted here, not taken from who gave it.
-                self._received += dt * (data.xfrc_applied - self.work.pushes)[self.rigid.body_ids]
+                self._received += dt * ((data.xfrc_applied - self.work.pushes)[self.rigid.body_ids] + self._absorbed)
         if authored:
             self.drivers.follow_paths(data, count, dt)
         self._settle_kinematics()
@@ -270,7 +271,10 @@ class SolverRigid:
             start: where time stands; default: where the last call of this frame ended.
         """
         begin = self.time if start is None else start
-        self._wrench = wrench
+        # Bodies on paths take what they are given without giving way: the engine need not know of it, nor their drivers' work.
+        absorbs = np.array([name.split("/", 1)[0] in self.drivers.kinematic for name in self.rigid.bodies], dtype=bool)
+        self._wrench = None if wrench is None else np.where(absorbs[:, None], 0.0, wrench)
+        self._absorbed = None if wrench is None else np.where(absorbs[:, None], wrench, 0.0)
         step = self.settings.step / 2**self.refined
         self._taken += self._run(begin, end, step, self._before)
         self._wrench = None

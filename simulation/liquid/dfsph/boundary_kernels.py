@@ -35,6 +35,9 @@ __all__ = [
     "wrench_lanes",
 ]
 
+HARD = wp.constant(wp.float32(1.0))
+"""Fill that a plane adds per square of the depth [spacings] to which a particle is nearer than half a spacing: without it the
+first layer of liquid would lie thin and overpressed on the plane itself."""
 BODIES_NEAR = 8
 """Bodies that one particle can touch at once."""
 Eight = wp.types.vector(length=8, dtype=wp.int32)
@@ -79,7 +82,28 @@ def side(d: wp.float32, spacing: wp.float32, h: wp.float32):
         if q < 1.0:
             w += spacing * plane_weight(q, h)
             g -= spacing * 6.2831853 * z * weight(q, h)
-    return wp.vec2(w, g)
+    near = wp.max(0.5 - d / spacing, 0.0)
+    return wp.vec2(w + HARD * near * near, g - 2.0 * HARD * near / spacing)
+
+
+@wp.func
+def edge(d: wp.float32, e: wp.float32, spacing: wp.float32, h: wp.float32):
+    """Fill that two planes at distances d and e count twice behind their edge, and its slopes: lines of the lattice."""
+    w = wp.float32(0.0)
+    g = wp.float32(0.0)
+    k = wp.float32(0.0)
+    for a in range(2):
+        for b in range(2):
+            x = wp.max(d, -0.25 * spacing) + (0.5 + wp.float32(a)) * spacing
+            y = wp.max(e, -0.25 * spacing) + (0.5 + wp.float32(b)) * spacing
+            u = 1.0 - (x * x + y * y) / (h * h)
+            if u > 0.0:
+                scale = 2.5464791 * spacing * spacing / (h * h) * u * u
+                w += scale * u * (0.03524 + u * (0.59718 + u * (-0.83797 + u * 0.95511)))
+                slant = -2.0 / (h * h) * scale * (0.10572 + u * (2.38872 + u * (-4.18985 + u * 5.73066)))
+                g += slant * x
+                k += slant * y
+    return wp.vec3(w, g, k)
 
 
 @wp.kernel
@@ -112,6 +136,22 @@ def walls(
             one = side(d, spacing, h)
             w += one[0]
             g[a] = g[a] - one[1]
+    far = wp.float32(1.0e3) * spacing
+    away = wp.vec3(far, far, far)
+    sign = wp.vec3(1.0, 1.0, 1.0)
+    for a in range(3):
+        if low_closed[a] > 0.0:
+            away[a] = xi[a] - low[a]
+        if high_closed[a] > 0.0 and high[a] - xi[a] < away[a]:
+            away[a] = high[a] - xi[a]
+            sign[a] = -1.0
+    for a in range(3):
+        b = (a + 1) % 3
+        if away[a] < 1.5 * spacing and away[b] < 1.5 * spacing:
+            both = edge(away[a], away[b], spacing, h)
+            w -= both[0]
+            g[a] = g[a] - sign[a] * both[1]
+            g[b] = g[b] - sign[b] * both[2]
     fill[i] = fill[i] + w
     lean[i] = lean[i] + g
     wall[i] = g

@@ -12,8 +12,8 @@ from ....worlds.errors import EngineError
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
 from .bodies import Coupling, sampled_boundaries
 from .flow import Mouth, outflow_boxes, reasons
-from .passes import Passes
-from .pressure import Solved, solve
+from .passes import Pass, Passes
+from .pressure import RELAXATION, Solved, solve
 from .settings import DfsphSettings
 from .state import pack, unpack
 from .store import Store, Work, cells_of
@@ -24,6 +24,17 @@ SUPPORT = 2.0
 """Support of the kernel in spacings."""
 CELLS_PER_PARTICLE = 8
 LEAST_CELLS = 1 << 16
+
+
+PACKING_EVERY = 5
+"""Steps between two looks at how the particles are packed."""
+PACKING_SAMPLES = 2000
+PACKING_RATE = 0.2
+EVEN = 0.1
+"""Largest unevenness of what counts as deep in the liquid; at a free surface it is about 1."""
+LEAST_DEEP = 30
+FULL_RANGE = (0.9, 1.02)
+"""Fill of liquid at rest: 1 on a lattice, 0.94 when it has flowed."""
 
 
 class Dfsph:
@@ -41,6 +52,8 @@ class Dfsph:
         self.origin: F64 = 0.5 * (np.asarray(setup.lower, dtype=float) + np.asarray(setup.upper, dtype=float))
         self.h = SUPPORT * setup.spacing
         self.time, self.steps, self.lost = 0.0, 0, 0
+        self.full = 1.0
+        self.relaxation = [RELAXATION, RELAXATION]
         self.store = Store(self.device, self._first())
         self.next_identity = self.store.count
         self.speed = float(np.sqrt((np.asarray(setup.velocity) ** 2).sum(axis=1).max(initial=0.0)))
@@ -58,7 +71,7 @@ class Dfsph:
         self._gravity = wp.vec3(*(float(g) for g in setup.gravity))
         self._boxes = outflow_boxes(setup, self.origin, self.device)
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
-        self._host = np.zeros(8, dtype=np.float32)
+        self._host = np.zeros(12, dtype=np.float32)
         self._work: Work | None = None
         self._sorted = 0
         self._leavers = False
@@ -107,7 +120,8 @@ class Dfsph:
         stable = min(self._stable(self.speed), self._stable(_fastest(bodies, self)))
         dt = min(limit, stable)
         w, n = self.work, self.store.count
-        self._host[:] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.5 * stable)
+        self._host[10] = self.full
+        self._host[:8] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.5 * stable)
         w.settings.assign(self._host)
         if n == 0:
             self.time += dt
@@ -117,6 +131,8 @@ class Dfsph:
         self._sort(w)
         self._neighbours(w)
         s, run = self.store.now, self.passes
+        if self.steps % PACKING_EVERY == 0:
+            self._measure_packing(w)
         self.coupling.meet(w, s.x, s.volume, self.h, n)
         spread = self._solve(w, density=False)
         run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
@@ -139,7 +155,7 @@ class Dfsph:
 
     def _solve(self, w: Work, *, density: bool) -> Solved:
         s, k = self.store.now, self.settings
-        return solve(
+        solved = solve(
             self.passes,
             w,
             s.pressure if density else s.push,
@@ -151,7 +167,10 @@ class Dfsph:
             tolerance=k.density_error if density else k.divergence_error,
             most=k.iterations,
             coupling=self.coupling,
+            relaxation=self.relaxation[int(density)],
         )
+        self.relaxation[int(density)] = solved.relaxation
+        return solved
 
     def _sort(self, w: Work) -> None:
         """Bring the particles into the order of their cells; those that leave are dropped."""
@@ -235,12 +254,31 @@ class Dfsph:
         self.store.replace(columns)
         self._sorted = 0
 
+    def _measure_packing(self, w: Work) -> None:
+        """Follow the fill of liquid at rest: that of particles deep in the liquid over the liquid that truly lies around them."""
+        from . import step_kernels as kernels
+
+        s, n = self.store.now, self.store.count
+        step = max(1, n // PACKING_SAMPLES)
+        samples = n // step
+        wp = warp()
+        out = wp.zeros(samples, dtype=wp.vec3, device=self.device)
+        inputs = [step, s.x, s.volume, w.span, *self._grid, *self._sides[:2], self.h, w.fill, out]
+        Pass(kernels.packing, samples, inputs, self.device)()
+        dense, uneven, fill = out.numpy().astype(float).T
+        deep = (uneven < EVEN) & (dense > 0.8)
+        if deep.sum() >= LEAST_DEEP:
+            found = float(np.clip(fill[deep].mean() / dense[deep].mean(), *FULL_RANGE))
+            self.full += PACKING_RATE * (found - self.full)
+            self._host[10] = self.full
+            w.settings.assign(self._host)
+
     def _census(self, w: Work) -> tuple[float, float]:
         """Mean and largest compression, on the positions that the step started from; the largest speed; who leaves."""
         from . import step_kernels as kernels
 
         s, n = self.store.now, self.store.count
-        self.passes("census", kernels.census, w.lanes, [w.lanes, n, s.x, s.v, w.fill, w.leaving, w.out, w.bad])()
+        self.passes("census", kernels.census, w.lanes, [w.lanes, n, s.x, s.v, w.fill, w.leaving, w.settings, w.out, w.bad])()
         out, bad = w.out.numpy(), w.bad.numpy()
         if (bad[:, 0] >= 0).any():
             i = int(bad[:, 0].max())
@@ -265,8 +303,8 @@ class Dfsph:
             c["identity"],
             c["fluid"],
             c["volume"].astype(float),
-            fill * rest,
-            (c["pressure"] + c["push"]).astype(float),
+            fill / self.full * rest,
+            c["pressure"].astype(float),
             c["temperature"].astype(float),
         )
 

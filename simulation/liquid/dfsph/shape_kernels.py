@@ -21,11 +21,17 @@ def weight(q: wp.float32, h: wp.float32):
 
 @wp.func
 def slope(q: wp.float32, h: wp.float32):
-    """W'(r) / r at distance q h [1/m^5]: the gradient is this times the way."""
+    """W'(r) / r at distance q h [1/m^5]: the gradient is this times the way.
+
+    Nearer than where it is steepest the spline keeps that steepness, or close particles would not be parted (Thomas and
+    Couchman 1992).
+    """
     u = wp.max(1.0 - q, 0.0)
     f = -6.0 * u * u / wp.max(q, 1.0e-6)
     if q < 0.5:
         f = 6.0 * (3.0 * q - 2.0)
+    if q < 0.33333333:
+        f = -2.0 / wp.max(q, 1.0e-3)
     return SIGMA * f / (h * h * h * h * h)
 
 

@@ -18,9 +18,18 @@ BETA = wp.constant(2)
 NESTEROV = wp.constant(3)
 ERROR = wp.constant(4)
 OMEGA = wp.constant(5)
+OPEN = wp.constant(8)
+ASKED = wp.constant(9)
+FULL = wp.constant(10)
+FRESH = wp.constant(11)
 MEND = wp.constant(7)
 """Places in `settings`: step, particles, momentum of the solve and its counter, mean error, relaxation; (6 is the time;) shortest
-time in which compression is taken back, so that a very short step does not throw particles."""
+time in which compression is taken back, so that a very short step does not throw particles; residual that is left, and what was asked;
+fill of liquid at rest; whether no iteration has been made."""
+MOST_MENDED = wp.constant(wp.float32(0.02))
+"""Compression that one step takes back at most: more would throw particles past each other."""
+Sums = wp.types.vector(length=5, dtype=wp.float32)
+Totals = wp.types.vector(length=5, dtype=wp.float64)
 
 
 @wp.kernel
@@ -54,19 +63,20 @@ def source(
     settings: wp.array(dtype=wp.float32),
     density_solve: wp.int32,
     b: wp.array(dtype=wp.float32),
+    sums: wp.array(dtype=Sums),
 ):
-    """Right side [1/s^2]: compression predicted after dt over dt^2, or its rate over dt where the liquid is not thin."""
+    """Right side [1/s^2]: what the fill would be beyond 1 after dt, over dt^2; the divergence solve leaves compression alone.
+
+    Both let what is not full fill up, and no more.
+    """
     i = first + wp.tid()
     dt = settings[DT]
-    over = fill[i] - 1.0
-    if density_solve != 0:
-        b[i] = (over / wp.max(dt, settings[MEND]) + rate[i]) / dt
-    else:
-        b[i] = wp.min(rate[i], (over + THIN) / dt + rate[i]) / dt
-
-
-THIN = wp.constant(wp.float32(0.02))
-"""Fill below 1 from which on a particle may be compressed in the divergence solve."""
+    over = fill[i] / settings[FULL] - 1.0
+    part = wp.min(over, 0.0)
+    if density_solve != 0 and over > 0.0:
+        part = wp.min(over, MOST_MENDED) * dt / wp.max(dt, settings[MEND])
+    b[i] = (part / dt + rate[i]) / dt
+    sums[i] = Sums(wp.max(b[i], 0.0), 0.0, 0.0, 0.0, 0.0)
 
 
 @wp.kernel
@@ -120,9 +130,12 @@ def relax(
     settings: wp.array(dtype=wp.float32),
     p: wp.array(dtype=wp.float32),
     y: wp.array(dtype=wp.float32),
-    sums: wp.array(dtype=wp.vec2),
+    last_y: wp.array(dtype=wp.float32),
+    last_r: wp.array(dtype=wp.float32),
+    sums: wp.array(dtype=Sums),
 ):
-    """One accelerated step; sums: compression left (r > 0) and the sign that asks for a restart.
+    """One accelerated step; sums: compression left (r > 0), residual that is left (also r < 0 where p > 0), the sign
+    that asks for a restart, and the two parts of the Rayleigh quotient of A along the last change of y.
 
     `bodies` is what accelerating bodies take away from D a.
     """
@@ -140,7 +153,20 @@ def relax(
         fresh = wp.max(was + settings[OMEGA] * r / stiffness[i], 0.0)
     p[i] = fresh
     y[i] = fresh + settings[BETA] * (fresh - old)
-    sums[i] = wp.vec2(wp.max(r, 0.0), volume[i] * stiffness[i] * (was - fresh) * (fresh - old))
+    left = wp.max(r, 0.0)
+    if was > 0.0:
+        left = wp.abs(r)
+    change = was - last_y[i]
+    weight = volume[i] * stiffness[i]
+    sums[i] = Sums(
+        wp.max(r, 0.0),
+        left,
+        weight * (was - fresh) * (fresh - old),
+        volume[i] * change * (last_r[i] - r),
+        weight * change * change,
+    )
+    last_y[i] = was
+    last_r[i] = r
 
 
 @wp.kernel
@@ -158,39 +184,49 @@ def end(
 @wp.kernel
 def lane_sums(
     first: wp.int32,
-    values: wp.array(dtype=wp.vec2),
+    values: wp.array(dtype=Sums),
     total: wp.int32,
     lanes: wp.int32,
-    partial: wp.array(dtype=wp.vec2d),
+    partial: wp.array(dtype=Totals),
 ):
     """Sum of each lane, in a fixed order."""
     t = first + wp.tid()
-    x = wp.float64(0.0)
-    y = wp.float64(0.0)
+    s = Totals()
     for i in range(t, total, lanes):
-        x += wp.float64(values[i][0])
-        y += wp.float64(values[i][1])
-    partial[t] = wp.vec2d(x, y)
+        v = values[i]
+        s += Totals(wp.float64(v[0]), wp.float64(v[1]), wp.float64(v[2]), wp.float64(v[3]), wp.float64(v[4]))
+    partial[t] = s
 
 
 @wp.kernel
 def close_sums(
     first: wp.int32,
     lanes: wp.int32,
-    partial: wp.array(dtype=wp.vec2d),
+    partial: wp.array(dtype=Totals),
     settings: wp.array(dtype=wp.float32),
+    first_time: wp.int32,
 ):
     """Mean compression that is left, and the momentum of the next accelerated step (Nesterov, with restarts)."""
-    x = wp.float64(0.0)
-    y = wp.float64(0.0)
+    s = Totals()
     for t in range(lanes):
-        x += partial[t][0]
-        y += partial[t][1]
+        s += partial[t]
     dt = settings[DT]
-    settings[ERROR] = wp.float32(x) * dt * dt / settings[COUNT]
+    scale = dt * dt / settings[COUNT]
+    if first_time != 0:
+        settings[ASKED] = wp.float32(s[0]) * scale
+        settings[FRESH] = 1.0
+        return
+    settings[ERROR] = wp.float32(s[0]) * scale
+    settings[OPEN] = wp.float32(s[1]) * scale
     t0 = settings[NESTEROV]
-    if y > wp.float64(0.0):
+    if s[2] > wp.float64(0.0):
         t0 = 1.0
+    if settings[FRESH] == 0.0 and s[4] > wp.float64(0.0):
+        steepest = wp.float32(s[3] / s[4])
+        if settings[OMEGA] * steepest > 1.0:
+            settings[OMEGA] = 0.95 / steepest
+            t0 = 1.0
+    settings[FRESH] = 0.0
     t1 = 0.5 * (1.0 + wp.sqrt(1.0 + 4.0 * t0 * t0))
     settings[BETA] = (t0 - 1.0) / t1
     settings[NESTEROV] = t1

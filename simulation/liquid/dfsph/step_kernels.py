@@ -3,12 +3,15 @@
 
 import warp as wp
 
+from .shape_kernels import cell_of, wrapped
+
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["census", "fall", "leave", "lighten", "travel"]
+__all__ = ["census", "fall", "leave", "lighten", "packing", "travel"]
 
 DT = wp.constant(0)
 TIME = wp.constant(6)
+FULL = wp.constant(10)
 OPEN = wp.constant(1)
 LOST = wp.constant(2)
 
@@ -111,6 +114,7 @@ def census(
     v: wp.array(dtype=wp.vec3),
     fill: wp.array(dtype=wp.float32),
     leaving: wp.array(dtype=wp.int32),
+    settings: wp.array(dtype=wp.float32),
     out: wp.array(dtype=wp.vec4d),
     bad: wp.array(dtype=wp.vec2i),
 ):
@@ -122,7 +126,7 @@ def census(
     wrong = wp.int32(-1)
     leavers = wp.int32(0)
     for i in range(t, total, lanes):
-        over = wp.max(fill[i] - 1.0, 0.0)
+        over = wp.max(fill[i] / settings[FULL] - 1.0, 0.0)
         mean += wp.float64(over)
         worst = wp.max(worst, over)
         v2 = wp.dot(v[i], v[i])
@@ -133,3 +137,47 @@ def census(
             leavers += 1
     out[t] = wp.vec4d(mean, wp.float64(worst), wp.float64(fast), wp.float64(0.0))
     bad[t] = wp.vec2i(wrong, leavers)
+
+
+@wp.kernel
+def packing(
+    first: wp.int32,
+    step: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=wp.float32),
+    span: wp.array(dtype=wp.vec2i),
+    low: wp.vec3,
+    inverse: wp.float32,
+    size: wp.vec3i,
+    domain_low: wp.vec3,
+    domain_high: wp.vec3,
+    h: wp.float32,
+    fill: wp.array(dtype=wp.float32),
+    out: wp.array(dtype=wp.vec3),
+):
+    """Of every `step`-th particle: liquid per volume within twice the support (Wendland C2), how uneven it lies, and its fill."""
+    t = first + wp.tid()
+    i = t * step
+    xi = x[i]
+    wide = 2.0 * h
+    total = wp.float32(0.0)
+    lean = wp.vec3(0.0, 0.0, 0.0)
+    for a in range(3):
+        if xi[a] - domain_low[a] < wide or domain_high[a] - xi[a] < wide:
+            out[t] = wp.vec3(0.0, 1.0e3, 0.0)
+            return
+    c = cell_of(xi, low, inverse)
+    for dz in range(-2, 3):
+        for dy in range(-2, 3):
+            line = (wrapped(c[2] + dz, size[2]) * size[1] + wrapped(c[1] + dy, size[1])) * size[0]
+            for dx in range(-2, 3):
+                s = span[line + wrapped(c[0] + dx, size[0])]
+                for j in range(s[0], s[1]):
+                    way = xi - x[j]
+                    q = wp.length(way) / wide
+                    if q < 1.0:
+                        u = 1.0 - q
+                        total += volume[j] * u * u * u * u * (4.0 * q + 1.0)
+                        lean += volume[j] * u * u * u * way
+    scale = 21.0 / (6.2831853 * wide * wide * wide)
+    out[t] = wp.vec3(total * scale, 20.0 * wp.length(lean) * scale / wide, fill[i])

@@ -77,6 +77,8 @@ class Work:
     """Room for one step of up to `capacity` particles with up to `room` neighbours each."""
 
     def __init__(self, device: str, capacity: int, cells: int, *, room: int = ROOM) -> None:
+        from .solve_kernels import Sums, Totals
+
         wp = warp()
 
         def zeros(count: int, kind: Any) -> Any:
@@ -93,9 +95,10 @@ class Work:
         self.fill, self.stiffness, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(6))
         self.own, self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(4))
         self.lean, self.wall, self.a = (zeros(capacity, wp.vec3) for _ in range(3))
-        self.sums, self.partial = zeros(capacity, wp.vec2), zeros(self.lanes, wp.vec2d)
+        self.sums, self.partial = zeros(capacity, Sums), zeros(self.lanes, Totals)
+        self.last_y, self.last_r = zeros(capacity, wp.float32), zeros(capacity, wp.float32)
         self.out, self.bad = zeros(self.lanes, wp.vec4d), zeros(self.lanes, wp.vec2i)
-        self.settings = zeros(8, wp.float32)
+        self.settings = zeros(12, wp.float32)
 
     def grow(self, device: str, room: int) -> None:
         """Longer neighbour lists."""

@@ -86,6 +86,15 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_land(island
     assert not np.array_equal(island.fields["height"], other.fields["height"])
 
 
+@pytest.mark.parametrize("threads", [1, 3])
+def test_the_number_of_cores_changes_no_byte(island: Landscape, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("worldagent.construction.terrain.slices.cores", lambda: threads)
+    again = _built()
+    for name, values in island.fields.items():
+        assert values.tobytes() == again.fields[name].tobytes(), name
+    assert island.figures == again.figures
+
+
 def test_the_forest_stands_on_the_wet_side(island: Landscape) -> None:
     rain = island.fields["rain"]
     x, y = island.grid.points()

@@ -9,6 +9,7 @@ from .forest import Forest
 from .heightfields import ground_solid, is_height_field
 from .idcast import IdCaster, IdImage, coverage
 from .inside import contains, distance_to_surface, winding_number
+from .kept import kept_solid
 from .motions import Motion, State, relative_travel
 from .solids import Solid
 from .soup import Crossings, crossing_triangles, self_crossings
@@ -44,6 +45,7 @@ __all__ = [
     "distance_to_surface",
     "ground_solid",
     "is_height_field",
+    "kept_solid",
     "lowest_clearance",
     "lowest_clearances",
     "meetings",

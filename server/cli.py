@@ -32,6 +32,7 @@ BENCHMARKS: dict[str, str] = {
     "hydrology": "worldagent.bench.hydrology:run",
     "island": "worldagent.bench.island:run",
     "liquid-flip": "worldagent.bench.liquid_flip:run",
+    "forest": "worldagent.bench.forest:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 __all__ = ["place_object"]
 
 DROP_TOLERANCE = 1e-6
-"""Height to which a resting place is found [m]."""
+"""Clearance to which a resting place is found [m]."""
+MOST_STEPS = 2000
+"""Steps of the descent: at 85 degrees each leaves nine tenths of the way."""
 
 
 def place_object(
@@ -125,13 +127,13 @@ def _move(
 def _solids(session: Session, names: list[str]) -> dict[str, list[Any]]:
     """(body pose in the entity's frame, solid) of every part."""
     from ..construction import build_world
-    from ..geometry import Solid
+    from ..geometry import kept_solid
 
     built, _ = build_world(session.folder, session.spec, names)
     found = {}
     for name, entity in built.items():
         poses = {b.name: b.pose for b in entity.bodies}
-        found[name] = [(poses[p.body], Solid.from_mesh(p.render, closed=p.closed)) for p in entity.parts]
+        found[name] = [(poses[p.body], kept_solid(p.render, closed=p.closed)) for p in entity.parts]
     return found
 
 
@@ -171,29 +173,18 @@ def _drop(session: Session, entity: str, on: str, pose: RigidPose) -> RigidPose:
 
     high = pose.position[2] + (top - low) + gap + 1e-3
     bottom = high - span - 2 * float(max(np.ptp(s.vertices[:, 2]) for _, s in solids[entity])) - 1e-2
-    if clearance(bottom) > gap and clearance((high + bottom) / 2) > gap:
-        z_values = np.linspace(high, bottom, 24)
-        hit = next((z for z in z_values if clearance(float(z)) < gap), None)
-        if hit is None:
+    # Nothing is nearer than the clearance, so it may sink by what that exceeds the gap: the first height at which it closes.
+    z = float(high)
+    for _ in range(MOST_STEPS):
+        left = clearance(z) - gap
+        if left <= DROP_TOLERANCE:
+            break
+        z -= left
+        if z < bottom:
             raise InputError(
                 f"{entity!r} at x, y = {pose.position[0]:.4g}, {pose.position[1]:.4g} m is not above {on!r}; give `at` over its surface"
             )
-        bottom = float(hit)
-    # The first height, coming from above, at which the gap closes: march, then bisect.
-    upper, steps = high, 64
-    lower = bottom
-    for z in np.linspace(high, bottom, steps)[1:]:
-        if clearance(float(z)) < gap:
-            lower = float(z)
-            break
-        upper = float(z)
-    while upper - lower > DROP_TOLERANCE:
-        middle = (upper + lower) / 2
-        if clearance(middle) < gap:
-            lower = middle
-        else:
-            upper = middle
-    return RigidPose(np.array([*pose.position[:2], upper]), pose.quaternion)
+    return RigidPose(np.array([*pose.position[:2], z]), pose.quaternion)
 
 
 def _refuse_overlap(session: Session, entity: str, pose: RigidPose) -> None:

@@ -22,6 +22,7 @@ from ..geometry import (
     Solid,
     aabb_of,
     clearance_batch,
+    kept_solid,
     meetings,
     query_noise,
     signed_clearance,
@@ -48,10 +49,6 @@ MOVED_SHARE = 0.1
 NOWHERE = 1e300
 """[m] Corner of the empty box that stands for a broken pose."""
 
-KEPT_FACES = 1_200_000
-"""Triangles of large surfaces whose search trees are kept between candidates: about 500 MB."""
-LARGE = 20_000
-"""Triangles from which on a surface is worth keeping."""
 QUERIES = 500_000
 """Clearances measured in one batch: about 150 MB."""
 
@@ -150,9 +147,7 @@ class Surfaces:
         key.update(mesh.vertices.tobytes())
         key.update(mesh.faces.tobytes())
         if key.digest() not in self._solids:
-            kept = _large.pop(key.digest(), None)
-            self._solids[key.digest()] = kept or Solid.from_mesh(mesh, closed=closed)
-            _keep(key.digest(), self._solids[key.digest()])
+            self._solids[key.digest()] = kept_solid(mesh, closed=closed)
         return self._solids[key.digest()]
 
     @cached_property
@@ -477,16 +472,6 @@ class Surfaces:
 
 
 _recent: list[Surfaces] = []
-_large: dict[bytes, Solid] = {}
-"""Large surfaces by content, the one used last at the end: grounds stay while things are placed on them."""
-
-
-def _keep(key: bytes, solid: Solid) -> None:
-    if not LARGE <= len(solid.faces) <= KEPT_FACES:
-        return
-    _large[key] = solid
-    while sum(len(s.faces) for s in _large.values()) > KEPT_FACES:
-        del _large[next(iter(_large))]
 
 
 def surfaces_of(candidate: Candidate) -> Surfaces:

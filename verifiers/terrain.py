@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..worlds.candidate import Candidate
+from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.requirements import Row
@@ -31,6 +32,8 @@ from .verdicts import correction
 
 __all__ = ["check"]
 
+KEPT = 4
+"""Landscapes whose findings are remembered."""
 PATCH_M = 1e-3
 """A ground cut from a landscape keeps its heights within this at its own corners: float32 at 10 km is 1 mm."""
 
@@ -73,13 +76,29 @@ def check(candidate: Candidate) -> list[Row]:
     return rows
 
 
+_known: dict[tuple[str, int, int, str], tuple[str, tuple[Finding, ...]]] = {}
+"""What was found of the last landscapes, by file, its time and size, and the specification."""
+
+
+def _measured(land: SavedLandscape, terrain: Terrain) -> tuple[str, tuple[Finding, ...]]:
+    """Digest of a landscape and what each claim finds; a file that has not changed since is not measured again."""
+    state = land.path.stat()
+    key = (str(land.path), state.st_mtime_ns, state.st_size, digest_of(terrain))
+    found = _known.get(key)
+    if found is None:
+        found = land.digest(), tuple(claim.measure(land, terrain) for claim in CLAIMS)
+        for oldest in list(_known)[: max(0, len(_known) + 1 - KEPT)]:
+            _known.pop(oldest, None)
+        _known[key] = found
+    return found
+
+
 def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
     terrain = candidate.spec.terrains[name]
     land = open_landscape(candidate.folder, candidate.spec, name)
-    digest = land.digest()
+    digest, findings = _measured(land, terrain)
     rows = []
-    for claim in CLAIMS:
-        found = claim.measure(land, terrain)
+    for claim, found in zip(CLAIMS, findings, strict=True):
         good = found.measured <= claim.bound
         hint = correction(
             found.text, "terrain", f"build_terrain(terrain={name!r}): {claim.action}", pointers=(pointer("terrains", name),)
@@ -102,10 +121,10 @@ def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
                 extra=digest,
             )
         )
-    return [*rows, _tight_row(candidate, name, land), *_ground_rows(candidate, name, land)]
+    return [*rows, _tight_row(candidate, name, land, digest), *_ground_rows(candidate, name, land)]
 
 
-def _tight_row(candidate: Candidate, name: str, land: SavedLandscape) -> Row:
+def _tight_row(candidate: Candidate, name: str, land: SavedLandscape, digest: str) -> Row:
     """Whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
     found = tight_finding(candidate, name, land)
     good = found.measured == 0.0
@@ -129,7 +148,7 @@ def _tight_row(candidate: Candidate, name: str, land: SavedLandscape) -> Row:
         frames=(0, 0),
         corrections=() if good else (hint,),
         evidence={"place": list(found.place)} if found.place else {},
-        extra=[candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), land.digest()],
+        extra=[candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), digest],
     )
 
 

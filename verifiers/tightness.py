@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage
 
-from ..geometry import Solid
+from ..geometry import Solid, kept_solid
 from ..worlds.errors import InputError
 from ..worlds.landscape import SavedLandscape
 from .grounds import Patch, patches
@@ -52,7 +52,7 @@ def _open_grounds(candidate: Candidate, name: str) -> list[tuple[str, tuple[floa
     for patch in patches(candidate.spec, name):
         built = next((p for p in candidate.entity(patch.entity).parts if p.part == patch.part), None)
         try:
-            solid = None if built is None else Solid.from_mesh(built.render, closed=True)
+            solid = None if built is None else kept_solid(built.render, closed=True)
         except InputError:
             solid = None
         if solid is not None and solid.is_watertight:

@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arrays import F64
+from .arrays import F64, RigidPose
+from .built import Convex
 from .landscape import SavedLandscape
 
-__all__ = ["FORMS", "StemForm", "Stems", "stems_of"]
+__all__ = ["FORMS", "StemForm", "Stems", "pieces_of", "stems_of"]
 
 
 class StemForm(NamedTuple):
@@ -35,6 +36,16 @@ LEAST_RADIUS = 0.02
 """Own choice: thinner ones bend [m]."""
 LEAST_TOP = 0.15
 """Own choice: what is lower is stepped over or rolled over [m]: pebbles, saplings."""
+
+
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+ROCK_MIDDLE = 0.3 / 0.95
+"""Height of the widest place of a boulder over that of its top, as it is drawn."""
+_TURN, _RISE = (v.ravel() for v in np.meshgrid(2 * np.pi * np.arange(12) / 12, np.array([-0.9, -0.45, 0.0, 0.45, 0.9])))
+_BALL: F64 = np.concatenate(
+    [np.stack([np.cos(_TURN) * np.cos(_RISE), np.sin(_TURN) * np.cos(_RISE), np.sin(_RISE)], axis=1), [[0, 0, -1.0], [0, 0, 1.0]]]
+)
+"""Points of a unit ball, whose hull is a boulder."""
 
 
 class Stems(NamedTuple):
@@ -75,3 +86,21 @@ def stems_of(land: SavedLandscape) -> Stems:
     keep = np.flatnonzero((radius >= LEAST_RADIUS) & (top >= LEAST_TOP))
     rock = np.array([shape == "rock" for shape in shapes])[kind]
     return Stems(land.raw("plant_position")[keep].astype(np.float64), radius[keep], top[keep], rock[keep], keep)
+
+
+def pieces_of(stems: Stems, sink: float = 0.3) -> tuple[Convex, ...]:
+    """Convex pieces in place of trunks (upright cylinders) and boulders (hulls of their round), in the world's frame.
+
+    Args:
+        stems: which; `Stems.inside` gives those of a rectangle.
+        sink: how far a trunk reaches below its foot [m], so that no slope leaves a gap under it.
+    """
+    found = []
+    for foot, radius, top, rock in zip(stems.foot, stems.radius, stems.top, stems.rock, strict=True):
+        if rock:
+            pose = RigidPose(foot + np.array([0.0, 0.0, ROCK_MIDDLE * top]), UPRIGHT)
+            found.append(Convex("hull", (), pose, _BALL * [radius, radius, (1.0 - ROCK_MIDDLE) * top]))
+        else:
+            pose = RigidPose(foot + np.array([0.0, 0.0, 0.5 * (top - sink)]), UPRIGHT)
+            found.append(Convex("cylinder", (float(radius), float(0.5 * (top + sink))), pose, np.zeros((0, 3))))
+    return tuple(found)

@@ -65,7 +65,10 @@ class FlipSettings(_LiquidSettings):
         default=1e-3, ge=1e-6, le=0.1, description="largest relative change of volume of a cell that one step may leave"
     )
     roughness: float = Field(
-        default=0.0, ge=0, le=10, description="roughness length of beds and walls [m], for friction; 0: they slip freely"
+        default=0.0,
+        ge=0,
+        le=10,
+        description="roughness length of beds and walls [m], for friction; 0: they slip freely, 2e-6: smooth",
     )
 
 

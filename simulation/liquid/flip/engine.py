@@ -30,6 +30,8 @@ __all__ = ["Flip"]
 PAD = 2
 """Cells below the domain, for faces beyond its walls; above there is one more."""
 KARMAN = 0.41
+FALL = 0.25
+"""Way that gravity adds in a step, in cells: the first steps from rest are of first order in time."""
 
 
 @dataclass
@@ -85,10 +87,15 @@ class Flip:
         """Of the liquid as the grid sees it [m^3]: what lies under the surface at the start of the last step."""
 
     def stable_dt(self) -> float:
-        """Largest stable step in the present state [s]: the fastest particle, sped up by gravity, crosses `cfl` cells."""
-        fall = float(np.linalg.norm(self.setup.gravity))
+        """Largest stable step in the present state [s].
+
+        The fastest particle, sped up by gravity, crosses at most `cfl` cells, and a cell falls by at most FALL of its size.
+        """
+        gravity = float(np.linalg.norm(self.setup.gravity))
         way = self.settings.cfl * self._cell
-        return min(self.settings.max_step, 2.0 * way / (self._speed + math.sqrt(self._speed**2 + 4.0 * fall * way) + 1e-12))
+        fast = 2.0 * way / (self._speed + math.sqrt(self._speed**2 + 4.0 * gravity * way) + 1e-12)
+        fall = math.sqrt(FALL * self._cell / gravity) if gravity > 0.0 else math.inf
+        return min(self.settings.max_step, fast, fall)
 
     def step(self, limit: float, bodies: BodyState) -> StepReport:
         """One step of at most `limit` seconds; shorter where that makes the steps to `limit` equal.
@@ -222,8 +229,9 @@ class Flip:
             before.column = grid.columns.column
             for name in ("fixed", "fixed_owner"):
                 run.swap(name, name + "/before")
-            owner, owner_before = (run.array(f"fixed_owner{end}", total, wp.int32) for end in ("", "/before"))
-            fixed, fixed_before, points = (run.array(name, total, walls.vec8) for name in ("fixed", "fixed/before", "points"))
+            owner, owner_before = run.array("fixed_owner", total, wp.int32), run.array("fixed_owner/before", 1, wp.int32)
+            fixed, points = (run.array(name, total, walls.vec8) for name in ("fixed", "points"))
+            fixed_before = run.array("fixed/before", 1, walls.vec8)
             halves = run.array("halves", total, walls.vec6)
             assert self.solids.fixed is not None
             distance, nearest = self._of(grid, "distance")[0], run.array("owner", total, wp.int32)
@@ -233,8 +241,8 @@ class Flip:
             run(walls.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
             run(walls.cut_faces, total, [grid.near, distance, nearest, halves, opening, self._owners(grid)])
             run(walls.near_solid, total, [grid.columns, solid, halves, spread])
-            if self.settings.roughness > 0.0:
-                self._rub(grid)
+        if self.settings.roughness > 0.0:
+            self._rub(grid)
         if self.sources.mouths:
             inputs = [grid.columns, len(self.sources.mouths), self.solids.count, *self.sources.shape(), mouths]
             run(walls.open_mouths, total, [*inputs, opening, self._owners(grid)])
@@ -243,11 +251,8 @@ class Flip:
         """Friction by the law of the wall: shear stress density (karman u / ln(z / z0))^2 in a layer of one cell."""
         rough = self.settings.roughness
         law = (KARMAN / math.log((0.5 * self._cell + rough) / rough)) ** 2
-        self.run(
-            walls.rub,
-            grid.cells,
-            [grid.near, *self._of(grid, "solid"), law * self._dt / self._cell, *self._faces(grid, "new", "new2")],
-        )
+        state = [grid.columns, grid.near, *self._box, self._sides, int(self.solids.count > 0), *self._of(grid, "solid")]
+        self.run(walls.rub, grid.cells, [*state, law * self._dt / self._cell, *self._faces(grid, "new", "new2")])
         self.run.swap("new", "new2")
 
     def _build_rows(self, grid: Grid) -> list[multigrid.Level]:

@@ -230,6 +230,8 @@ def build_rows(
                 links[side] = target
                 k[side] = share
                 total += share
+                if phi[other] > -0.25:
+                    free = 1
             else:
                 free = 1
                 theta = float(0.5)

@@ -641,18 +641,28 @@ def constrain(
 
 @wp.kernel
 def rub(
-    first: wp.int32, near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), rate: float, now: wp.array(dtype=wp.vec3),
-    now_out: wp.array(dtype=wp.vec3),
+    first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), lower: wp.vec3, upper: wp.vec3, sides: vec6i, solids: int,
+    solid: wp.array(dtype=float), rate: float, now: wp.array(dtype=wp.vec3), now_out: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Friction of rough walls on the cells beside them, implicit: u / (1 + rate |u|)."""
+    """Friction of walls on the cells beside them, implicit: u / (1 + rate |u|)."""
     c = first + wp.tid()
+    at = place_of(grid, c)
     u = now[c]
     v = u
     for axis in range(3):
         o = near[c][2 * axis]
-        d = solid[c]
-        if o >= 0:
-            d = 0.5 * (d + solid[o])
+        x = face_center(at, axis)
+        d = float(FAR)
+        if solids == 1:
+            d = solid[c]
+            if o >= 0:
+                d = 0.5 * (d + solid[o])
+        for side in range(3):
+            if side != axis:
+                if sides[2 * side] == 0:
+                    d = wp.min(d, x[side] - lower[side])
+                if sides[2 * side + 1] == 0:
+                    d = wp.min(d, upper[side] - x[side])
         if d > 0.0 and d < 1.0:
             speed = wp.length(u)
             if o >= 0:

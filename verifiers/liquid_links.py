@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,9 @@ STIRRED = 0.02
 """[m/s] Root mean square speed from which on a liquid is not still. Own choice: above the noise of particles at rest."""
 
 
+_MOTIONS: weakref.WeakKeyDictionary[Cache, dict[tuple[str, int], tuple[F64, F64]]] = weakref.WeakKeyDictionary()
+
+
 def liquid_cache(candidate: Candidate, liquid: str) -> tuple[Cache, int]:
     """Cache that holds a liquid entity, and its row in the index.
 
@@ -36,6 +40,9 @@ def liquid_cache(candidate: Candidate, liquid: str) -> tuple[Cache, int]:
 def liquid_motion(candidate: Candidate, liquid: str) -> tuple[F64, F64]:
     """Root mean square speed [m/s] and size of the momentum [N s] at every frame, each shape (frames,); 0 where none is there."""
     cache, row = liquid_cache(candidate, liquid)
+    known = _MOTIONS.setdefault(cache, {})
+    if (liquid, candidate.frame_count) in known:
+        return known[liquid, candidate.frame_count]
     density = candidate.spec.materials[candidate.spec.entities[liquid].material].density
     speed, momentum = np.zeros((2, candidate.frame_count))
     for k, found in enumerate(cache.ragged("particle/velocity", "particle/volume", "particle/fluid")[: candidate.frame_count]):
@@ -47,6 +54,7 @@ def liquid_motion(candidate: Candidate, liquid: str) -> tuple[F64, F64]:
         if own.any():
             speed[k] = np.sqrt(mass @ np.sum(velocity**2, axis=1) / mass.sum())
             momentum[k] = np.linalg.norm(mass @ velocity)
+    known[liquid, candidate.frame_count] = speed, momentum
     return speed, momentum
 
 

@@ -122,7 +122,8 @@ class Shown:
                     if new.any():
                         self.pop_spot[-1] = place(points[rows[new]].mean(axis=0))
         velocity = np.asarray(held.get("surface/velocity", np.zeros_like(held["surface/vertices"])), dtype=np.float64)
-        used = np.unique(held["surface/faces"])
+        used = np.zeros(len(velocity), dtype=bool)
+        used[held["surface/faces"]] = True
         self._before = (volume + spray, own, vertices, velocity[used])
 
     def findings(self) -> dict[str, Finding]:
@@ -218,5 +219,8 @@ def _open_edges(faces: Any) -> int:
         return 0
     n = int(faces.max()) + 1
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
-    forth, back = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
-    return int((~np.isin(forth, back)).sum())
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    # Sorted by their ends, with the direction as the last bit: the two directions of an edge cancel.
+    key = np.sort(2 * (low * n + high) + (edges[:, 0] < edges[:, 1]))
+    start = np.concatenate([[0], np.flatnonzero(np.diff(key >> 1)) + 1])
+    return int(np.abs(np.add.reduceat(2 * (key & 1) - 1, start)).sum())

@@ -112,5 +112,7 @@ def mesh_of(found: dict[str, Any], fluid: int | None = None) -> tuple[Any, Any]:
     faces = found["surface/faces"]
     if fluid is not None:
         faces = faces[found["surface/fluid"] == fluid]
-    used, number = np.unique(faces, return_inverse=True)
-    return found["surface/vertices"][used].astype(np.float64) + found["origin"], number.reshape(-1, 3).astype(np.int32)
+    used = np.zeros(len(found["surface/vertices"]), dtype=bool)
+    used[faces] = True
+    number = np.cumsum(used) - 1
+    return found["surface/vertices"][used].astype(np.float64) + found["origin"], number[faces].astype(np.int32)

@@ -1,14 +1,19 @@
 """Write `docs/accuracy.md` from the figures of `worldagent bench defects` (the last line of its standard output, as a file).
 
-python docs/generate_accuracy.py FIGURES.json
+python docs/generate_accuracy.py FIGURES.json [LATER.json ...]
+
+Later runs of some checks (`--only`) replace what earlier files say of them; the page names every run.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
+
+from worldagent.verifiers.robustness import clopper_pearson
 
 HEAD = """# Accuracy of the checks
 
@@ -23,13 +28,35 @@ Intervals: 95 %, Clopper and Pearson (1934).
 """
 
 
-def page(figures: dict[str, Any]) -> str:
-    """The page of one run."""
+def joined(runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """Figures of several runs, of each check the latest, with the totals over them."""
+    checks: dict[str, Any] = {}
+    for run in runs:
+        checks = {**checks, **run["checks"]}
+    total = {k: sum(f[k] for f in checks.values()) for k in ("broken", "detected", "clean", "false_alarms")}
+    return {
+        "checks": checks,
+        "accepted": next((r["accepted"] for r in reversed(runs) if r.get("accepted")), None),
+        "detection_95": clopper_pearson(total["detected"], total["broken"]),
+        "false_alarm_95": clopper_pearson(total["false_alarms"], total["clean"]),
+        "runs": [_run(r, None if r is runs[0] and len(runs) == 1 else r["checks"]) for r in runs],
+    }
+
+
+def _run(figures: dict[str, Any], checks: Iterable[str] | None) -> str:
     machine = figures["machine"]
+    of = "" if checks is None else f" of {', '.join(checks)}"
+    return (
+        f"Run{of} of {figures['date'][:10]}, commit `{figures['commit']}`, seed {figures['seed']}, {machine['processor']} "
+        f"({machine['cores']} cores, shared), {figures['wall_s']:.0f} s."
+    )
+
+
+def page(figures: dict[str, Any]) -> str:
+    """The page of joined runs."""
     lines = [
         HEAD,
-        f"Run of {figures['date'][:10]}, commit `{figures['commit']}`, seed {figures['seed']}, {machine['processor']} "
-        f"({machine['cores']} cores, shared), {figures['wall_s']:.0f} s.",
+        *figures["runs"],
         "",
         "| check | mechanisms broken / sound | found | 95 % | refused | 95 % | median ms per world |",
         "|---|---|---|---|---|---|---|",
@@ -73,5 +100,5 @@ def page(figures: dict[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    text = Path(sys.argv[1]).read_text().strip().splitlines()[-1]
-    (Path(__file__).parent / "accuracy.md").write_text(page(json.loads(text)))
+    found = [json.loads(Path(name).read_text().strip().splitlines()[-1]) for name in sys.argv[1:]]
+    (Path(__file__).parent / "accuracy.md").write_text(page(joined(found)))

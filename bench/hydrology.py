@@ -45,7 +45,7 @@ print(json.dumps(times))
 
 
 def _terrain(size: int) -> tuple[Grid, F64]:
-    """Fractal relief of 600 m on a slope, 10 m cells: about 4 % of the cells lie in depressions."""
+    """Fractal relief of 600 m on a slope, 10 m cells: about 20 % of the cells lie in depressions."""
     grid = Grid(size, size, CELL)
     x, y = grid.points()
     return grid, 300 * fractal(x, y, wavelength=6000, octaves=10, gain=0.5, seed=1, cell=CELL) + 0.01 * x

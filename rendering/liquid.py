@@ -24,6 +24,8 @@ WATER_AFTER_A_METRE = (0.70, 0.93, 0.975)
 """What one metre of clear water leaves of white light. Source: Pope and Fry (1997), doi:10.1364/AO.36.008710, rounded."""
 DROPS_PER_PARTICLE = 4
 """A particle of spray is drawn as so many drops of its volume together."""
+SCATTER = 2.0
+"""How far from the particle its drops may lie along each axis, in its radii."""
 BUBBLE = 0.11
 """Radius of a bubble of foam in spacings."""
 MOST_BALLS = 60_000
@@ -42,6 +44,8 @@ class Drawn(NamedTuple):
     """Centres (n, 3) [m]."""
     drop_radius: F64
     """(n,) [m]"""
+    drop_temperature: F64 | None
+    """(n,) [K]"""
     bubbles: F64
     bubble_radius: float
 
@@ -97,16 +101,12 @@ def _thinned(points: F64) -> F64:
 
 
 def _split(center: F64, radius: F64, identity: Any) -> tuple[F64, F64]:
-    """Drops of particles of spray: four each on a turned tetrahedron, of different size and the same volume together."""
-    corner = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=np.float64) / 3**0.5
+    """Drops of particles of spray: four each, scattered around the particle alike in every frame, of its volume together."""
     share = np.array([0.5, 0.28, 0.15, 0.07])
-    angle = (np.asarray(identity, dtype=np.float64) * 2.399963) % (2 * np.pi)
-    c, s = np.cos(angle), np.sin(angle)
-    turned = np.stack(
-        [c[:, None] * corner[:, 0] - s[:, None] * corner[:, 1], s[:, None] * corner[:, 0] + c[:, None] * corner[:, 1],
-         np.broadcast_to(corner[:, 2], (len(c), 4))], axis=-1
-    )  # fmt: skip
-    places = center[:, None] + 1.1 * radius[:, None, None] * turned
+    assert len(share) == DROPS_PER_PARTICLE
+    key = np.asarray(identity, dtype=np.float64)[:, None, None] * 12 + np.arange(12).reshape(4, 3)
+    scatter = 2 * ((key * 0.6180339887498949 + np.sin(key * 12.9898) * 43.758) % 1.0) - 1
+    places = center[:, None] + SCATTER * radius[:, None, None] * scatter
     sizes = radius[:, None] * np.cbrt(share)
     return places.reshape(-1, 3), sizes.reshape(-1)
 
@@ -159,16 +159,16 @@ class Liquid:
         own = found["spray/fluid"] == self.fluid
         radius = np.cbrt(found["spray/volume"][own].astype(np.float64) * 3 / (4 * np.pi))
         drops, sizes = _split(found["spray/position"][own].astype(np.float64), radius, found["spray/id"][own])
-        if len(drops) > MOST_BALLS:
-            step = -(-len(drops) // MOST_BALLS)
-            drops, sizes = drops[::step], sizes[::step]
-        heat = None
+        step = max(1, -(-len(drops) // MOST_BALLS))
+        drops, sizes = drops[::step], sizes[::step]
+        heat, drop_heat = None, None
         if "surface/temperature" in found:
+            drop_heat = np.repeat(found["spray/temperature"][own].astype(np.float64), DROPS_PER_PARTICLE)[::step]
             used = np.unique(found["surface/faces"][found["surface/fluid"] == self.fluid])
             heat = found["surface/temperature"][used].astype(np.float64)
         bubbles = found["foam/position"] if self.fluid == 0 and self.look.clear else np.empty((0, 3))
         return Drawn(
-            vertices, faces, heat, drops + found["origin"], sizes,
+            vertices, faces, heat, drops + found["origin"], sizes, drop_heat,
             _thinned(bubbles.astype(np.float64) + found["origin"]), BUBBLE * spacing,
         )  # fmt: skip
 
@@ -195,7 +195,7 @@ class Liquid:
 
 def _nothing() -> Drawn:
     none = np.empty((0, 3))
-    return Drawn(none, np.empty((0, 3), np.int32), None, none, none[:, 0], none, 0.0)
+    return Drawn(none, np.empty((0, 3), np.int32), None, none, none[:, 0], None, none, 0.0)
 
 
 def liquids_of(candidate: Candidate) -> list[Liquid]:

@@ -16,6 +16,8 @@ from .liquid import Liquid, joined_balls, liquids_of
 __all__ = ["LiquidLayer", "over", "tinted"]
 
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+MOLTEN = (0.75, 0.12, 0.015)
+"""Colour of lava in previews, which know no temperature."""
 THIN, STEEP = 0.45, 0.45
 """Opacity of clear liquid seen straight on, and what grazing sight adds."""
 
@@ -69,7 +71,7 @@ def tinted(below: F64, liquids: list[Liquid], ids: Any, normals: F64, directions
         sun: unit vector towards it.
         sky: colour that they mirror.
     """
-    color = np.array([liquid.look.color for liquid in liquids])[ids]
+    color = np.array([MOLTEN if liquid.look.glows else liquid.look.color for liquid in liquids])[ids]
     clear = np.array([liquid.look.clear for liquid in liquids])[ids]
     facing = (normals * directions).sum(1)
     normals = np.where((facing > 0)[:, None], -normals, normals)

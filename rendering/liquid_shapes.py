@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..worlds.arrays import F64, I32
-from .liquid import Drawn, Liquid, joined_balls
+from .liquid import Liquid, joined_balls
 from .liquid_light import IOR
 from .surfaces import soft_normals
 
@@ -21,6 +21,8 @@ BANDS = (0.61e-6, 0.55e-6, 0.465e-6)
 BAND_SHARE = 0.16
 """Share of daylight's power in each of the three bands: lights are given in power over all of them."""
 BAND_WIDTH = 0.1e-6
+RAMP = (600.0, 2200.0)
+"""Temperatures that colours are tabled for [K]."""
 COLD = 700.0
 """Below this lava does not glow visibly [K]."""
 
@@ -46,21 +48,24 @@ def glow(temperature: F64) -> F64:
     return np.where(hot > COLD, spectral * BAND_WIDTH / BAND_SHARE, 0.0)
 
 
-def _mesh(mi: Any, name: str, vertices: F64, faces: I32, bsdf: Any, *, color: F64 | None = None, emits: bool = False) -> Any:
-    """A smooth mesh, optionally with a colour per vertex; the emitter of one that glows takes it."""
+def _mesh(mi: Any, name: str, vertices: F64, faces: I32, bsdf: Any, *, heat: F64 | None = None) -> Any:
+    """A smooth mesh; with the temperature of its vertices (v,) [K] it glows."""
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
-    if emits:
-        properties["mesh_emitter"] = mi.load_dict(
-            {"type": "area", "radiance": {"type": "mesh_attribute", "name": "vertex_color"}}
-        )
-    mesh = mi.Mesh(name, len(vertices), len(faces), props=properties, has_vertex_normals=True, has_vertex_texcoords=False)
-    if color is not None:
-        mesh.add_attribute("vertex_color", 3, color.astype(np.float32).ravel())
+    glowing = heat is not None and bool((heat > COLD).any())
+    if glowing:
+        # A ramp over u: colours per vertex as radiance end the scalar variant of Mitsuba 3.9.
+        ramp = glow(np.linspace(*RAMP, 512)).astype(np.float32)[None]
+        texture = {"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(ramp)), "raw": True, "wrap_mode": "clamp"}
+        properties["mesh_emitter"] = mi.load_dict({"type": "area", "radiance": texture})
+    mesh = mi.Mesh(name, len(vertices), len(faces), props=properties, has_vertex_normals=True, has_vertex_texcoords=glowing)
     parameters = mi.traverse(mesh)
     parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
     parameters["vertex_normals"] = soft_normals(vertices, faces).ravel()
     parameters["faces"] = faces.astype(np.uint32).ravel()
+    if heat is not None and glowing:
+        u = (heat - RAMP[0]) / (RAMP[1] - RAMP[0])
+        parameters["vertex_texcoords"] = np.stack([u, np.full(len(u), 0.5)], axis=1).astype(np.float32).ravel()
     parameters.update()
     return mesh
 
@@ -85,15 +90,19 @@ def liquid_shapes(mi: Any, liquids: list[Liquid], frame: int) -> LiquidShapes:
     clear: dict[str, F64] = {}
     for liquid in liquids:
         drawn = liquid.drawn(frame)
-        pieces = {"liquid": (drawn.vertices, drawn.faces), "drops": joined_balls(drawn.drops, drawn.drop_radius)}
+        drop_heat = None if drawn.drop_temperature is None else np.repeat(drawn.drop_temperature, 12)
+        pieces = {
+            "liquid": (drawn.vertices, drawn.faces, drawn.temperature),
+            "drops": (*joined_balls(drawn.drops, drawn.drop_radius), drop_heat),
+        }
         size = float(np.linalg.norm(np.ptp(drawn.vertices, axis=0))) if len(drawn.vertices) else 0.0
         bsdf = _face_bsdf(mi, liquid, size)
-        for kind, (vertices, faces) in pieces.items():
+        for kind, (vertices, faces, heat) in pieces.items():
             if not len(faces):
                 continue
             name = f"{kind}-{liquid.entity}"
-            if liquid.look.glows and kind == "liquid" and drawn.temperature is not None:
-                shapes[name] = _lava(mi, name, drawn)
+            if liquid.look.glows and heat is not None:
+                shapes[name] = _lava(mi, name, vertices, faces, heat)
                 continue
             shapes[name] = _mesh(mi, name, vertices, faces, bsdf)
             if liquid.look.clear:
@@ -105,8 +114,7 @@ def liquid_shapes(mi: Any, liquids: list[Liquid], frame: int) -> LiquidShapes:
     return LiquidShapes(shapes, clear)
 
 
-def _lava(mi: Any, name: str, drawn: Drawn) -> Any:
-    assert drawn.temperature is not None
+def _lava(mi: Any, name: str, vertices: F64, faces: I32, temperature: F64) -> Any:
+    """Dark crust and the glow of its temperature."""
     crust = mi.load_dict({"type": "principled", "base_color": {"type": "rgb", "value": list(CRUST)}, "roughness": 0.8})
-    color = glow(drawn.temperature)
-    return _mesh(mi, name, drawn.vertices, drawn.faces, crust, color=color, emits=bool((color > 0).any()))
+    return _mesh(mi, name, vertices, faces, crust, heat=temperature)

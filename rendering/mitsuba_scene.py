@@ -201,7 +201,7 @@ class SceneRenderer:
         self.scene = mi.load_dict({**self._fixed, **liquid.shapes})
         self._parameters = mi.traverse(self.scene)
         depth = GLASS_DEPTH if self._glassy or liquid.clear else PATH_DEPTH
-        if liquid.clear and not self._scalar:
+        if not self._scalar and (liquid.clear or (liquid.shapes and self._panes)):
             faces, panes = [liquid.shapes[name] for name in liquid.clear], [self._fixed[name] for name in self._panes]
             self._path = liquid_integrator(mi, faces, list(liquid.clear.values()), panes, depth)
         else:

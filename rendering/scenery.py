@@ -14,6 +14,7 @@ from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
+from ..worlds.liquids import domain_box
 from ..worlds.spec import HeightField
 from .ground_look import ground_bsdf, ground_image
 from .meshes import grid_faces, grid_uv, mesh_of
@@ -52,7 +53,8 @@ def scenery_shapes(mi: Any, candidate: Candidate, eyes: Sequence[F64] = ()) -> d
         drawn = drawn_land(land)
         shapes |= _land(mi, candidate, name, land, bsdf, drawn)
         shapes |= _grounds(mi, candidate, name, land, bsdf)
-        shapes |= water_shapes(mi, name, land, candidate.spec.terrains[name].sea_level, drawn)
+        simulated = [domain_box(instance) for instance in candidate.spec.simulation.liquid.values()]
+        shapes |= water_shapes(mi, name, land, candidate.spec.terrains[name].sea_level, drawn, simulated)
         shapes |= plant_shapes(mi, candidate, name, land, seen_from)
     return shapes
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,7 +86,12 @@ def surface_height(x: F64, y: F64, height: F64, at: F64) -> F64:
 
 
 def water_shapes(
-    mi: Any, name: str, land: SavedLandscape, sea_level: float | None, drawn: tuple[F64, F64, F64]
+    mi: Any,
+    name: str,
+    land: SavedLandscape,
+    sea_level: float | None,
+    drawn: tuple[F64, F64, F64],
+    simulated: Sequence[tuple[F64, F64]] = (),
 ) -> dict[str, Any]:
     """Mitsuba objects by name.
 
@@ -95,13 +101,21 @@ def water_shapes(
         land: its landscape.
         sea_level: [m], or None.
         drawn: columns, rows and heights of the corners of the drawn land [m].
+        simulated: least and greatest corners of boxes in which a liquid is simulated: lakes and rivers are not painted there.
     """
     shapes: dict[str, Any] = {}
     if sea_level is not None and land.raw("sea").any():
         shapes |= _sea(mi, name, land, sea_level)
-    shapes |= _lakes(mi, name, land)
-    shapes |= _rivers(mi, name, land, drawn)
+    shapes |= _lakes(mi, name, land, simulated)
+    shapes |= _rivers(mi, name, land, drawn, simulated)
     return shapes
+
+
+def _unsimulated(vertices: F64, faces: np.ndarray, boxes: Sequence[tuple[F64, F64]]) -> np.ndarray:
+    """Faces whose middle lies over none of the boxes."""
+    middle = vertices[faces].mean(1)[:, :2]
+    inside = [((middle > low[:2]) & (middle < high[:2])).all(1) for low, high in boxes]
+    return faces[~np.logical_or.reduce(inside)] if inside else faces
 
 
 def _bsdf(mi: Any, color: Any, roughness: float) -> Any:
@@ -151,7 +165,7 @@ def _sea(mi: Any, name: str, land: SavedLandscape, level: float) -> dict[str, An
     return shapes
 
 
-def _lakes(mi: Any, name: str, land: SavedLandscape) -> dict[str, Any]:
+def _lakes(mi: Any, name: str, land: SavedLandscape, simulated: Sequence[tuple[F64, F64]]) -> dict[str, Any]:
     """Sheets at the level of each lake, a cell wider where the bank cuts them off."""
     lake, height = land.raw("lake"), land.field("height")
     wide_rivers = _wide(land)
@@ -171,9 +185,12 @@ def _lakes(mi: Any, name: str, land: SavedLandscape) -> dict[str, Any]:
     y = (np.arange(rows) - 0.5 * (rows - 1)) * land.cell
     xx, yy = np.meshgrid(x, y)
     vertices = np.stack([xx, yy, np.nan_to_num(surface)], axis=-1).reshape(-1, 3)[used]
+    faces = _unsimulated(vertices, faces.reshape(-1, 3), simulated)
+    if not len(faces):
+        return {}
     image = _depth_color(np.nan_to_num(surface - height), FRESH, SHALLOW)
     bsdf = _bsdf(mi, _picture(mi, image), 0.06)
-    return {f"lakes-{name}": mesh_of(mi, f"lakes-{name}", vertices, faces.reshape(-1, 3), bsdf, uv=grid_uv(land, vertices))}
+    return {f"lakes-{name}": mesh_of(mi, f"lakes-{name}", vertices, faces, bsdf, uv=grid_uv(land, vertices))}
 
 
 def _wide(land: SavedLandscape) -> np.ndarray:
@@ -184,7 +201,9 @@ def _wide(land: SavedLandscape) -> np.ndarray:
     return np.asarray(ndimage.binary_opening(flowing, np.ones((2, 2))))
 
 
-def _rivers(mi: Any, name: str, land: SavedLandscape, drawn: tuple[F64, F64, F64]) -> dict[str, Any]:
+def _rivers(
+    mi: Any, name: str, land: SavedLandscape, drawn: tuple[F64, F64, F64], simulated: Sequence[tuple[F64, F64]]
+) -> dict[str, Any]:
     """Ribbons: as wide as the river, laid on the drawn land where the grid is too coarse for its bed."""
     x, y, height = drawn
     solid = np.nan_to_num(height, nan=float(np.nanmin(height)))
@@ -206,5 +225,9 @@ def _rivers(mi: Any, name: str, land: SavedLandscape, drawn: tuple[F64, F64, F64
         start += count * len(across)
     if not pieces:
         return {}
+    vertices = np.concatenate(pieces)
+    shown = _unsimulated(vertices, np.concatenate(faces), simulated)
+    if not len(shown):
+        return {}
     bsdf = _bsdf(mi, _plain((0.02, 0.06, 0.07)), 0.08)
-    return {f"rivers-{name}": mesh_of(mi, f"rivers-{name}", np.concatenate(pieces), np.concatenate(faces), bsdf, smooth=True)}
+    return {f"rivers-{name}": mesh_of(mi, f"rivers-{name}", vertices, shown, bsdf, smooth=True)}

@@ -14,6 +14,7 @@ which is that of the particles.
 | `surface/temperature` | f4 (v,) | [K]; only where particles have one |
 | `spray/position`, `spray/velocity` | f4 (s, 3) | particles apart from the liquid, left out of the meshes |
 | `spray/volume`, `spray/fluid`, `spray/id` | f4, i4, i4 (s,) | |
+| `spray/temperature` | f4 (s,) | [K]; only where particles have one |
 | `foam/position` | f4 (f, 3) | bubbles on the surface; they carry no mass |
 | `foam/id`, `foam/amount` | i4, f4 (k,) | particles that carry foam, 0..1: the state that the next frame continues from |
 | `record/surface_volume`, ... | f8 () | quantities of `worlds/records.py` |

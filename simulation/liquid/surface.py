@@ -202,6 +202,8 @@ def surface_frame(
         "foam/id": state.identity,
         "foam/amount": state.amount,
     }
+    if "particle/temperature" in data:
+        channels["spray/temperature"] = data["particle/temperature"][spray]
     channels |= {f"record/{k}": np.float64(v) for k, v in records.items()}
     return channels, _State(identity[spray], state)
 

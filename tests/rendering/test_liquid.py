@@ -238,3 +238,26 @@ def test_light_reaches_the_ground_under_water_and_is_absorbed_along_its_way(tmp_
     np.testing.assert_allclose(found["clear"], 0.98**2 / 1.333**2 / (1 - 0.05 * held) * found["dry"], rtol=0.03)
     way = 2 * DEPTH
     np.testing.assert_allclose(found["tinted"] / found["clear"], np.array([0.2, 0.5, 0.9]) ** way, rtol=0.04)
+
+
+def test_lava_is_drawn_with_the_heat_of_its_surface_and_of_its_drops(tmp_path: Path) -> None:
+    """Hot lava is brighter than cold, from its faces and from its drops, in a scene without any other light."""
+    spec = specification({"substance": "lava", "density": 2700})
+    built = {n: build_entity(spec, n, tmp_path) for n in spec.entities}
+    dark = {"none": {"type": "constant", "radiance": {"type": "rgb", "value": 1e-6}}}
+    seen = []
+    for kelvin in (600.0, 1400.0):
+        cache = Cache(tmp_path / f"{kelvin:g}")
+        cache.folder.mkdir()
+        cache.write_index(CacheIndex("sea", "dfsph", 24, 1, ("water",), (), (), (), "", {}))
+        data = particles()
+        data["particle/temperature"] = np.full(len(data["particle/id"]), kelvin, dtype=np.float32)
+        cache.begin_digests([write_container(cache.path(0), data)])
+        mesh_surfaces(cache)
+        candidate = Candidate(tmp_path, spec, built, "full", {"sea": cache})
+        drawn = liquids_of(candidate)[0].drawn(0)
+        assert drawn.drop_temperature is not None
+        assert drawn.temperature is not None
+        np.testing.assert_allclose([drawn.temperature.min(), drawn.drop_temperature.max()], kelvin, rtol=1e-3)
+        seen.append(SceneRenderer(candidate, lights=dark).radiance(ABOVE, 4).mean())
+    assert seen[1] > 1000 * seen[0]

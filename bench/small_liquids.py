@@ -38,6 +38,7 @@ def tank_spec(
     crate_at: float | None = 0.26,
     engine: str = "dfsph",
     coupled: bool = True,
+    closed: bool = False,
     **changes: Any,
 ) -> dict[str, Any]:
     """A specification without its prompt; `changes` replace top-level members.
@@ -50,6 +51,7 @@ def tank_spec(
         crate_at: height of the crate's centre at frame 0 [m]; None: no crate.
         engine: of the liquid.
         coupled: whether water and crate act on each other.
+        closed: whether the domain's own walls, just inside the tank's, hold the water.
     """
     x, y, z = INNER
     outer = (x + 2 * WALL, y + 2 * WALL, z + WALL)
@@ -61,6 +63,9 @@ def tank_spec(
         "back": _box((x, WALL, z), (0, (y + WALL) / 2, z / 2)),
     }
     crate = crate_at is not None
+    domain: dict[str, Any] = {"center": [0, 0, 0.2], "size": [0.6, 0.6, 0.6]}
+    if closed:
+        domain = {"center": [0, 0, 0.3], "size": [x, y, 0.6], "sides": ["closed"] * 5 + ["open"]}
     spec: dict[str, Any] = {
         "title": "A tank of water",
         "clauses": {"c1": {"met_by": ["/entities/water", "/entities/tank", *(["/story/beats/drop"] if crate else [])]}},
@@ -93,7 +98,7 @@ def tank_spec(
             "frames": frames,
             "solvers": {
                 "rigid": {"engine": "mujoco", "members": ["tank", *(["crate"] if crate else [])]},
-                "water": {"engine": engine, "members": ["water"], "settings": {"domain": {"center": [0, 0, 0.2], "size": [0.6, 0.6, 0.6]}}},
+                "water": {"engine": engine, "members": ["water"], "settings": {"domain": domain}},
             },
             "couplings": {
                 "float": {"source": "water", "target": "rigid", "direction": "two_way", "variables": ["motion", "wrench"]},

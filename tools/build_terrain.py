@@ -48,6 +48,16 @@ def build_terrain(
     material: Annotated[
         str | None, Field(description="Material id; default: the first stone, concrete or other material")
     ] = None,
+    liquid: Annotated[
+        str | None,
+        Field(
+            description="With terrain: id of a liquid entity to make of the water in the cut, with its domain and an inflow where a river enters"
+        ),
+    ] = None,
+    spacing: Annotated[
+        float | None,
+        Field(gt=0, le=100, description="With liquid: particle spacing or cell size [m]; default a quarter of a cell"),
+    ] = None,
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
     wait_s: Annotated[float, Field(ge=0, le=240, description="With terrain: seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
@@ -55,7 +65,8 @@ def build_terrain(
 
     With terrain: builds the landscape declared under /terrains/<id> (height layers, erosion, lakes, rivers, ground materials,
     plants), checks it, and cuts the ground that bodies stand on from it, in world coordinates. Declare it first with
-    edit_spec: skill://outdoor-terrain/SKILL.md. See it with render_shot(kind='field').
+    edit_spec: skill://outdoor-terrain/SKILL.md. See it with render_shot(kind='field'). Its water is a surface to look at; with liquid
+    the water inside the cut is simulated: lakes and rivers start filled to their level, rivers bring their discharge.
     Without: flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside
     plain_radius. The ground becomes a member of the first solver instance. Lengths in m. Needs a material.
     Not for: floors, tables and other flat things, which a static box does better (edit_spec). Repeating it with the same
@@ -65,6 +76,8 @@ def build_terrain(
 
     if re.match(ID_PATTERN, entity) is None:
         raise InputError(f"entity id {entity!r} must match {ID_PATTERN}, e.g. 'ground'")
+    if liquid is not None and re.match(ID_PATTERN, liquid) is None:
+        raise InputError(f"entity id {liquid!r} must match {ID_PATTERN}, e.g. 'river'")
     if size is not None and not all(0.5 <= s <= 2000 for s in size):
         raise InputError(f"size {size} m is out of range; allowed 0.5 to 2000 m along each side")
     session = Session.open(context.workspace, world)
@@ -79,8 +92,11 @@ def build_terrain(
             "size": size,
             "cells": cells or 96,
             "material": material,
+            **({"liquid": liquid, "spacing": spacing} if liquid is not None else {}),
         }
         return _landscape(context, session, {**asked, "hypothesis": hypothesis}, wait_s)
+    if liquid is not None:
+        raise InputError("liquid makes an entity of a landscape's water; give terrain, too")
     if cells is not None and cells > 200:
         raise InputError(f"cells {cells} is out of range without terrain; allowed 2 to 200")
     return _plain(session, entity, kind, size or (20.0, 20.0), cells or 48, (relief, plain_radius, seed), material, hypothesis)

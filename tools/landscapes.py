@@ -86,6 +86,22 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     }
     operations: list[dict[str, Any]] = [{"op": "add", "path": f"/entities/{entity}", "value": contract}]
     operations += membership(spec, entity)
+    water: dict[str, Any] = {}
+    if payload.get("liquid"):
+        from .waters import water_operations
+
+        spacing = payload.get("spacing") or 0.25 * max(patch.size) / payload["cells"]
+        more, water = water_operations(
+            session.folder,
+            spec,
+            land,
+            file=patch.file,
+            center=tuple(center),
+            size=patch.size,
+            liquid=payload["liquid"],
+            spacing=spacing,
+        )
+        operations += more
     after = apply_patch(spec, operations)
     data: dict[str, Any] = {}
     if after != spec:
@@ -93,6 +109,7 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         data |= session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""))
     report = session.audit()
     data |= {"built": fresh, **describe(land), "ground": {"entity": entity, "center": list(center), **patch._asdict()}}
+    data |= {"water": water} if water else {}
     if report.passed:
         rows, changed, _ = session.check_static()
         data |= {"changed_rows": len(changed), **summary(rows, static=True)}

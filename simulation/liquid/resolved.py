@@ -77,11 +77,12 @@ def _require_passages(setup: LiquidSetup, static: Sequence[PlacedSolid]) -> None
     grid = _grid(setup)
     if grid is None or not static:
         return
-    points, shape, pitch = grid
+    axes, points, pitch = grid
+    shape = (len(axes[0]), len(axes[1]), len(axes[2]))
     blocked = np.zeros(len(points), dtype=bool)
     owner = np.full(len(points), -1, dtype=np.int32)
     for number, solid in enumerate(static):
-        within = solid.inside(points)
+        within = solid.inside_lattice(axes).reshape(-1)
         owner[within & ~blocked] = number
         blocked |= within
     free = (~blocked & _reachable(setup, points)).reshape(shape)
@@ -117,13 +118,13 @@ def _reachable(setup: LiquidSetup, points: F64) -> NDArray[np.bool_]:
     return np.asarray(points @ up <= max(tops))
 
 
-def _grid(setup: LiquidSetup) -> tuple[F64, tuple[int, int, int], float] | None:
+def _grid(setup: LiquidSetup) -> tuple[list[F64], F64, float] | None:
     for pitch in (PITCH * setup.spacing, setup.spacing):
         counts = np.maximum(1, np.round((setup.upper - setup.lower) / pitch)).astype(int)
         if int(np.prod(counts)) <= MOST_CELLS:
             axes = [setup.lower[k] + pitch * (np.arange(counts[k]) + 0.5) for k in range(3)]
             points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-            return points, (int(counts[0]), int(counts[1]), int(counts[2])), pitch
+            return axes, points, pitch
     return None
 
 

@@ -40,8 +40,6 @@ WET = 2.0
 """Spacings from a side of the domain within which liquid can feel it."""
 TENSION = 0.1
 """Own choice: share of the surface energy of all liquid in one cube that drops may give back as they merge."""
-LEAST_RISE = 0.02
-"""Own choice: least energy scale, weight times this many spacings times 100: noise of a tank at rest is no growth."""
 
 
 class Energy:
@@ -59,7 +57,7 @@ class Energy:
         self.given: list[float] = []
         self.doubt: list[float] = []
         self.driven: list[bool] = []
-        self.half_height = 0.0
+        self.half_height = self.one_spacing = 0.0
         self.tension = 0.0
 
     def see(self, step: Step) -> None:
@@ -71,6 +69,7 @@ class Energy:
         self.kinetic.append(0.5 * float(frame.mass @ squared))
         self.potential.append(liquid.strength * float(frame.mass @ height))
         weight = liquid.strength * float(frame.mass.sum())
+        self.one_spacing = max(self.one_spacing, weight * liquid.spacing)
         low, top = (float(np.quantile(height, q)) for q in (0.0, 0.999)) if frame.count else (0.0, 0.0)
         self.half_height = max(self.half_height, 0.5 * weight * (top - low))
         strongest = max(liquid.physics(m).surface_tension for m in liquid.members)
@@ -118,8 +117,8 @@ class Energy:
         at = np.array([int(np.argmin(energy[: k + 1])) for k in range(len(energy))])
         doubts = np.cumsum(self.doubt)
         rise = energy - lowest - (doubts - doubts[at])
-        mass_rest = self.half_height * LEAST_RISE
-        scale = max(float(kinetic.max()) + float(np.ptp(potential - np.cumsum(self.given))), mass_rest, 1e-12)
+        # What all of it would gain by a rise of one spacing, so that particles that settle at rest are no growth.
+        scale = max(float(kinetic.max()) + float(np.ptp(potential - np.cumsum(self.given))), self.one_spacing, 1e-12)
         bound = self.liquid.candidate.spec.simulation.limits.energy_growth
         excess = (rise - self.tension) / scale
         hints = (

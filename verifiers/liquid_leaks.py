@@ -41,6 +41,8 @@ SLACK = 6
 """[cubes] How far around a particle's way another one is searched, at least."""
 POCKET = 64
 """[cubes] Open spaces smaller than this, between surfaces that nearly touch, count as closed: no liquid is resolved in them."""
+PATIENCE = 6
+"""Frames after which particles that stay next to a surface are asked on which side they are."""
 SOME = 2000
 """Most ways searched per barrier and frame; further ones count like these in proportion."""
 
@@ -123,7 +125,7 @@ class Barrier:
 
 @dataclass
 class _Waiting:
-    """Particles in closed cubes, and where they were last in an open one (in the barrier's frame)."""
+    """Particles in closed cubes, and where they were last in an open one, or the one next to where they began (barrier's frame)."""
 
     identity: NDArray[np.int64]
     position: F64
@@ -203,6 +205,8 @@ class Leaks:
             start[where[found]] = held.position[found]
         shut = np.zeros(frame.count, dtype=bool)
         shut[near] = barrier.is_closed(here[near])
+        lost = np.flatnonzero(shut & np.isnan(start[:, 0]))
+        start[lost] = _beside(barrier, here[lost])
         keep = shut & ~np.isnan(start[:, 0])
         self.waiting[number] = _Waiting(frame.identity[keep], start[keep])
         rows = np.flatnonzero(~shut & ~np.isnan(start[:, 0]))
@@ -210,6 +214,12 @@ class Leaks:
             np.minimum(start[rows], here[rows]) - barrier.high, barrier.low - np.maximum(start[rows], here[rows])
         ).max(axis=1, initial=-np.inf)
         self._judge(number, barrier, frame.index, rows[reach <= 0.0], start, here, frame.identity)
+        if frame.index % PATIENCE == 0 or frame.index == self.liquid.frames - 1:
+            # What stays in closed cubes is where the nearest open one is.
+            rows = np.flatnonzero(keep)
+            here = here.copy()
+            here[rows] = _beside(barrier, here[rows])
+            self._judge(number, barrier, frame.index, rows[~np.isnan(here[rows, 0])], start, here, frame.identity)
 
     def _judge(
         self, number: int, barrier: Barrier, index: int, rows: Rows, start: F64, here: F64, identity: NDArray[np.int64]
@@ -217,7 +227,9 @@ class Leaks:
         through = rows[_blocked(barrier, start[rows], here[rows])]
         if len(through) > SOME:
             through = through[np.linspace(0, len(through) - 1, SOME).astype(np.intp)]
-        bad = [r for r in through if not self._connected(number, barrier, start[r], here[r])]
+        bad = [
+            r for r in through if int(identity[r]) not in self.leaked and not self._connected(number, barrier, start[r], here[r])
+        ]
         if bad:
             self.leaked |= set(identity[bad].tolist())
             middle = np.array([_middle(barrier, start[r], here[r]) for r in bad])
@@ -295,6 +307,21 @@ def _blocked(barrier: Barrier, start: F64, end: F64) -> NDArray[np.bool_]:
         for s in np.linspace(0.0, 1.0, 4 * int(low))[1:-1] if len(mine) else ():
             mine = mine[~result[mine]]
             result[mine] = barrier.is_closed(start[mine] + s * (end[mine] - start[mine]))
+    return result
+
+
+def _beside(barrier: Barrier, points: F64) -> F64:
+    """Middle of the open cube nearest to each point in a closed one; NaN where none is within two cubes."""
+    result = np.full(points.shape, np.nan)
+    steps = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    cell, _ = barrier.cells(points)
+    least = np.full(len(points), np.inf)
+    for step in steps:
+        middle = barrier.low + (cell + step + 0.5) * barrier.cube
+        gap = np.linalg.norm(middle - points, axis=1)
+        rows = np.flatnonzero(gap < least)
+        rows = rows[~barrier.is_closed(middle[rows])]
+        least[rows], result[rows] = gap[rows], middle[rows]
     return result
 
 

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Motion", "Trapped"]
 
-JUMP = 1.0
-"""[spacings] Displacement in a frame beyond what velocities and gravity explain."""
+JUMP = {"dfsph": 1.0, "flip": 2.0}
+"""[spacings] Displacement in a frame beyond what velocities and gravity explain; markers move by the grid's velocity, not by their
+own (measured 1.2 in a dam break)."""
 JET = 2.0
 """Own choice: impinging water rises in jets faster than it fell; measured run-ups and plunging jets stay below twice."""
 SPIKES = 1e-3
@@ -35,20 +36,22 @@ LIMIT = 2.0
 JITTER_SECONDS = 0.5
 JITTER_WAY = 5.0
 """Way within that time over spacing, from which on a particle that stays within one spacing jitters."""
-TRAPPED = 1e-3
-"""Own choice: share of the particles that may."""
+TRAPPED = 5e-3
+"""Own choice: share of the particles that may; never less than FEW. Single particles in thin splashes do (measured 3 of 800)."""
+FEW = 8
 
 
 class Motion:
     """Displacements and speeds."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "jumps": f"displacement per frame is what velocities explain within {JUMP:g} spacings",
+        "jumps": "displacement per frame is what velocities explain, within one spacing (two cells)",
         "spikes": f"at most {SPIKES:g} of the particles are faster than {JET:g} times what energy allows, none {LIMIT:g} times faster still",
     }
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)
+        self.allowed = JUMP[liquid.plan.engine]
         self.jump: list[float] = []
         self.worst_jump: tuple[float, int, list[float], float] | None = None
         self.over: list[float] = []
@@ -77,10 +80,10 @@ class Motion:
         excess = (missed - allowed) / s
         worst = int(np.argmax(excess))
         self.jump.append(max(0.0, float(excess[worst])))
-        if self.worst_jump is None and excess[worst] > JUMP:
+        if self.worst_jump is None and excess[worst] > self.allowed:
             self.worst_jump = (
                 float(np.linalg.norm(moved[worst])),
-                int((excess > JUMP).sum()),
+                int((excess > self.allowed).sum()),
                 place(frame.position[step.here[worst]]),
                 float(speeds[worst]),
             )
@@ -121,12 +124,12 @@ class Motion:
         if not self.over:
             raise EvidenceError("the cache holds no frame")
         hints = (longer_step(self.liquid, "the step is too long"), baked_again())
-        found = first_over(np.array(self.jump), JUMP, "spacings", "displacement beyond what velocities explain", hints)
+        found = first_over(np.array(self.jump), self.allowed, "spacings", "displacement beyond what velocities explain", hints)
         evidence: dict[str, object] = {}
         if self.worst_jump is not None:
             moved, count, where, speed = self.worst_jump
             evidence = {"place": where, "particles": count, "displacement_m": moved, "speed_sum": speed}
-        jumps = Finding(found.status, found.text, found.measured, JUMP, "spacings", None, found.frame, hints, evidence)
+        jumps = Finding(found.status, found.text, found.measured, self.allowed, "spacings", None, found.frame, hints, evidence)
         return {"jumps": jumps, "spikes": self._found_spikes()}
 
     def _found_spikes(self) -> Finding:
@@ -193,7 +196,7 @@ class Trapped:
         rate = way / np.maximum(frame.index - since, 1) * self.window
         bad = long & (rate > JITTER_WAY * self.liquid.spacing)
         self.share.append(float(bad.sum()) / max(frame.count, 1))
-        if self.first is None and bad.sum() > max(1.0, TRAPPED * frame.count):
+        if self.first is None and bad.sum() > max(FEW, TRAPPED * frame.count):
             self.first = (frame.index, int(bad.sum()), place(np.median(frame.position[bad], axis=0)))
 
     def findings(self) -> dict[str, Finding]:

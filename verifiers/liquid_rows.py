@@ -74,7 +74,7 @@ def liquid_row(
         first_failing_entity=(found.entity or named[0]) if failed else None,
         first_failing_frame=(0 if found.frame is None else found.frame) if failed else None,
         corrections=found.hints,
-        evidence={"solver": solver, **(found.evidence or {})},
+        evidence={"solver": solver, "category": "liquid", **(found.evidence or {})},
         extra=candidate.spec.simulation.limits.model_dump(mode="json"),
     )
 

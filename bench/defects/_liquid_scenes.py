@@ -18,13 +18,13 @@ CRATE = 0.12
 """Edge of the floating crate [m]: six spacings, half of them under water."""
 
 
-def pool(rng: np.random.Generator, *, frames: int = 24, **more: Any) -> Flow:
+def pool(rng: np.random.Generator, *, frames: int = 18, **more: Any) -> Flow:
     """Still water in an open tank of random size."""
     size = tuple(SPACING * float(n) for n in rng.integers((14, 10, 6), (20, 14, 9)))
     return pool_in_tank(size=size, spacing=SPACING, **{"wall": float(rng.uniform(0.015, 0.04)), "frames": frames, **more})
 
 
-def slosh(rng: np.random.Generator, *, amplitude: float = 0.004, frames: int = 24) -> Flow:
+def slosh(rng: np.random.Generator, *, amplitude: float = 0.004, frames: int = 18) -> Flow:
     """Water that sways slowly to and fro in a tank as one: the least mode of a shallow tank, each particle on its ellipse.
 
     Deep-water kinematics of a standing wave (Lamb, Hydrodynamics, art. 227): displacement along x a sinh, along z a cosh.
@@ -43,7 +43,7 @@ def slosh(rng: np.random.Generator, *, amplitude: float = 0.004, frames: int = 2
     return flow.edited(position=position, velocity=velocity)
 
 
-def crate_afloat(rng: np.random.Generator, *, frames: int = 24, sinking: float = 0.0, density: float = 500.0) -> Flow:
+def crate_afloat(rng: np.random.Generator, *, frames: int = 18, sinking: float = 0.0, density: float = 500.0) -> Flow:
     """A crate at its draft in a tank, coupled both ways; it sinks at `sinking` g where the water gives it that much less."""
     crate = sw.box(CRATE, CRATE, CRATE, motion="dynamic", at=(0, 0, 0)).model_copy(update={"material": "cork"})
     depth = 0.2

@@ -370,9 +370,9 @@ SUITE = Suite(
         _defect("hovering", "a chunk of water falls too slowly", hovering, 0.26, 1.0, "g", 0.25),
         _defect("boiling", "still water quivers", boiling, 0.08, 0.5, "m/s"),
         _defect("drifting", "water speeds up sideways by itself", drifting, 0.03, 1.0, "g", 0.02),
-        _defect("rising", "swaying water gains energy", rising, 0.2, 1.0, "1"),
+        _defect("rising", "swaying water gains energy", rising, 0.6, 2.0, "1"),
         _defect("crushed", "water is pressed together while its records say otherwise", crushed, 0.06, 0.5, "1", 0.03),
-        _defect("popping", "the surface jumps at one frame", popping, 0.022, 0.5, "1", 0.02),
+        _defect("popping", "the surface jumps at one frame", popping, 0.011, 0.5, "1", 0.01),
         _defect("stray_chunk", "a piece of surface where no liquid is", stray_chunk, 3.5, 20.0, "spacings", 2.0),
         _clean("pool", "still water in tanks of many sizes", lambda rng, m: scenes.pool(rng)),
         _clean(

@@ -193,7 +193,9 @@ class Shown:
                 sudden.hints,
                 {"place": self.pop_spot[sudden.frame]},
             )
-        return first_over(np.array(self.jump), POP, "1", "change of the surface's volume in a frame without a source", (hint,))
+        allowed = np.array([POP[c] for c in self.calm])
+        text = "change of the surface's volume in a frame without a source, over what is allowed,"
+        return first_over(np.array(self.jump) / allowed, 1.0, "1", text, (hint,))
 
 
 def _measures(vertices: F64, faces: Any) -> tuple[float, float]:

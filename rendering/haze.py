@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["VISIBILITY_M", "hazed"]
 
-VISIBILITY_M = 160_000.0
+VISIBILITY_M = 220_000.0
 """Distance at which a black object is lost against the sky [m]: very clear sea air; the eye that a picture is for has more range than its eight bits."""
 ABOVE = 3.0e4
 """Height from which the sky is looked at [m]: nothing stands before it there."""

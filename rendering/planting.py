@@ -18,6 +18,7 @@ from ..worlds.landscape import SavedLandscape
 from ..worlds.spec import HeightField
 from .meshes import mesh_of
 from .plants import Form, form_of, placed
+from .waters import surface_height
 
 __all__ = ["eyes_of", "free_plants", "nearest_eye", "plant_color", "plant_shapes"]
 
@@ -36,9 +37,9 @@ FOLIAGE = {"broad": (0.045, 0.09, 0.02), "cone": (0.03, 0.075, 0.03), "palm": (0
            "tuft": (0.13, 0.17, 0.05), "column": (0.10, 0.17, 0.07), "rock": (0.16, 0.15, 0.14)}  # fmt: skip
 BARK = (0.11, 0.08, 0.055)
 TINTS = ((0.75, 0.85, 0.8), (1.0, 1.0, 1.0), (1.3, 1.15, 0.9))
-TURF_M = 28.0
+TURF_M = 30.0
 """Grass grows in pictures so far around a camera near the ground [m]: blades are a texture of the ground, no instances of the world."""
-TURF = 9000
+TURF = 24_000
 
 
 def eyes_of(candidate: Candidate, own: Sequence[F64] = ()) -> F64:
@@ -85,15 +86,17 @@ def _footprints(candidate: Candidate) -> list[tuple[F64, float]]:
     return found
 
 
+Fields = Sequence[tuple[F64, F64, F64]]
+"""Columns, rows and heights of grounds [m]."""
 Meshes = dict[tuple[float, float, float], list[tuple[F64, np.ndarray]]]
 
 
-def plant_shapes(mi: Any, candidate: Candidate, name: str, land: SavedLandscape, eyes: F64) -> dict[str, Any]:
+def plant_shapes(mi: Any, candidate: Candidate, name: str, land: SavedLandscape, eyes: F64, fields: Fields) -> dict[str, Any]:
     """Mitsuba objects of the plants and stones of a landscape, and of the turf near its cameras."""
     meshes: Meshes = {}
     if "plant_position" in land.names:
         _stand(candidate, land, eyes, meshes)
-    _turf(candidate, land, eyes, meshes)
+    _turf(candidate, land, eyes, fields, meshes)
     shapes = {}
     for count, (color, pieces) in enumerate(sorted(meshes.items())):
         starts = np.cumsum([0, *(len(v) for v, _ in pieces)])
@@ -139,16 +142,12 @@ def _add(meshes: Meshes, form: Form, shape: str, tint: int, where: tuple[F64, F6
         meshes.setdefault((red, green, blue), []).append(placed(part, *where))
 
 
-def _turf(candidate: Candidate, land: SavedLandscape, eyes: F64, meshes: Meshes) -> None:
+def _turf(candidate: Candidate, land: SavedLandscape, eyes: F64, fields: Fields, meshes: Meshes) -> None:
     """Grass and stones on the ground near cameras that are near it, where the cover lets them be."""
     rows, cols = land.shape
     height, wet, bed = land.field("height"), land.raw("wet").astype(bool), land.raw("bed").astype(bool)
     moist, soil = land.field("moisture"), land.field("soil_depth")
     sand = np.isin(land.raw("cover"), [k for k, n in enumerate(land.about["cover"]) if n in ("bare-rock", "river-sediment")])
-    grounds = [
-        (candidate.pose(n, 0), candidate.entity(n)) for n in sorted(candidate.built)
-        if any(isinstance(p.shape, HeightField) for p in candidate.spec.entities[n].parts.values())
-    ]  # fmt: skip
     bare = _footprints(candidate)
     rng = np.random.default_rng(13)
     for eye in np.unique(np.round(eyes, 0), axis=0):
@@ -164,7 +163,7 @@ def _turf(candidate: Candidate, land: SavedLandscape, eyes: F64, meshes: Meshes)
         z = _bilinear(height, u, v)
         if not np.isfinite(z).any() or eye[2] - np.nanmin(z) > TURF_M:
             continue
-        z = _on_grounds(grounds, at, z)
+        z = _on_grounds(fields, at, z)
         free = ~wet[r, c] & ~bed[r, c] & np.isfinite(z)
         for center, reach in bare:
             free &= np.hypot(*(at - center).T) > reach
@@ -186,17 +185,9 @@ def _bilinear(field: F64, u: F64, v: F64) -> F64:
     return np.asarray(ndimage.map_coordinates(field, [v, u], order=1, mode="nearest"))
 
 
-def _on_grounds(grounds: list[Any], at: F64, z: F64) -> F64:
+def _on_grounds(fields: Fields, at: F64, z: F64) -> F64:
     """Heights of the grounds that entities carry, where points lie over one."""
-    from scipy.interpolate import griddata
-
-    for pose, entity in grounds:
-        for part in entity.parts:
-            top = pose.apply(part.render.vertices[: len(part.render.vertices) // 2])
-            low, high = at.min(0) - 10, at.max(0) + 10
-            near = ((top[:, :2] > low) & (top[:, :2] < high)).all(1)
-            if near.sum() < 4:
-                continue
-            found = griddata(top[near, :2], top[near, 2], at, method="linear")
-            z = np.where(np.isfinite(found), found, z)
+    for x, y, height in fields:
+        inside = (at[:, 0] >= x[0]) & (at[:, 0] <= x[-1]) & (at[:, 1] >= y[0]) & (at[:, 1] <= y[-1])
+        z[inside] = surface_height(x, y, height, at[inside])
     return z

@@ -191,8 +191,10 @@ def _broad(rng: np.random.Generator, near: bool) -> Form:
     weight = np.ones(len(points))
     for k in range(len(points) - 1, 0, -1):
         weight[parent[k]] += weight[k]
-    thick = 0.028 * np.sqrt(weight / weight[0])
-    parts = [_stem(points[parent[k]], points[k], thick[parent[k]], thick[k], 5) for k in range(1, len(points))]
+    thick = 0.019 * np.sqrt(weight / weight[0])
+    parts = [
+        _stem(points[parent[k]], points[k], thick[parent[k]], thick[k], 8 if weight[k] > 8 else 4) for k in range(1, len(points))
+    ]
     tips = points[(children == 0) | (weight < 5)]
     chosen = tips[rng.choice(len(tips), min(LEAF_CLUSTERS * 2, len(tips) * 3))] + rng.normal(
         scale=0.03, size=(min(LEAF_CLUSTERS * 2, len(tips) * 3), 3)

@@ -13,7 +13,9 @@ from ..worlds.arrays import F64, compose
 from ..worlds.candidate import Candidate
 from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
+from .land_preview import LandLayer
 from .liquid_preview import LiquidLayer, over, tinted
+from .scenery import cut_from
 from .shades import pattern_shade
 from .textures import F32
 from .views import active, camera_for, focus_bounds, part_frame
@@ -38,6 +40,12 @@ class PreviewRenderer:
         solid = [name for name in sorted(candidate.built) if name not in candidate.liquids]
         self.parts = [(name, part) for name in solid for part in candidate.built[name].parts]
         self._layer = LiquidLayer(candidate)
+        self._land: LandLayer | None = None
+        self._grounds: dict[str, list[int]] = {}
+        for k, (name, _) in enumerate(self.parts):
+            land = cut_from(candidate, name)
+            if land is not None:
+                self._grounds.setdefault(land, []).append(k)
         liquid = [one.entity for one in self._layer.liquids]
         self.entities = sorted([*solid, *liquid])
         self._caster = IdCaster([part.render for _, part in self.parts])
@@ -126,6 +134,8 @@ class PreviewRenderer:
         light = 0.95 * lambert[:, None] * np.array([1.0, 0.95, 0.86]) + _mix((0.17, 0.16, 0.15), (0.36, 0.42, 0.50), sky[:, None])
         shade = self._shade(frame, image.ids[hit], points, normals)
         picture[hit] = self._colors[image.ids[hit]] * shade[:, None] * light + gloss[:, None]
+        if self.candidate.spec.terrains:
+            image = self._paint_land(image, picture, camera, sun)
         if self._layer.liquids:
             image = over(image, self._layer.cast(frame, camera), len(self.parts))
             wet = image.ids >= len(self.parts)
@@ -140,6 +150,14 @@ class PreviewRenderer:
         shown[edges] = (shown[edges] * 0.45).astype(np.uint8)
         caption(shown, self._label(frame))
         return shown
+
+    def _paint_land(self, image: IdImage, picture: F64, camera: Camera, sun: F64) -> IdImage:
+        """Paint landscapes into a picture; what they hide, and the ground they carry, is no entity any more."""
+        self._land = self._land or LandLayer(self.candidate)
+        ground = {n: np.isin(image.ids, parts) for n, parts in self._grounds.items() if n in self._land.lands}
+        depth = self._land.paint(picture, image.depth, ground, camera, sun).astype(np.float32)
+        hidden = (depth < image.depth) | np.any([*ground.values(), np.zeros_like(image.ids, dtype=bool)], axis=0)
+        return IdImage(np.where(hidden, -1, image.ids), depth, image.normals)
 
     def _shade(self, frame: int, ids: Any, points: F64, normals: F64) -> F64:
         """Share of the material's colour at points of parts, by their patterns; shape (n,)."""

@@ -17,7 +17,7 @@ from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.liquids import domain_box
 from ..worlds.spec import HeightField
 from .ground_look import ground_bsdf, ground_image
-from .meshes import grid_faces, grid_uv, mesh_of
+from .meshes import grid_faces, grid_uv, mesh_of, top_of
 from .planting import eyes_of, plant_shapes
 from .waters import water_shapes
 
@@ -54,8 +54,9 @@ def scenery_shapes(mi: Any, candidate: Candidate, eyes: Sequence[F64] = ()) -> d
         shapes |= _land(mi, candidate, name, land, bsdf, drawn)
         shapes |= _grounds(mi, candidate, name, land, bsdf)
         simulated = [domain_box(instance) for instance in candidate.spec.simulation.liquid.values()]
-        shapes |= water_shapes(mi, name, land, candidate.spec.terrains[name].sea_level, drawn, simulated)
-        shapes |= plant_shapes(mi, candidate, name, land, seen_from)
+        fields = ground_fields(candidate, name)
+        shapes |= water_shapes(mi, name, land, candidate.spec.terrains[name].sea_level, [drawn, *fields], simulated)
+        shapes |= plant_shapes(mi, candidate, name, land, seen_from, fields)
     return shapes
 
 
@@ -102,12 +103,23 @@ def _grounds(mi: Any, candidate: Candidate, name: str, land: SavedLandscape, bsd
         if cut_from(candidate, entity) != name:
             continue
         for part in candidate.built[entity].parts:
-            vertices = candidate.pose(entity, 0, part.body).apply(part.render.vertices)
+            vertices, faces = top_of(candidate.pose(entity, 0, part.body).apply(part.render.vertices), part.render.faces)
             key = f"ground-{entity}-{part.part}"
-            count = len(vertices) // 2  # the upper half is the surface, the rest its base and sides
-            faces = part.render.faces
-            top = (faces < count).all(1)
-            found[key] = mesh_of(mi, key, vertices[:count], faces[top], bsdf, uv=grid_uv(land, vertices[:count]), smooth=True)
+            found[key] = mesh_of(mi, key, vertices, faces, bsdf, uv=grid_uv(land, vertices), smooth=True)
+    return found
+
+
+def ground_fields(candidate: Candidate, name: str) -> list[tuple[F64, F64, F64]]:
+    """Columns, rows and heights [m] of the grounds cut from a landscape, as their files hold them."""
+    found = []
+    for entity in sorted(candidate.built):
+        for part in candidate.spec.entities[entity].parts.values():
+            if cut_from(candidate, entity) == name and isinstance(part.shape, HeightField) and part.shape.file is not None:
+                heights = np.load(candidate.folder / "assets" / part.shape.file).astype(np.float64)
+                cx, cy = candidate.spec.entities[entity].pose.position[:2]
+                wide, deep = 0.5 * part.shape.size[0], 0.5 * part.shape.size[1]
+                rows, cols = heights.shape
+                found.append((np.linspace(cx - wide, cx + wide, cols), np.linspace(cy - deep, cy + deep, rows), heights))
     return found
 
 

@@ -12,7 +12,7 @@ from ..worlds.arrays import F64
 from ..worlds.landscape import SavedLandscape
 from .meshes import grid_faces, grid_uv, mesh_of
 
-__all__ = ["Course", "courses", "surface_height", "water_shapes"]
+__all__ = ["Course", "courses", "drawn_height", "surface_height", "water_shapes"]
 
 DEEP = (0.006, 0.03, 0.045)
 SHALLOW = (0.05, 0.20, 0.19)
@@ -85,12 +85,23 @@ def surface_height(x: F64, y: F64, height: F64, at: F64) -> F64:
     return np.asarray(np.where(s >= t, a + s * (b - a) + t * (d - b), a + t * (c - a) + s * (d - c)))
 
 
+def drawn_height(drawn: Sequence[tuple[F64, F64, F64]], at: F64) -> F64:
+    """Height of what is drawn at points, shape (n, 2): the land, and where a ground lies in its place, that."""
+    found = np.zeros(len(at))
+    for k, (x, y, height) in enumerate(drawn):
+        inside = (at[:, 0] >= x[0]) & (at[:, 0] <= x[-1]) & (at[:, 1] >= y[0]) & (at[:, 1] <= y[-1])
+        own = inside if k else np.ones(len(at), dtype=bool)
+        solid = np.nan_to_num(height, nan=float(np.nanmin(height)))
+        found[own] = surface_height(x, y, solid, at[own])
+    return found
+
+
 def water_shapes(
     mi: Any,
     name: str,
     land: SavedLandscape,
     sea_level: float | None,
-    drawn: tuple[F64, F64, F64],
+    drawn: list[tuple[F64, F64, F64]],
     simulated: Sequence[tuple[F64, F64]] = (),
 ) -> dict[str, Any]:
     """Mitsuba objects by name.
@@ -100,7 +111,7 @@ def water_shapes(
         name: of the terrain.
         land: its landscape.
         sea_level: [m], or None.
-        drawn: columns, rows and heights of the corners of the drawn land [m].
+        drawn: columns, rows and heights [m] of the corners of the drawn land, and after it of grounds that lie in its place.
         simulated: least and greatest corners of boxes in which a liquid is simulated: lakes and rivers are not painted there.
     """
     shapes: dict[str, Any] = {}
@@ -202,11 +213,9 @@ def _wide(land: SavedLandscape) -> np.ndarray:
 
 
 def _rivers(
-    mi: Any, name: str, land: SavedLandscape, drawn: tuple[F64, F64, F64], simulated: Sequence[tuple[F64, F64]]
+    mi: Any, name: str, land: SavedLandscape, drawn: list[tuple[F64, F64, F64]], simulated: Sequence[tuple[F64, F64]]
 ) -> dict[str, Any]:
     """Ribbons: as wide as the river, laid on the drawn land where the grid is too coarse for its bed."""
-    x, y, height = drawn
-    solid = np.nan_to_num(height, nan=float(np.nanmin(height)))
     pieces, start = [], 0
     faces = []
     for course in courses(land):
@@ -217,8 +226,10 @@ def _rivers(
         side = np.stack([-along[:, 1], along[:, 0]], 1)
         across = np.linspace(-0.5, 0.5, 5)
         places = course.line[:, None] + across[None, :, None] * (course.width[:, None] * side)[:, None]
-        ground = surface_height(x, y, solid, places.reshape(-1, 2)).reshape(places.shape[:2])
-        z = ground + LIFT
+        ground = drawn_height(drawn, places.reshape(-1, 2)).reshape(places.shape[:2])
+        # Water falls all the way: a bump of the drawn land dams what is above it.
+        level = np.maximum.accumulate(ground.mean(1)[::-1])[::-1]
+        z = np.maximum(ground, level[:, None]) + LIFT
         count = len(course.line)
         pieces.append(np.concatenate([places, z[..., None]], axis=2).reshape(-1, 3))
         faces.append(grid_faces(count, len(across), np.ones((count - 1, len(across) - 1), dtype=bool)) + start)

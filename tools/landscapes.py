@@ -106,7 +106,8 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     data: dict[str, Any] = {}
     if after != spec:
         check_limits(after)
-        data |= session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""))
+        derived = _follows(session, entity, contract, patch.file)
+        data |= session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""), derived=derived)
     report = session.audit()
     data |= {"built": fresh, **describe(land), "ground": {"entity": entity, "center": list(center), **patch._asdict()}}
     data |= {"water": water} if water else {}
@@ -118,6 +119,23 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     say(0.99, "drawing an overview")
     data["picture"] = _overview(session.folder, name, land)
     return data
+
+
+def _follows(session: Session, entity: str, contract: dict[str, Any], file: str) -> bool:
+    """Whether a ground is the present one cut anew: the same place, size, material and number of cells from a landscape that changed."""
+    import numpy as np
+
+    known = session.spec.entities.get(entity)
+    if known is None or "land" not in known.parts:
+        return False
+    shape, wanted = known.parts["land"].shape, contract["parts"]["land"]["shape"]
+    if shape.kind != "heightfield" or shape.file is None or shape.file.rpartition("-")[0] != file.rpartition("-")[0]:
+        return False
+    old = session.folder.assets / shape.file
+    if not old.is_file() or np.load(old, mmap_mode="r").shape != np.load(session.folder.assets / file, mmap_mode="r").shape:
+        return False
+    here = (list(known.pose.position), known.material, known.role, list(shape.size))
+    return here == (contract["pose"]["position"], contract["material"], contract["role"], wanted["size"])
 
 
 def describe(land: SavedLandscape) -> dict[str, Any]:

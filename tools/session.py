@@ -93,8 +93,11 @@ class Session:
         patch: Sequence[Mapping[str, Any]],
         hypothesis: str = "",
         weakening_reason: str = "",
+        derived: bool = False,
     ) -> dict[str, Any]:
         """Make `after` the next revision, if the rules of repair allow it; returns what changed and what is stale.
+
+        `derived` says that the change only follows from an edit that was made already, and is no edit of its own.
 
         Raises:
             RefusedError: the edit breaks R111-R113 or R157, or another revision came first.
@@ -104,7 +107,7 @@ class Session:
         documents = before.model_dump(mode="json"), after.model_dump(mode="json")
         places = list(differences(*documents))
         groups = {group_of(p) for p in places}
-        causal = _causal(places)
+        causal = [] if derived else _causal(places)
         weaker = weakenings(before, after)
         failing = [r for r in self.ledger.rows() if _failed(r) and r.mandatory and r.check != "audit"]
         self._rules(failing, groups, causal, weaker, hypothesis, weakening_reason)

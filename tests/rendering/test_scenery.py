@@ -11,7 +11,7 @@ from worldagent.construction.store import build_world
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
 from worldagent.construction.terrain.vegetation import species_of
 from worldagent.geometry.camera import Camera
-from worldagent.rendering import field_map, render_frame
+from worldagent.rendering import field_map, preview, render_frame
 from worldagent.rendering.ground_look import ground_image
 from worldagent.rendering.haze import hazed
 from worldagent.rendering.mitsuba_scene import SceneRenderer
@@ -186,3 +186,13 @@ def test_rivers_follow_smooth_courses_of_their_width_on_the_drawn_land(tmp_path:
     found = surface_height(x, y, height, corner)
     assert found[0] == pytest.approx(height[7, 3])
     assert found[1] == pytest.approx(0.5 * (height[7, 3] + height[8, 4])), "the edge from south-west to north-east"
+
+
+def test_a_preview_shows_land_sea_and_plants_quickly(candidate: Candidate) -> None:
+    view = Camera(np.array([0.0, -420.0, 260.0]), np.array([0.0, 0.0, 20.0]), 45.0, 320, 180)
+    picture = preview(candidate, 0, camera=view).astype(float)
+    land, sea = picture[95:115, 140:180].reshape(-1, 3).mean(0), picture[40:44, 4:30].reshape(-1, 3).mean(0)
+    assert land[1] > land[2] or land[0] > land[2], "land in the middle"
+    assert sea[2] > sea[0], "sea beside it"
+    bare = candidate.spec.model_copy(update={"terrains": {}})
+    assert np.abs(preview(Candidate(candidate.folder, bare, candidate.built, "static"), 0, camera=view) - picture).mean() > 10

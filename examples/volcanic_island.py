@@ -147,7 +147,7 @@ class Islander(Agent):
         if refused:
             self.say(data["refused"])
             return False
-        self.say(f"land: {data['summary']}")
+        self.say(f"land: {data['features']}")
         return True
 
     async def _shots(self) -> bool:

@@ -66,7 +66,7 @@ def height_above_water(drainage: Drainage, wet: np.ndarray, level: F64) -> F64:
 def wetness_index(drainage: Drainage, slope: F64) -> F64:
     """Topographic wetness ln(a / tan beta) (Beven & Kirkby 1979); a is the area per width of contour [m]."""
     per_width = drainage.accumulation() / drainage.grid.cell
-    return np.asarray(np.log(per_width / np.maximum(slope, 1e-3)))
+    return np.asarray(np.log(np.maximum(per_width, 1e-6) / np.maximum(slope, 1e-3)))
 
 
 def soil_depth(sediment: F64, slope: F64, *, talus: float) -> F64:

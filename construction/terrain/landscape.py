@@ -307,7 +307,7 @@ def _planted(
         "light": fields["sunlight"] / open_light,
         "exposure": fields["wind_exposure"],
     }
-    blocked = water.standing | channels.bed | (fields["snow"] > 0.5)
+    blocked = water.standing | channels.bed | (fields["snow"] > 0.5) | np.isnan(fields["start"])
     for layer in terrain.layers.values():
         if layer.kind == "road":
             blocked |= along(grid, np.array(layer.line))[0] <= 0.5 * layer.width + 0.5 * grid.cell

@@ -153,6 +153,9 @@ def _arrays(land: Landscape) -> dict[str, Any]:
         k: land.fields[k]
         for k in ("height", "ground", "filled", "accumulation", "start", "uplift", "earthworks", "wear", "deposit")
     }
+    none = np.isnan(land.fields["start"])
+    if none.any():
+        arrays |= {k: np.where(none, np.nan, arrays[k]) for k in ("height", "ground", "bedrock")}
     arrays |= {
         "flow_direction": land.drainage.directions(),
         "basin": land.drainage.basins(),

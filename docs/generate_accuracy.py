@@ -18,7 +18,7 @@ from worldagent.verifiers.robustness import clopper_pearson
 HEAD = """# Accuracy of the checks
 
 What each check finds of worlds that were broken on purpose, and what it refuses of sound worlds that look suspicious. Written by
-`docs/generate_accuracy.py` from one run of `worldagent bench defects`.
+`docs/generate_accuracy.py` from runs of `worldagent bench defects`.
 
 A world counts as found when a mandatory row of that check fails and names the culprit; a sound one as refused when any mandatory row
 of the check does not pass. Truth comes from how a world was made, never from the verifier. Magnitudes, sizes, places, directions and

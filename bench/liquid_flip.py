@@ -195,7 +195,7 @@ def main() -> None:
     parser.add_argument("--device", default="cpu")
     parser.add_argument("--particles", type=int, default=1_000_000, help="about; sets the resolution at 8 per cell")
     parser.add_argument("--seconds", type=float, default=1.0, help="simulated")
-    parser.add_argument("--cfl", type=float, default=2.0)
+    parser.add_argument("--cfl", type=float, default=FlipSettings().cfl)
     given = parser.parse_args()
     resolution = max(8, round((given.particles / 8 / float(np.prod(COLUMN))) ** (1 / 3)))
     found = measure(resolution, given.seconds, given.device, FlipSettings(cfl=given.cfl))

@@ -55,7 +55,7 @@ class FlipSettings(_LiquidSettings):
         default="flip", description="how velocities pass between particles and grid; apic is calmer and keeps angular momentum"
     )
     flip_ratio: float = Field(default=0.97, ge=0, le=1, description="with transfer flip: share of FLIP, the rest is PIC")
-    cfl: float = Field(default=2.0, ge=0.1, le=4.0, description="largest travel per step in cells")
+    cfl: float = Field(default=3.0, ge=0.1, le=4.0, description="largest travel per step in cells")
     max_step: float = Field(default=1 / 24, ge=1e-5, le=0.1, description="longest step [s]")
     particles_per_cell: Literal[8, 27] = 8
     volume_correction: float = Field(

@@ -74,6 +74,7 @@ class Flip:
         self._density = setup.fluids[0].density
         self._reach = math.ceil(self.settings.cfl) + 1
         apic = self.settings.transfer == "apic"
+        self._ratio = 0.0 if apic else self.settings.flip_ratio
         self.markers = Markers(self.run, self._origin, self._cell, self._density, apic=apic)
         start = seeding.seed(setup, self.settings.particles_per_cell)
         self.markers.add(start)
@@ -314,12 +315,13 @@ class Flip:
             total,
             [*state, exchange.walls, q, push, self._cell / dt, scale, *self._faces(grid, "weight", "new"), *after],
         )
-        many = -(-total // run.block)
-        sums = run.array("momentum/sums", many, walls.vec6d)
-        faces = self._faces(grid, "opening", "new", "new2")
-        run(walls.momentum, many, [total, run.block, *state[:4], *faces, sums], grain=16)
-        change = run.read(sums, many).sum(axis=0) * self._density * self._cell**3
-        change[3:] *= self._cell
+        change = np.zeros(6)
+        if self.solids.count:
+            many = -(-total // run.block)
+            sums = run.array("momentum/sums", many, walls.vec6d)
+            run(walls.momentum, many, [total, run.block, *state[:5], *self._faces(grid, "new", "new2"), sums], grain=16)
+            change = run.read(sums, many).sum(axis=0) * self._density * self._cell**3
+            change[3:] *= self._cell
         run.swap("new", "new2")
         for step in (2, 1, 1):
             new, drift, new2, drift2 = self._faces(grid, "new", "drift", "new2", "drift2")
@@ -329,7 +331,8 @@ class Flip:
             run.swap("drift", "drift2")
         state = [grid.columns, grid.near, *self._box, self._sides, int(self.solids.count > 0), *self._of(grid, "solid")]
         state += [*self._faces(grid, "opening"), self._owners(grid), exchange.walls]
-        run(walls.constrain, total, [*state, *self._faces(grid, "new", "drift", "new2", "drift2")])
+        state += [*self._faces(grid, "old"), self._ratio]
+        run(walls.constrain, total, [*state, *self._faces(grid, "new", "drift", "new2", "drift2", "given")])
         run.swap("new", "new2")
         run.swap("drift", "drift2")
         return np.asarray(change)
@@ -339,8 +342,8 @@ class Flip:
         wp, run, markers = warp(), self.run, self.markers
         n, way = markers.total, dt / self._cell
         left = run.array("left", n, wp.int32)
-        fields = [grid.columns, *self._faces(grid, "old", "new", "drift"), *self._of(grid, "pressure")]
-        how = [self.settings.flip_ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
+        fields = [grid.columns, *self._faces(grid, "given", "drift"), *self._of(grid, "pressure")]
+        how = [self._ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
         run(transfer.advance, n, [*fields, *how, markers.position, markers.velocity, markers.affine, left])
         if self.solids.count:
             state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.int32), exchange.walls]

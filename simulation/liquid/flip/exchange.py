@@ -89,6 +89,8 @@ class Exchange:
     def end(self, q: Any) -> F64:
         """Impulse on each boundary, then on mouths and on the domain (last) [N s, N m s]; walls move as after it."""
         many = self.solids.count + len(self._mouths)
+        if not self.solids.count:
+            return np.zeros((many + 1, 6))
         impulse = self.mass * self._sums([*range(many), -1], q, self.walls)
         kick, spin = self._answer(self._reacting, impulse[self._reacting])
         bodies = self.bodies

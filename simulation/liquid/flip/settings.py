@@ -21,7 +21,7 @@ class FlipSettings:
     """Share of FLIP in the particles' velocity, the rest PIC; without effect on APIC. 0.95 to 0.99 is usual."""
     particles_per_cell: int = 8
     """Marker particles of a full cell; 1, 8 or 27. Coarser initial particles are split until they are as fine."""
-    cfl: float = 2.0
+    cfl: float = 3.0
     """Cells that the fastest particle crosses in a step."""
     max_step: float = 1.0 / 24.0
     """Longest step [s]."""

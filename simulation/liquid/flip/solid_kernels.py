@@ -587,10 +587,13 @@ def push_rows(
 def constrain(
     first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), lower: wp.vec3, upper: wp.vec3, sides: vec6i, solids: int,
     solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i), walls: Walls,
-    now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3), now_out: wp.array(dtype=wp.vec3),
-    drift_out: wp.array(dtype=wp.vec3),
+    was: wp.array(dtype=wp.vec3), ratio: float, now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3),
+    now_out: wp.array(dtype=wp.vec3), drift_out: wp.array(dtype=wp.vec3), given: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Closed faces: what moves into the solid is taken away, what slips along it stays."""
+    """Closed faces: what moves into the solid is taken away, what slips along it stays.
+
+    `given` is what a face gives to particles beside their own velocity: now - ratio was.
+    """
     c = first + wp.tid()
     at = place_of(grid, c)
     u = now[c]
@@ -637,6 +640,7 @@ def constrain(
             d[axis] = e[axis] - wp.min(wp.dot(e - w, normal), 0.0) * normal[axis]
     now_out[c] = u
     drift_out[c] = d
+    given[c] = u - ratio * was[c]
 
 
 @wp.kernel

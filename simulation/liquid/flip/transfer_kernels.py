@@ -296,31 +296,30 @@ def slope(
 
 @wp.kernel
 def advance(
-    first: wp.int32, grid: Columns, was: wp.array(dtype=wp.vec3), now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3),
-    pressure: wp.array(dtype=float), ratio: float, apic: int, cells_per_speed: float, reach: float, lower: wp.vec3, upper: wp.vec3,
-    sides: vec6i, position: wp.array(dtype=wp.vec4), velocity: wp.array(dtype=wp.vec4), affine: wp.array(dtype=wp.mat33),
+    first: wp.int32, grid: Columns, given: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3), pressure: wp.array(dtype=float),
+    ratio: float, apic: int, cells_per_speed: float, reach: float, lower: wp.vec3, upper: wp.vec3, sides: vec6i,
+    position: wp.array(dtype=wp.vec4), velocity: wp.array(dtype=wp.vec4), affine: wp.array(dtype=wp.mat33),
     left: wp.array(dtype=wp.int32),
 ):  # fmt: skip
     """New velocity of a particle, then its way by the midpoint rule along `drift`; `left` marks who crossed an open side.
 
-    cells_per_speed: time step over cell size [cells / (m/s)]. The fourth component of velocity is the pressure of the cell.
+    Its velocity is ratio times its own plus what the faces give: FLIP and PIC in one (ratio 0 for APIC). The midpoint is guessed with
+    that velocity. cells_per_speed: time step over cell size [cells / (m/s)]. The fourth component of velocity is the cell's pressure.
     """
     p = first + wp.tid()
     x = position[p]
+    v = velocity[p]
     s = stencil(grid, x[0], x[1], x[2])
-    full = sample(s, now)
-    press = pressure[grid.base[int(x[0]) * grid.ny + int(x[1])] + int(x[2])]
+    d = sample(s, given)
     if apic == 1:
-        gu = slope(now, s.u00, s.u01, s.u10, s.u11, 0, s.f[0], s.c[1], s.c[2])
-        gv = slope(now, s.v00, s.v01, s.v10, s.v11, 1, s.c[0], s.f[1], s.c[2])
-        gw = slope(now, s.w00, s.w01, s.w10, s.w11, 2, s.c[0], s.c[1], s.f[2])
+        gu = slope(given, s.u00, s.u01, s.u10, s.u11, 0, s.f[0], s.c[1], s.c[2])
+        gv = slope(given, s.v00, s.v01, s.v10, s.v11, 1, s.c[0], s.f[1], s.c[2])
+        gw = slope(given, s.w00, s.w01, s.w10, s.w11, 2, s.c[0], s.c[1], s.f[2])
         affine[p] = wp.matrix_from_rows(gu, gv, gw)
-        velocity[p] = wp.vec4(full[0], full[1], full[2], press)
     else:
-        v = velocity[p]
-        flown = wp.vec3(v[0], v[1], v[2]) - sample(s, was)
-        full = full + ratio * flown
-        velocity[p] = wp.vec4(full[0], full[1], full[2], press)
+        d = d + ratio * wp.vec3(v[0], v[1], v[2])
+    press = pressure[grid.base[int(x[0]) * grid.ny + int(x[1])] + int(x[2])]
+    velocity[p] = wp.vec4(d[0], d[1], d[2], press)
     half = 0.5 * cells_per_speed
     d = sample(s, drift)
     y = wp.vec3()

@@ -162,7 +162,7 @@ def _bubbles(
         lower, upper = np.array(settings.lower) - origin, np.array(settings.upper) - origin
         found = found[off_sides(found, lower, upper, settings.closed, BARE * spacing)]
     if walls:
-        found = found[off_walls(found, [TriangleMesh(w.vertices - origin, w.faces) for w in walls], BARE * spacing)]
+        found = found[off_walls(found, [TriangleMesh(w.vertices - origin, w.faces) for w in walls], BARE * spacing, 2 * spacing)]
     return found.astype(np.float32)
 
 

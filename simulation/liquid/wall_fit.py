@@ -63,9 +63,9 @@ def fit_to_walls(vertices: F64, normals: F64, walls: Sequence[TriangleMesh], spa
     return found
 
 
-def off_walls(points: F64, walls: Sequence[TriangleMesh], reach: float) -> NDArray[np.bool_]:
-    """Points (n, 3) that lie farther than `reach` [m] outside every wall."""
-    return np.asarray(np.isinf(_from_walls(points, walls, reach, 1e-9)[0]))
+def off_walls(points: F64, walls: Sequence[TriangleMesh], reach: float, deep: float) -> NDArray[np.bool_]:
+    """Points (n, 3) farther than `reach` [m] outside every wall; none of them is more than `deep` [m] inside one."""
+    return np.asarray(_from_walls(points, walls, max(reach, deep), 1e-9)[0] > reach)
 
 
 def off_sides(points: F64, lower: F64, upper: F64, closed: Sequence[bool], reach: float) -> NDArray[np.bool_]:

@@ -262,3 +262,22 @@ def test_what_is_recorded_of_surfaces_is_registered_and_readable_as_series(tmp_p
     surface = mesh_surfaces(make_cache(tmp_path, pool_frames(2)))
     assert set(surface.records(1)) == {n for n, q in QUANTITIES.items() if "surface" in q.of}
     assert surface.files.series("record/surface_volume") == pytest.approx(600 * S**3, rel=0.02)
+
+
+def test_foam_lies_on_the_free_surface_and_not_against_walls() -> None:
+    pool = jittered(lattice(16, 16, 10), 0.05)
+    data = channels(pool, np.random.default_rng(0).normal(0, 2.0, pool.shape))
+    low, high = data["origin"], data["origin"] + 16 * S
+    closed = (True, True, True, True, True, False)
+    bare, _ = surface_frame(data, SurfaceSettings(S), dt=1 / 24)
+    held, _ = surface_frame(data, SurfaceSettings(S, lower=tuple(low), upper=tuple(high), closed=closed), dt=1 / 24)
+    walls = [box([-0.02, -0.02, -0.02], [16 * S + 0.02, 16 * S + 0.02, 0])]
+    floored, _ = surface_frame(
+        data, SurfaceSettings(S), dt=1 / 24, walls=[TriangleMesh(w.vertices + low, w.faces) for w in walls]
+    )
+    heights = [found["foam/position"][:, 2] for found in (bare, held, floored)]
+    assert (heights[0] < 0.3 * S).sum() > 20
+    assert heights[2].min() > 0.3 * S
+    sides = held["foam/position"][:, :2]
+    assert np.minimum(sides, 16 * S - sides).min() > 0.3 * S
+    assert 20 < len(heights[1]) < len(heights[2]) < len(heights[0])

@@ -11,6 +11,8 @@ INNER = (0.4, 0.4, 0.3)
 """Inside of the tank, its floor at z = 0 [m]."""
 WALL = 0.03
 CRATE = 0.12
+LINER = 0.08
+"""[m]"""
 
 
 def _box(size: tuple[float, ...], at: tuple[float, ...]) -> dict[str, Any]:
@@ -51,7 +53,7 @@ def tank_spec(
         crate_at: height of the crate's centre at frame 0 [m]; None: no crate.
         engine: of the liquid.
         coupled: whether water and crate act on each other.
-        closed: whether the domain's own walls, just inside the tank's, hold the water.
+        closed: whether the domain's own walls, `LINER` inside the tank's, hold the water.
     """
     x, y, z = INNER
     outer = (x + 2 * WALL, y + 2 * WALL, z + WALL)
@@ -64,8 +66,10 @@ def tank_spec(
     }
     crate = crate_at is not None
     domain: dict[str, Any] = {"center": [0, 0, 0.2], "size": [0.6, 0.6, 0.6]}
+    base = LINER if closed else 0.0
+    wide = (x - 2 * base, y - 2 * base)
     if closed:
-        domain = {"center": [0, 0, 0.3], "size": [x, y, 0.6], "sides": ["closed"] * 5 + ["open"]}
+        domain = {"center": [0, 0, base + 0.25], "size": [*wide, 0.5], "sides": ["closed"] * 5 + ["open"]}
     spec: dict[str, Any] = {
         "title": "A tank of water",
         "clauses": {"c1": {"met_by": ["/entities/water", "/entities/tank", *(["/story/beats/drop"] if crate else [])]}},
@@ -84,7 +88,7 @@ def tank_spec(
         },
         "entities": {
             "tank": _entity("tank", "static", "stone", outer, (0, 0, 0), parts=walls),
-            "water": _entity("water in the tank", "dynamic", "water", (x, y, depth), (0, 0, depth / 2),
+            "water": _entity("water in the tank", "dynamic", "water", (*wide, depth), (0, 0, base + depth / 2),
                              physics={"category": "liquid", "resolution": spacing}),
             **({"crate": _entity("wooden crate", "dynamic", "wood", (CRATE,) * 3, (0, 0, crate_at or 0.0))} if crate else {}),
         },

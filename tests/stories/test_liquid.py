@@ -1,0 +1,94 @@
+"""A client declares a tank of water with a crate of half its density, probes it, and the crate floats at half its height."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench.small_liquids import CRATE, LINER, PROMPT, tank_spec
+from worldagent.simulation.bake import run_bake
+from worldagent.simulation.probe import replay
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+from worldagent.worlds.candidate import Candidate, open_candidate
+from worldagent.worlds.folder import WorldFolder
+
+SPACING, DEPTH, FRAMES = 0.03, 0.15, 24
+WATER: dict[str, Any] = {
+    "spacing": SPACING,
+    "depth": DEPTH,
+    "frames": FRAMES,
+    "closed": True,
+    "crate_at": LINER + DEPTH + CRATE / 2,
+}
+KEPT = ("mass", "start", "identity", "records", "coupling", "energy", "density", "iterations")
+"""Rows about the liquid that hold whatever its walls do."""
+
+
+class Killed(Exception):
+    """What ends a bake from outside."""
+
+
+@pytest.fixture(scope="module")
+def probed(agent_of: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, Any], dict[str, str], Candidate]]:
+    """The probe's reply, the statuses of the matrix, and the probe's caches."""
+    workspace = tmp_path_factory.mktemp("liquid")
+    with pytest.MonkeyPatch.context() as patch, agent_of(workspace) as agent:
+        run_jobs_inline(patch)
+        created = agent.call("edit_spec", world="w", prompt=PROMPT, spec=tank_spec(**WATER))
+        assert created["audit"]["passed"]
+        assert created["bake_order"] == ["rigid", "water"]
+        assert agent.call("place_object", world="w")["static_passed"]
+        told = agent.call("probe_sim", world="w")
+        rows = {r["id"]: r["status"] for r in agent.pages("rows", part="matrix")}
+        folder = WorldFolder.at(workspace / "w")
+        yield told, rows, open_candidate(folder, _freeze(folder), "probe")
+
+
+def _freeze(folder: WorldFolder) -> str:
+    (made,) = (folder.root / "candidates").iterdir()
+    return str(json.loads((made / "candidate.json").read_text())["freeze"])
+
+
+def test_a_crate_of_half_the_density_floats_at_half_its_height(probed: Any) -> None:
+    """Law: draft = density ratio times height; gate half a spacing. What the water gives, it loses, and MuJoCo receives."""
+    told, rows, candidate = probed
+    assert told["frames_probed"] == FRAMES
+    judged = {n: rows[f"category:liquid:{n}:water"] for n in KEPT if f"category:liquid:{n}:water" in rows}
+    assert len(judged) >= 4
+    assert set(judged.values()) <= {"pass"}, judged
+    rigid, water = candidate.rigid_caches["rigid"], candidate.liquid_caches["water"]
+    height = rigid.series("position")[:, 0, 2]
+    spread = 0.4 - 2 * LINER
+    level = LINER + DEPTH + 0.5 * CRATE**3 / spread**2
+    assert height[FRAMES // 2 :].mean() == pytest.approx(level, abs=0.5 * SPACING)
+    received = rigid.series("exchange/impulse")[:, 0]
+    crate = water.index.colliders.index("crate/body")
+    given, lost = (np.array([water.read(k, (n,))[n] for k in range(FRAMES)]) for n in ("exchange/impulse", "exchange/reaction"))
+    weight = 0.5 * 1000.0 * CRATE**3 * 9.81 / 24
+    assert np.abs(received - given[:, crate]).max() < 1e-9 * weight
+    assert np.abs((given + lost).sum(axis=1)[:, :3]).max() < 1e-4 * weight
+    assert received[FRAMES // 2 :, 2].mean() == pytest.approx(weight, rel=0.1)
+
+
+def test_a_killed_bake_goes_on_to_the_bytes_of_the_probe(probed: Any) -> None:
+    """The bake runs the probe's settings: its frames are the probe's, killed in between or not."""
+    _, _, candidate = probed
+    folder = WorldFolder.at(candidate.folder)
+    freeze = _freeze(folder)
+    seen: list[str] = []
+
+    def check() -> None:
+        if len(seen) == 15:
+            raise Killed
+
+    with pytest.raises(Killed):
+        run_bake(folder, freeze, progress=lambda _, __, text: seen.append(text), check=check)
+    baked = run_bake(folder, freeze)
+    for name, cache in baked.caches.items():
+        assert cache.digests() == candidate.caches[name].digests(), name
+    assert all(r["identical"] for r in replay(baked, intervals=1, seed=2))
+    assert Path(baked.artifact).name == "bake"

@@ -16,6 +16,10 @@ MARGIN = 12
 LEGEND = 150
 """Width of the legend [pixels]."""
 SHOWN_CLASSES = 14
+CONTOURED = ("height", "hillshade", "ground")
+"""Maps with lines of equal height."""
+CONTOURS = 25
+"""About so many lines from the lowest to the highest place."""
 WATER_COLOR = (64, 120, 178)
 SUN = (np.radians(315.0), np.radians(45.0))
 """Azimuth clockwise from north and elevation of the light: the cartographers' north-west."""
@@ -83,6 +87,7 @@ def field_map(land: SavedLandscape, name: str, *, width: int = 900, height: int 
     image = np.flipud(np.clip(lit, 0, 255).astype(np.uint8))
     shrinks = size[0] < cols
     image = cv2.resize(image, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_NEAREST)
+    interval = _contours(image, cv2.resize(np.flipud(land.field("height")), size)) if name in CONTOURED else 0.0
     canvas[MARGIN : MARGIN + size[1], MARGIN : MARGIN + size[0]] = image
     _scale_bar(canvas, size, cols * land.cell, scale / land.cell)
     left = MARGIN * 2 + size[0]
@@ -93,7 +98,45 @@ def field_map(land: SavedLandscape, name: str, *, width: int = 900, height: int 
         top = 78 + 20 * k
         canvas[top : top + 13, left : left + 18] = color
         text(canvas, words, (left + 24, top + 12), height=10)
+    if interval:
+        text(canvas, f"contours every {interval:g} m", (left, canvas.shape[0] - 40), height=9, color=(90, 90, 90))
     return canvas
+
+
+def _contours(image: U8, height: F64) -> float:
+    """Draw lines of equal height, every fifth one darker, with heights on the way east from the top; their interval [m].
+
+    Args:
+        image: changed in place, row 0 north.
+        height: of the same shape [m].
+    """
+    known = np.isfinite(height)
+    relief = float(np.ptp(height[known])) if known.any() else 0.0
+    if relief <= 0:
+        return 0.0
+    rough = relief / CONTOURS
+    power = 10.0 ** np.floor(np.log10(rough))
+    interval = float(power * next(f for f in (1, 2, 5, 10) if f * power >= rough))
+    step = np.floor(np.where(known, height, np.nan) / interval)
+    highest = np.full(step.shape, -np.inf)
+    crossed = np.zeros(step.shape, dtype=bool)
+    for axis in (0, 1):
+        here, there = (step[:-1], step[1:]) if axis == 0 else (step[:, :-1], step[:, 1:])
+        part = np.isfinite(here) & np.isfinite(there) & (here != there)
+        spot = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
+        crossed[spot] |= part
+        highest[spot] = np.where(part, np.maximum(highest[spot], np.maximum(here, there)), highest[spot])
+    main = crossed & (np.where(crossed, highest, 1.0) % 5 == 0)
+    image[crossed] = (image[crossed] * 0.78).astype(np.uint8)
+    image[main] = (image[main] * 0.6).astype(np.uint8)
+    row, col = np.unravel_index(int(np.nanargmax(np.where(known, height, -np.inf))), height.shape)
+    told: set[float] = set()
+    for x in range(int(col), height.shape[1] - 30):
+        level = float(highest[row, x])
+        if main[row, x] and level not in told and x > col + 34 * len(told):
+            told.add(level)
+            text(image, f"{level * interval:g}", (x + 2, float(row) + 4), height=8, box=(250, 250, 250))
+    return interval
 
 
 def _palette(name: str, share: F64) -> F64:

@@ -12,6 +12,7 @@ from worldagent.construction.terrain.store import build_terrain_file, cut_patch
 from worldagent.construction.terrain.vegetation import species_of
 from worldagent.geometry.camera import Camera
 from worldagent.rendering import field_map, preview, render_frame
+from worldagent.rendering.field_map import _contours
 from worldagent.rendering.ground_look import ground_image
 from worldagent.rendering.haze import hazed
 from worldagent.rendering.mitsuba_scene import SceneRenderer
@@ -196,3 +197,16 @@ def test_a_preview_shows_land_sea_and_plants_quickly(candidate: Candidate) -> No
     assert sea[2] > sea[0], "sea beside it"
     bare = candidate.spec.model_copy(update={"terrains": {}})
     assert np.abs(preview(Candidate(candidate.folder, bare, candidate.built, "static"), 0, camera=view) - picture).mean() > 10
+
+
+def test_maps_of_height_carry_contours_and_say_their_interval(candidate: Candidate) -> None:
+    land = landscapes_of(candidate)["land"]
+    image = np.full((90, 120, 3), 200, dtype=np.uint8)
+    height = np.broadcast_to(np.linspace(0.0, 100.0, 120), (90, 120)).copy()
+    height[:20] = np.nan
+    assert _contours(image, height) == 5.0
+    lines = image[60, :, 0] < 200
+    assert lines.sum() == pytest.approx(20, abs=1), "one line each 5 m"
+    assert (image[5] == 200).all(), "none where there is no land"
+    assert _contours(image, np.full((90, 120), 7.0)) == 0.0, "level land has none"
+    assert (field_map(land, "height") != field_map(land, "slope")).any()

@@ -72,21 +72,19 @@ def _floating_tree(folder: Path, m: float, rng: RNG) -> World:
 
 def _buried_house(folder: Path, m: float, rng: RNG) -> World:
     slope = _Slope(rng)
-    made, rise = _house(slope, 0.0)
-    lowered = made.model_copy(update={"pose": pose(np.array(made.pose.position) + np.array([0, 0, rise - m]))})
-    return slope.world(folder, {"house": lowered}, "house")
+    slope.tilt, slope.height = np.zeros(2), 0.0 * slope.height + slope.level
+    made, _ = _house(slope, -m)
+    return slope.world(folder, {"house": made}, "house")
 
 
 def _hanging_house(folder: Path, m: float, rng: RNG) -> World:
-    """Its upper edge is in the slope, its lower edge m over it."""
+    """Its upper edge is 0.3 m in the slope, which a foundation may be; its lower edge m over it."""
     slope = _Slope(rng, 0.3)
     made, rise = _house(slope, 0.0)
-    if 2.0 * rise < m:  # so gentle that it would not touch: tilt it more
-        steeper = slope.tilt * (1.1 * m / (2.0 * rise))
-        x, y = axes(SIDE, SIDE, slope.cell)
-        slope.tilt, slope.height = steeper, slope.level + steeper[0] * x + steeper[1] * y
-        rise *= 1.1 * m / (2.0 * rise)
-    z = slope.at(slope.place) - rise + m + made.dimensions.size[2] / 2
+    slope.tilt = slope.tilt * ((m + 0.3) / (2.0 * rise))
+    x, y = axes(SIDE, SIDE, slope.cell)
+    slope.height = slope.level + slope.tilt[0] * x + slope.tilt[1] * y
+    z = slope.at(slope.place) + 0.5 * (m - 0.3) + made.dimensions.size[2] / 2
     return slope.world(folder, {"house": made.model_copy(update={"pose": pose((*slope.place, z))})}, "house")
 
 

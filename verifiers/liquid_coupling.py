@@ -17,7 +17,7 @@ from ..worlds.errors import EvidenceError
 from .findings import Finding
 from .liquid_bodies import Bodies, exchanged
 from .liquid_rows import baked_again, longer_step
-from .liquid_samples import sample_inside
+from .liquid_samples import sample_inside, share_under
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -107,7 +107,9 @@ class Coupling:
             points = self._points(row, frame.index)
             level = level_about(self.liquid, frame, points)
             if level is not None:
-                result[column] = float((points @ self.liquid.up < level).mean())
+                entity, body = self.bodies.names[row].split("/")
+                step = float(np.cbrt(self.liquid.candidate.body(entity, body).volume / len(points)))
+                result[column] = share_under(points @ self.liquid.up, level, step)
         return result
 
     def _points(self, row: int, index: int) -> F64:

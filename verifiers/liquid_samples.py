@@ -12,7 +12,7 @@ from ..worlds.arrays import F64
 if TYPE_CHECKING:
     from .liquid_frames import Liquid
 
-__all__ = ["sample_inside", "samples"]
+__all__ = ["sample_inside", "samples", "share_under"]
 
 POINTS = 600
 """Points inside a body at which it is asked whether they are under water."""
@@ -61,3 +61,8 @@ def sample_inside(liquid: Liquid, name: str) -> F64:
     for solid in solids:
         held |= contains(solid, grid)
     return grid[held] if held.any() else 0.5 * (low + high)[None]
+
+
+def share_under(heights: F64, level: F64 | float, step: float) -> float:
+    """Share of cubes of edge `step` [m] about points at some heights [m] that lies under a level, each in proportion."""
+    return float(np.clip((level - heights) / step + 0.5, 0.0, 1.0).mean())

@@ -23,7 +23,7 @@ from ...worlds.predicates import (
 )
 from .. import motion
 from ..liquid_frames import Frame, Liquid, liquid_of
-from ..liquid_samples import sample_inside, samples
+from ..liquid_samples import sample_inside, samples, share_under
 from ..liquid_solids import Piece, pieces_of
 from .kinematic import region_offset
 from .outcome import Comparison, Outcome, Series, band, judge
@@ -244,14 +244,15 @@ def submerged_fraction(scope: Scope, predicate: SpecModel) -> Outcome:
     liquid, member = found
     bodies = scope.candidate.entity(p.entity).bodies
     inside = {b.name: sample_inside(liquid, f"{p.entity}/{b.name}") for b in bodies}
+    step = float(np.cbrt(sum(b.volume for b in bodies) / sum(map(len, inside.values()))))
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
         points = np.concatenate([scope.candidate.pose(p.entity, frame.index, b).apply(x) for b, x in inside.items()])
-        value[i] = _under(liquid, frame.position[own], points)
+        value[i] = _under(liquid, frame.position[own], points, step)
     return _banded(scope, p, value, "1", f"submerged share of {p.entity}")
 
 
-def _under(liquid: Liquid, position: F64, points: F64) -> float:
+def _under(liquid: Liquid, position: F64, points: F64, step: float) -> float:
     """Share of points under the tops of the nearest columns of liquid that stand beside them."""
     from scipy.spatial import cKDTree
 
@@ -274,7 +275,7 @@ def _under(liquid: Liquid, position: F64, points: F64) -> float:
     count = min(NEAREST, int(beside.sum()))
     _, at = cKDTree(middle[beside]).query(points[:, :2], k=count)
     level = top[beside][np.asarray(at).reshape(len(points), count)].mean(axis=1) + 0.5 * liquid.pitch
-    return float((points[:, 2] < level).mean())
+    return share_under(points[:, 2], level, step)
 
 
 def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:

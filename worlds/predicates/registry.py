@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 from ..vocabulary import Ref, SpecModel
 
@@ -90,7 +90,8 @@ def entities_of(predicate: SpecModel) -> tuple[str, ...]:
     names: dict[str, None] = {}
     for name, info in type(predicate).model_fields.items():
         value = getattr(predicate, name)
-        if any(isinstance(m, Ref) and m.target == "entity" for m in info.metadata) and isinstance(value, str):
+        marks = [*info.metadata, *(m for part in get_args(info.annotation) for m in getattr(part, "__metadata__", ()))]
+        if any(isinstance(m, Ref) and m.target == "entity" for m in marks) and isinstance(value, str):
             names[value] = None
         if name == "entities" and isinstance(value, list):
             names.update(dict.fromkeys(str(v) for v in value))

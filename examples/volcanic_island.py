@@ -35,7 +35,7 @@ MARGIN = 1.2
 """What the river gets over what it lacks."""
 GROUND, GROUND_AT = 640.0, (850.0, 1650.0)
 """Side and middle of the ground that is cut out, where the valley meets the sea [m]."""
-EYE = 4.0
+EYE = 12.0
 """Height of the near camera over the bed of the river [m]."""
 WAIT_SECONDS = 25.0
 
@@ -151,7 +151,7 @@ class Islander(Agent):
         return True
 
     async def _shots(self) -> bool:
-        """One view of the whole island, and one from a boat at the mouth of the widest river, upstream."""
+        """One view of the whole island, and one from low over the mouth of the widest river, upstream."""
         told, refused = await self.call("inspect_world", part="terrain")
         if refused:
             self.say(told["refused"])
@@ -173,7 +173,7 @@ class Islander(Agent):
         if refused:
             self.say(data["refused"])
             return False
-        self.say(f"the near camera floats at {here['at']}, in {here['kind']} {here['reach']}")
+        self.say(f"the near camera hangs over {here['at']}, in {here['kind']} {here['reach']}")
         return True
 
     async def feed(self, row: dict[str, Any]) -> bool:

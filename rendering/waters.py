@@ -29,6 +29,8 @@ SMOOTHING = 2.0
 """Cells over which a course is smoothed, as when its bed was cut."""
 WIDE_CELLS = 2.0
 """Rivers from this many cells on are drawn at their level, between banks that the grid carries; narrower ones lie on the land."""
+POOL = 0.5
+"""Most that a narrow ribbon stands over the drawn land [m], where the grid dams it."""
 LIFT = 0.12
 """Height of a narrow ribbon over the drawn land [m]."""
 
@@ -227,8 +229,9 @@ def _rivers(
         across = np.linspace(-0.5, 0.5, 5)
         places = course.line[:, None] + across[None, :, None] * (course.width[:, None] * side)[:, None]
         ground = drawn_height(drawn, places.reshape(-1, 2)).reshape(places.shape[:2])
-        # Water falls all the way: a bump of the drawn land dams what is above it.
-        level = np.maximum.accumulate(ground.mean(1)[::-1])[::-1]
+        # A bump of the drawn land dams what is above it, by no more than a shallow pool.
+        middle = ground.mean(1)
+        level = np.minimum(np.maximum.accumulate(middle[::-1])[::-1], middle + POOL)
         z = np.maximum(ground, level[:, None]) + LIFT
         count = len(course.line)
         pieces.append(np.concatenate([places, z[..., None]], axis=2).reshape(-1, 3))

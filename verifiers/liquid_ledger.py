@@ -39,6 +39,8 @@ OVERLAP_POINTS = 100_000
 """Points in a part's box at which it is asked whether a solid is there too."""
 REACH = 1.5
 """Own choice: particles may appear or vanish this many spacings and two frames of travel away from where they are let in or out."""
+SLOW = 0.5
+"""[m/s] Particles at rest at a frame may be this fast before the next."""
 RECORDED = {"mass": "kg", "volume": "m^3", "particles": "1", "momentum_x": "kg m/s", "momentum_y": "kg m/s", "momentum_z": "kg m/s",
             "kinetic_energy": "J", "potential_energy": "J"}  # fmt: skip
 
@@ -223,8 +225,7 @@ class Identity:
         frame, liquid = step.before, self.liquid
         self.deaths += len(step.gone)
         at, speed = frame.position[step.gone], np.linalg.norm(frame.velocity[step.gone], axis=1)
-        fastest = float(step.now.others.get("record/max_speed", speed.max(initial=0.0)))
-        travel = REACH * liquid.spacing + 2.0 * np.minimum(np.maximum(speed, 0.5), max(fastest, 0.5)) * step.duration
+        travel = REACH * liquid.spacing + 2.0 * np.maximum(speed, SLOW) * step.duration
         travel = travel + liquid.strength * step.duration**2
         taken = liquid.near_open_side(at, travel)
         for name in liquid.outflows:

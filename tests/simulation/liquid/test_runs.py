@@ -26,8 +26,8 @@ from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.records import QUANTITIES
 from worldagent.worlds.spec import WorldSpec
 
-FRAMES = 26
-KILLED = 17
+FRAMES = 14
+KILLED = 13
 SMALL: dict[str, Any] = {"spacing": 0.04, "frames": FRAMES}
 
 

@@ -135,7 +135,7 @@ class Coupling:
         self.pairs.particle, self.pairs.body = (wp.zeros(room, dtype=wp.int32, device=self.device) for _ in range(2))
         self.pairs.slope = wp.zeros(room, dtype=wp.vec3, device=self.device)
         self.pairs.drag = wp.zeros(room, dtype=wp.float32, device=self.device)
-        self.pair_force = wp.zeros(room, dtype=wp.vec3, device=self.device)
+        self.pair_force, self.pair_return = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))
         self.key, self.order = (wp.zeros(2 * room, dtype=wp.int32, device=self.device) for _ in range(2))
         self.spans = wp.zeros(max(self.count, 1), dtype=wp.vec2i, device=self.device)
 
@@ -301,6 +301,28 @@ class Coupling:
             self.count,
             [self.lanes, self.bodies, self.force, self.torque, self._work.settings, int(moves), *sums],
         )()
+
+    def rub(self, v: Any) -> None:
+        """Work out the friction forces of all pairs at velocities v."""
+        from . import viscous_kernels as kernels
+
+        if self.total:
+            w, s = self._work, self.bodies
+            for sign, force in ((1.0, self.pair_force), (-1.0, self.pair_return)):
+                inputs = [self._x, v, self._volume, w.viscosity, self.pairs, s, sign, force]
+                self.passes(f"rub{sign}", kernels.rub, self._n, inputs)()
+
+    def rubbed(self) -> None:
+        """Give those forces to the bodies and to the sums of both sides."""
+        from . import boundary_kernels as kernels
+
+        if not self.total:
+            return
+        lists = [self.pairs, self.order, self.spans, self.bodies.center, self.force, self.torque]
+        for name, value, sums in (("back", self.pair_return, self.reaction_sum), ("rubbed", self.pair_force, self.impulse)):
+            inputs = [self.lanes, self._x, value, *lists]
+            self.passes(name, kernels.force_lanes, self.count * self.lanes, inputs)()
+            self._account(sums, moves=name == "rubbed")
 
     def advance(self) -> None:
         """Velocity of the bodies by everything but the liquid."""

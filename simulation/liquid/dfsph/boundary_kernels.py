@@ -19,9 +19,9 @@ __all__ = [
     "Samples",
     "account",
     "arrange",
+    "at_place",
     "carry",
     "count_pairs",
-    "drag",
     "fill_pairs",
     "finish_factors",
     "force_lanes",
@@ -35,9 +35,8 @@ __all__ = [
     "wrench_lanes",
 ]
 
-HARD = wp.constant(wp.float32(1.0))
-"""Fill that a plane adds per square of the depth [spacings] to which a particle is nearer than half a spacing: without it the
-first layer of liquid would lie thin and overpressed on the plane itself."""
+MIRROR = wp.constant(wp.float32(2.0))
+"""A wall answers a particle with its mirror image: equal pressure, opposite velocity. Both count the gradient twice."""
 BODIES_NEAR = 8
 """Bodies that one particle can touch at once."""
 Eight = wp.types.vector(length=8, dtype=wp.int32)
@@ -73,17 +72,16 @@ class Bodies:
 
 @wp.func
 def side(d: wp.float32, spacing: wp.float32, h: wp.float32):
-    """Fill that a plane wall gives at distance d, and its slope: layers of lattice spacing, half a spacing behind the plane."""
+    """Fill that a plane wall gives at distance d, and its slope: the particle's mirror image and layers behind it."""
     w = wp.float32(0.0)
     g = wp.float32(0.0)
     for k in range(4):
-        z = d + (0.5 + wp.float32(k)) * spacing
+        z = wp.max(2.0 * d, 0.0) + wp.float32(k) * spacing
         q = wp.abs(z) / h
         if q < 1.0:
             w += spacing * plane_weight(q, h)
-            g -= spacing * 6.2831853 * z * weight(q, h)
-    near = wp.max(0.5 - d / spacing, 0.0)
-    return wp.vec2(w + HARD * near * near, g - 2.0 * HARD * near / spacing)
+            g -= MIRROR * spacing * 6.2831853 * wp.max(z, 0.1 * spacing) * weight(q, h)
+    return wp.vec2(w, g)
 
 
 @wp.func
@@ -94,13 +92,13 @@ def edge(d: wp.float32, e: wp.float32, spacing: wp.float32, h: wp.float32):
     k = wp.float32(0.0)
     for a in range(2):
         for b in range(2):
-            x = wp.max(d, -0.25 * spacing) + (0.5 + wp.float32(a)) * spacing
-            y = wp.max(e, -0.25 * spacing) + (0.5 + wp.float32(b)) * spacing
+            x = wp.max(2.0 * d, 0.25 * spacing) + wp.float32(a) * spacing
+            y = wp.max(2.0 * e, 0.25 * spacing) + wp.float32(b) * spacing
             u = 1.0 - (x * x + y * y) / (h * h)
             if u > 0.0:
                 scale = 2.5464791 * spacing * spacing / (h * h) * u * u
                 w += scale * u * (0.03524 + u * (0.59718 + u * (-0.83797 + u * 0.95511)))
-                slant = -2.0 / (h * h) * scale * (0.10572 + u * (2.38872 + u * (-4.18985 + u * 5.73066)))
+                slant = -2.0 * MIRROR / (h * h) * scale * (0.10572 + u * (2.38872 + u * (-4.18985 + u * 5.73066)))
                 g += slant * x
                 k += slant * y
     return wp.vec3(w, g, k)
@@ -273,14 +271,14 @@ def fill_pairs(
         at = pairs.start[i] + k
         pairs.particle[at] = i
         pairs.body[at] = body
-        pairs.slope[at] = slant
+        pairs.slope[at] = MIRROR * slant
         pairs.drag[at] = sums[1] * bodies.friction[body]
         total += sums[0]
         way += slant
         mine += sums[2]
     fill[i] = fill[i] + total
-    lean[i] = lean[i] + way
-    own[i] = mine
+    lean[i] = lean[i] + MIRROR * way
+    own[i] = MIRROR * mine
 
 
 @wp.func
@@ -419,25 +417,6 @@ def react(
         m += torque[b * lanes + t]
     velocity[b] = bodies.lightness[b] * wp.vec3(wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2]))
     spin[b] = bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
-
-
-@wp.kernel
-def drag(
-    first: wp.int32,
-    x: wp.array(dtype=wp.vec3),
-    v: wp.array(dtype=wp.vec3),
-    volume: wp.array(dtype=wp.float32),
-    viscosity: wp.array(dtype=wp.float32),
-    pairs: Pairs,
-    bodies: Bodies,
-    force: wp.array(dtype=wp.vec3),
-):
-    """Friction force on the body [N] of each pair, at the particle's velocity v; the liquid gets its opposite."""
-    i = first + wp.tid()
-    for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
-        b = pairs.body[k]
-        wall = at_place(bodies.velocity[b], bodies.spin[b], x[i] - bodies.center[b])
-        force[k] = volume[i] * viscosity[i] * pairs.drag[k] * (v[i] - wall)
 
 
 @wp.kernel

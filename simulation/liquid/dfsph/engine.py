@@ -17,6 +17,7 @@ from .pressure import RELAXATION, Solved, solve
 from .settings import DfsphSettings
 from .state import pack, unpack
 from .store import Store, Work, cells_of
+from .viscosity import Viscosity
 
 __all__ = ["Dfsph"]
 
@@ -71,6 +72,7 @@ class Dfsph:
         self._gravity = wp.vec3(*(float(g) for g in setup.gravity))
         self._boxes = outflow_boxes(setup, self.origin, self.device)
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
+        self.viscosity = Viscosity(setup, self._density, self.passes)
         self._host = np.zeros(12, dtype=np.float32)
         self._work: Work | None = None
         self._sorted = 0
@@ -137,6 +139,10 @@ class Dfsph:
         spread = self._solve(w, density=False)
         run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
         self.coupling.advance()
+        thin = self.viscosity.apply(
+            w, s, self.coupling, self.h, n, dt, tolerance=self.settings.viscosity_error, most=self.settings.iterations
+        )
+        self.viscosity.conduct(w, s, self.h, n, dt)
         pressed = self._solve(w, density=True)
         run("travel", kernels.travel, n, [s.v, w.settings, s.x])()
         margin = self.setup.spacing
@@ -150,7 +156,7 @@ class Dfsph:
         self.time += dt
         self.steps += 1
         given, taken = self.coupling.wrenches()
-        capped = int(pressed.capped) + int(spread.capped)
+        capped = int(pressed.capped) + int(spread.capped) + int(not thin)
         return StepReport(dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error)
 
     def _solve(self, w: Work, *, density: bool) -> Solved:

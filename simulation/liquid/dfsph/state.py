@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zipfile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,8 @@ def pack(engine: Dfsph) -> bytes:
     counters: dict[str, Any] = {
         "time": np.float64(engine.time),
         "speed": np.float64(engine.speed),
+        "full": np.float64(engine.full),
+        "relaxation": np.array(engine.relaxation, dtype=np.float64),
         "steps": np.int64(engine.steps),
         "lost": np.int64(engine.lost),
         "next_identity": np.int64(engine.next_identity),
@@ -46,10 +49,12 @@ def unpack(engine: Dfsph, state: bytes) -> None:
         if int(found["format"]) != FORMAT or len(found["layers"]) != len(engine.layers):
             raise EvidenceError("the checkpoint is of another liquid or of another version; start from frame 0")
         columns = {name: found[name] for name in FIELDS}
-    except (KeyError, ValueError, OSError, EOFError) as error:
+    except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
         raise EvidenceError(f"the checkpoint of a liquid cannot be read ({error}); start from frame 0") from error
     engine.store.replace(columns)
     engine.time, engine.speed = float(found["time"]), float(found["speed"])
     engine.steps, engine.lost = int(found["steps"]), int(found["lost"])
     engine.next_identity = int(found["next_identity"])
+    engine.full = float(found["full"])
+    engine.relaxation = [float(k) for k in found["relaxation"]]
     engine.layers = [int(k) for k in found["layers"]]

@@ -1,0 +1,114 @@
+"""Viscosity, friction at walls, and heat of one step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....geometry.launch import warp
+
+if TYPE_CHECKING:
+    from ..engine import LiquidSetup
+    from .bodies import Coupling
+    from .passes import Passes
+    from .store import Work
+
+__all__ = ["Viscosity"]
+
+UNFELT = 1e-6
+"""Viscosity times dt / (density spacing^2) below which nothing is done: a velocity would change by 1e-5 of itself."""
+EXPLICIT = 0.01
+"""The same, up to which one explicit step is stable and exact enough."""
+HEAT_STEP = 0.05
+"""Diffusivity times dt / spacing^2 of one explicit step of conduction; longer steps are cut into several."""
+
+
+class Viscosity:
+    """Viscous and thermal properties of the fluids on a device."""
+
+    def __init__(self, setup: LiquidSetup, density: Any, passes: Passes) -> None:
+        wp = warp()
+        self.setup, self.passes, self._density = setup, passes, density
+        device = passes.device
+        rows = [(f.viscosity, f.activation, f.temperature) for f in setup.fluids]
+        self._thickness = wp.array(rows, dtype=wp.vec3, device=device)
+        self._heat = wp.array([(f.conductivity, f.heat_capacity) for f in setup.fluids], dtype=wp.vec2, device=device)
+        self._diffusivity = max(f.conductivity / (f.density * f.heat_capacity) for f in setup.fluids)
+        self._scalars = wp.zeros(2, dtype=wp.float32, device=device)
+        self._room = 0
+        self.iterations = 0
+
+    def _make_room(self, count: int) -> None:
+        if count > self._room:
+            wp, device = warp(), self.passes.device
+            self._room = count
+            self._rest, self._way, self._image = (wp.zeros(count, dtype=wp.vec3, device=device) for _ in range(3))
+
+    def apply(self, w: Work, s: Any, coupling: Coupling, h: float, n: int, dt: float, *, tolerance: float, most: int) -> bool:
+        """Change velocities by viscosity; False where the solve stopped at its cap."""
+        from . import viscous_kernels as kernels
+
+        self.iterations = 0
+        run = self.passes
+        run("thicken", kernels.thicken, n, [s.fluid, s.temperature, self._thickness, w.viscosity])()
+        light = min(f.density for f in self.setup.fluids)
+        number = float(w.viscosity[:n].numpy().max()) * dt / (light * self.setup.spacing**2)
+        if number < UNFELT:
+            return True
+        self._make_room(w.capacity)
+        lists = [w.viscosity, w.lightness, w.count, w.near, w.gradient, w.row, w.stride, h, coupling.pairs, coupling.bodies]
+        if number < EXPLICIT:
+            coupling.rub(s.v)
+            run("viscous", kernels.direct, n, [s.x, s.v, *lists, 1.0, w.settings, self._image])()
+            run("explicit", kernels.blend, n, [s.v, self._image, 2.0, -1.0, s.v])()
+            coupling.rubbed()
+            return True
+        run("viscous", kernels.direct, n, [s.x, s.v, *lists, 1.0, w.settings, self._image])()
+        run("rest", kernels.blend, n, [s.v, self._image, 1.0, -1.0, self._rest])()
+        run("way", kernels.blend, n, [self._rest, self._rest, 1.0, 0.0, self._way])()
+        done = self._solve(w, s, lists, n, tolerance, most)
+        coupling.rub(s.v)
+        coupling.rubbed()
+        return done
+
+    def _dot(self, w: Work, s: Any, one: Any, two: Any, n: int) -> float:
+        from . import viscous_kernels as kernels
+
+        if not hasattr(self, "_partial"):
+            self._partial = warp().zeros(w.lanes, dtype=warp().float64, device=self.passes.device)
+        inputs = [w.lanes, n, s.volume, w.lightness, one, two, self._partial]
+        self.passes("dots" + str(one is two), kernels.dots, w.lanes, inputs)()
+        return float(self._partial.numpy().sum())
+
+    def _solve(self, w: Work, s: Any, lists: list[Any], n: int, tolerance: float, most: int) -> bool:
+        """Conjugate gradients on (1 - dt L) v = v0."""
+        from . import viscous_kernels as kernels
+
+        run = self.passes
+        left = first = self._dot(w, s, self._rest, self._rest, n)
+        while self.iterations < most:
+            if left <= tolerance**2 * first or first == 0.0:
+                return True
+            run("image", kernels.direct, n, [s.x, self._way, *lists, 0.0, w.settings, self._image])()
+            self._scalars.assign(np.array([left / self._dot(w, s, self._way, self._image, n), 0.0], dtype=np.float32))
+            run("update", kernels.update, n, [self._scalars, self._way, self._image, s.v, self._rest])()
+            now = self._dot(w, s, self._rest, self._rest, n)
+            self._scalars.assign(np.array([0.0, now / left], dtype=np.float32))
+            run("direction", kernels.warm, n, [self._scalars, self._rest, self._way])()
+            left = now
+            self.iterations += 1
+        return left <= tolerance**2 * first
+
+    def conduct(self, w: Work, s: Any, h: float, n: int, dt: float) -> None:
+        """Heat between neighbours; walls are insulated."""
+        from . import viscous_kernels as kernels
+
+        if self._diffusivity == 0.0:
+            return
+        parts = max(1, int(np.ceil(self._diffusivity * dt / (HEAT_STEP * self.setup.spacing**2))))
+        lists = [w.count, w.near, w.gradient, w.row, w.stride, h, dt / parts]
+        for _ in range(parts):
+            run = self.passes
+            run("conduct", kernels.conduct, n, [s.x, s.fluid, self._density, self._heat, s.temperature, *lists, w.rate])()
+            warp().copy(s.temperature, w.rate, count=n)

@@ -30,6 +30,8 @@ BENCHMARKS: dict[str, str] = {
     "server-load": "worldagent.bench.server_load:run",
     "result-size": "worldagent.bench.result_size:run",
     "hydrology": "worldagent.bench.hydrology:run",
+    "liquid-dambreak": "worldagent.bench.liquid_dambreak:run",
+    "liquid-gpu": "worldagent.bench.liquid_gpu:run",
     "island": "worldagent.bench.island:run",
     "liquid-flip": "worldagent.bench.liquid_flip:run",
     "forest": "worldagent.bench.forest:run",

@@ -27,7 +27,7 @@ class Mouth:
         x, y = (grid.ravel() for grid in np.meshgrid(*axes, indexing="ij"))
         inside = (x / a) ** 2 + (y / b) ** 2 <= 1.0 if inflow.round else np.ones(len(x), dtype=bool)
         self.place = np.stack([x[inside], y[inside], np.zeros(int(inside.sum()))], axis=1)
-        self.volume = spacing**3
+        self.volume = float(np.float32(spacing**3))
         area = (np.pi if inflow.round else 4.0) * a * b
         self.thickness = len(self.place) * self.volume / area
         """Travel between two layers [m], so that the declared speed carries the declared volume."""

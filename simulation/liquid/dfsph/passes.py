@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
+from operator import is_
 from typing import Any
 
 from ....geometry.launch import cores, load, warp
@@ -34,6 +35,7 @@ class Pass:
     def __init__(self, kernel: Any, count: int, inputs: Sequence[Any], device: str) -> None:
         load(kernel, device)
         wp = warp()
+        self.name = str(kernel.key)
         self.inputs = tuple(inputs)
         self.count = count
         parts = max(1, min(SLICES * cores(), count // SMALLEST)) if device == "cpu" and cores() > 1 else 1
@@ -79,6 +81,9 @@ class Passes:
 
     def __init__(self, device: str) -> None:
         self.device = device
+        self.graphs = device != "cpu"
+        """Whether chains run as graphs."""
+        self._chains: dict[str, list[Chain]] = {}
         self._known: dict[str, list[Pass]] = {}
 
     def __call__(self, name: str, kernel: Any, count: int, inputs: Sequence[Any]) -> Pass:
@@ -91,18 +96,28 @@ class Passes:
         self._known[name] = [*known[-1:], made]
         return made
 
+    def chain(self, name: str, passes: Sequence[Callable[[], None]]) -> Chain:
+        """Passes to run after each other; the graph of the same ones is used again."""
+        known = self._chains.setdefault(name, [])
+        for one in known:
+            if one.graph == self.graphs and len(one.passes) == len(passes) and all(map(is_, one.passes, passes)):
+                return one
+        made = Chain(passes, self.device, graph=self.graphs)
+        self._chains[name] = [*known[-1:], made]
+        return made
+
 
 class Chain:
     """Passes that always run after each other: one graph on a GPU."""
 
-    def __init__(self, passes: Sequence[Callable[[], None]], device: str) -> None:
+    def __init__(self, passes: Sequence[Callable[[], None]], device: str, *, graph: bool) -> None:
         self.passes = list(passes)
-        self.device = device
+        self.device, self.graph = device, graph
         self._graph: Any = None
 
     def __call__(self) -> None:
         """Run all passes in order."""
-        if self.device == "cpu":
+        if not self.graph:
             for one in self.passes:
                 one()
             return

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import solve_kernels as kernels
-from .passes import Chain
 
 if TYPE_CHECKING:
     from .bodies import Coupling
@@ -112,7 +111,7 @@ def solve(
         passes("close_sums", kernels.close_sums, 1, [w.lanes, w.partial, w.settings, 0]),
     ]
     chunk = 1 if passes.device == "cpu" else CHUNK
-    run = Chain(chain * chunk, passes.device)
+    run = passes.chain(name, chain * chunk)
     done, error, good, found = 0, np.inf, False, w.settings.numpy()
     while done < most:
         run()

@@ -56,7 +56,7 @@ class Store:
     def replace(self, columns: dict[str, Any]) -> None:
         """Take these particles instead; makes room where there is too little."""
         self.count = len(columns["x"])
-        if self.count > self.capacity:
+        if self.now is None or self.count > self.capacity:
             self.capacity = max(64, int(GROWTH * self.count) if self.capacity else self.count)
             self.now, self.spare = self._particles(self.capacity), self._particles(self.capacity)
         if self.count:

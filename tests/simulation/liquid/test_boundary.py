@@ -17,7 +17,7 @@ def test_samples_lie_inside_the_surface_evenly_and_alike_for_equal_seeds():
     one, two = sample_surface(mesh, S, seed=3), sample_surface(mesh, S, seed=3)
     assert np.array_equal(one.position, two.position)
     depth = 0.5 - np.abs(one.position).max(axis=1)
-    assert np.allclose(depth, INSET * S, atol=0.1 * S)
+    assert np.all((np.abs(depth - INSET * S) < 0.1 * S) | (np.abs(depth - (INSET + 1) * S) < 0.15 * S))
     flat = one.position[:, 2] > 0.5 - 0.6 * S
     inner = flat & (np.abs(one.position[:, :2]) < 0.35).all(axis=1)
     assert abs(one.volume[inner].sum() / (0.7**2 * S) - 1) < 0.06
@@ -35,4 +35,4 @@ def test_of_a_huge_ground_only_the_part_in_the_box_is_sampled():
     low, high = np.array([-0.5, -0.5, -1.0]), np.array([0.5, 0.5, 1.0])
     found = sample_surface(ground, S, closed=False, lower=low, upper=high)
     assert (np.abs(found.position[:, :2]) <= 0.5).all()
-    assert 0.7 < len(found.position) * S**2 < 1.3
+    assert 0.9 < found.volume.sum() / S < 1.25

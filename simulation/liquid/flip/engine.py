@@ -113,6 +113,7 @@ class Flip:
         dt = limit / max(1, math.ceil(limit / self.stable_dt() - 1e-6))
         self.solids.update(bodies)
         if self.markers.live == 0:
+            self.markers.total = self.markers.dead = 0
             return self._close(dt, np.zeros((self.solids.count, 6)), np.zeros((self.solids.count, 6)), (0, 0), 0, (0.0, 0.0))
         grid = self._build_grid()
         self._dt = dt
@@ -241,6 +242,7 @@ class Flip:
             self.solids.reuse = 1
             run(walls.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
             run(walls.cut_faces, total, [grid.near, distance, nearest, halves, opening, self._owners(grid)])
+            run(walls.close_thin, total, [grid.near, solid, opening])
             run(walls.near_solid, total, [grid.columns, solid, halves, spread])
         if self.settings.roughness > 0.0:
             self._rub(grid)

@@ -40,6 +40,8 @@ SHELL = wp.constant(0.6)
 """Half thickness of a sheet in cells."""
 LEAST = wp.constant(0.02)
 """As `grid_kernels.LEAST_OPEN`."""
+ALIKE = wp.constant(0.2)
+"""Product of two cells' gradients below which a face between them crosses a wall."""
 REACH = wp.constant(2.0)
 """Cells whose corner is farther from solids than this are not cut."""
 SKIN = wp.constant(0.05)
@@ -421,6 +423,32 @@ def cut_faces(
             who[axis] = w
     opening[c] = wp.cw_mul(opening[c], share)
     face_owner[c] = who
+
+
+@wp.func
+def rise(near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), c: int):
+    """Gradient of the distance to solids at a cell's centre, by central differences."""
+    g = wp.vec3()
+    for axis in range(3):
+        low = near[c][2 * axis]
+        high = near[c][2 * axis + 1]
+        if low >= 0 and high >= 0:
+            g[axis] = 0.5 * (solid[high] - solid[low])
+    return g
+
+
+@wp.kernel
+def close_thin(first: wp.int32, near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3)):
+    """Faces across a thin wall are closed: the nearest surfaces of their two cells do not look the same way."""
+    c = first + wp.tid()
+    share = opening[c]
+    for axis in range(3):
+        o = near[c][2 * axis]
+        if o >= 0 and share[axis] < 1.0:
+            if solid[c] < 0.0 or solid[o] < 0.0:
+                if wp.dot(rise(near, solid, c), rise(near, solid, o)) < ALIKE:
+                    share[axis] = 0.0
+    opening[c] = share
 
 
 @wp.kernel

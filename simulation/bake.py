@@ -18,8 +18,14 @@ def run_bake(
     *,
     progress: Callable[[int, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
+    reuse: bool = True,
 ) -> Candidate:
-    """Bake every frame of a freeze, resuming from its last checkpoint, and open it for checking."""
+    """Bake every frame of a freeze, resuming from its last checkpoint, and open it for checking.
+
+    `reuse` lets a liquid take its frames from another candidate with the same recipe.
+    """
     spec, built = recorded_inputs(folder, freeze)
-    run_frames(spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, progress=progress, check=check)
+    run_frames(
+        spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, progress=progress, check=check, reuse=reuse
+    )
     return open_candidate(folder, freeze, "full")

@@ -84,6 +84,7 @@ def run_frames(
     frames: int,
     progress: Callable[[int, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
+    reuse: bool = True,
 ) -> dict[str, Cache]:
     """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces of liquids, resuming what is there.
 
@@ -94,6 +95,7 @@ def run_frames(
         frames: how many frames.
         progress: called with (done, total, message).
         check: called between frames; raises to stop.
+        reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted.
 
     Raises:
         InputError: an instance cannot be prepared.
@@ -110,7 +112,7 @@ def run_frames(
             if check is not None:
                 check()
 
-        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say)
+        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     if spec.simulation.liquid:
         from .surfaces import mesh_liquids
 
@@ -126,6 +128,7 @@ def _run_group(
     *,
     frames: int,
     say: Callable[[int], None],
+    reuse: bool,
 ) -> dict[str, Cache]:
     """Simulate one group into its caches; `done` are those of the groups before it."""
     names = tuple(caches)
@@ -134,7 +137,7 @@ def _run_group(
     run.prepare()
     for name, cache in caches.items():
         index = dataclasses.replace(run.solvers[name].index(), frames=frames)
-        if trusted < frames and len(names) == 1 and index.settings and _take_over(cache, index):
+        if reuse and trusted < frames and len(names) == 1 and index.settings and _take_over(cache, index):
             trusted = frames
         cache.write_index(index)
     # A reader keeps the index that it saw first; another world's frames may have stood here.

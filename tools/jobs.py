@@ -165,10 +165,13 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             )
         )
     total = session.spec.simulation.frames
-    if refuted(session, freeze):  # a forged frame and its forged digest agree: nothing of that bake is trusted
+    forged = refuted(session, freeze)
+    if forged:  # a forged frame and its forged digest agree: nothing of that bake is trusted
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     pace = Pace(context.progress)
-    candidate = run_bake(session.folder, freeze, progress=lambda d, n, m: pace(d, n * 1.5, m), check=context.check)
+    candidate = run_bake(
+        session.folder, freeze, progress=lambda d, n, m: pace(d, n * 1.5, m), check=context.check, reuse=not forged
+    )
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(_promise_row(candidate, promised, found))

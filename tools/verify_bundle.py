@@ -237,7 +237,7 @@ def _bake_again(found: Verification, folder: WorldFolder, freeze: str) -> None:
     bake = folder.candidate(freeze) / "bake"
     kept = bake.with_name("bundled")
     bake.rename(kept)
-    run_frames(spec, built, bake, frames=spec.simulation.frames)
+    run_frames(spec, built, bake, frames=spec.simulation.frames, reuse=False)
     for name in spec.simulation.solvers:
         there, here = Cache(kept / name), Cache(bake / name)
         pairs = enumerate(zip(there.digests(), here.digests(), strict=False))
@@ -275,7 +275,7 @@ def _make_anew(folder: WorldFolder, spec: WorldSpec) -> None:
         shutil.rmtree(folder.root / name)
     built, _ = build_world(folder, spec)
     freeze = open_freeze(folder, spec, built, built_paths(folder, spec), revision=0)
-    run_frames(spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames)
+    run_frames(spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, reuse=False)
 
 
 def _compare_verdicts(found: Verification, *, exact: bool) -> None:

@@ -165,8 +165,8 @@ def river_entries(land: SavedLandscape, body: WaterBody, *, inset: float) -> lis
     found = []
     for number, reach in enumerate(land.about["reaches"]):
         path = np.array([grid.place(c) for c in reach["cells"]]).reshape(-1, 2)
-        within = ((path >= low) & (path <= high)).all(axis=1)
-        for k in np.flatnonzero(within[1:] & ~within[:-1]) + 1:
+        within: NDArray[np.bool_] = np.asarray(((path >= low) & (path <= high)).all(axis=1))
+        for k in (np.flatnonzero(within[1:] & ~within[:-1]) + 1).tolist():
             ahead = path[min(k + 3, len(path) - 1)] - path[k - 1]
             length = float(np.linalg.norm(ahead))
             if length == 0.0:

@@ -13,6 +13,8 @@ from ....worlds.arrays import F64
 from ....worlds.errors import EngineError, EvidenceError, LimitError
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
 from . import column_kernels as columns
+from . import cut_kernels as cuts
+from . import distance_kernels as distances
 from . import grid_kernels as cells
 from . import multigrid, seeding
 from . import multigrid_kernels as blocks
@@ -232,18 +234,18 @@ class Flip:
             for name in ("fixed", "fixed_owner"):
                 run.swap(name, name + "/before")
             owner, owner_before = run.array("fixed_owner", total, wp.int32), run.array("fixed_owner/before", 1, wp.int32)
-            fixed, points = (run.array(name, total, walls.vec8) for name in ("fixed", "points"))
-            fixed_before = run.array("fixed/before", 1, walls.vec8)
-            halves = run.array("halves", total, walls.vec6)
+            fixed, points = (run.array(name, total, distances.vec8) for name in ("fixed", "points"))
+            fixed_before = run.array("fixed/before", 1, distances.vec8)
+            halves = run.array("halves", total, cuts.vec6)
             assert self.solids.fixed is not None
             distance, nearest = self._of(grid, "distance")[0], run.array("owner", total, wp.int32)
             inputs = [grid.columns, before, self.solids.reuse, *self.solids.fixed, fixed_before, owner_before, self.solids.moving]
-            run(walls.corner_distances, total, [*inputs, fixed, owner, points, distance, nearest], grain=256)
+            run(distances.corner_distances, total, [*inputs, fixed, owner, points, distance, nearest], grain=256)
             self.solids.reuse = 1
-            run(walls.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
-            run(walls.cut_faces, total, [grid.near, distance, nearest, halves, opening, self._owners(grid)])
-            run(walls.close_thin, total, [grid.near, solid, opening])
-            run(walls.near_solid, total, [grid.columns, solid, halves, spread])
+            run(cuts.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
+            run(cuts.cut_faces, total, [grid.near, distance, nearest, halves, opening, self._owners(grid)])
+            run(cuts.close_thin, total, [grid.near, solid, opening])
+            run(cuts.near_solid, total, [grid.columns, solid, halves, spread])
         if self.settings.roughness > 0.0:
             self._rub(grid)
         if self.sources.mouths:
@@ -349,7 +351,7 @@ class Flip:
         run(transfer.advance, n, [*fields, *how, markers.position, markers.velocity, markers.affine, left])
         if self.solids.count:
             state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.int32), exchange.walls]
-            run(walls.push_out, n, [*state, way, *self._box, self._sides, markers.position])
+            run(distances.push_out, n, [*state, way, *self._box, self._sides, markers.position])
 
     def particles(self) -> Particles:
         """The marker particles, in the order of their cells."""

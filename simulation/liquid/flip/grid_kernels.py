@@ -10,7 +10,8 @@ Enright et al. 2003), velocities after it, and their extension beyond the liquid
 import warp as wp
 
 from .column_kernels import Columns, place_of, vec6i
-from .solid_kernels import Walls, face_center, wall_speed
+from .distance_kernels import Walls, wall_speed
+from .solid_kernels import face_center
 
 wp.set_module_options({"enable_backward": False})
 

@@ -11,7 +11,7 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import InputError
 from ..engine import BodyState, Boundary, LiquidSetup
-from . import solid_kernels as kernels
+from . import distance_kernels as kernels
 from .run import Runner
 
 __all__ = ["Solids"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -38,6 +39,8 @@ spent = time.perf_counter() - start
 base.cleanup()
 print("PEER " + json.dumps({"seconds": spent}))
 """
+
+_SAID = {"step_s": "Time step size", "iterations_density": "DFSPH - iterations", "iterations_divergence": "DFSPH - iterationsV"}
 
 
 def _scene() -> dict[str, Any]:
@@ -75,7 +78,8 @@ def _scene() -> dict[str, Any]:
     }
 
 
-def _peer(threads: int) -> tuple[float | None, str]:
+def _peer(threads: int) -> tuple[dict[str, float] | None, str]:
+    """Its seconds, steps and mean iterations, or why there are none."""
     from trimesh.creation import box
 
     with tempfile.TemporaryDirectory() as folder:
@@ -92,7 +96,12 @@ def _peer(threads: int) -> tuple[float | None, str]:
     if not said:
         lines = ended.stderr.strip().splitlines()
         return None, lines[-1] if lines else f"it ended with code {ended.returncode}"
-    return float(json.loads(said[-1][5:])["seconds"]), ""
+    found = {"seconds": float(json.loads(said[-1][5:])["seconds"])}
+    for name, label in _SAID.items():
+        number = re.search(rf"Average number: {re.escape(label)}: ([0-9.e+-]+)", ended.stdout)
+        if number:
+            found[name] = float(number.group(1))
+    return found, ""
 
 
 def _ours() -> dict[str, Any]:
@@ -139,19 +148,19 @@ def run() -> dict[str, Any]:
     """Seconds of ours and of the peer; ratio ours / theirs."""
     ours = min((_ours() for _ in range(2)), key=lambda found: float(found["seconds"]))
     print(f"ours {ours['seconds']:.2f} s", file=sys.stderr, flush=True)
-    theirs: dict[int, float] = {}
+    theirs: dict[int, dict[str, float]] = {}
     why = ""
     for threads in (1, 2):
-        seconds, reason = _peer(threads)
-        if seconds is None:
+        found, reason = _peer(threads)
+        if found is None:
             why = reason
             break
-        theirs[threads] = seconds
-        print(f"peer, {threads} threads {seconds:.2f} s", file=sys.stderr, flush=True)
-    best = min(theirs.values(), default=None)
+        theirs[threads] = found
+        print(f"peer, {threads} threads {found['seconds']:.2f} s", file=sys.stderr, flush=True)
+    best = min((found["seconds"] for found in theirs.values()), default=None)
     return {
         **{name: round(value, 6) if isinstance(value, float) else value for name, value in ours.items()},
-        "peer_seconds": {str(k): round(v, 2) for k, v in theirs.items()},
+        "peer": {str(k): {name: round(v, 6) for name, v in found.items()} for k, found in theirs.items()},
         "ratio_vs_splishsplash": round(ours["seconds"] / best, 3) if best else None,
         "left_out": {"splishsplash": why} if why else {},
     }

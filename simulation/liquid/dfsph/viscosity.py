@@ -36,6 +36,7 @@ class Viscosity:
         self._heat = wp.array([(f.conductivity, f.heat_capacity) for f in setup.fluids], dtype=wp.vec2, device=device)
         self._diffusivity = max(f.conductivity / (f.density * f.heat_capacity) for f in setup.fluids)
         self._scalars = wp.zeros(2, dtype=wp.float32, device=device)
+        self._varies = any(f.activation for f in setup.fluids)
         self._room = 0
         self.iterations = 0
 
@@ -53,7 +54,8 @@ class Viscosity:
         run = self.passes
         run("thicken", kernels.thicken, n, [s.fluid, s.temperature, self._thickness, w.viscosity])()
         light = min(f.density for f in self.setup.fluids)
-        number = float(w.viscosity[:n].numpy().max()) * dt / (light * self.setup.spacing**2)
+        thickest = float(w.viscosity[:n].numpy().max()) if self._varies else max(f.viscosity for f in self.setup.fluids)
+        number = thickest * dt / (light * self.setup.spacing**2)
         if number < UNFELT:
             return True
         self._make_room(w.capacity)

@@ -21,7 +21,7 @@ RELAXATION = 0.4
 """Step along the gradient scaled by the diagonal, at first; it is cut to what the iterates show of the largest eigenvalue."""
 RECOVERY = 1.02
 """Growth of that step from solve to solve."""
-RESIDUAL = 0.1
+RESIDUAL = 0.2
 """Share of the compression asked away that may be left: keeps tall columns from sagging, whose bottom alone is compressed."""
 SMALL = 0.02
 """Share of the tolerance below which that does not matter."""

@@ -111,7 +111,9 @@ def volume_removed(folder: Path, magnitude: float, rng: np.random.Generator) -> 
 def counted_out(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """The same, booked as having left through an open side, which they were nowhere near."""
     flow = scenes.pool(rng)
-    rows = _some(flow, magnitude, rng)
+    points = flow.position[0]
+    amid = np.flatnonzero((np.abs(points[:, :2]) < np.abs(points[:, :2]).max(axis=0) - 2.5 * SPACING).all(axis=1))
+    rows = rng.choice(amid, min(len(amid), max(1, round(magnitude * len(points)))), replace=False)
     first = int(rng.integers(2, flow.frames))
     keep = np.ones(len(flow.position[0]), dtype=bool)
     keep[rows] = False

@@ -12,6 +12,7 @@ from ....worlds.errors import EngineError
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
 from .bodies import Coupling, sampled_boundaries
 from .flow import Mouth, outflow_boxes, reasons
+from .keep_out import KeepOut
 from .passes import Pass, Passes
 from .pressure import RELAXATION, Solved, solve
 from .settings import DfsphSettings
@@ -72,6 +73,7 @@ class Dfsph:
         self._gravity = wp.vec3(*(float(g) for g in setup.gravity))
         self._boxes = outflow_boxes(setup, self.origin, self.device)
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
+        self.keep_out = KeepOut(setup, self.origin, self.passes)
         self.viscosity = Viscosity(setup, self._density, self.passes)
         self._host = np.zeros(12, dtype=np.float32)
         self._work: Work | None = None
@@ -144,6 +146,7 @@ class Dfsph:
         )
         self.viscosity.conduct(w, s, self.h, n, dt)
         pressed = self._solve(w, density=True)
+        self.keep_out.apply(w, s, self.coupling, n)
         run("travel", kernels.travel, n, [s.v, w.settings, s.x])()
         margin = self.setup.spacing
         run(

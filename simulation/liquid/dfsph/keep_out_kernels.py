@@ -1,0 +1,115 @@
+# mypy: ignore-errors
+"""Warp kernel that keeps particles out of bodies whatever the pressure does: no way of a step leads through a surface."""
+
+import warp as wp
+
+from .boundary_kernels import Bodies, Pairs
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["keep_out"]
+
+BOUNCES = wp.constant(4)
+"""Faces that one way can be turned aside by; a way that is still blocked is not gone."""
+LAYERS = wp.constant(4)
+"""Faces seen from behind that a ray passes."""
+PLAY = wp.constant(wp.float32(0.01))
+"""Least distance from a surface [spacings]."""
+MOST_OUT = wp.constant(wp.float32(0.2))
+"""A particle that a moving body has run over comes out by so much a step at most [spacings]."""
+
+
+@wp.func
+def first_face(mesh: wp.uint64, start: wp.vec3, way: wp.vec3, play: wp.float32, sheet: wp.int32):
+    """Outward normal of the first face that the way meets from outside, and whether there is one."""
+    length = wp.length(way)
+    if length < 1.0e-9:
+        return wp.vec4(0.0, 0.0, 0.0, 0.0)
+    ahead = way / length
+    at = start - play * ahead
+    left = length + 2.0 * play
+    for _k in range(LAYERS):
+        hit = wp.mesh_query_ray(mesh, at, ahead, left)
+        if not hit.result:
+            return wp.vec4(0.0, 0.0, 0.0, 0.0)
+        slant = wp.dot(hit.normal, ahead)
+        if slant < 0.0 or sheet != 0:
+            n = hit.normal
+            if slant > 0.0:
+                n = -n
+            return wp.vec4(n[0], n[1], n[2], 1.0)
+        skip = hit.t + 1.0e-3 * play
+        at = at + skip * ahead
+        left = left - skip
+        if left <= 0.0:
+            return wp.vec4(0.0, 0.0, 0.0, 0.0)
+    return wp.vec4(0.0, 0.0, 0.0, 0.0)
+
+
+@wp.kernel
+def keep_out(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    lightness: wp.array(dtype=wp.float32),
+    volume: wp.array(dtype=wp.float32),
+    settings: wp.array(dtype=wp.float32),
+    spacing: wp.float32,
+    pairs: Pairs,
+    bodies: Bodies,
+    rotation: wp.array(dtype=wp.mat33),
+    position: wp.array(dtype=wp.vec3),
+    mesh: wp.array(dtype=wp.uint64),
+    kind: wp.array(dtype=wp.int32),
+    v: wp.array(dtype=wp.vec3),
+    force: wp.array(dtype=wp.vec3),
+    back: wp.array(dtype=wp.vec3),
+):
+    """Take from each particle the part of its velocity that would carry it into a body; what that gives the body.
+
+    `kind` of a boundary: 0 it is passed over, 1 closed and at rest, 2 closed and moving, 3 a sheet. The way is seen from the
+    body, as it moves at the end of the step.
+    """
+    i = first + wp.tid()
+    dt = settings[0]
+    play = PLAY * spacing
+    begin = pairs.start[i]
+    count = pairs.touched[i]
+    for k in range(begin, begin + count):
+        force[k] = wp.vec3(0.0, 0.0, 0.0)
+        back[k] = wp.vec3(0.0, 0.0, 0.0)
+    if lightness[i] > 0.0:
+        mass = volume[i] / lightness[i]
+        for turn in range(BOUNCES):
+            blocked = wp.int32(0)
+            for k in range(begin, begin + count):
+                b = pairs.body[k]
+                if kind[b] != 0:
+                    u = bodies.velocity[b] + wp.cross(bodies.spin[b], x[i] - bodies.center[b])
+                    inverse = wp.transpose(rotation[b])
+                    start = inverse * (x[i] - position[b])
+                    old = v[i]
+                    if kind[b] == 2 and turn == 0:
+                        near = wp.mesh_query_point_sign_normal(mesh[b], start, spacing)
+                        if near.result and near.sign < 0.0:
+                            out = wp.mesh_eval_position(mesh[b], near.face, near.u, near.v) - start
+                            depth = wp.length(out)
+                            if depth > 1.0e-9:
+                                n = rotation[b] * (out / depth)
+                                wanted = wp.min(depth + play, MOST_OUT * spacing) / dt
+                                v[i] = v[i] + wp.max(wanted - wp.dot(v[i] - u, n), 0.0) * n
+                    sheet = wp.int32(0)
+                    if kind[b] == 3:
+                        sheet = 1
+                    met = first_face(mesh[b], start, inverse * ((v[i] - u) * dt), play, sheet)
+                    if met[3] > 0.0:
+                        blocked = 1
+                        if turn == BOUNCES - 1:
+                            v[i] = u
+                        else:
+                            n = rotation[b] * wp.vec3(met[0], met[1], met[2])
+                            v[i] = v[i] - wp.min(wp.dot(v[i] - u, n), 0.0) * n
+                    change = v[i] - old
+                    force[k] = force[k] - (mass / dt) * change
+                    back[k] = back[k] + (mass / dt) * change
+            if blocked == 0:
+                break

@@ -14,9 +14,10 @@ from ..geometry import ground_solid
 from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
-from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Shape, Sphere, Wedge
+from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Shape, Sphere, StemField, Wedge
 from .imports import load_heights, load_mesh
 from .polygons import convex_partition, signed_area, triangulate
+from .stems import load_stems
 
 __all__ = ["ShapeGeometry", "build_shape"]
 
@@ -262,6 +263,9 @@ def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
             return _revolution(shape)
         case HeightField():
             return _heightfield(shape, assets)
+        case StemField():
+            mesh, pieces, error = load_stems(shape, assets)
+            return ShapeGeometry(mesh, pieces, False, error, None)
         case Mesh():
             mesh, pieces = load_mesh(shape, assets)
             return ShapeGeometry(mesh, pieces, False, 0.0, None)

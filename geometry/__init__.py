@@ -5,6 +5,7 @@ from .batch import BatchClearance, clearance_batch
 from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
 from .clearance import Clearance, clearance_series, query_noise, signed_clearance
+from .convex_union import is_convex_union
 from .forest import Forest
 from .heightfields import ground_solid, is_height_field
 from .idcast import IdCaster, IdImage, coverage
@@ -44,6 +45,7 @@ __all__ = [
     "crossing_triangles",
     "distance_to_surface",
     "ground_solid",
+    "is_convex_union",
     "is_height_field",
     "kept_solid",
     "lowest_clearance",

@@ -15,7 +15,8 @@ from ..geometry.camera import camera_at
 from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
 from ..worlds.landscape import SavedLandscape
-from ..worlds.spec import HeightField
+from ..worlds.spec import HeightField, StemField
+from ..worlds.stems import stems_from
 from .meshes import mesh_of
 from .plants import Form, form_of, placed
 from .waters import surface_height
@@ -65,12 +66,24 @@ def plant_color(shape: str) -> tuple[float, float, float]:
 
 
 def free_plants(candidate: Candidate, land: SavedLandscape) -> np.ndarray:
-    """Indices of the plants that nothing stands on."""
+    """Indices of the plants that nothing stands on, and of those that bodies bounce off."""
     position, radius = land.raw("plant_position"), land.raw("plant_radius").astype(float)
     free = np.ones(len(position), dtype=bool)
     for center, reach in _footprints(candidate):
         free &= np.hypot(*(position[:, :2] - center).T) > reach + radius
+    free[_solid(candidate, land)] = True
     return np.flatnonzero(free)
+
+
+def _solid(candidate: Candidate, land: SavedLandscape) -> np.ndarray:
+    """Indices of the plants of a landscape that a ground has as solids."""
+    name = land.path.name.split(".")[0]
+    fields = [
+        p.shape for n in candidate.built for p in candidate.spec.entities[n].parts.values() if isinstance(p.shape, StemField)
+    ]
+    files = [candidate.folder / "assets" / f.file for f in fields if f.file.startswith(f"{name}-stems-")]
+    found = np.concatenate([np.zeros(0, dtype=np.int64), *(stems_from(np.load(f)).plant for f in files if f.is_file())])
+    return found[found < len(land.raw("plant_position"))]
 
 
 def _footprints(candidate: Candidate) -> list[tuple[F64, float]]:

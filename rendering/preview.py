@@ -15,7 +15,7 @@ from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
 from .land_preview import LandLayer
 from .liquid_preview import LiquidLayer, over, tinted
-from .scenery import cut_from
+from .scenery import cut_from, is_stems
 from .shades import pattern_shade
 from .textures import F32
 from .views import active, camera_for, focus_bounds, part_frame
@@ -55,23 +55,23 @@ class PreviewRenderer:
         self._colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
         self._looks = looks
         self._panes = [k for k, look in enumerate(looks) if look.transmission >= PANE]
+        self._stems = [k for k, (name, part) in enumerate(self.parts) if is_stems(candidate, name, part.part)]
         self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
 
     def cast(self, frame: int, camera: Camera) -> IdImage:
         """Ids of parts and after them of liquids, depth and normals; entities that do not exist at the frame are left out."""
-        solid = self._cast_solid(frame, camera)
+        solid = self._cast_solid(frame, camera, stems=True)
         if not self._layer.liquids:
             return solid
         # Panes hide no liquid.
         liquid = self._layer.cast(frame, camera)
-        shown = (liquid.ids >= 0) & (liquid.depth < self._cast_solid(frame, camera, panes=False).depth)
+        shown = (liquid.ids >= 0) & (liquid.depth < self._cast_solid(frame, camera, panes=False, stems=True).depth)
         return over(solid, liquid, len(self.parts), shown)
 
-    def _cast_solid(self, frame: int, camera: Camera, *, panes: bool = True) -> IdImage:
-        if not panes and not self._panes:
-            panes = True
+    def _cast_solid(self, frame: int, camera: Camera, *, panes: bool = True, stems: bool = False) -> IdImage:
+        """Pictures leave out the stems of plants, which the layer of land draws as discs."""
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
-        left_out = () if panes else self._panes
+        left_out = {*(() if panes else self._panes), *(() if stems else self._stems)}
         shown = [k for k, (name, _) in enumerate(self.parts) if k not in left_out and active(self.candidate, name, frame)]
         return self._caster.cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
 

@@ -15,13 +15,13 @@ from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.liquids import domain_box
-from ..worlds.spec import HeightField
+from ..worlds.spec import HeightField, StemField
 from .ground_look import ground_bsdf, ground_image
 from .meshes import grid_faces, grid_uv, mesh_of, top_of
 from .planting import eyes_of, plant_shapes
 from .waters import water_shapes
 
-__all__ = ["cut_from", "drawn_land", "landscapes_of", "patches", "scenery_shapes"]
+__all__ = ["cut_from", "drawn_land", "is_stems", "landscapes_of", "patches", "scenery_shapes"]
 
 LAND_VERTICES = 600_000
 """Most corners of the land; finer landscapes are drawn coarser."""
@@ -96,6 +96,12 @@ def cut_from(candidate: Candidate, entity: str) -> str | None:
     return None
 
 
+def is_stems(candidate: Candidate, entity: str, part: str) -> bool:
+    """Whether a part is the trunks and boulders of a landscape."""
+    declared = candidate.spec.entities[entity].parts.get(part)
+    return declared is not None and isinstance(declared.shape, StemField)
+
+
 def _grounds(mi: Any, candidate: Candidate, name: str, land: SavedLandscape, bsdf: Any) -> dict[str, Any]:
     """The ground that bodies stand on: its own surface, in the landscape's colours."""
     found = {}
@@ -103,6 +109,8 @@ def _grounds(mi: Any, candidate: Candidate, name: str, land: SavedLandscape, bsd
         if cut_from(candidate, entity) != name:
             continue
         for part in candidate.built[entity].parts:
+            if is_stems(candidate, entity, part.part):  # its plants are drawn themselves
+                continue
             vertices, faces = top_of(candidate.pose(entity, 0, part.body).apply(part.render.vertices), part.render.faces)
             key = f"ground-{entity}-{part.part}"
             found[key] = mesh_of(mi, key, vertices, faces, bsdf, uv=grid_uv(land, vertices), smooth=True)

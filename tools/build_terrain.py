@@ -58,6 +58,9 @@ def build_terrain(
         float | None,
         Field(gt=0, le=100, description="With liquid: particle spacing or cell size [m]; default a quarter of a cell"),
     ] = None,
+    stems: Annotated[
+        bool, Field(description="With terrain: bodies bounce off the trunks and boulders that stand on the ground, at most 2,000")
+    ] = False,
     hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
     wait_s: Annotated[float, Field(ge=0, le=240, description="With terrain: seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
@@ -66,7 +69,8 @@ def build_terrain(
     With terrain: builds the landscape declared under /terrains/<id> (height layers, erosion, lakes, rivers, ground materials,
     plants), checks it, and cuts the ground that bodies stand on from it, in world coordinates. Declare it first with
     edit_spec: skill://outdoor-terrain/SKILL.md. See it with render_shot(kind='field'). Its water is a surface to look at; with liquid
-    the water inside the cut is simulated: lakes and rivers start filled to their level, rivers bring their discharge.
+    the water inside the cut is simulated: lakes and rivers start filled to their level, rivers bring their discharge. Plants are
+    drawn only; with stems those inside the cut are solid, without their crowns: give it where bodies move among them.
     Without: flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside
     plain_radius. The ground becomes a member of the first solver instance. Lengths in m. Needs a material.
     Not for: floors, tables and other flat things, which a static box does better (edit_spec). Repeating it with the same
@@ -93,10 +97,13 @@ def build_terrain(
             "cells": cells or 96,
             "material": material,
             **({"liquid": liquid, "spacing": spacing} if liquid is not None else {}),
+            **({"stems": True} if stems else {}),
         }
         return _landscape(context, session, {**asked, "hypothesis": hypothesis}, wait_s)
     if liquid is not None:
         raise InputError("liquid makes an entity of a landscape's water; give terrain, too")
+    if stems:
+        raise InputError("stems are a landscape's trunks and boulders; give terrain, too")
     if cells is not None and cells > 200:
         raise InputError(f"cells {cells} is out of range without terrain; allowed 2 to 200")
     return _plain(session, entity, kind, size or (20.0, 20.0), cells or 48, (relief, plain_radius, seed), material, hypothesis)

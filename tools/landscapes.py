@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext
 from ..worlds.errors import InputError
@@ -14,6 +14,10 @@ from ..worlds.patch import apply_patch
 from ..worlds.spec import WorldSpec
 from .rows import summary
 from .session import Session
+
+if TYPE_CHECKING:
+    from ..construction.stems import StemCut
+    from ..construction.terrain.store import GroundPatch
 
 __all__ = ["OVERVIEW", "describe", "ground_material", "membership", "reach_line", "short", "terrain"]
 
@@ -48,6 +52,7 @@ def membership(spec: WorldSpec, entity: str) -> list[dict[str, Any]]:
 
 def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Build a landscape, cut the ground from it, make it the next revision, check it, and draw an overview."""
+    from ..construction.stems import cut_stems
     from ..construction.terrain.store import build_terrain_file, cut_patch
 
     session = Session.at(WorldFolder.at(Path(payload["folder"])))
@@ -63,10 +68,11 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     size = payload.get("size") or [min(s, PATCH_SIZE) for s in extent]
     center = payload.get("center") or (0.0, 0.0)
     patch = cut_patch(session.folder, name, land, center=tuple(center), size=tuple(size), cells=payload["cells"])
+    stems = cut_stems(session.folder, name, land, center=tuple(center), size=tuple(size)) if payload.get("stems") else None
     spec, entity = session.spec, payload["entity"]
     material = ground_material(spec, payload.get("material"))
     base = max(1.0, 0.02 * max(patch.size))
-    contract = {
+    contract: dict[str, Any] = {
         "role": f"ground cut from the landscape {name!r}",
         "motion": "static",
         "material": material,
@@ -84,6 +90,8 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             }
         },
     }
+    if stems is not None:
+        _stand(contract, stems, patch, base)
     operations: list[dict[str, Any]] = [{"op": "add", "path": f"/entities/{entity}", "value": contract}]
     operations += membership(spec, entity)
     water: dict[str, Any] = {}
@@ -110,6 +118,7 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         data |= session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""), derived=derived)
     report = session.audit()
     data |= {"built": fresh, **describe(land), "ground": {"entity": entity, "center": list(center), **patch._asdict()}}
+    data |= {"stems": stems.number if stems is not None else 0} if payload.get("stems") else {}
     data |= {"water": water} if water else {}
     if report.passed:
         rows, changed, _ = session.check_static()
@@ -121,12 +130,21 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     return data
 
 
+def _stand(contract: dict[str, Any], stems: StemCut, patch: GroundPatch, base: float) -> None:
+    """Give a ground its trunks and boulders, and the size with them."""
+    shape = {"kind": "stems", "file": stems.file, "digest": stems.digest, "count": stems.number}
+    contract["parts"]["stems"] = {"shape": shape}
+    half = [0.5 * s for s in patch.size]
+    low, high = [-half[0], -half[1], patch.low - base], [half[0], half[1], patch.high]
+    contract["dimensions"]["size"] = [max(high[k], float(stems.high[k])) - min(low[k], float(stems.low[k])) for k in range(3)]
+
+
 def _follows(session: Session, entity: str, contract: dict[str, Any], file: str) -> bool:
     """Whether a ground is the present one cut anew: the same place, size, material and number of cells from a landscape that changed."""
     import numpy as np
 
     known = session.spec.entities.get(entity)
-    if known is None or "land" not in known.parts:
+    if known is None or "land" not in known.parts or set(known.parts) != set(contract["parts"]):
         return False
     shape, wanted = known.parts["land"].shape, contract["parts"]["land"]["shape"]
     if shape.kind != "heightfield" or shape.file is None or shape.file.rpartition("-")[0] != file.rpartition("-")[0]:

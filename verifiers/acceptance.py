@@ -26,6 +26,7 @@ from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import Fastened, WorldSpec, prompt_digest
 from .bundle import event_list
+from .ground_stems import plant_lines
 
 __all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
@@ -167,7 +168,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
             {"what": f"water of the landscape {name!r} is a surface to look at", "effect": "nothing floats, flows or gets wet"}
         )
         if terrain.vegetation is not None:
-            found.append({"what": f"plants of the landscape {name!r} are drawn only", "effect": "bodies pass through them"})
+            found += plant_lines(spec, name)
     for name, entity in spec.entities.items():
         if entity.motion == "kinematic":
             found.append(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, pose_of, rotation_matrix
 from ..worlds.errors import EvidenceError
-from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Sphere, Wedge
+from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Sphere, StemField, Wedge
 
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
@@ -58,7 +58,7 @@ def specified_extent(part: Part) -> Extent | None:
             return None
         vertices = np.array(shape.vertices, dtype=np.float64) * shape.scale
         return _extent(pose.apply(vertices), np.array(shape.faces, dtype=np.intp))
-    elif isinstance(shape, HeightField) and shape.heights is None:
+    elif isinstance(shape, StemField) or (isinstance(shape, HeightField) and shape.heights is None):
         return None
     else:
         placed = pose.apply(_corners(shape))

@@ -11,14 +11,14 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.landscape import SavedLandscape, open_landscape
-from ..worlds.spec import HeightField
+from ..worlds.spec import HeightField, StemField
 from ..worlds.stems import Stems, stems_of
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.spec import WorldSpec
 
-__all__ = ["Land", "Patch", "land_of", "lands", "patches", "stem_triangles", "surface_triangles"]
+__all__ = ["Land", "Patch", "land_of", "lands", "patches", "solid_stems", "stem_triangles", "surface_triangles"]
 
 SIDES = 24
 """Of the prisms that stand for trunks: 0.9 % of the radius within the circle."""
@@ -149,6 +149,16 @@ def patches(spec: WorldSpec, name: str) -> tuple[Patch, ...]:
                 half = 0.5 * np.array(shape.size)
                 found.append(Patch(entity, part_name, center - half, center + half))
     return tuple(found)
+
+
+def solid_stems(spec: WorldSpec, name: str) -> tuple[tuple[str, str], ...]:
+    """Entities and parts that are trunks and boulders of a landscape."""
+    return tuple(
+        (entity, part_name)
+        for entity, contract in spec.entities.items()
+        for part_name, part in contract.parts.items()
+        if isinstance(part.shape, StemField) and part.shape.file.startswith(f"{name}-stems-")
+    )
 
 
 def surface_triangles(land: Land, low: F64, high: F64, covered: tuple[Patch, ...]) -> F64:

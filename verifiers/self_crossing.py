@@ -3,7 +3,8 @@
 A closed surface may cross itself as a union of solids does; then the winding number is 0 outside and at least 1 inside,
 and every clearance is well defined. Where a lobe is turned inside out the winding number is negative somewhere, regions
 of opposite sign cancel, and bodies hidden in them would count as outside. Such a surface fails: the row is mandatory.
-The ground under a height field is proven to be one, which cannot cross itself, instead of searched.
+Two kinds of surface are proven instead of searched: the ground under a height field, which cannot cross itself, and a union of
+convex pieces (the trunks of a forest), whose inside is definite however they overlap.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..geometry import Solid, is_height_field, self_crossings, winding_number
+from ..geometry import Solid, is_convex_union, is_height_field, self_crossings, winding_number
 from ..worlds.arrays import F64
 from ..worlds.requirements import Correction
 from .rows import pointer, row
@@ -54,7 +55,7 @@ def _search(solid: Solid) -> _Found | None:
         return None
     key = hashlib.sha256(solid.vertices.tobytes() + solid.faces.tobytes()).digest()
     if key not in _known:
-        _known[key] = None if is_height_field(solid) else _crossed(solid)
+        _known[key] = None if is_height_field(solid) or is_convex_union(solid) else _crossed(solid)
     return _known[key]
 
 

@@ -14,8 +14,9 @@ from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.requirements import Row
-from ..worlds.spec import HeightField
+from ..worlds.spec import HeightField, StemField
 from ..worlds.spec.terrain import Terrain
+from .ground_stems import stem_gap
 from .grounds import patches
 from .landscapes import (
     LEDGER,
@@ -162,7 +163,9 @@ def _ground_rows(candidate: Candidate, name: str, land: SavedLandscape) -> list[
             if not isinstance(shape, HeightField) or shape.file is None or not shape.file.startswith(f"{name}-"):
                 continue
             gap = _gap(candidate, entity, height, rows, cols, land.cell)
-            good = gap <= PATCH_M
+            stems = stem_gap(candidate, entity, name, land)
+            off = max(gap, stems or 0.0)
+            good = off <= PATCH_M
             hint = correction(
                 f"the ground of {entity!r} is not that of the landscape",
                 "terrain",
@@ -176,8 +179,9 @@ def _ground_rows(candidate: Candidate, name: str, land: SavedLandscape) -> list[
                     check="terrain",
                     predicate="the ground that bodies stand on is the landscape's",
                     status="pass" if good else "fail",
-                    explanation=f"the ground is off by at most {gap:.3g} m at its corners",
-                    measured=gap,
+                    explanation=f"the ground is off by at most {gap:.3g} m at its corners"
+                    + ("" if stems is None else f", its trunks and boulders by {stems:.3g} m from those of the landscape"),
+                    measured=off,
                     bound=PATCH_M,
                     comparison="<=",
                     unit="m",
@@ -196,7 +200,10 @@ def _gap(candidate: Candidate, entity: str, height: np.ndarray, rows: int, cols:
     built = candidate.entity(entity)
     pose = candidate.pose(entity, 0)
     worst = 0.0
+    solid = {name for name, part in candidate.spec.entities[entity].parts.items() if isinstance(part.shape, StemField)}
     for part in built.parts:
+        if part.part in solid:
+            continue
         corners = pose.apply(part.render.vertices)
         one, two, three = (corners[part.render.faces[:, k], :2] for k in range(3))
         rising = (two - one)[:, 0] * (three - one)[:, 1] - (two - one)[:, 1] * (three - one)[:, 0] > 0

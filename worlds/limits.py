@@ -62,6 +62,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("entities", 20_000, "entities", "fewer entities; many pieces that move together are parts of one entity"),
     Cap("bodies", 2_000, "bodies", "fewer entities with motion dynamic or kinematic, or fewer links of a rope generator"),
     Cap("parts", 20_000, "parts", "fewer entities or fewer parts per entity"),
+    Cap("stems", 2_000, "trunks and boulders", "a smaller ground, fewer plants on it, or build_terrain without stems"),
     Cap("frames", 20_000, "frames", "/simulation/frames, /simulation/fps or /simulation/preroll"),
     Cap("steps", 50_000_000, "solver steps", "a larger /simulation/solvers/<id>/settings/step or fewer frames"),
     Cap("body_steps", 5_000_000_000, "body steps", "fewer bodies, fewer frames or a larger step"),
@@ -146,6 +147,7 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     counts: dict[str, float] = {
         "bodies": bodies,
         "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
+        "stems": sum(p.shape.count for e in spec.entities.values() for p in e.parts.values() if p.shape.kind == "stems"),
         "frames": plan.frames + plan.preroll * plan.fps,
         "steps": sum(seconds / s.settings.step for s in plan.rigid.values()) + sum(e.steps for e in liquids),
         "body_steps": seconds * body_seconds,
@@ -254,6 +256,8 @@ def _triangles(entity: Entity) -> int:
         if shape.kind == "heightfield":
             rows, columns = _grid(shape)
             total += 4 * (rows - 1) * (columns - 1) + 4 * (rows + columns)
+        elif shape.kind == "stems":
+            total += SMOOTH_TRIANGLES["cylinder"] * shape.count
         elif shape.kind == "mesh":
             total += len(shape.faces or ())
         elif shape.kind == "extrusion":

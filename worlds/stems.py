@@ -13,7 +13,7 @@ from .arrays import F64, RigidPose
 from .built import Convex
 from .landscape import SavedLandscape
 
-__all__ = ["FORMS", "StemForm", "Stems", "pieces_of", "stems_of"]
+__all__ = ["FORMS", "ROCK_MIDDLE", "SINK", "StemForm", "Stems", "pieces_of", "stem_table", "stems_from", "stems_of"]
 
 
 class StemForm(NamedTuple):
@@ -36,6 +36,13 @@ LEAST_RADIUS = 0.02
 """Own choice: thinner ones bend [m]."""
 LEAST_TOP = 0.15
 """Own choice: what is lower is stepped over or rolled over [m]: pebbles, saplings."""
+
+
+SAPLING = 4e-6
+"""Own choice: share of a ground's area below which the walls of a trunk are dust, which gives no entity its size: 0.26 m^2, a tree
+of 2 m, on 256 x 256 m."""
+SINK = 0.3
+"""How far a trunk reaches below its foot [m]."""
 
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -65,7 +72,17 @@ class Stems(NamedTuple):
     def inside(self, low: F64, high: F64) -> Stems:
         """Those that reach into a rectangle [m], shapes (2,)."""
         reach = self.radius[:, None]
-        keep = ((self.foot[:, :2] + reach >= low) & (self.foot[:, :2] - reach <= high)).all(axis=1)
+        keep = (self.foot[:, :2] + reach >= low) & (self.foot[:, :2] - reach <= high)
+        return self.chosen(np.all(keep, axis=1))
+
+    def standing(self, low: F64, high: F64) -> Stems:
+        """Those whose feet are in a rectangle [m], shapes (2,), without saplings that are dust beside its ground."""
+        walls = 2.0 * np.pi * self.radius * self.top
+        inside = ((self.foot[:, :2] >= low) & (self.foot[:, :2] <= high)).all(axis=1)
+        return self.chosen(inside & (walls >= SAPLING * float(np.prod(high - low))))
+
+    def chosen(self, keep: np.ndarray) -> Stems:
+        """Those that a mask or indices choose."""
         return Stems(*(values[keep] for values in self))
 
 
@@ -88,7 +105,25 @@ def stems_of(land: SavedLandscape) -> Stems:
     return Stems(land.raw("plant_position")[keep].astype(np.float64), radius[keep], top[keep], rock[keep], keep)
 
 
-def pieces_of(stems: Stems, sink: float = 0.3) -> tuple[Convex, ...]:
+def stem_table(stems: Stems) -> F64:
+    """As one table, for a file: foot (3), radius, top, whether a boulder, number of the plant; shape (n, 7)."""
+    return np.column_stack([stems.foot, stems.radius, stems.top, stems.rock, stems.plant]).astype(np.float64)
+
+
+def stems_from(table: np.ndarray) -> Stems:
+    """What `stem_table` made a table of.
+
+    Raises:
+        ValueError: it is no such table.
+    """
+    if table.ndim != 2 or table.shape[1] != 7 or table.dtype != np.float64 or not np.isfinite(table).all():
+        raise ValueError(f"shape {table.shape} of {table.dtype}, not seven columns of finite numbers")
+    if not (table[:, 3:5] > 0).all():
+        raise ValueError("a radius or height that is not positive")
+    return Stems(table[:, :3], table[:, 3], table[:, 4], table[:, 5] > 0.5, table[:, 6].astype(np.int64))
+
+
+def pieces_of(stems: Stems, sink: float = SINK) -> tuple[Convex, ...]:
     """Convex pieces in place of trunks (upright cylinders) and boulders (hulls of their round), in the world's frame.
 
     Args:

@@ -122,6 +122,30 @@ def test_plants_leave_the_ground_as_it_is_and_layers_do_not(agent: Any) -> None:
     assert spec["entities"]["ground"]["dimensions"]["size"][0] == 80
 
 
+def test_trunks_on_the_ground_are_solid_when_asked_for(agent: Any) -> None:
+    where = {"world": "w", "terrain": "land", "size": [80, 80], "center": [150, 150], "cells": 40, "wait_s": 120}
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec(vegetation={"density": 3}))
+    assert "stems" not in agent.call("build_terrain", **where)
+    built = agent.call("build_terrain", **where, stems=True, hypothesis=HANGS)
+    shape = json.loads((agent.workspace / "w" / "world.json").read_text())["entities"]["ground"]["parts"]["stems"]["shape"]
+    assert shape["count"] == built["stems"] > 10
+    assert "revision" not in agent.call("build_terrain", **where, stems=True), "the same trunks are no new revision"
+    rows = {"scale:ground", "terrain:land:ground:ground", "terrain:land:tight"}
+
+    def matrix() -> dict[str, str]:
+        return {r["id"]: r["status"] for r in agent.pages("rows", part="matrix") if r["id"] in rows}
+
+    assert matrix() == dict.fromkeys(rows, "pass")
+    denser = [{"op": "add", "path": "/terrains/land/vegetation/density", "value": 4}]
+    agent.call("edit_spec", world="w", patch=denser, hypothesis=HANGS)
+    bare = agent.call("build_terrain", **where, stems=True)
+    assert bare["stems"] != built["stems"], "the same ground with other trunks follows the edit"
+    assert matrix() == dict.fromkeys(rows, "pass")
+    refused = agent.result("build_terrain", world="w", stems=True)
+    assert refused.is_error
+    assert "give terrain, too" in refused.content[0].text
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

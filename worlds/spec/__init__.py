@@ -3,7 +3,7 @@
 from ..vocabulary import Ref, SpecModel
 from .entities import Appearance, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
 from .liquids import DfsphInstance, DfsphSettings, FlipInstance, FlipSettings, InflowDriver, LiquidDomain, OutflowDriver
-from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, Wedge
+from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, StemField, Wedge
 from .simulation import (
     BallJoint,
     ContactPair,
@@ -119,6 +119,7 @@ __all__ = [
     "Sphere",
     "SphereRegion",
     "SpringJoint",
+    "StemField",
     "Story",
     "Supports",
     "Wedge",

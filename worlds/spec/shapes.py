@@ -19,6 +19,7 @@ __all__ = [
     "Revolution",
     "Shape",
     "Sphere",
+    "StemField",
     "Wedge",
 ]
 
@@ -153,7 +154,19 @@ class HeightField(SpecModel):
         return self
 
 
+class StemField(SpecModel):
+    """Trunks and boulders of a landscape on the ground cut from it: upright cylinders and hulls, only for static ground.
+
+    build_terrain(stems=true) writes the part and its file in the world's `assets/` folder; another file of the same name is refused.
+    """
+
+    kind: Literal["stems"] = "stems"
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.npy$")]
+    digest: Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")] = Field(description="SHA-256 of the file")
+    count: int = Field(ge=1, description="trunks and boulders in the file")
+
+
 Shape = Annotated[
-    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Mesh | HeightField,
+    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Mesh | HeightField | StemField,
     Field(discriminator="kind"),
 ]

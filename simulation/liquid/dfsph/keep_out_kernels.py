@@ -15,6 +15,9 @@ LAYERS = wp.constant(4)
 """Faces seen from behind that a ray passes."""
 PLAY = wp.constant(wp.float32(0.01))
 """Least distance from a surface [spacings]."""
+SHELL = wp.constant(wp.float32(0.25))
+"""Nearer than this [spacings] particles do not come to a surface, so that joints narrower than this hold liquid: at rest it
+keeps half a spacing by its pressure."""
 MOST_OUT = wp.constant(wp.float32(0.2))
 """A particle that a moving body has run over comes out by so much a step at most [spacings]."""
 
@@ -97,6 +100,7 @@ def keep_out(
                                 n = rotation[b] * (out / depth)
                                 wanted = wp.min(depth + play, MOST_OUT * spacing) / dt
                                 v[i] = v[i] + wp.max(wanted - wp.dot(v[i] - u, n), 0.0) * n
+                                blocked = 1
                     sheet = wp.int32(0)
                     if kind[b] == 3:
                         sheet = 1
@@ -108,6 +112,17 @@ def keep_out(
                         else:
                             n = rotation[b] * wp.vec3(met[0], met[1], met[2])
                             v[i] = v[i] - wp.min(wp.dot(v[i] - u, n), 0.0) * n
+                    way = inverse * ((v[i] - u) * dt)
+                    near = wp.mesh_query_point_no_sign(mesh[b], start + way, SHELL * spacing)
+                    if near.result:
+                        away = start + way - wp.mesh_eval_position(mesh[b], near.face, near.u, near.v)
+                        gap = wp.length(away)
+                        if gap > 1.0e-9:
+                            n = rotation[b] * (away / gap)
+                            inward = wp.min(wp.dot(v[i] - u, n), 0.0)
+                            if inward < 0.0:
+                                v[i] = v[i] - inward * n
+                                blocked = 1
                     change = v[i] - old
                     force[k] = force[k] - (mass / dt) * change
                     back[k] = back[k] + (mass / dt) * change

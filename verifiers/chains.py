@@ -266,7 +266,7 @@ class Chains:
         banned: dict[int, set[tuple[int, int]]] = {}
         last = len(self._pairs) - 1
         for source in sources:
-            if self._moving[min(onset, last), source]:
+            if self._moving[min(onset, last), source] or not self._receives[source]:
                 continue
             for first in range(onset, min(onset + STARTS, last) + 1):
                 for a, b in list(self._pairs[first]):

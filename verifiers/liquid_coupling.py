@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
@@ -38,6 +39,8 @@ ADDED = (0.2, 1.2)
 """Added mass over displaced mass: a slender body along its axis, a plate across; a sphere has 0.5."""
 DRAG = 1.5
 """Largest drag coefficient of a blunt body, times half the density, its box's section and the square of its speed."""
+STREAMS = 0.1
+"""[m/s] Own choice: liquid that is faster about a body pushes it by its stream, too."""
 WINDOW_SECONDS = 0.25
 RING = 3.0
 """[spacings] Liquid up to this far from a body's box tells the level about it."""
@@ -73,6 +76,7 @@ class Coupling:
         self.judged = [i for i, free in enumerate(self.bodies.free) if free]
         self.inside = {i: sample_inside(liquid, self.bodies.names[i]) for i in self.judged}
         self.sunk: list[F64] = []
+        self.flow: list[F64] = []
 
     def see(self, step: Step) -> None:
         """Read one frame."""
@@ -81,6 +85,7 @@ class Coupling:
         self.reaction.append(exchanged(step.now, "reaction", count))
         self.received.append(self._received(step.now.index))
         self.sunk.append(self._sunk(step.now))
+        self.flow.append(self._flow(step.now))
 
     def _received(self, index: int) -> F64:
         """What the rigid side says it got, shape (b, 6); NaN where no coupled body is behind the boundary."""
@@ -99,6 +104,10 @@ class Coupling:
                 )
             result[row] = given[body]
         return result
+
+    def _flow(self, frame: Frame) -> F64:
+        """Speed of the liquid about every judged body [m/s], shape (bodies,)."""
+        return np.array([flow_about(self.liquid, frame, self._points(row, frame.index)) for row in self.judged])
 
     def _sunk(self, frame: Frame) -> F64:
         """Share of every free body that is under the level about it, shape (bodies,); NaN where no level is plain to see."""
@@ -191,11 +200,14 @@ class Coupling:
     def _buoyancy(self, impulse: F64) -> Finding:
         window = max(2, round(WINDOW_SECONDS / self.liquid.duration))
         sunk = np.array(self.sunk).reshape(len(impulse), len(self.judged))
+        flow = np.array(self.flow).reshape(len(impulse), len(self.judged))
         worst, culprit, when, judged, told = 0.0, None, None, 0, ""
         for column, row in enumerate(self.judged):
             if coupled(self.liquid, self.bodies.entities[row]) != "two_way" or self.liquid.strength < 1e-6:
                 continue
-            excess, push, wanted = self._excess(row, impulse[:, row, :3] @ self.liquid.up, sunk[:, column], window)
+            excess, push, wanted = self._excess(
+                row, impulse[:, row, :3] @ self.liquid.up, sunk[:, column], flow[:, column], window
+            )
             known = ~np.isnan(excess)
             judged += int(known.sum())
             if known.any() and np.nanmax(excess) > worst:
@@ -229,7 +241,7 @@ class Coupling:
             hints if worst > BUOYANCY else (),
         )
 
-    def _excess(self, row: int, upward: F64, sunk: F64, window: int) -> tuple[F64, F64, F64]:
+    def _excess(self, row: int, upward: F64, sunk: F64, flow: F64, window: int) -> tuple[F64, F64, F64]:
         """By how much the mean push of a window is outside of what is possible, over the weight of water that the whole body displaces; push; buoyancy [N]."""
         liquid, frames = self.liquid, len(upward)
         density = float(liquid.rest_density.max())
@@ -237,7 +249,7 @@ class Coupling:
         volume = self.liquid.candidate.body(entity, body).volume
         size = np.ptp(self.inside[row], axis=0) + 1e-9
         section = float(np.sort(size)[1:].prod())
-        speed = np.linalg.norm(self.bodies.motion[0][:, row], axis=1)
+        speed = np.linalg.norm(self.bodies.motion[0][:, row], axis=1) + flow
         rise = self.bodies.motion[0][:, row] @ liquid.up
         excess, push, wanted = (np.full(frames, np.nan) for _ in range(3))
         for k in range(window, frames):
@@ -252,12 +264,30 @@ class Coupling:
             ends = [displaced * (liquid.strength - c * speeding) for c in ADDED]
             drag = DRAG * 0.5 * density * section * float(speed[span].max()) ** 2
             blur = density * liquid.strength * section * 0.5 * liquid.spacing
-            # Drag pushes against the motion only.
-            low = min(ends) - blur - (drag if rise[span].max() > 0.0 else 0.0)
-            high = max(ends) + blur + (drag if rise[span].min() < 0.0 else 0.0)
+            # In still liquid drag pushes against the motion only; what streams by lifts or sucks.
+            streams = float(flow[span].max()) > STREAMS
+            low = min(ends) - blur - (drag if streams or rise[span].max() > 0.0 else 0.0)
+            high = max(ends) + blur + (drag if streams or rise[span].min() < 0.0 else 0.0)
             outside = max(low - push[k], push[k] - high, 0.0)
             excess[k] = outside / (density * volume * liquid.strength)
         return excess, push, wanted
+
+
+def _ring(liquid: Liquid, frame: Frame, points: F64) -> tuple[F64, NDArray[np.intp]]:
+    """Places of all particles seen along `up`, and which of them lie about points."""
+    up, s = liquid.up, liquid.spacing
+    flat = np.eye(3)[np.argsort(np.abs(up))[:2]]
+    flat = flat - np.outer(flat @ up, up)
+    around, here = frame.position @ flat.T, points @ flat.T
+    low, high = here.min(axis=0), here.max(axis=0)
+    gap = np.maximum(low - around, around - high).max(axis=1)
+    return around, np.flatnonzero((gap > 0.5 * s) & (gap < RING * s))
+
+
+def flow_about(liquid: Liquid, frame: Frame, points: F64) -> float:
+    """Root mean square speed of the liquid about points [m/s]; 0 where there is none."""
+    near = _ring(liquid, frame, points)[1] if frame.count else np.zeros(0, dtype=np.intp)
+    return float(np.sqrt(np.mean(np.sum(frame.velocity[near] ** 2, axis=1)))) if len(near) else 0.0
 
 
 def level_about(liquid: Liquid, frame: Frame, points: F64) -> float | None:
@@ -265,12 +295,7 @@ def level_about(liquid: Liquid, frame: Frame, points: F64) -> float | None:
     if not frame.count:
         return None
     up, s = liquid.up, liquid.spacing
-    flat = np.eye(3)[np.argsort(np.abs(up))[:2]]
-    flat = flat - np.outer(flat @ up, up)
-    around, here = frame.position @ flat.T, points @ flat.T
-    low, high = here.min(axis=0), here.max(axis=0)
-    gap = np.maximum(low - around, around - high).max(axis=1)
-    near = np.flatnonzero((gap > 0.5 * s) & (gap < RING * s))
+    around, near = _ring(liquid, frame, points)
     if not len(near):
         return None
     column = np.floor(around[near] / (1.5 * s)).astype(np.int64)

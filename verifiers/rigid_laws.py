@@ -55,6 +55,8 @@ TURN = 2e-3
 """[rad] Turn in one frame beyond Euler's equations and |omega|^2 dt per frame; measured at most 0.2 of the latter."""
 HELD = 1e-5
 """[m] Distance of a driven body's surface from where its driver puts it; measured 4e-11 m for held bodies."""
+UNSTEADY = 0.1
+"""Own choice: share of a body's weight by which the force of a liquid may vary within a frame beside its mean."""
 FASTER = 1.01
 """Allowance on recorded peak speeds: a path's cubic between two steps."""
 ROUNDING = 1e-6
@@ -220,7 +222,8 @@ def _uneven(books: Books) -> F64:
     drag = books.drag * np.linalg.norm(np.diff(books.velocities, axis=0), axis=2) * books.duration / 3.0
     spring = np.linalg.norm(books.spring_impulse[0], axis=2)
     force = np.linalg.norm(books.driver_wrench[0], axis=2)
-    liquid = np.linalg.norm(books.liquid.linear, axis=2)
+    weight = books.mass * float(np.linalg.norm(books.gravity)) * books.duration
+    liquid = np.linalg.norm(books.liquid.linear, axis=2) + np.where(books.liquid.wet, UNSTEADY * weight, 0.0)
     result: F64 = drag + spring + liquid + np.where(books.switching, force, 0.0)
     return result
 

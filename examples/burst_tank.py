@@ -1,0 +1,217 @@
+"""A tank bursts and floods a street, from its prompt to acceptance through a real client: `python -m worldagent.examples.burst_tank`."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import os
+import shutil
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from .domino_run import Agent
+
+__all__ = ["PROMPT", "flood_spec", "main", "run"]
+
+PROMPT = "A tank bursts when its gate is lifted and floods a model street with floating crates."
+WAIT_SECONDS = 25.0
+FPS = 24
+STREET = (2.4, 1.0)
+"""Length beyond the gate and inner width [m]."""
+TANK = 0.7
+"""Inner length of the tank [m]."""
+HIGH = 0.75
+"""Of the tank's walls [m]."""
+WALL = 0.1
+KERB = 0.25
+DEPTH = 0.5
+"""Of the water in the tank [m]."""
+GATE = 0.08
+GAP = 0.002
+"""Play of the gate between the walls [m]: far less than the water resolves."""
+CRATE = (0.2, 0.2, 0.12)
+SKID = 0.06
+"""Height of the skids that a crate stands on [m]: water that is resolved gets under it and lifts it."""
+CRATES = {"crate_a": (0.7, 0.2), "crate_b": (0.95, -0.22), "crate_c": (1.25, 0.05)}
+LIFT = (0.25, 1.0)
+"""The gate rises between these times [s]."""
+
+
+def _box(size: Sequence[float], at: Sequence[float]) -> dict[str, Any]:
+    return {"shape": {"kind": "box", "size": [round(v, 4) for v in size]}, "pose": {"position": [round(v, 4) for v in at]}}
+
+
+def _entity(role: str, motion: str, material: str, size: Sequence[float], at: Sequence[float], **more: Any) -> dict[str, Any]:
+    size, at = [round(v, 4) for v in size], [round(v, 4) for v in at]
+    parts = more.pop("parts", {"body": {"shape": {"kind": "box", "size": size}}})
+    return {"role": role, "motion": motion, "material": material, "dimensions": {"size": size}, "pose": {"position": at}, "parts": parts, **more}  # fmt: skip
+
+
+def _basin() -> dict[str, Any]:
+    """Street and tank in one: floor, the tank's walls, kerbs, and a step at the street's end that keeps some water in."""
+    length, width = STREET
+    left, right = -GATE - TANK - WALL, length + WALL
+    outer = width + 2 * WALL
+    parts = {"floor": _box((right - left, outer, WALL), ((left + right) / 2, 0, -WALL / 2)),
+             "rear": _box((WALL, outer, HIGH), (left + WALL / 2, 0, HIGH / 2)),
+             "end": _box((WALL, outer, KERB), (right - WALL / 2, 0, KERB / 2))}  # fmt: skip
+    for name, side in (("north", 1), ("south", -1)):
+        y = side * (width + WALL) / 2
+        parts[f"tank_{name}"] = _box((TANK + GATE, WALL, HIGH), (-(TANK + GATE) / 2, y, HIGH / 2))
+        parts[f"kerb_{name}"] = _box((length, WALL, KERB), (length / 2, y, KERB / 2))
+    return _entity(
+        "street with a tank at its head", "static", "stone", (right - left, outer, HIGH + WALL), (0, 0, 0), parts=parts
+    )
+
+
+def _crate(x: float, y: float) -> dict[str, Any]:
+    """A box on two skids."""
+    wide, deep, tall = CRATE
+    parts = {"box": _box(CRATE, (0, 0, SKID + tall / 2))}
+    for name, side in (("left", 1), ("right", -1)):
+        parts[name] = _box((wide, 0.02, SKID), (0, side * (deep / 2 - 0.01), SKID / 2))
+    return _entity("crate on the street", "dynamic", "crate", (wide, deep, tall + SKID), (x, y, 1e-3), parts=parts)
+
+
+def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> dict[str, Any]:
+    """The specification, its liquid resolved by `spacing` [m]."""
+    frames = round(seconds * FPS)
+    length, width = STREET
+    wet = (TANK - 0.01, width - 0.01, DEPTH)
+    crates = {name: _crate(x, y) for name, (x, y) in CRATES.items()}
+    gate_at = (-GATE / 2, 0, HIGH / 2 + 1e-3)
+    up = (gate_at[0], 0, gate_at[2] + HIGH)
+
+    def key(at: float, place: Sequence[float]) -> dict[str, Any]:
+        return {"time": at, "pose": {"position": [round(v, 4) for v in place]}}
+
+    def beat(text: str, owner: str, subject: str, frames: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
+        return {
+            "text": text, "owner": owner, "subject": subject, "frames": frames, "predicate": predicate, "causes": list(causes)
+        }  # fmt: skip
+
+    last = frames - 1
+    floats = {"kind": "displacement", "entity": "each", "axis": [0, 0, 1], "min": 0.02}
+    return {
+        "title": "Burst tank",
+        "clauses": {
+            "c1": {"met_by": ["/entities/gate", "/entities/basin", *(f"/story/beats/{b}" for b in ("lifts", "bursts", "floods", "floats"))]}
+        },
+        "materials": {
+            "water": {"density": 1000, "substance": "water", "appearance": {"color": [0.75, 0.88, 0.93], "transmission": 1, "roughness": 0.02}},
+            "stone": {"density": 2400, "substance": "concrete", "friction": 0.6, "appearance": {"pattern": "concrete", "roughness": 0.7}},
+            "crate": {"density": 380, "substance": "wood", "friction": 0.4, "appearance": {"color": [0.55, 0.36, 0.18], "pattern": "wood"}},
+        },
+        "entities": {
+            "basin": _basin(),
+            "gate": _entity("gate of the tank", "kinematic", "crate", (GATE - 2 * GAP, width - 2 * GAP, HIGH), gate_at),
+            "water": _entity(
+                "water in the tank", "dynamic", "water", wet, (-GATE - TANK / 2, 0, DEPTH / 2),
+                physics={"category": "liquid", "resolution": spacing},
+            ),
+            **crates,
+        },
+        "graph": {
+            "regions": {"street": {"kind": "box", "min": [length / 2, -width / 2, 0], "max": [length, width / 2, HIGH]}},
+            "relations": {f"on_{n}": {"kind": "supports", "a": "basin", "b": n, "frames": [0, round(LIFT[0] * FPS)]} for n in crates},
+        },
+        "story": {
+            "semantics": "A dam break in a model street.",
+            "beats": {
+                "lifts": beat("the gate is lifted", "lift", "gate", [4, 30],
+                              {"kind": "displacement", "entity": "gate", "axis": [0, 0, 1], "min": 0.3}),
+                "bursts": beat("water bursts out", "water", "water", [6, 36],
+                               {"kind": "liquid_speed", "entity": "water", "measure": "largest", "min": 2.0}, "lifts"),
+                "floods": beat("the far half of the street is flooded", "water", "water", [10, last],
+                               {"kind": "liquid_volume_in", "entity": "water", "region": "street", "min": 0.02}, "lifts"),
+                "floats": beat("at least two crates are lifted off the street", "bodies", "crate_a", [10, last],
+                               {"kind": "count", "entities": list(CRATES), "predicate": floats, "min": 2}, "lifts"),
+            },
+        },
+        "shots": {
+            "street": {"frames": [0, last], "covers": ["lifts", "bursts", "floods", "floats"], "subjects": ["water", "crate_a"],
+                       "keys": {"a": {"frame": 0, "position": [3.0, -2.6, 2.1], "target": [0.7, 0, 0.1], "fov_deg": 42}}},
+        },
+        "simulation": {
+            "fps": FPS,
+            "frames": frames,
+            "solvers": {
+                "bodies": {"engine": "mujoco", "members": ["basin", "gate", *crates]},
+                "water": {"engine": engine, "members": ["water"], "settings": {"domain": {
+                    "center": [round((length - TANK) / 2, 4), 0, 0.55], "size": [round(length + TANK + 0.8, 4), width + 0.6, 1.5]}}},
+            },
+            "drivers": {"lift": {"kind": "path", "entity": "gate", "keys": {"a": key(0, gate_at), "b": key(LIFT[0], gate_at), "c": key(LIFT[1], up)}}},
+            "couplings": {"float": {"source": "water", "target": "bodies", "direction": "two_way", "variables": ["motion", "wrench"]}},
+        },
+    }  # fmt: skip
+
+
+async def _session(options: argparse.Namespace, workspace: Path) -> dict[str, Any]:
+    from mcp import Client, StdioServerParameters
+
+    started = time.monotonic()
+    command = StdioServerParameters(
+        command=sys.executable,
+        args=["-P", "-m", "worldagent.server", "serve", "--workspace", str(workspace)],
+        env=dict(os.environ),
+    )
+    async with Client(command) as client:
+        agent = Agent(client, "burst_tank", started)
+        agent.say(f"prompt: {PROMPT}")
+        accepted = await _accepted(agent, flood_spec(options.spacing, options.engine))
+        found: dict[str, Any] = {"accepted": accepted}
+        if accepted and not options.no_render:
+            agent.say("rendering the final sequence")
+            data, refused = await agent.call("render_shot", kind="final", wait_s=WAIT_SECONDS)
+            found["final"] = data
+            agent.say(data["refused"] if refused else f"film: {data['frames']} frames of {data['width']} x {data['height']}")
+        return found | {
+            "calls": agent.calls,
+            "seconds": round(time.monotonic() - started, 1),
+            "world": str(workspace / agent.world),
+        }
+
+
+async def _accepted(agent: Agent, spec: dict[str, Any]) -> bool:
+    """From the specification to the verdict; what fails is said."""
+    data, refused = await agent.call("edit_spec", prompt=PROMPT, spec=spec)
+    if refused or not data["audit"]["passed"]:
+        agent.say(data.get("refused") or json.dumps(data["audit"]["open_rows"]))
+        return False
+    for tool, key in (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed")):
+        data, refused = await agent.call(tool, detail="full", **({} if tool == "place_object" else {"wait_s": WAIT_SECONDS}))
+        if refused or not data[key]:
+            agent.say(data.get("refused") or f"{tool}: {json.dumps(data['open_rows'])[:4000]}")
+            return False
+        agent.say(f"{tool}: {data['counts']['pass']} rows pass")
+    data, refused = await agent.call("run_checks", scope="acceptance", wait_s=WAIT_SECONDS)
+    agent.say(data.get("refused") or f"acceptance: {data['verdict']}, {data['counts']['pass']} rows pass")
+    return not refused and data["verdict"] == "accepted"
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """One run in a fresh world folder; returns what happened."""
+    workspace = Path(options.out).resolve()
+    shutil.rmtree(workspace / "burst_tank", ignore_errors=True)
+    workspace.mkdir(parents=True, exist_ok=True)
+    return asyncio.run(_session(options, workspace))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Exit code 0 when the world was accepted; the last line is one JSON object."""
+    parser = argparse.ArgumentParser(prog="burst_tank", description=PROMPT)
+    parser.add_argument("--out", default="demo-out", help="workspace of the world")
+    parser.add_argument("--spacing", type=float, default=0.03, help="of the liquid's particles, or its cells [m]")
+    parser.add_argument("--engine", choices=("dfsph", "flip"), default="dfsph")
+    parser.add_argument("--no-render", action="store_true")
+    found = run(parser.parse_args(argv))
+    print(json.dumps(found))
+    return 0 if found["accepted"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.construction.stems import cut_stems
 from worldagent.construction.store import build_world
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
 from worldagent.construction.terrain.vegetation import species_of
@@ -18,7 +19,9 @@ from worldagent.rendering.haze import hazed
 from worldagent.rendering.mitsuba_scene import SceneRenderer
 from worldagent.rendering.planting import NEAR_M, eyes_of, nearest_eye
 from worldagent.rendering.plants import form_of, placed
-from worldagent.rendering.scenery import cut_from, drawn_land, landscapes_of
+from worldagent.rendering.preview import PreviewRenderer
+from worldagent.rendering.scenery import cut_from, drawn_land, landscapes_of, scenery_shapes
+from worldagent.rendering.variant import load_mitsuba
 from worldagent.rendering.waters import courses, surface_height
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import InputError
@@ -210,3 +213,25 @@ def test_maps_of_height_carry_contours_and_say_their_interval(candidate: Candida
     assert (image[5] == 200).all(), "none where there is no land"
     assert _contours(image, np.full((90, 120), 7.0)) == 0.0, "level land has none"
     assert (field_map(land, "height") != field_map(land, "slope")).any()
+
+
+def test_solid_trunks_are_drawn_once_as_plants(candidate: Candidate) -> None:
+    """Their part is for bodies: neither the path tracer nor a preview shows it, and whoever looks for what hides a body sees it."""
+    land = landscapes_of(candidate)["land"]
+    cut = cut_stems(WorldFolder(candidate.folder), "land", land, center=(0.0, 0.0), size=(60.0, 60.0))
+    assert cut is not None
+    document = candidate.spec.model_dump(mode="json")
+    shape = {"kind": "stems", "file": cut.file, "digest": cut.digest, "count": cut.number}
+    document["entities"]["ground"]["parts"]["stems"] = {"shape": shape}
+    spec = WorldSpec.model_validate(document)
+    solid = Candidate(candidate.folder, spec, build_world(WorldFolder(candidate.folder), spec)[0], "static")
+    names = [set(scenery_shapes(load_mitsuba(), one)) for one in (candidate, solid)]
+    assert names[0] == names[1]
+    assert "ground-ground-land" in names[1]
+    x, y, z = np.load(candidate.folder / "assets" / cut.file)[0, :3]
+    camera = Camera(np.array([x + 3.0, y, z + 1.0]), np.array([x, y, z + 0.3]), 0.8, 120, 80)
+    before, after = (PreviewRenderer(one).preview(0, camera) for one in (candidate, solid))
+    assert (before == after).all(), "no trunk appears"
+    parts = PreviewRenderer(solid).parts
+    stems = next(k for k, (_, part) in enumerate(parts) if part.part == "stems")
+    assert (PreviewRenderer(solid).cast(0, camera).ids == stems).any()

@@ -199,3 +199,12 @@ def test_what_bodies_bounce_off_is_drawn_and_told(place: tuple[WorldFolder, Save
     assert "plants of the landscape 'land' are drawn only" in told[False]
     assert any("within the ground 'ground' are solid" in line for line in told[True])
     assert "plants of the landscape 'land' are drawn only" not in told[True]
+
+
+def test_a_wood_of_overlapping_trunks_has_a_definite_inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is proven: searching for its crossings would take a minute at 500 trunks."""
+    folder = WorldFolder(tmp_path)
+    land = _land(tmp_path, [(0.2 * k - 6.0, 0.0, 10.0, "broad") for k in range(60)])
+    monkeypatch.setattr("worldagent.verifiers.self_crossing.self_crossings", lambda *_, **__: pytest.fail("searched"))
+    rows = {r.id: r.status for r in interpenetration(_candidate(folder, _world(folder, land, {})))}
+    assert rows["interpenetration:scene"] == "pass"

@@ -82,7 +82,9 @@ def _solid(candidate: Candidate, land: SavedLandscape) -> np.ndarray:
         p.shape for n in candidate.built for p in candidate.spec.entities[n].parts.values() if isinstance(p.shape, StemField)
     ]
     files = [candidate.folder / "assets" / f.file for f in fields if f.file.startswith(f"{name}-stems-")]
-    found = np.concatenate([np.zeros(0, dtype=np.int64), *(stems_from(np.load(f)).plant for f in files if f.is_file())])
+    found = np.concatenate(
+        [np.zeros(0, dtype=np.int64), *(stems_from(np.load(f, allow_pickle=False)).plant for f in files if f.is_file())]
+    )
     return found[found < len(land.raw("plant_position"))]
 
 

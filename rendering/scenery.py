@@ -123,7 +123,7 @@ def ground_fields(candidate: Candidate, name: str) -> list[tuple[F64, F64, F64]]
     for entity in sorted(candidate.built):
         for part in candidate.spec.entities[entity].parts.values():
             if cut_from(candidate, entity) == name and isinstance(part.shape, HeightField) and part.shape.file is not None:
-                heights = np.load(candidate.folder / "assets" / part.shape.file).astype(np.float64)
+                heights = np.load(candidate.folder / "assets" / part.shape.file, allow_pickle=False).astype(np.float64)
                 cx, cy = candidate.spec.entities[entity].pose.position[:2]
                 wide, deep = 0.5 * part.shape.size[0], 0.5 * part.shape.size[1]
                 rows, cols = heights.shape

@@ -21,6 +21,9 @@ DROP_TOLERANCE = 1e-6
 MOST_STEPS = 2000
 """Steps of the descent: at 85 degrees each leaves nine tenths of the way."""
 
+FARTHEST = 1e6
+"""[m] Own choice: no world is larger, and squares of distances stay far from overflow."""
+
 
 def place_object(
     context: ToolContext,
@@ -106,6 +109,8 @@ def _move(
             raise InputError(f"unknown entity {name!r}{hint} the world has {sorted(spec.entities)[:30]}")
     if entity == on:
         raise InputError(f"{entity!r} cannot rest on itself")
+    if at is not None and not all(abs(c) <= FARTHEST for c in at):
+        raise InputError(f"at {at} is out of range; each coordinate is within {FARTHEST:g} m of the origin")
     pose = pose_of(spec.entities[entity].pose)
     position = np.array([*(at if at is not None else pose.position[:2]), pose.position[2]])
     quaternion = pose.quaternion if yaw_deg is None else euler_to_quaternion((0.0, 0.0, math.radians(yaw_deg)))

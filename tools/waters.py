@@ -53,7 +53,7 @@ def water_operations(
     known = spec.entities.get(liquid)
     if known is not None and known.physics.category != "liquid":
         raise InputError(f"entity {liquid!r} exists and is no liquid; choose another id")
-    ground = np.load(folder.assets / file)
+    ground = np.load(folder.assets / file, allow_pickle=False)
     x, y = (c + np.linspace(-s / 2, s / 2, n) for c, s, n in zip(center, size, ground.shape[::-1], strict=True))
     body = water_body(land, x, y, ground)
     points = body.mesh.vertices

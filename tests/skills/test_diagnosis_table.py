@@ -13,13 +13,15 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from worldagent.bench.defects import _liquid_scenes as liquid_scenes
 from worldagent.bench.defects.suites import CHECKS, suite_of
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.server.skill_files import SKILLS
 from worldagent.tools import TOOLS
-from worldagent.verifiers import beats, causal, contact, phases
+from worldagent.verifiers import beats, causal, contact, numerical, phases
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.diagnosis_table import Condition, Entry, entries, table_schema
+from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples
 from worldagent.worlds.requirements import Row
@@ -146,10 +148,17 @@ def _pressed(folder: Path) -> Any:
     return make_candidate(folder, spec, tracks={"ball": (np.stack([0 * z, 0 * z, z], axis=1), IDENTITY)}, touches=touches)
 
 
+def _capped(folder: Path) -> Candidate:
+    """A liquid whose pressure solves all end at their cap."""
+    flow = liquid_scenes.pool(np.random.default_rng(3))
+    return flow.edited(change={(4, "record/iterations_capped"): np.array(200.0)}).candidate(folder)
+
+
 OWN = {
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check)],
     "contact": [(_pressed, contact.check)],
+    "numerical": [(_capped, numerical.check)],
 }
 """Worlds of this file, before those of the check's suite of defects."""
 

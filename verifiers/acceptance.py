@@ -138,6 +138,14 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
                 "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved",
             }
         )
+        ignored = ["surface tension", *(["viscosity"] if instance.engine == "flip" else [])]
+        found.append(
+            {
+                "what": f"{' and '.join(ignored)} of the liquid {name!r} not simulated",
+                "effect": "drops, menisci and films do not hold together"
+                + ("; it flows as thinly as water" if "viscosity" in ignored else ""),
+            }
+        )
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         free = [r for r, s in spec.simulation.rigid.items() if any(spec.entities[m].motion == "dynamic" for m in s.members)]
         for rigid in [r for r in free if r not in coupled]:

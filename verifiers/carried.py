@@ -46,7 +46,7 @@ def carried_row(graph: SupportGraph, name: str, relation: Supports, frames: tupl
         couple = Correction(
             cause=f"{a!r} and {b!r} do not act on each other",
             edit_class="solver",
-            group="coupling",
+            group="drivers",
             action=f"Couple the instances of {a!r} and {b!r} both ways.",
             pointers=("/simulation/couplings",),
         )

@@ -8,11 +8,10 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh
-from ..worlds.errors import EvidenceError
 from ..worlds.liquid_surface import LiquidSurface, mesh_of
+from .liquid_links import liquid_cache
 
 if TYPE_CHECKING:
-    from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
 
 __all__ = ["filled_cells", "liquid_outline"]
@@ -51,26 +50,19 @@ def filled_cells(points: F64, size: float) -> TriangleMesh:
     return TriangleMesh(quads.reshape(-1, 3), faces)
 
 
-def _cache_of(candidate: Candidate, liquid: str) -> Cache | None:
-    return next((c for c in candidate.liquid_caches.values() if liquid in c.index.bodies), None)
-
-
 def liquid_outline(candidate: Candidate, liquid: str, frame: int) -> TriangleMesh:
     """World mesh of a liquid at a frame; before any simulation, its declared volume.
 
     Raises:
         EvidenceError: no cache holds it, or what is there is damaged.
     """
-    cache = _cache_of(candidate, liquid)
-    if cache is None:
-        if candidate.stage != "static":
-            raise EvidenceError(f"no cache holds the liquid {liquid!r}; list it as a member of a liquid instance and bake")
+    if candidate.stage == "static":
         built = candidate.entity(liquid)
         meshes = [(candidate.pose(liquid, 0, p.body).apply(p.render.vertices), p.render.faces) for p in built.parts]
         starts = np.concatenate([[0], np.cumsum([len(v) for v, _ in meshes])])
         faces = np.concatenate([f + s for (_, f), s in zip(meshes, starts, strict=False)])
         return TriangleMesh(np.concatenate([v for v, _ in meshes]), faces.astype(np.int32))
-    row = cache.index.bodies.index(liquid)
+    cache, row = liquid_cache(candidate, liquid)
     surface = LiquidSurface(cache)
     if frame < surface.count():
         return TriangleMesh(*mesh_of(surface.read(frame), row))

@@ -12,12 +12,15 @@ import pytest
 import trimesh
 from worldagent.bench.small_liquids import tank_spec
 from worldagent.construction.build import build_entity
+from worldagent.verifiers.acceptance import approximations
 from worldagent.verifiers.outlines import filled_cells, liquid_outline
 from worldagent.verifiers.sight import Sight
+from worldagent.verifiers.support import check as check_support
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
+from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.spec import WorldSpec
 
 SPACING = 0.025
@@ -107,3 +110,22 @@ def test_water_hides_nothing_and_paint_does(tmp_path: Path) -> None:
     assert seen["water"].unoccluded == pytest.approx(1.0)
     assert seen["paint"].unoccluded < 0.05
     assert seen["paint"].hidden_by == "water"
+
+
+@pytest.mark.parametrize(("engine", "words"), [("dfsph", "surface tension of"), ("flip", "surface tension and viscosity of")])
+def test_what_an_engine_leaves_out_stands_in_the_register(tmp_path: Path, engine: str, words: str) -> None:
+    candidate = tank(tmp_path, [POOL, POOL])
+    spec = WorldSpec.model_validate({"prompt": "p", **tank_spec(crate_at=None, engine=engine)})
+    told = [a["what"] for a in approximations(dataclasses.replace(candidate, spec=spec))]
+    assert any(t.startswith(words) and "not simulated" in t for t in told), told
+
+
+def test_a_liquid_that_is_not_coupled_carries_nothing_and_the_row_says_what_to_do(tmp_path: Path) -> None:
+    relation = {"kind": "supports", "a": "water", "b": "crate"}
+    data = tank_spec(coupled=False, graph={"relations": {"afloat": relation}})
+    spec = WorldSpec.model_validate({"prompt": "p", **data})
+    built = {n: build_entity(spec, n, tmp_path) for n in spec.entities}
+    rows = {r.id: r for r in check_support(Candidate(tmp_path, spec, built, "static", {}))}
+    row = rows["support:afloat:crate"]
+    assert row.status == "fail"
+    assert {c.group for c in row.corrections} <= set(GROUPS)

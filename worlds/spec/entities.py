@@ -142,8 +142,8 @@ class LiquidPhysics(SpecModel):
     """Free-surface liquid; the entity's parts are its initial volume."""
 
     category: Literal["liquid"] = "liquid"
-    viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s]")
-    surface_tension: NonNegative = Field(default=0.072, description="[N/m]")
+    viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s]; engine flip leaves it out")
+    surface_tension: NonNegative = Field(default=0.072, description="[N/m]; recorded, not simulated yet")
     resolution: Positive = Field(description="particle spacing or cell size [m]")
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
     temperature: float = Field(default=293.15, gt=0, le=5000, description="at frame 0 [K]")

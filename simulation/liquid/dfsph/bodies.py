@@ -193,7 +193,7 @@ class Coupling:
     def meet(self, work: Work, x: Any, volume: Any, h: float, n: int) -> None:
         """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
         from . import boundary_kernels as kernels
-        from . import grid_kernels
+        from . import grid_kernels, reaction_kernels
 
         wp, w, run = warp(), work, self.passes
         self.total = 0
@@ -216,13 +216,13 @@ class Coupling:
         if self.total and self.reacts:
             run(
                 "reach",
-                kernels.reach,
+                reaction_kernels.reach,
                 self.count * self.lanes,
                 [self.lanes, x, volume, self.pairs, self.order, self.spans, self.bodies, self.reach],
             )()
         run(
             "finish",
-            kernels.finish_factors,
+            reaction_kernels.finish_factors,
             n,
             [self.lanes, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self._least, w.stiffness],
         )()
@@ -230,7 +230,7 @@ class Coupling:
 
     def moving_walls(self) -> None:
         """Write what bodies at their present velocity take away from D into `work.moving`."""
-        from . import boundary_kernels as kernels
+        from . import reaction_kernels as kernels
 
         w, s = self._work, self.bodies
         if self.total:
@@ -245,7 +245,7 @@ class Coupling:
 
     def reaction(self, p: Any) -> list[Callable[[], None]]:
         """Passes of one iteration: how the pressure accelerates bodies, and what that takes away from D."""
-        from . import boundary_kernels as kernels
+        from . import reaction_kernels as kernels
 
         if not (self.total and self.reacts):
             return []
@@ -280,7 +280,7 @@ class Coupling:
 
     def book(self, p: Any) -> None:
         """Add the impulses of a solve that has ended to the sums of both sides, and to the bodies' velocities."""
-        from . import boundary_kernels as kernels
+        from . import reaction_kernels as kernels
 
         if not self.total:
             return
@@ -293,7 +293,7 @@ class Coupling:
         self._account(self.impulse, moves=True)
 
     def _account(self, sums: list[Any], *, moves: bool) -> None:
-        from . import boundary_kernels as kernels
+        from . import reaction_kernels as kernels
 
         self.passes(
             f"account{int(moves)}",
@@ -314,7 +314,7 @@ class Coupling:
 
     def rubbed(self) -> None:
         """Give those forces to the bodies and to the sums of both sides."""
-        from . import boundary_kernels as kernels
+        from . import reaction_kernels as kernels
 
         if not self.total:
             return
@@ -326,7 +326,7 @@ class Coupling:
 
     def advance(self) -> None:
         """Velocity of the bodies by everything but the liquid."""
-        from . import boundary_kernels as kernels
+        from . import reaction_kernels as kernels
 
         if self.count:
             inputs = [self.acceleration, self._work.settings, self.bodies.velocity]

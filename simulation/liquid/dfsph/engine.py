@@ -199,7 +199,7 @@ class Dfsph:
         self._sorted = n
 
     def _neighbours(self, w: Work) -> None:
-        from . import boundary_kernels, grid_kernels, step_kernels
+        from . import domain_kernels, grid_kernels, step_kernels
 
         s, n, run = self.store.now, self.store.count, self.passes
         run("lighten", step_kernels.lighten, n, [s.fluid, s.held, self._density, w.settings, w.lightness])()
@@ -211,7 +211,7 @@ class Dfsph:
                 break
             w.grow(self.device, 8 * (-(-(most + 4) // 8)))
         walls = [s.x, *self._sides, self.setup.spacing, self.h, w.fill, w.lean, w.wall]
-        run("walls", boundary_kernels.walls, n, walls)()
+        run("walls", domain_kernels.walls, n, walls)()
 
     def _let_in(self) -> dict[str, float]:
         """Add the layers of inflows that are due."""

@@ -7,7 +7,8 @@ angular momentum are kept, and weighted by mass the operator is symmetric, so th
 
 import warp as wp
 
-from .boundary_kernels import Bodies, Pairs, at_place
+from .boundary_kernels import Bodies, Pairs
+from .reaction_kernels import at_place
 
 wp.set_module_options({"enable_backward": False})
 

@@ -1,0 +1,265 @@
+# mypy: ignore-errors
+"""Warp kernels of what bodies and liquid give each other: forces of the pairs, summed in lanes, and how bodies move by them."""
+
+import warp as wp
+
+from .boundary_kernels import Bodies, Pairs
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = [
+    "account",
+    "at_place",
+    "carry",
+    "finish_factors",
+    "force_lanes",
+    "kick",
+    "ledger_lanes",
+    "reach",
+    "react",
+    "wrench_lanes",
+]
+
+
+@wp.func
+def at_place(velocity: wp.vec3, spin: wp.vec3, arm: wp.vec3):
+    """Velocity of a rigid body at an arm from its centre."""
+    return velocity + wp.cross(spin, arm)
+
+
+@wp.kernel
+def carry(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    pairs: Pairs,
+    center: wp.array(dtype=wp.vec3),
+    velocity: wp.array(dtype=wp.vec3),
+    spin: wp.array(dtype=wp.vec3),
+    own: wp.array(dtype=wp.float32),
+    moving: wp.array(dtype=wp.float32),
+):
+    """What bodies that move (or accelerate) with `velocity` and `spin` take away from D."""
+    i = first + wp.tid()
+    s = own[i]
+    for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
+        b = pairs.body[k]
+        s += wp.dot(at_place(velocity[b], spin[b], x[i] - center[b]), pairs.slope[k])
+    moving[i] = s
+
+
+@wp.kernel
+def kick(
+    first: wp.int32,
+    acceleration: wp.array(dtype=wp.vec3),
+    settings: wp.array(dtype=wp.float32),
+    velocity: wp.array(dtype=wp.vec3),
+):
+    """Velocity by the acceleration of everything but the liquid."""
+    b = first + wp.tid()
+    velocity[b] = velocity[b] + settings[0] * acceleration[b]
+
+
+@wp.kernel
+def reach(
+    first: wp.int32,
+    lanes: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    order: wp.array(dtype=wp.int32),
+    spans: wp.array(dtype=wp.vec2i),
+    bodies: Bodies,
+    partial: wp.array(dtype=wp.vec2d),
+):
+    """Sums over the pairs of a body that bound how much all its particles together can move it."""
+    t = first + wp.tid()
+    b = t / lanes
+    span = spans[b]
+    one = wp.float64(0.0)
+    two = wp.float64(0.0)
+    if bodies.lightness[b] > 0.0:
+        for at in range(span[0] + t % lanes, span[1], lanes):
+            k = order[at]
+            i = pairs.particle[k]
+            turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
+            one += wp.float64(volume[i] * wp.length(pairs.slope[k]))
+            two += wp.float64(volume[i] * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)))
+    partial[t] = wp.vec2d(one, two)
+
+
+@wp.kernel
+def finish_factors(
+    first: wp.int32,
+    lanes: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    lean: wp.array(dtype=wp.vec3),
+    lightness: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    bodies: Bodies,
+    partial: wp.array(dtype=wp.vec2d),
+    least: wp.float32,
+    stiffness: wp.array(dtype=wp.float32),
+):
+    """Diagonal of A: own acceleration, neighbours' (summed by the search), and bounds of the bodies' rows."""
+    i = first + wp.tid()
+    s = stiffness[i] + lightness[i] * wp.dot(lean[i], lean[i])
+    for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
+        b = pairs.body[k]
+        if bodies.lightness[b] > 0.0:
+            one = wp.float64(0.0)
+            two = wp.float64(0.0)
+            for t in range(lanes):
+                one += partial[b * lanes + t][0]
+                two += partial[b * lanes + t][1]
+            turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
+            s += 0.25 * bodies.lightness[b] * wp.length(pairs.slope[k]) * wp.float32(one)
+            s += 0.25 * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)) * wp.float32(two)
+    if s < least:
+        s = 0.0
+    stiffness[i] = s
+
+
+@wp.kernel
+def wrench_lanes(
+    first: wp.int32,
+    lanes: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=wp.float32),
+    p: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    order: wp.array(dtype=wp.int32),
+    spans: wp.array(dtype=wp.vec2i),
+    center: wp.array(dtype=wp.vec3),
+    force: wp.array(dtype=wp.vec3d),
+    torque: wp.array(dtype=wp.vec3d),
+):
+    """Pressure force and torque on a body, one lane of its pairs."""
+    t = first + wp.tid()
+    b = t / lanes
+    span = spans[b]
+    f = wp.vec3d()
+    m = wp.vec3d()
+    for at in range(span[0] + t % lanes, span[1], lanes):
+        k = order[at]
+        i = pairs.particle[k]
+        one = volume[i] * p[i] * pairs.slope[k]
+        turn = wp.cross(x[i] - center[b], one)
+        f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
+        m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
+    force[t] = f
+    torque[t] = m
+
+
+@wp.kernel
+def react(
+    first: wp.int32,
+    lanes: wp.int32,
+    bodies: Bodies,
+    force: wp.array(dtype=wp.vec3d),
+    torque: wp.array(dtype=wp.vec3d),
+    velocity: wp.array(dtype=wp.vec3),
+    spin: wp.array(dtype=wp.vec3),
+):
+    """Sum the lanes of a body; its linear and angular acceleration by them."""
+    b = first + wp.tid()
+    f = wp.vec3d()
+    m = wp.vec3d()
+    for t in range(lanes):
+        f += force[b * lanes + t]
+        m += torque[b * lanes + t]
+    velocity[b] = bodies.lightness[b] * wp.vec3(wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2]))
+    spin[b] = bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
+
+
+@wp.kernel
+def ledger_lanes(
+    first: wp.int32,
+    lanes: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+    p: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    order: wp.array(dtype=wp.int32),
+    spans: wp.array(dtype=wp.vec2i),
+    center: wp.array(dtype=wp.vec3),
+    force: wp.array(dtype=wp.vec3d),
+    torque: wp.array(dtype=wp.vec3d),
+):
+    """What a body's pressure changes of the liquid's own momentum: masses times accelerations of the particles, one lane."""
+    t = first + wp.tid()
+    b = t / lanes
+    span = spans[b]
+    f = wp.vec3d()
+    m = wp.vec3d()
+    for at in range(span[0] + t % lanes, span[1], lanes):
+        k = order[at]
+        i = pairs.particle[k]
+        if lightness[i] > 0.0:
+            a = -lightness[i] * (p[i] * pairs.slope[k])
+            one = (volume[i] / lightness[i]) * a
+            turn = wp.cross(x[i] - center[b], one)
+            f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
+            m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
+    force[t] = f
+    torque[t] = m
+
+
+@wp.kernel
+def force_lanes(
+    first: wp.int32,
+    lanes: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    value: wp.array(dtype=wp.vec3),
+    pairs: Pairs,
+    order: wp.array(dtype=wp.int32),
+    spans: wp.array(dtype=wp.vec2i),
+    center: wp.array(dtype=wp.vec3),
+    force: wp.array(dtype=wp.vec3d),
+    torque: wp.array(dtype=wp.vec3d),
+):
+    """Forces of the pairs summed, one lane of each body."""
+    t = first + wp.tid()
+    b = t / lanes
+    span = spans[b]
+    f = wp.vec3d()
+    m = wp.vec3d()
+    for at in range(span[0] + t % lanes, span[1], lanes):
+        k = order[at]
+        one = value[k]
+        turn = wp.cross(x[pairs.particle[k]] - center[b], one)
+        f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
+        m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
+    force[t] = f
+    torque[t] = m
+
+
+@wp.kernel
+def account(
+    first: wp.int32,
+    lanes: wp.int32,
+    bodies: Bodies,
+    force: wp.array(dtype=wp.vec3d),
+    torque: wp.array(dtype=wp.vec3d),
+    settings: wp.array(dtype=wp.float32),
+    moves: wp.int32,
+    linear: wp.array(dtype=wp.vec3d),
+    angular: wp.array(dtype=wp.vec3d),
+):
+    """Add the impulse of one solve to a body's sums; where `moves`, to its velocity too."""
+    b = first + wp.tid()
+    f = wp.vec3d()
+    m = wp.vec3d()
+    for t in range(lanes):
+        f += force[b * lanes + t]
+        m += torque[b * lanes + t]
+    dt = wp.float64(settings[0])
+    linear[b] = linear[b] + dt * f
+    angular[b] = angular[b] + dt * m
+    if moves != 0:
+        bodies.velocity[b] = bodies.velocity[b] + settings[0] * bodies.lightness[b] * wp.vec3(
+            wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2])
+        )
+        bodies.spin[b] = bodies.spin[b] + settings[0] * (
+            bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
+        )

@@ -92,6 +92,5 @@ def _told(context: ToolContext, job: Job, *, detail: bool) -> ToolReply:
     if reply_of is None:
         return ToolReply(answer({**data, "result": job.result or {}}, f"{job.kind} of {job.world} is done", ""))
     reply = reply_of(job)
-    result = dict(reply.data)
-    head = [result.pop(k) for k in ("summary", "next", "warnings")]
-    return ToolReply(answer({**data, "result": result}, *head), links=reply.links)
+    head = [reply.data[k] for k in ("summary", "next", "warnings")]
+    return ToolReply(answer({**data, "result": dict(reply.data)}, *head), links=reply.links)

@@ -80,6 +80,18 @@ async def test_the_task_of_an_earlier_call_holds_exactly_its_answer(loop: Any, s
     assert comparable(task["result"]) == comparable(answer)
 
 
+@pytest.mark.parametrize("step", ["probe", "bake", "accept"])
+async def test_the_result_of_a_job_is_the_whole_reply_of_its_tool(loop: Any, step: str) -> None:
+    direct = loop.answers[step].structured_content
+    async with Client(create_server(loop.workspace)) as client:
+        told = await client.call_tool("job", {"action": "wait", "job_id": direct["job_id"]})
+    assert told.structured_content is not None, told.content
+    assert told.structured_content["result"] == direct
+    head = ("summary", "warnings", "next")
+    assert set(head) < set(direct)
+    assert [told.structured_content[k] for k in head] == [direct[k] for k in head]
+
+
 async def test_checks_as_a_task_answer_as_they_do_without(accepted: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tasks, "Handover", partial(Handover, patience_s=0.0))  # a warm worker may be done in a moment
     patient = Patient()

@@ -19,6 +19,8 @@ __all__ = ["require_resolved"]
 LEAST_WALL = {"dfsph": 0.5, "flip": 1.0}
 """Own choice: thickness of fixed walls in spacings. Particles are held by a layer of boundary particles on each side; a grid
 sees a wall only where it covers a cell."""
+SLACK = 0.01
+"""Share by which a wall may be thinner than that: facets of round walls, and rounding."""
 PITCH = 0.5
 """Of the grid on which passages are looked for, in spacings."""
 MOST_CELLS = 8_000_000
@@ -44,7 +46,7 @@ def require_resolved(setup: LiquidSetup, solids: Sequence[PlacedSolid], motion: 
         _require_open(inflow, fixed, setup.spacing)
     for solid in fixed:
         thick = wall_thickness(solid.solid)
-        if thick < LEAST_WALL[engine] * setup.spacing:
+        if thick < (1.0 - SLACK) * LEAST_WALL[engine] * setup.spacing:
             raise InputError(
                 f"{solid.name.split('/')[0]!r} is {thick:.3g} m thick where it is thin, which a spacing of {setup.spacing:g} m does not "
                 f"resolve; make it at least {LEAST_WALL[engine] * setup.spacing:.3g} m thick, or use a resolution of at most "

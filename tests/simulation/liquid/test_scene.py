@@ -122,6 +122,18 @@ def test_what_is_not_resolved_is_refused_by_its_name(changes: list[tuple[str, An
         scene(*changes, crate_at=None)
 
 
+@pytest.mark.parametrize("shape", [
+    {"kind": "box", "size": [0.0125, 0.4, 0.3]},
+    {"kind": "revolution", "profile": [[0.1, -0.15], [0.1125, -0.15], [0.1125, 0.15], [0.1, 0.15]]},
+])  # fmt: skip
+def test_a_wall_exactly_as_thick_as_is_resolved_is_taken(shape: dict[str, Any]) -> None:
+    """Half a spacing of 25 mm; a ring of facets is a little thinner than its circles."""
+    size = shape.get("size", [0.225, 0.225, 0.3])
+    parts = {"a": {"shape": shape, "pose": {"position": [0, 0, 0.15]}}}
+    made = scene(*solid("sheet", size, [0, 0, 0.15], parts=parts), *HALF_FULL, crate_at=None)
+    assert "sheet/body" in [b.name for b in made.setup.boundaries]
+
+
 def test_a_passage_that_is_wide_enough_is_taken() -> None:
     made = scene(*solid("gate", [0.03, 0.4, 0.2], [0, 0, 0.2]), *HALF_FULL, crate_at=None)
     assert len(made.setup.position)

@@ -17,8 +17,8 @@ import numpy as np
 
 from ..geometry.launch import chosen_device, warp
 from ..simulation.liquid.dfsph import Dfsph, DfsphSettings
-from ..simulation.liquid.dfsph.passes import Pass
 from ..simulation.liquid.engine import BodyState, Boundary, Fluid, LiquidSetup
+from ..simulation.passes import Pass
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh
 

@@ -13,7 +13,7 @@ from ..boundary import Sampled, sample_surface
 from ..engine import BodyState, LiquidSetup
 
 if TYPE_CHECKING:
-    from .passes import Passes
+    from ...passes import Passes
     from .store import Work
 
 __all__ = ["Coupling", "sampled_boundaries"]

@@ -9,15 +9,15 @@ import numpy as np
 from ....geometry.launch import chosen_device, warp
 from ....worlds.arrays import F64
 from ....worlds.errors import EngineError
+from ...passes import Pass, Passes
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
 from .bodies import Coupling, sampled_boundaries
 from .flow import Mouth, outflow_boxes, reasons
 from .keep_out import KeepOut
-from .passes import Pass, Passes
 from .pressure import RELAXATION, Solved, solve
 from .settings import DfsphSettings
 from .state import pack, unpack
-from .store import Store, Work, cells_of
+from .store import SETTINGS, Store, Work, cells_of
 from .viscosity import Viscosity
 
 __all__ = ["Dfsph"]
@@ -75,7 +75,7 @@ class Dfsph:
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
         self.keep_out = KeepOut(setup, self.origin, self.passes)
         self.viscosity = Viscosity(setup, self._density, self.passes)
-        self._host = np.zeros(12, dtype=np.float32)
+        self._host = np.zeros(SETTINGS, dtype=np.float32)
         self._work: Work | None = None
         self._sorted = 0
         self._leavers = False
@@ -100,7 +100,7 @@ class Dfsph:
         """Arrays of the step, with room for all particles."""
         if self._work is None or self._work.capacity < self.store.count:
             room = {"room": self._work.room} if self._work else {}
-            self._work = Work(self.device, self.store.capacity, self._cells, **room)
+            self._work = Work(self.passes, self.store.capacity, self._cells, **room)
             self._sorted = 0
         return self._work
 

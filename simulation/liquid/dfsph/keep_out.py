@@ -11,8 +11,8 @@ from ....worlds.arrays import F64
 from ..engine import Boundary, LiquidSetup
 
 if TYPE_CHECKING:
+    from ...passes import Passes
     from .bodies import Coupling
-    from .passes import Passes
     from .store import Work
 
 __all__ = ["KeepOut"]

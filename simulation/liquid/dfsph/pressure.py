@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import solve_kernels as kernels
 
 if TYPE_CHECKING:
+    from ...passes import Passes
     from .bodies import Coupling
-    from .passes import Passes
     from .store import Work
 
 __all__ = ["Solved", "solve"]
@@ -21,12 +19,6 @@ RELAXATION = 0.4
 """Step along the gradient scaled by the diagonal, at first; it is cut to what the iterates show of the largest eigenvalue."""
 RECOVERY = 1.02
 """Growth of that step from solve to solve."""
-RESIDUAL = 0.2
-"""Share of the compression asked away that may be left: keeps tall columns from sagging, whose bottom alone is compressed."""
-SMALL = 0.02
-"""Share of the tolerance below which that does not matter."""
-CHUNK = 2
-"""Iterations per graph on a GPU, between two looks at the error."""
 
 
 @dataclass(frozen=True)
@@ -76,18 +68,18 @@ def solve(
     lists = [w.count, w.near, w.gradient, w.row, w.stride]
     coupling.moving_walls()
     passes(name + "rates", kernels.rates, count, [v, w.lean, *lists, w.moving, w.rate])()
-    passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b, w.sums])()
+    passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b])()
     passes(name + "begin", kernels.begin, count, [p, w.y])()
     settings[2:6] = (0.0, 1.0, 0.0, relaxation)
+    settings[12:16] = (tolerance, most, 0.0, 0.0)
     w.settings.assign(settings)
-    lane_sums = passes("lane_sums", kernels.lane_sums, w.lanes, [w.sums, count, w.lanes, w.partial])
-    lane_sums()
-    passes("first_sums", kernels.close_sums, 1, [w.lanes, w.partial, w.settings, 1])()
+    passes.fold("asked", kernels.asked, count, [w.b, w.partial])()
+    passes.close("before", kernels.judge, count, [w.partial, w.settings, 1, w.going])()
     reaction = coupling.reaction(w.y)
     chain: list[Callable[[], None]] = [
         passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *lists, w.a]),
         *reaction,
-        passes(
+        passes.fold(
             name + "relax",
             kernels.relax,
             count,
@@ -104,24 +96,14 @@ def solve(
                 w.y,
                 w.last_y,
                 w.last_r,
-                w.sums,
+                w.partial,
             ],
         ),
-        lane_sums,
-        passes("close_sums", kernels.close_sums, 1, [w.lanes, w.partial, w.settings, 0]),
+        passes.close("judge", kernels.judge, count, [w.partial, w.settings, 0, w.going]),
     ]
-    chunk = 1 if passes.device == "cpu" else CHUNK
-    run = passes.chain(name, chain * chunk)
-    done, error, good, found = 0, np.inf, False, w.settings.numpy()
-    while done < most:
-        run()
-        done += chunk
-        found = w.settings.numpy()
-        error, left, asked = (float(found[k]) for k in (4, 8, 9))
-        good = error <= tolerance and left <= max(RESIDUAL * asked, SMALL * tolerance)
-        if good or not np.isfinite(error):
-            break
+    passes.chain(name, chain, going=w.going)()
     passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *lists, w.a])()
     coupling.book(p)
     passes(name + "end", kernels.end, count, [w.a, w.settings, v])()
-    return Solved(done, error, not good, min(RELAXATION, RECOVERY * float(found[5])))
+    found = w.settings.numpy()
+    return Solved(int(found[14]), float(found[4]), found[15] == 0.0, min(RELAXATION, RECOVERY * float(found[5])))

@@ -10,7 +10,7 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["accelerate", "begin", "close_sums", "end", "lane_sums", "rates", "relax", "source"]
+__all__ = ["accelerate", "asked", "begin", "end", "judge", "rates", "relax", "source"]
 
 DT = wp.constant(0)
 COUNT = wp.constant(1)
@@ -23,12 +23,20 @@ ASKED = wp.constant(9)
 FULL = wp.constant(10)
 FRESH = wp.constant(11)
 MEND = wp.constant(7)
+TOLERANCE = wp.constant(12)
+MOST = wp.constant(13)
+DONE = wp.constant(14)
+MET = wp.constant(15)
 """Places in `settings`: step, particles, momentum of the solve and its counter, mean error, relaxation; (6 is the time;) shortest
 time in which compression is taken back, so that a very short step does not throw particles; residual that is left, and what was asked;
-fill of liquid at rest; whether no iteration has been made."""
+fill of liquid at rest; whether no iteration has been made; mean error to stop at, iterations at most, how many were made,
+and whether they met what was asked."""
+RESIDUAL = wp.constant(wp.float32(0.2))
+"""Share of the compression asked away that may be left: keeps tall columns from sagging, whose bottom alone is compressed."""
+SMALL = wp.constant(wp.float32(0.02))
+"""Share of the tolerance below which that does not matter."""
 MOST_MENDED = wp.constant(wp.float32(0.02))
 """Compression that one step takes back at most: more would throw particles past each other."""
-Sums = wp.types.vector(length=5, dtype=wp.float32)
 Totals = wp.types.vector(length=5, dtype=wp.float64)
 
 
@@ -63,7 +71,6 @@ def source(
     settings: wp.array(dtype=wp.float32),
     density_solve: wp.int32,
     b: wp.array(dtype=wp.float32),
-    sums: wp.array(dtype=Sums),
 ):
     """Right side [1/s^2]: what the fill would be beyond 1 after dt, over dt^2; the divergence solve leaves compression alone.
 
@@ -76,7 +83,6 @@ def source(
     if density_solve != 0 and over > 0.0:
         part = wp.min(over, MOST_MENDED) * dt / wp.max(dt, settings[MEND])
     b[i] = (part / dt + rate[i]) / dt
-    sums[i] = Sums(wp.max(b[i], 0.0), 0.0, 0.0, 0.0, 0.0)
 
 
 @wp.kernel
@@ -116,6 +122,9 @@ def accelerate(
 @wp.kernel
 def relax(
     first: wp.int32,
+    span: wp.int32,
+    width: wp.int32,
+    total: wp.int32,
     a: wp.array(dtype=wp.vec3),
     lean: wp.array(dtype=wp.vec3),
     count: wp.array(dtype=wp.int32),
@@ -132,41 +141,44 @@ def relax(
     y: wp.array(dtype=wp.float32),
     last_y: wp.array(dtype=wp.float32),
     last_r: wp.array(dtype=wp.float32),
-    sums: wp.array(dtype=Sums),
+    partial: wp.array(dtype=Totals),
 ):
-    """One accelerated step; sums: compression left (r > 0), residual that is left (also r < 0 where p > 0), the sign
+    """One accelerated step; its sums: compression left (r > 0), residual that is left (also r < 0 where p > 0), the sign
     that asks for a restart, and the two parts of the Rayleigh quotient of A along the last change of y.
 
     `bodies` is what accelerating bodies take away from D a.
     """
-    i = first + wp.tid()
-    s = wp.dot(a[i], lean[i]) - bodies[i]
-    at = i * row
-    for _k in range(count[i]):
-        s -= wp.dot(a[near[at]], gradient[at])
-        at += stride
-    r = b[i] + s
-    old = p[i]
-    was = y[i]
-    fresh = wp.float32(0.0)
-    if stiffness[i] > 0.0:
-        fresh = wp.max(was + settings[OMEGA] * r / stiffness[i], 0.0)
-    p[i] = fresh
-    y[i] = fresh + settings[BETA] * (fresh - old)
-    left = wp.max(r, 0.0)
-    if was > 0.0:
-        left = wp.abs(r)
-    change = was - last_y[i]
-    weight = volume[i] * stiffness[i]
-    sums[i] = Sums(
-        wp.max(r, 0.0),
-        left,
-        weight * (was - fresh) * (fresh - old),
-        volume[i] * change * (last_r[i] - r),
-        weight * change * change,
-    )
-    last_y[i] = was
-    last_r[i] = r
+    t = first + wp.tid()
+    sums = Totals()
+    for i in range(t * span, wp.min((t + 1) * span, total)):
+        s = wp.dot(a[i], lean[i]) - bodies[i]
+        at = i * row
+        for _k in range(count[i]):
+            s -= wp.dot(a[near[at]], gradient[at])
+            at += stride
+        r = b[i] + s
+        old = p[i]
+        was = y[i]
+        fresh = wp.float32(0.0)
+        if stiffness[i] > 0.0:
+            fresh = wp.max(was + settings[OMEGA] * r / stiffness[i], 0.0)
+        p[i] = fresh
+        y[i] = fresh + settings[BETA] * (fresh - old)
+        left = wp.max(r, 0.0)
+        if was > 0.0:
+            left = wp.abs(r)
+        change = was - last_y[i]
+        weight = volume[i] * stiffness[i]
+        sums += Totals(
+            wp.float64(wp.max(r, 0.0)),
+            wp.float64(left),
+            wp.float64(weight * (was - fresh) * (fresh - old)),
+            wp.float64(volume[i] * change * (last_r[i] - r)),
+            wp.float64(weight * change * change),
+        )
+        last_y[i] = was
+        last_r[i] = r
+    wp.tile_store(partial, wp.tile_sum(wp.tile(sums, preserve_type=True)), offset=t / width)
 
 
 @wp.kernel
@@ -182,42 +194,60 @@ def end(
 
 
 @wp.kernel
-def lane_sums(
+def asked(
     first: wp.int32,
-    values: wp.array(dtype=Sums),
+    span: wp.int32,
+    width: wp.int32,
     total: wp.int32,
-    lanes: wp.int32,
+    b: wp.array(dtype=wp.float32),
     partial: wp.array(dtype=Totals),
 ):
-    """Sum of each lane, in a fixed order."""
+    """Sum of the compression that a solve is to take away."""
     t = first + wp.tid()
-    s = Totals()
-    for i in range(t, total, lanes):
-        v = values[i]
-        s += Totals(wp.float64(v[0]), wp.float64(v[1]), wp.float64(v[2]), wp.float64(v[3]), wp.float64(v[4]))
-    partial[t] = s
+    sums = Totals()
+    for i in range(t * span, wp.min((t + 1) * span, total)):
+        sums += Totals(wp.float64(wp.max(b[i], 0.0)), wp.float64(0.0), wp.float64(0.0), wp.float64(0.0), wp.float64(0.0))
+    wp.tile_store(partial, wp.tile_sum(wp.tile(sums, preserve_type=True)), offset=t / width)
 
 
 @wp.kernel
-def close_sums(
+def judge(
     first: wp.int32,
-    lanes: wp.int32,
+    width: wp.int32,
+    parts: wp.int32,
     partial: wp.array(dtype=Totals),
     settings: wp.array(dtype=wp.float32),
-    first_time: wp.int32,
+    before: wp.int32,
+    going: wp.array(dtype=wp.int32),
 ):
-    """Mean compression that is left, and the momentum of the next accelerated step (Nesterov, with restarts)."""
-    s = Totals()
-    for t in range(lanes):
-        s += partial[t]
+    """Mean compression that is left, whether to go on, and the momentum of the next accelerated step (Nesterov, with restarts).
+
+    `before` 1: no step has been made, and the sum is what the solve is asked to take away.
+    """
+    t = first + wp.tid()
+    mine = Totals()
+    for k in range(t, parts, width):
+        mine += partial[k]
+    s = wp.tile_sum(wp.tile(mine, preserve_type=True))[0]
+    if t > 0:
+        return
     dt = settings[DT]
     scale = dt * dt / settings[COUNT]
-    if first_time != 0:
+    if before != 0:
         settings[ASKED] = wp.float32(s[0]) * scale
         settings[FRESH] = 1.0
+        going[0] = 1
         return
-    settings[ERROR] = wp.float32(s[0]) * scale
-    settings[OPEN] = wp.float32(s[1]) * scale
+    error = wp.float32(s[0]) * scale
+    left = wp.float32(s[1]) * scale
+    settings[ERROR] = error
+    settings[OPEN] = left
+    settings[DONE] = settings[DONE] + 1.0
+    settings[MET] = 0.0
+    if error <= settings[TOLERANCE] and left <= wp.max(RESIDUAL * settings[ASKED], SMALL * settings[TOLERANCE]):
+        settings[MET] = 1.0
+    if settings[MET] == 1.0 or settings[DONE] >= settings[MOST] or not wp.isfinite(error):
+        going[0] = 0
     t0 = settings[NESTEROV]
     if s[2] > wp.float64(0.0):
         t0 = 1.0

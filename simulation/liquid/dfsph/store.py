@@ -8,6 +8,7 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
+from ...passes import Passes
 
 __all__ = ["FIELDS", "Store", "Work", "lanes"]
 
@@ -26,6 +27,8 @@ FIELDS = {
 ROOM = 40
 """Neighbours that a list has room for at first; water at rest has 27 to 33."""
 GROWTH = 1.3
+SETTINGS = 16
+"""Numbers of a step and its solves that kernels read; `solve_kernels.py` names them."""
 
 
 def lanes(device: str) -> int:
@@ -76,10 +79,10 @@ class Store:
 class Work:
     """Room for one step of up to `capacity` particles with up to `room` neighbours each."""
 
-    def __init__(self, device: str, capacity: int, cells: int, *, room: int = ROOM) -> None:
-        from .solve_kernels import Sums, Totals
+    def __init__(self, passes: Passes, capacity: int, cells: int, *, room: int = ROOM) -> None:
+        from .solve_kernels import Totals
 
-        wp = warp()
+        wp, device = warp(), passes.device
 
         def zeros(count: int, kind: Any) -> Any:
             return wp.zeros(count, dtype=kind, device=device)
@@ -95,10 +98,11 @@ class Work:
         self.fill, self.stiffness, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(6))
         self.own, self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(4))
         self.lean, self.wall, self.a = (zeros(capacity, wp.vec3) for _ in range(3))
-        self.sums, self.partial = zeros(capacity, Sums), zeros(self.lanes, Totals)
+        self.partial = zeros(passes.parts(capacity), Totals)
+        self.going = zeros(1, wp.int32)
         self.last_y, self.last_r = zeros(capacity, wp.float32), zeros(capacity, wp.float32)
         self.out, self.bad = zeros(self.lanes, wp.vec4d), zeros(self.lanes, wp.vec2i)
-        self.settings = zeros(12, wp.float32)
+        self.settings = zeros(SETTINGS, wp.float32)
 
     def grow(self, device: str, room: int) -> None:
         """Longer neighbour lists."""

@@ -9,9 +9,9 @@ import numpy as np
 from ....geometry.launch import warp
 
 if TYPE_CHECKING:
+    from ...passes import Passes
     from ..engine import LiquidSetup
     from .bodies import Coupling
-    from .passes import Passes
     from .store import Work
 
 __all__ = ["Viscosity"]

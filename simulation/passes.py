@@ -1,0 +1,202 @@
+"""Kernels prepared once and launched often: slices over threads on a CPU, plain launches or one graph on a GPU.
+
+`geometry/launch.py` launches single kernels; a step of a solver launches a hundred small ones over the same arrays, so their
+arguments are packed once here and only replayed. Kernels take the index of their first element first, as there.
+
+Sums keep one order on a device, however many threads share the work. A kernel that folds many elements into few takes
+(first, span, width, total, ...): thread t = first + wp.tid() goes through the elements [t span, min((t + 1) span, total)), and the
+`width` threads of a block store what they have together at t / width:
+
+    s = wp.float64(0.0)
+    for i in range(t * span, wp.min((t + 1) * span, total)):
+        s += wp.float64(values[i])
+    wp.tile_store(partial, wp.tile_sum(wp.tile(s)), offset=t / width)
+
+A second kernel of `width` threads closes it over the `Passes.parts(total)` partial results (`sum_kernels.py` has both for sums).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import pairwise
+from operator import is_
+from typing import Any
+
+from ..geometry.launch import cores, load, warp
+
+__all__ = ["Chain", "Pass", "Passes"]
+
+SMALLEST = 256
+"""Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
+SLICES = 2
+"""Slices of one thread: another one takes the second where the first is held up."""
+BLOCK = 256
+"""Threads of a block on a GPU (Warp's default)."""
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max(1, cores() - 1))
+
+
+class Pass:
+    """One kernel with its arguments over `count` elements; call it to run it.
+
+    Args:
+        kernel: a kernel whose first parameter is the index of its first element.
+        count: elements.
+        inputs: its other parameters.
+        device: where they are.
+        smallest: elements below which a slice is not worth a thread.
+    """
+
+    def __init__(self, kernel: Any, count: int, inputs: Sequence[Any], device: str, *, smallest: int = SMALLEST) -> None:
+        load(kernel, device)
+        wp = warp()
+        self.name = str(kernel.key)
+        self.inputs = tuple(inputs)
+        self.count = count
+        parts = max(1, min(SLICES * cores(), count // smallest)) if device == "cpu" and cores() > 1 else 1
+        cuts = [count * k // parts for k in range(parts + 1)]
+        self.launches = [
+            wp.launch(kernel, dim=end - first, inputs=[first, *inputs], device=device, record_cmd=True)
+            for first, end in pairwise(cuts)
+            if end > first
+        ]
+
+    def __call__(self) -> None:
+        """Run over all elements; on a CPU it has ended when this returns, on a GPU it is queued."""
+        if len(self.launches) <= 1:
+            for one in self.launches:
+                one.launch()
+            return
+        waiting = deque(self.launches)
+
+        def work() -> None:
+            while True:
+                try:
+                    one = waiting.popleft()
+                except IndexError:
+                    return
+                one.launch()
+
+        others = [_pool().submit(work) for _ in range(min(cores(), len(self.launches)) - 1)]
+        work()
+        for other in others:
+            other.result()
+
+    def fits(self, count: int, inputs: Sequence[Any]) -> bool:
+        """Whether it was prepared for just these arguments."""
+        return (
+            count == self.count
+            and len(inputs) == len(self.inputs)
+            and all(a is b or (isinstance(a, int | float) and a == b) for a, b in zip(inputs, self.inputs, strict=True))
+        )
+
+
+class Passes:
+    """Prepared passes by name; of each the two last ones are kept, since a step reads what the next one writes and back."""
+
+    def __init__(self, device: str) -> None:
+        self.device = device
+        self.graphs = device != "cpu"
+        """Whether chains run as graphs."""
+        self.span, self.width = (SMALLEST, 1) if device == "cpu" else (1, BLOCK)
+        """Elements of a thread, and threads of a block, where a kernel folds many elements into few."""
+        self._chains: dict[str, list[Chain]] = {}
+        self._known: dict[str, list[Pass]] = {}
+
+    def __call__(self, name: str, kernel: Any, count: int, inputs: Sequence[Any], *, smallest: int = SMALLEST) -> Pass:
+        """The pass of this name with these arguments."""
+        known = self._known.setdefault(name, [])
+        for one in known:
+            if one.fits(count, inputs):
+                return one
+        made = Pass(kernel, count, inputs, self.device, smallest=smallest)
+        self._known[name] = [*known[-1:], made]
+        return made
+
+    def parts(self, total: int) -> int:
+        """Partial results that a fold of `total` elements leaves."""
+        return -(-total // (self.span * self.width))
+
+    def fold(self, name: str, kernel: Any, total: int, inputs: Sequence[Any]) -> Pass:
+        """A pass that folds `total` elements into `parts(total)` (see the module's text)."""
+        threads = self.parts(total) * self.width
+        return self(name, kernel, threads, [self.span, self.width, total, *inputs], smallest=1)
+
+    def close(self, name: str, kernel: Any, total: int, inputs: Sequence[Any]) -> Pass:
+        """A pass of one block over the partial results of `total` elements; its kernel takes (first, width, parts, ...)."""
+        return self(name, kernel, self.width, [self.width, self.parts(total), *inputs], smallest=self.width)
+
+    def sum(self, name: str, values: Any, total: int, partial: Any, result: Any) -> list[Pass]:
+        """Passes that sum the first `total` values of an array in an order that is always the same.
+
+        Args:
+            name: of the passes.
+            values: float32 (n, columns).
+            total: rows to sum.
+            partial: float64 (columns, >= parts(total)): room.
+            result: float64 (columns,): stays on the device.
+        """
+        from . import sum_kernels as kernels
+
+        return [
+            self.fold(name, kernels.fold, total, [values, partial]),
+            self.close(name + "_close", kernels.close, total, [partial, result]),
+        ]
+
+    def chain(self, name: str, passes: Sequence[Callable[[], None]], *, going: Any = None) -> Chain:
+        """Passes to run after each other; the graph of the same ones is used again.
+
+        Args:
+            name: of the chain.
+            passes: what to run.
+            going: int32 (1,) on the device that the passes write: they run again and again until it is 0. Without, once.
+        """
+        known = self._chains.setdefault(name, [])
+        for one in known:
+            if one.fits(passes, going, graph=self.graphs):
+                return one
+        made = Chain(passes, self.device, going=going, graph=self.graphs)
+        self._chains[name] = [*known[-1:], made]
+        return made
+
+
+class Chain:
+    """Passes that always run after each other, once or until they end it themselves: one graph on a GPU."""
+
+    def __init__(self, passes: Sequence[Callable[[], None]], device: str, *, going: Any, graph: bool) -> None:
+        self.passes = list(passes)
+        self.device, self.going, self.graph = device, going, graph
+        self._graph: Any = None
+
+    def fits(self, passes: Sequence[Callable[[], None]], going: Any, *, graph: bool) -> bool:
+        """Whether it was made of just these."""
+        same = len(self.passes) == len(passes) and all(map(is_, self.passes, passes))
+        return same and going is self.going and graph == self.graph
+
+    def __call__(self) -> None:
+        """Run all passes in order."""
+        wp = warp()
+        if not self.graph or (self.going is not None and not wp.is_conditional_graph_supported()):
+            self._run()
+            return
+        if self._graph is None:
+            with wp.ScopedCapture(device=self.device, force_module_load=False) as capture:
+                self._run()
+            self._graph = capture.graph
+        wp.capture_launch(self._graph)
+
+    def _run(self) -> None:
+        if self.going is None:
+            self._once()
+        else:
+            warp().capture_while(self.going, self._once)
+
+    def _once(self) -> None:
+        for one in self.passes:
+            one()

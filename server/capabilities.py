@@ -74,10 +74,23 @@ def capabilities() -> dict[str, Any]:
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "categories": CATEGORIES,
+        "vegetation": _vegetation(),
         "renderer": _renderer(),
         "caps": {cap.name: {"value": cap.value, "unit": cap.unit, "knob": cap.knob} for cap in all_caps()},
         "versions": {name: package_version(name) for name in PACKAGES},
     }
+
+
+def _vegetation() -> dict[str, Any]:
+    """Species of plants and stones by biome and form; their sizes stand in the guide."""
+    from ..construction.terrain.vegetation import species_of
+    from ..worlds.spec.terrain import BIOME_NAMES
+
+    found: dict[str, dict[str, list[str]]] = {}
+    for biome in BIOME_NAMES:
+        for species in species_of(biome):
+            found.setdefault(biome, {}).setdefault(species.form, []).append(species.name)
+    return {"sizes": "skill://outdoor-terrain/plants.md", "species": found}
 
 
 def _renderer() -> dict[str, Any]:

@@ -5,7 +5,7 @@ Nothing here shares code with construction: the file of the built landscape is a
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from ..worlds.arrays import F64
 from ..worlds.landscape import SavedLandscape
 from ..worlds.spec.terrain import Terrain
+from .clearings import in_clearings, line_distance
 
 __all__ = [
     "Finding",
@@ -182,8 +183,14 @@ def ledger_finding(land: SavedLandscape) -> Finding:
     return Finding(lost if np.isfinite(lost) else float("inf"), text, _place(land, int(gap.argmax())))
 
 
-def plant_finding(land: SavedLandscape, terrain: Terrain) -> Finding:
-    """Plants in water, on beds or roads, off the ground, or nearer to each other than both need."""
+def plant_finding(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> Finding:
+    """Plants in water, on beds or roads, off the ground, nearer to each other than both need, or in a clearing.
+
+    Args:
+        land: as built.
+        terrain: what it is built from.
+        outlines: corners (n, 2) [m], in order, of what entities cover in plan.
+    """
     if "plant_position" not in land.names:
         return Finding(0.0, "nothing is planted")
     position, radius = land.raw("plant_position"), land.raw("plant_radius").astype(np.float64)
@@ -198,26 +205,24 @@ def plant_finding(land: SavedLandscape, terrain: Terrain) -> Finding:
     paved = np.zeros(len(position), dtype=bool)
     for layer in terrain.layers.values():
         if layer.kind == "road":
-            paved |= _line_distance(position[:, :2], np.array(layer.line)) <= 0.5 * layer.width
+            paved |= line_distance(position[:, :2], np.array(layer.line)) <= 0.5 * layer.width
     crowded = np.zeros(len(position), dtype=bool)
     if len(position) > 1:
         pairs = cKDTree(position[:, :2]).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
         apart = np.hypot(*(position[pairs[:, 0], :2] - position[pairs[:, 1], :2]).T)
         near = pairs[apart < (radius[pairs[:, 0]] + radius[pairs[:, 1]]) * (1 - 1e-5)]
         crowded[near[:, 1]] = True
-    counts = {"in water or a bed": drowned, "on a road": paved, "off the ground": floating, "too near to another": crowded}
-    bad = drowned | paved | floating | crowded
+    trespassing = in_clearings(position[:, :2], terrain, outlines)
+    counts = {
+        "in water or a bed": drowned,
+        "on a road": paved,
+        "off the ground": floating,
+        "too near to another": crowded,
+        "in a clearing or its margin": trespassing,
+    }
+    bad = drowned | paved | floating | crowded | trespassing
     text = (
         ", ".join(f"{int(v.sum())} {k}" for k, v in counts.items() if v.any()) or f"{len(position):,} plants stand where they may"
     )
     place = (float(position[bad.argmax(), 0]), float(position[bad.argmax(), 1])) if bad.any() else None
     return Finding(float(bad.sum()), text, place)
-
-
-def _line_distance(points: F64, line: F64) -> F64:
-    best = np.full(len(points), np.inf)
-    for a, b in pairwise(line):
-        along = b - a
-        share = np.clip(((points - a) @ along) / max(float(along @ along), 1e-24), 0.0, 1.0)
-        best = np.minimum(best, np.hypot(*(points - a - share[:, None] * along).T))
-    return best

@@ -3,12 +3,13 @@ solver sees is a part of it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError
@@ -16,6 +17,7 @@ from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.requirements import Row
 from ..worlds.spec import HeightField, StemField
 from ..worlds.spec.terrain import Terrain
+from .clearings import outlines_of
 from .ground_stems import stem_gap
 from .grounds import patches
 from .landscapes import (
@@ -44,21 +46,21 @@ class _Claim(NamedTuple):
     predicate: str
     bound: float
     unit: str
-    measure: Callable[[SavedLandscape, Terrain], Finding]
+    measure: Callable[[SavedLandscape, Terrain, Mapping[str, F64]], Finding]
     action: str
 
 
 CLAIMS = (
-    _Claim("fill", "the surface height is the least fill of the ground (R34)", 0.0, "m", lambda land, _: fill_finding(land), "build it again"),
+    _Claim("fill", "the surface height is the least fill of the ground (R34)", 0.0, "m", lambda land, *_: fill_finding(land), "build it again"),
     _Claim(
         "drainage", "every cell drains by steepest descent, without circles, and areas close (R36)", 0.0, "cells",
-        lambda land, _: drainage_finding(land), "build it again",
+        lambda land, *_: drainage_finding(land), "build it again",
     ),
     _Claim("water", "lakes are level and full, reaches fall and end in water or at the edge (R35, R39, R40)", 0.0, "problems",
-           water_finding, "build it again"),
-    _Claim("ledger", "erosion neither loses nor makes matter (R46)", LEDGER, "1", lambda land, _: ledger_finding(land), "build it again"),
-    _Claim("plants", "no plant stands in water, on a bed or road, off the ground or too near to another (R45)", 0.0, "plants",
-           plant_finding, "build it again"),
+           lambda land, terrain, _: water_finding(land, terrain), "build it again"),
+    _Claim("ledger", "erosion neither loses nor makes matter (R46)", LEDGER, "1", lambda land, *_: ledger_finding(land), "build it again"),
+    _Claim("plants", "no plant stands in water, on a bed or road, in a clearing, off the ground or too near to another (R45)", 0.0,
+           "plants", plant_finding, "build it again"),
 )  # fmt: skip
 
 
@@ -81,13 +83,13 @@ _known: dict[tuple[str, int, int, str], tuple[str, tuple[Finding, ...]]] = {}
 """What was found of the last landscapes, by file, its time and size, and the specification."""
 
 
-def _measured(land: SavedLandscape, terrain: Terrain) -> tuple[str, tuple[Finding, ...]]:
+def _measured(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> tuple[str, tuple[Finding, ...]]:
     """Digest of a landscape and what each claim finds; a file that has not changed since is not measured again."""
     state = land.path.stat()
-    key = (str(land.path), state.st_mtime_ns, state.st_size, digest_of(terrain))
+    key = (str(land.path), state.st_mtime_ns, state.st_size, digest_of(terrain, {k: v.tolist() for k, v in outlines.items()}))
     found = _known.get(key)
     if found is None:
-        found = land.digest(), tuple(claim.measure(land, terrain) for claim in CLAIMS)
+        found = land.digest(), tuple(claim.measure(land, terrain, outlines) for claim in CLAIMS)
         for oldest in list(_known)[: max(0, len(_known) + 1 - KEPT)]:
             _known.pop(oldest, None)
         _known[key] = found
@@ -97,7 +99,7 @@ def _measured(land: SavedLandscape, terrain: Terrain) -> tuple[str, tuple[Findin
 def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
     terrain = candidate.spec.terrains[name]
     land = open_landscape(candidate.folder, candidate.spec, name)
-    digest, findings = _measured(land, terrain)
+    digest, findings = _measured(land, terrain, outlines_of(candidate, terrain))
     rows = []
     for claim, found in zip(CLAIMS, findings, strict=True):
         good = found.measured <= claim.bound

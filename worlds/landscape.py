@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from .arrays import F64
-from .canonical import digest_of
 from .errors import EvidenceError
+from .provenance import landscape_digest
 from .spec import WorldSpec
 
 __all__ = ["FIELDS", "FieldInfo", "SavedLandscape", "landscape_path", "open_landscape", "save_landscape"]
@@ -179,7 +179,7 @@ def open_landscape(root: Path, spec: WorldSpec, name: str) -> SavedLandscape:
     Raises:
         EvidenceError: there is none.
     """
-    wanted = digest_of(spec.terrains[name])
+    wanted = landscape_digest(spec, name)
     for path in sorted((root / "terrain").glob(f"{name}.*.npz"), key=lambda p: -p.stat().st_mtime):
         saved = SavedLandscape(path)
         if saved.about.get("terrain") == wanted:

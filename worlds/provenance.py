@@ -42,6 +42,29 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
     }
 
 
+def landscape_digest(spec: WorldSpec, name: str) -> str:
+    """Digest of what a landscape is built from: its terrain, and the plan of the entities around which nothing may grow."""
+    terrain = spec.terrains[name]
+    areas = terrain.vegetation.clear.values() if terrain.vegetation is not None else ()
+    around = sorted({a.around for a in areas if a.around is not None})
+    if not around:
+        return digest_of(terrain)
+    return digest_of(terrain, {k: _plan_slice(spec, k) for k in around})
+
+
+def _plan_slice(spec: WorldSpec, name: str) -> Any:
+    """What decides the ground that an entity covers; its height does not."""
+    entity = spec.entities.get(name)
+    if entity is None:
+        return None
+    pose = entity.pose.model_dump(mode="json")
+    return {
+        "parts": {k: [p.shape.model_dump(mode="json"), p.pose.model_dump(mode="json")] for k, p in entity.parts.items()},
+        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
+        "pose": {**pose, "position": pose["position"][:2]},
+    }
+
+
 def motion_slice(spec: WorldSpec) -> dict[str, Any]:
     """Everything that decides the motion: entities' physics and places, materials, the plan without its limits."""
     plan = spec.simulation.model_dump(mode="json", exclude={"limits"})
@@ -157,8 +180,8 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
             by_entity.get(name, []),
             limits,
         )
-    for name, terrain in spec.terrains.items():
-        found[f"terrain:{name}"] = digest_of(terrain)
+    for name in spec.terrains:
+        found[f"terrain:{name}"] = landscape_digest(spec, name)
     motion = digest_of(motion_slice(spec))
     graph = digest_of(relations, {k: r.model_dump(mode="json") for k, r in spec.graph.regions.items()})
     found["motion"] = motion

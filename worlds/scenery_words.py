@@ -40,7 +40,7 @@ def missing_scenery(spec: WorldSpec, text: str) -> Iterator[tuple[str, str, str]
         ):
             continue
         if kind == "trees":
-            if not any(t.vegetation is not None and "tree" in t.vegetation.forms for t in spec.terrains.values()):
+            if not any(t.vegetation is not None and "tree" in t.vegetation.grown() for t in spec.terrains.values()):
                 yield found.group(), kind, "a terrain with /terrains/<id>/vegetation"
         elif not any(
             kind in t.hydrology.required or ("river" in t.hydrology.required and kind == "stream") for t in spec.terrains.values()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from ...worlds.errors import InputError
 from ...worlds.limits import check_cap
 from ...worlds.spec.terrain import Terrain
 from .channels import Channels, carve
+from .clearings import cleared
 from .climate import BIOMES, LAPSE, Biome, bank_distance, height_above_water, moisture, soil_depth, wetness_index
 from .erosion import Ground
 from .flood import Drainage, drain
@@ -20,7 +22,7 @@ from .grid import Grid
 from .ground import GroundCover, cover
 from .layers import shape_land
 from .relief import horizons, relief, sunlight, wind_exposure
-from .vegetation import HECTARE, Plants, Species, fitness, scatter, species_of
+from .vegetation import HECTARE, Plants, Species, biomes_of, fitness, scatter, species_of
 from .water import WaterBodies, find_water
 from .weathering import Say, weather
 from .zones import along, declared_zone, zone_distance
@@ -69,12 +71,15 @@ class Landscape:
         return level
 
 
-def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, text: None) -> Landscape:
+def build_landscape(
+    terrain: Terrain, assets: Path, *, outlines: Mapping[str, F64] | None = None, say: Say = lambda done, text: None
+) -> Landscape:
     """Build everything.
 
     Args:
         terrain: of the specification.
         assets: the world's assets folder, for DEM files.
+        outlines: corners [m], shape (n, 2), of what each entity covers around which nothing may grow.
         say: hears (part done, what) as it goes.
 
     Raises:
@@ -109,7 +114,7 @@ def build_landscape(terrain: Terrain, assets: Path, *, say: Say = lambda done, t
     covered = cover(grid, terrain, fields, bed=channels.bed)
     fields["moisture"] = _moisture(fields, covered.retention, rain)
     say(0.85, "planting")
-    plants = _planted(grid, terrain, fields, water, channels, figures)
+    plants = _planted(grid, terrain, fields, water.standing | channels.bed, outlines or {}, figures)
     figures |= {
         "relief": _relief_figures(fields, valid & ~water.sea),
         "lakes": len(water.lakes),
@@ -292,7 +297,7 @@ def _snow(terrain: Terrain, height: F64, slope: F64, warmth: F64) -> F64:
 
 
 def _planted(
-    grid: Grid, terrain: Terrain, fields: dict[str, F64], water: WaterBodies, channels: Channels, figures: dict[str, Any]
+    grid: Grid, terrain: Terrain, fields: dict[str, F64], water: np.ndarray, outlines: Mapping[str, F64], figures: dict[str, Any]
 ) -> Plants | None:
     plan = terrain.vegetation
     if plan is None:
@@ -307,17 +312,18 @@ def _planted(
         "light": fields["sunlight"] / open_light,
         "exposure": fields["wind_exposure"],
     }
-    blocked = water.standing | channels.bed | (fields["snow"] > 0.5) | np.isnan(fields["start"])
+    blocked = water | (fields["snow"] > 0.5) | np.isnan(fields["start"])
     for layer in terrain.layers.values():
         if layer.kind == "road":
             blocked |= along(grid, np.array(layer.line))[0] <= 0.5 * layer.width + 0.5 * grid.cell
         if layer.kind == "flatten" and layer.zone is not None:
             blocked |= zone_distance(grid, declared_zone(terrain, layer.zone)) <= 0
+    blocked |= cleared(grid, terrain, outlines)
     allowed = ~blocked
     if plan.zone is not None:
         allowed &= zone_distance(grid, declared_zone(terrain, plan.zone)) <= 0
     fitting = fitness(kinds, given, allowed)
-    for form in plan.forms:
+    for form in plan.grown():
         own = [s for s in kinds if s.form == form]
         total = sum((fitting[s.name] * s.density for s in own), start=np.zeros(grid.shape))
         fields[f"{form}_density"] = np.asarray(total) * plan.density / HECTARE
@@ -335,10 +341,17 @@ def _kinds(terrain: Terrain) -> list[Species]:
     plan = terrain.vegetation
     assert plan is not None
     known = species_of(terrain.climate.biome)
-    if plan.species is not None:
-        names = {s.name for s in known}
-        unknown = [n for n in plan.species if n not in names]
-        if unknown:
-            raise InputError(f"species {unknown[0]!r} does not grow in biome {terrain.climate.biome!r}; it has {sorted(names)}")
-        known = tuple(s for s in known if s.name in plan.species)
-    return [s for s in known if s.form in plan.forms]
+    if plan.species is None:
+        return [s for s in known if s.form in plan.grown()]
+    chosen = {s.name: s for s in known if s.name in plan.species}
+    for name in plan.species:
+        if name not in chosen:
+            raise InputError(
+                f"species {name!r} does not grow in biome {terrain.climate.biome!r}; it has {sorted(s.name for s in known)}. "
+                f"{name!r} grows in {', '.join(biomes_of(name))}: change /climate/biome or /vegetation/species"
+            )
+        if plan.forms is not None and chosen[name].form not in plan.forms:
+            raise InputError(
+                f"species {name!r} is a {chosen[name].form}, and /vegetation/forms {plan.forms} leaves that out: leave out forms, or add it"
+            )
+    return list(chosen.values())

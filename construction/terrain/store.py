@@ -17,8 +17,10 @@ from ...worlds.errors import EvidenceError, InputError
 from ...worlds.folder import WorldFolder, safe_join, write_atomically
 from ...worlds.landscape import SavedLandscape, landscape_path, save_landscape
 from ...worlds.limits import HEIGHT_ROWS
+from ...worlds.provenance import landscape_digest
 from ...worlds.spec import WorldSpec
 from ...worlds.spec.terrain import Terrain
+from .clearings import outlines_of
 from .grid import Grid
 from .landscape import Landscape, build_landscape
 
@@ -45,13 +47,13 @@ def terrain_recipe(folder: WorldFolder, spec: WorldSpec, name: str) -> str:
         InputError: there is no such terrain.
     """
     terrain = _terrain(spec, name)
-    files = {}
+    files: dict[str, str] = {}
     for layer in terrain.layers.values():
         if layer.kind == "dem":
             path = safe_join(folder.assets, layer.file)
             files[layer.file] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "missing"
     versions = {package: version(package) for package in ("numpy", "scipy", "numba", "warp-lang")}
-    return digest_of(spec.spec_version, terrain, files, source_digest(Path(__file__).parent), versions)
+    return digest_of(spec.spec_version, landscape_digest(spec, name), files, source_digest(Path(__file__).parent), versions)
 
 
 def build_terrain_file(
@@ -72,8 +74,9 @@ def build_terrain_file(
             path.unlink()
         else:
             return saved, False
-    land = build_landscape(_terrain(spec, name), folder.assets, say=say)
-    save_landscape(path, _arrays(land), {**_about(land), "terrain": digest_of(_terrain(spec, name))})
+    terrain = _terrain(spec, name)
+    land = build_landscape(terrain, folder.assets, outlines=outlines_of(spec, terrain, folder.assets), say=say)
+    save_landscape(path, _arrays(land), {**_about(land), "terrain": landscape_digest(spec, name)})
     return SavedLandscape(path), True
 
 

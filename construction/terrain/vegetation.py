@@ -13,10 +13,11 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.errors import InputError
+from ...worlds.spec.terrain import BIOME_NAMES, SPECIES_OF_FORM
 from .grid import Grid
 from .slices import in_slices
 
-__all__ = ["Plants", "Species", "fitness", "scatter", "species_of", "suitability", "trapezoid"]
+__all__ = ["Plants", "Species", "biomes_of", "fitness", "plant_table", "scatter", "species_of", "suitability", "trapezoid"]
 
 RESPONSES = ("moisture", "temperature", "slope", "soil", "light", "exposure")
 HECTARE = 1e4
@@ -88,6 +89,45 @@ def species_of(biome: str) -> tuple[Species, ...]:
         known = sorted({b for row in _table().values() for b in row["biomes"]})
         raise InputError(f"biome {biome!r} has no species; known: {', '.join(known)}")
     return tuple(sorted(found, key=lambda s: (-s.priority, -s.radius, s.name)))
+
+
+def biomes_of(species: str) -> tuple[str, ...]:
+    """Biomes in which a species grows."""
+    return tuple(_table()[species]["biomes"])
+
+
+def plant_table() -> str:
+    """All species as a Markdown table: form, shape, height, spacing, number per hectare, what each needs, and biomes."""
+    head = (
+        "species",
+        "form",
+        "shape",
+        "height [m]",
+        "apart [m]",
+        "per ha",
+        "moisture",
+        "mean temperature [deg C]",
+        "slope <=",
+        "biomes",
+    )
+    rows = [head, ("---",) * len(head)]
+    for name, row in sorted(_table().items(), key=lambda item: (list(SPECIES_OF_FORM).index(item[1]["form"]), item[0])):
+        wants = row["responses"]
+        any_place = row["form"] in ("rock", "pebble")
+        rows.append(
+            (
+                f"`{name}`", row["form"], row["shape"], _span(row["height"]), f"{2 * row['radius']:g}", f"{row['density']:g}",
+                "any" if any_place else _span((max(wants["moisture"][0], 0), min(wants["moisture"][3], 1))),
+                "any" if any_place else _span((wants["temperature"][0], wants["temperature"][3])),
+                f"at least {wants['slope'][0]:g}" if any_place else f"{wants['slope'][3]:g}",
+                "all" if len(row["biomes"]) == len(BIOME_NAMES) else ", ".join(row["biomes"]),
+            )
+        )  # fmt: skip
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
+
+
+def _span(ends: Sequence[float]) -> str:
+    return f"{ends[0]:g} to {ends[1]:g}"
 
 
 def trapezoid(value: F64, corners: Sequence[float]) -> F64:

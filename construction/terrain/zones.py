@@ -9,7 +9,7 @@ from ...worlds.errors import InputError
 from ...worlds.spec.terrain import Terrain, Zone
 from .grid import Grid
 
-__all__ = ["along", "declared_zone", "inside_weight", "zone_distance"]
+__all__ = ["along", "declared_zone", "inside_weight", "polygon_distance", "zone_distance"]
 
 
 def declared_zone(terrain: Terrain, name: str) -> Zone:
@@ -32,7 +32,12 @@ def zone_distance(grid: Grid, zone: Zone) -> F64:
         return np.asarray(np.hypot(x - zone.center[0], y - zone.center[1]) - zone.radius)
     if zone.line is not None and zone.width is not None:
         return along(grid, np.array(zone.line))[0] - 0.5 * zone.width
-    corners = np.array(zone.polygon)
+    return polygon_distance(grid, np.array(zone.polygon))
+
+
+def polygon_distance(grid: Grid, corners: F64) -> F64:
+    """Distance to the edge of a polygon, corners (n, 2) [m], negative inside, shape (rows, cols)."""
+    x, y = grid.points()
     away = along(grid, np.vstack([corners, corners[:1]]))[0]
     inside = np.zeros(grid.shape, dtype=bool)
     for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):

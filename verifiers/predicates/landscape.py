@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...worlds.spec.terrain import Terrain, Zone
     from .scope import Scope
 
-__all__ = ["landscape_field", "landscape_water", "zone_cells"]
+__all__ = ["in_polygon", "landscape_field", "landscape_water", "zone_cells"]
 
 Mask = NDArray[np.bool_]
 
@@ -37,7 +37,7 @@ def _centers(land: SavedLandscape) -> tuple[F64, F64]:
     return np.broadcast_to(x[None], (rows, cols)), np.broadcast_to(y[:, None], (rows, cols))
 
 
-def _in_polygon(x: F64, y: F64, corners: F64) -> Mask:
+def in_polygon(x: F64, y: F64, corners: F64) -> Mask:
     """Even-odd rule."""
     inside = np.zeros(x.shape, dtype=bool)
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -70,7 +70,7 @@ def zone_cells(land: SavedLandscape, terrain: Terrain, name: str | None) -> Mask
         raise EvidenceError(f"the terrain has no zone {name!r}; it has {sorted(terrain.zones)}")
     x, y = _centers(land)
     if zone.polygon is not None:
-        inside = _in_polygon(x, y, np.array(zone.polygon))
+        inside = in_polygon(x, y, np.array(zone.polygon))
     elif zone.line is not None:
         inside = _near_line(x, y, np.array(zone.line), 0.5 * float(zone.width or 0.0))
     else:

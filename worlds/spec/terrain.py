@@ -9,11 +9,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, model_validator
 
-from ..vocabulary import Finite, Id, MaterialRef, NonNegative, Positive, SpecModel, Text, Vec2
+from ..vocabulary import EntityRef, Finite, Id, MaterialRef, NonNegative, Positive, SpecModel, Text, Vec2
 
 __all__ = [
     "BIOME_NAMES",
     "FIELD_NAMES",
+    "SPECIES_NAMES",
+    "SPECIES_OF_FORM",
+    "Clearing",
     "Climate",
     "Condition",
     "Erosion",
@@ -34,6 +37,15 @@ FIELD_NAMES = (
     "wetness", "moisture", "temperature", "soil_depth", "snow", "east", "north",
 )  # fmt: skip
 """Fields that conditions may name; `east` and `north` are the place itself [m]."""
+SPECIES_OF_FORM = {
+    "tree": ("alder", "beech", "birch", "holm-oak", "oak", "palm", "pine", "rainforest-tree", "spruce"),
+    "shrub": ("bramble", "cactus", "heath", "juniper", "maquis", "ohia-shrub", "saltbush", "tree-fern", "willow"),
+    "grass": ("meadow-grass", "reed", "sedge", "steppe-grass"),
+    "rock": ("boulder",),
+    "pebble": ("stone",),
+}
+SPECIES_NAMES = tuple(name for names in SPECIES_OF_FORM.values() for name in names)
+"""Plants and stones; which biome has which, and their sizes: `skill://outdoor-terrain/plants.md`."""
 
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
 Line = Annotated[list[Vec2], Field(min_length=2, max_length=400)]
@@ -288,19 +300,49 @@ class Climate(SpecModel):
     snow_line: Finite | None = Field(default=None, description="height above which snow lies [m]")
 
 
+class Clearing(SpecModel):
+    """Where nothing stands: in a polygon, a disc, a declared zone, or around what an entity covers in plan, and within a margin of it."""
+
+    polygon: Polygon | None = None
+    center: Vec2 | None = None
+    radius: Positive | None = Field(default=None, description="[m], with center")
+    zone: Id | None = Field(default=None, description="a zone of this terrain")
+    around: EntityRef | None = Field(default=None, description="what this entity covers in plan at frame 0")
+    margin: NonNegative = Field(default=0.0, le=2000, description="no stem within this of the area either [m]")
+
+    @model_validator(mode="after")
+    def _one_area(self) -> Clearing:
+        areas = (self.polygon, self.center, self.zone, self.around)
+        if sum(a is not None for a in areas) != 1 or (self.center is None) != (self.radius is None):
+            raise ValueError("give one of polygon, center with radius, zone, around (an entity); and a margin if wanted")
+        return self
+
+
 class Vegetation(SpecModel):
     """Plants and stones, scattered by suitability, priority and distance."""
 
     density: float = Field(default=1.0, ge=0, le=10, description="factor on the density of every species")
-    species: Annotated[list[Annotated[str, StringConstraints(max_length=64)]], Field(max_length=64)] | None = Field(
-        default=None, description="only these; default: all of the biome"
+    species: Annotated[list[Literal[SPECIES_NAMES]], Field(max_length=64)] | None = Field(  # type: ignore[valid-type]
+        default=None, description="only these; default: all of the biome. Sizes and biomes: skill://outdoor-terrain/plants.md"
     )
-    forms: Annotated[list[Literal["tree", "shrub", "grass", "rock", "pebble"]], Field(max_length=5)] = Field(
-        default=["tree", "rock"], description="shrubs, grass and pebbles are for extents of some hundred metres"
+    forms: Annotated[list[Literal["tree", "shrub", "grass", "rock", "pebble"]], Field(max_length=5)] | None = Field(
+        default=None,
+        description="default: those of species, without species tree and rock; shrubs, grass and pebbles are for extents of some hundred metres",
     )
-    zone: Id | None = None
+    zone: Id | None = Field(default=None, description="only inside this zone")
+    clear: Annotated[dict[Id, Clearing], Field(max_length=64)] = Field(
+        default={}, description="areas without plants and stones; also kept free: water, beds, roads, levelled ground"
+    )
     most: int = Field(default=200_000, ge=0, le=2_000_000, description="cap of the number of instances")
     seed: Seed = 0
+
+    def grown(self) -> tuple[str, ...]:
+        """Forms of what may grow."""
+        if self.forms is not None:
+            return tuple(self.forms)
+        if self.species is None:
+            return ("tree", "rock")
+        return tuple(form for form, names in SPECIES_OF_FORM.items() if set(names) & set(self.species))
 
 
 class Terrain(SpecModel):

@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from worldagent.construction.terrain.climate import moisture
+from worldagent.construction.terrain.climate import BIOMES, moisture
 from worldagent.construction.terrain.grid import Grid
 from worldagent.construction.terrain.landscape import Landscape, build_landscape
 from worldagent.construction.terrain.relief import horizons, sunlight, wind_exposure
-from worldagent.construction.terrain.vegetation import RESPONSES, _table, species_of, trapezoid
+from worldagent.construction.terrain.vegetation import RESPONSES, _table, plant_table, species_of, trapezoid
+from worldagent.server.capabilities import _vegetation as capabilities_of_plants
+from worldagent.server.skill_files import SKILLS
 from worldagent.worlds.errors import InputError, LimitError
-from worldagent.worlds.spec.terrain import BIOME_NAMES, FIELD_NAMES, Terrain
+from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.spec.terrain import BIOME_NAMES, FIELD_NAMES, SPECIES_NAMES, SPECIES_OF_FORM, Terrain
 
 ISLAND: dict[str, Any] = {
     "extent": [1600, 1600],
@@ -248,6 +251,42 @@ def test_species_are_whole_and_every_biome_has_some() -> None:
         assert {"rock"} < {s.form for s in species_of(biome)}, biome
     with pytest.raises(InputError, match="known"):
         species_of("moon")
+
+
+def test_the_specification_and_the_guide_know_the_species_that_there_are() -> None:
+    assert {n: form for form, names in SPECIES_OF_FORM.items() for n in names} == {n: row["form"] for n, row in _table().items()}
+    guide = (SKILLS / "outdoor-terrain" / "plants.md").read_text()
+    assert plant_table() in guide
+    for name, biome in BIOMES.items():
+        assert f"{name} {biome.temperature:g}" in guide.replace("\n", " ")
+    told = capabilities_of_plants()["species"]
+    assert {n for forms in told.values() for names in forms.values() for n in names} == set(SPECIES_NAMES)
+    assert "pine" in told["boreal"]["tree"]
+
+
+def test_an_unknown_species_answers_with_the_list() -> None:
+    with pytest.raises(InputError) as error:
+        parse_spec(
+            {
+                "title": "t",
+                "prompt": "p",
+                "simulation": {"frames": 2},
+                "terrains": {"land": {**ISLAND, "vegetation": {"species": ["pin"]}}},
+            }
+        )
+    assert "did you mean 'pine'" in str(error.value)
+    assert all(name in str(error.value) for name in SPECIES_NAMES)
+
+
+def test_species_bring_their_forms_and_contradictions_are_refused() -> None:
+    shrubs = _built(vegetation={"species": ["ohia-shrub"], "density": 0.05})
+    assert shrubs.plants is not None
+    assert shrubs.plants.species == ("ohia-shrub",)
+    assert len(shrubs.plants) > 50
+    with pytest.raises(InputError, match="is a shrub, and /vegetation/forms"):
+        _built(vegetation={"species": ["ohia-shrub"], "forms": ["tree"]})
+    with pytest.raises(InputError, match="'pine' grows in boreal, mediterranean, temperate"):
+        _built(vegetation={"species": ["pine"]})
 
 
 def test_a_trapezoid_is_one_in_its_middle_and_zero_outside() -> None:

@@ -142,7 +142,7 @@ def camera_at(shot: Shot, frame: int, look_width: int, look_height: int, follow_
     at one frame the last by id counts.
 
     Args:
-        shot: one shot of the plan.
+        shot: one shot of the plan; all its keys have a target.
         frame: frame index.
         look_width: picture width [pixels].
         look_height: picture height [pixels].
@@ -151,7 +151,7 @@ def camera_at(shot: Shot, frame: int, look_width: int, look_height: int, follow_
     by_frame = {key.frame: key for _, key in sorted(shot.keys.items())}
     keys = [by_frame[f] for f in sorted(by_frame)]
     frames = np.array([k.frame for k in keys], dtype=np.float64)
-    path = np.array([[*k.position, *k.target] for k in keys], dtype=np.float64)
+    path = np.array([[*k.position, *(k.target or ())] for k in keys], dtype=np.float64)
     at = _smooth(frames, path, float(frame))
     fov = float(np.interp(frame, frames, [k.fov_deg for k in keys]))
     target = at[3:] if follow_offset is None else at[3:] + follow_offset

@@ -46,7 +46,7 @@ TURF = 24_000
 def eyes_of(candidate: Candidate, own: Sequence[F64] = ()) -> F64:
     """Places that cameras look from [m], shape (n, 3): along every shot, and own ones."""
     places = [np.asarray(p, dtype=np.float64) for p in own]
-    for shot in candidate.spec.shots.values():
+    for shot in map(candidate.aimed, candidate.spec.shots.values()):
         frames = np.linspace(shot.frames[0], shot.frames[1], PATH_STEPS if len(shot.keys) > 1 else 1)
         places += [camera_at(shot, round(k), 16, 9, np.zeros(3)).position for k in frames]
     return np.array(places, dtype=np.float64).reshape(-1, 3)

@@ -154,7 +154,7 @@ def camera_for(candidate: Candidate, frame: int, *, shot: str | None = None, wid
     name = shot if shot is not None else shot_of(spec, frame)
     if name is None:
         return automatic_camera(candidate, width, height)
-    plan = spec.shots[name]
+    plan = candidate.aimed(spec.shots[name])
     return camera_at(plan, frame, width, height, _follow_offset(candidate, plan, frame))
 
 

@@ -11,6 +11,7 @@ from .context import Link, Picture, ToolContext, ToolReply
 
 if TYPE_CHECKING:
     from ..execution import Job
+    from ..geometry import Camera
     from ..rendering.denoise import U8
     from ..worlds.candidate import Candidate
     from ..worlds.folder import WorldFolder
@@ -39,8 +40,11 @@ def render_shot(
     frame: Annotated[int, Field(ge=0, description="Frame index, for single pictures")] = 0,
     shot: Annotated[str | None, Field(description="Shot id whose camera to use; default the one that covers the frame")] = None,
     camera: Annotated[
-        tuple[float, float, float, float, float, float] | None,
-        Field(description="Own camera instead: position x, y, z and target x, y, z [m] (40 degrees)"),
+        dict[str, Any] | list[float] | None,
+        Field(
+            description="Own camera instead: {'position': [x, y, z], 'look_at': 'entity id'} or 'target': [x, y, z] in place of look_at, "
+            "and 'fov_deg' if not 40; or six numbers, position and target [m]"
+        ),
     ] = None,
     frames: Annotated[list[int] | None, Field(description="For contact_sheet: which frames", max_length=25)] = None,
     field: Annotated[
@@ -64,8 +68,8 @@ def render_shot(
 ) -> ToolReply:
     """Look at the world: a picture comes back inline, beside a line of JSON; or make the final film.
 
-    Every kind but final works as soon as the audit passes and takes seconds. Frames are indices (frame k at k / fps s); own
-    cameras in m. Use it for composition, light and understanding what happened.
+    Takes seconds, except final. field works as soon as build_terrain(terrain=...) has built the landscape, final after acceptance,
+    the others as soon as the audit passes. Frames are indices (frame k at k / fps s); own cameras in m. Use it for composition, light and understanding what happened.
     Not for judging geometry or motion: numbers do that better (run_checks, inspect_world). final renders every frame into a
     video, as a resumable job with an estimate; refused without acceptance of this very candidate.
     Returns: JSON text (summary, file, frame, camera), the picture (JPEG or PNG, at most 700 kB) and a link to it; for final
@@ -97,11 +101,14 @@ def render_shot(
     from ..rendering import shot_of
     from ..worlds.canonical import digest_of
     from .answers import answer
+    from .own_camera import buried, own_camera
 
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
     wide, tall = LEDGER_SIZE if kind == "ledger" else (640, 360)
-    image = _picture(candidate, kind, state, shot, camera, frames, width or wide, height or tall, samples, seen_from=frame)
-    warnings = []
+    size = width or wide, height or tall
+    own = None if camera is None else own_camera(candidate, camera, state, *size)
+    image = _picture(candidate, kind, state, shot, own, frames, *size, samples, seen_from=frame)
+    warnings = [] if own is None else buried(candidate, own)
     if state != frame:
         warnings.append("nothing is simulated yet: the state of frame 0, seen from this frame's camera")
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
@@ -153,7 +160,7 @@ def _picture(
     kind: Kind,
     frame: int,
     shot: str | None,
-    camera: tuple[float, ...] | None,
+    camera: Camera | None,
     frames: list[int] | None,
     width: int,
     height: int,
@@ -166,13 +173,10 @@ def _picture(
     import numpy as np
 
     from .. import rendering
-    from ..geometry import Camera
     from ..worlds.limits import check_cap
 
-    view = None
-    if camera is not None:
-        view = Camera(np.array(camera[:3]), np.array(camera[3:]), 40.0, width, height)
-    elif seen_from != frame:
+    view = camera
+    if view is None and seen_from != frame:
         view = rendering.camera_for(candidate, seen_from, shot=shot, width=width, height=height)
     if kind == "contact_sheet":
         chosen = frames or sorted(set(np.linspace(0, candidate.last_frame, 9).round().astype(int).tolist()))

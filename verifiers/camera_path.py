@@ -196,7 +196,7 @@ def moves(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
                 "shots",
                 f"spread the keys of shot {shot_id} over more frames, cut into two shots, or show it from farther away",
                 pointers=(f"/shots/{shot_id}/keys", f"/shots/{shot_id}/transition"),
-                patch=_steady(shot_id, shot),
+                patch=_steady(shot_id, shot, candidate.aimed(shot)),
             )
         ],
     )
@@ -216,11 +216,15 @@ def _subject_steps(candidate: Candidate, cameras: list[tuple[int, Camera]], shot
     return found
 
 
-def _steady(shot_id: str, shot: Shot) -> list[dict[str, Any]]:
+def _steady(shot_id: str, shot: Shot, aimed: Shot) -> list[dict[str, Any]]:
     """The edit that keeps the aim of the shot's first key throughout."""
-    first, *others = sorted(shot.keys.items(), key=lambda item: item[1].frame)
-    return [
-        {"op": "replace", "path": f"/shots/{shot_id}/keys/{name}/target", "value": list(first[1].target)}
-        for name, key in others
-        if key.target != first[1].target
-    ]
+    first, *others = sorted(aimed.keys.items(), key=lambda item: item[1].frame)
+    edits: list[dict[str, Any]] = []
+    for name, key in others:
+        if key.target == first[1].target:
+            continue
+        place = f"/shots/{shot_id}/keys/{name}"
+        if shot.keys[name].look_at is not None:
+            edits.append({"op": "remove", "path": f"{place}/look_at"})
+        edits.append({"op": "add", "path": f"{place}/target", "value": list(first[1].target or ())})
+    return edits

@@ -39,7 +39,7 @@ def reframe(
         frames: when it should be seen; the suggestion is made for the middle.
         leaves: whether it is in view only part of the time.
     """
-    shot = candidate.spec.shots[seen.shot]
+    shot = candidate.aimed(candidate.spec.shots[seen.shot])
     hints = []
     if leaves and shot.follow is None:
         pointer = f"/shots/{seen.shot}/follow"
@@ -57,7 +57,8 @@ def reframe(
     key = _better(candidate, sight, subject, shot.keys[key_id], middle)
     if key is not None and shot.follow is not None:
         moved = sight.offset(shot, middle)
-        key = key.model_copy(update={"target": tuple(round(float(t - m), 4) for t, m in zip(key.target, moved, strict=True))})
+        aim = np.array(key.target, dtype=np.float64) - moved
+        key = key.model_copy(update={"target": tuple(round(float(c), 4) for c in aim)})
     pointer = f"/shots/{seen.shot}/keys/{key_id}"
     cause = (
         f"{seen.hidden_by} stands in the way"
@@ -71,7 +72,7 @@ def reframe(
         return hints
     where = ", ".join(f"{c:.2f}" for c in key.position)
     action = f"put the camera at ({where}) m and aim at {subject}, which then fills about {FILL:.0%} of the height"
-    patch = ({"op": "replace", "path": pointer, "value": key.model_dump(mode="json")},)
+    patch = ({"op": "replace", "path": pointer, "value": key.model_dump(mode="json", exclude_none=True)},)
     return [correction(cause, "shots", action, pointers=(pointer,), patch=patch), *hints]
 
 

@@ -138,7 +138,7 @@ class Sight:
         Raises:
             EvidenceError: the shot's camera cannot be placed.
         """
-        plan = shot or self.candidate.spec.shots[shot_id]
+        plan = self.candidate.aimed(shot or self.candidate.spec.shots[shot_id])
         offset = None if plan.follow is None else self.offset(plan, frame)
         try:
             return camera_at(plan, frame, self.width, self.height, offset)
@@ -191,7 +191,7 @@ class Sight:
 
     def try_camera(self, entity: str, key: CameraKey, frame: int) -> Seen:
         """How `entity` would appear at a frame from another camera."""
-        camera = Camera(np.array(key.position), np.array(key.target), key.fov_deg, self.width, self.height)
+        camera = Camera(np.array(key.position), np.array(key.target, dtype=np.float64), key.fov_deg, self.width, self.height)
         return self._look(entity, "", frame, camera)
 
     def _look(self, entity: str, shot_id: str, frame: int, camera: Camera) -> Seen:

@@ -20,7 +20,7 @@ from .folder import WorldFolder, safe_join
 from .liquid_surface import LiquidSurface
 from .patch import parse_spec
 from .records import Quantity
-from .spec import WorldSpec
+from .spec import Shot, WorldSpec
 
 __all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
 
@@ -143,6 +143,24 @@ class Candidate:
         total = sum(b.mass for b in bodies)
         weighted = sum((b.mass * self.pose(entity, frame, b.name).apply(b.center[None])[0] for b in bodies), start=np.zeros(3))
         return weighted / total
+
+    def aimed(self, shot: Shot) -> Shot:
+        """A shot whose keys all have a target: of those that look at an entity, its centre at their frame.
+
+        Raises:
+            EvidenceError: such an entity is not built.
+        """
+        if all(key.look_at is None for key in shot.keys.values()):
+            return shot
+        keys = {
+            name: key
+            if key.look_at is None
+            else key.model_copy(
+                update={"target": tuple(map(float, self.center(key.look_at, min(key.frame, self.last_frame)))), "look_at": None}
+            )
+            for name, key in shot.keys.items()
+        }
+        return shot.model_copy(update={"keys": keys})
 
     def moves(self, entity: str) -> bool:
         """Whether any body of the entity is in a cache."""

@@ -62,7 +62,7 @@ MISTAKES: dict[str, tuple[tuple[str, dict[str, Any]], list[str]]] = {
     "checks without scope": (("run_checks", {"world": "w"}), ["scope is missing", "acceptance:"]),
     "a film before acceptance": (("render_shot", {"world": "w", "kind": "final"}), ["not accepted", "scope='acceptance'"]),
     "another word for a picture": (("render_shot", {"world": "w", "kind": "perspective"}), ["'perspective'", "'preview'"]),
-    "a camera without a target": (("render_shot", {"world": "w", "camera": [0, 0, 1]}), ["3 items, it needs 6", "target"]),
+    "a camera without a target": (("render_shot", {"world": "w", "camera": [0, 0, 1]}), ["3 items, it needs 6", "look_at"]),
     "a shot that is none": (("render_shot", {"world": "w", "shot": "onyl"}), ["did you mean 'only'?"]),
     "a frame below 0": (("render_shot", {"world": "w", "frame": -1}), ["-1", ">= 0"]),
     "a frame after the end": (("render_shot", {"world": "w", "frame": 9999}), ["9999", "0..0"]),

@@ -232,3 +232,34 @@ def test_forty_entities_and_ten_beats(tmp_path: Path) -> None:
     beats = {f"r{i}": BEAT.model_copy(update={"frames": (i, 14 + i)}) for i in range(10)}
     candidate = rolling(tmp_path, {"s": shot(covers=list(beats))}, walls=walls, beats=beats)
     assert all(r.status == "pass" for r in check(candidate))
+
+
+def test_a_key_that_looks_at_an_entity_aims_at_its_centre_at_that_frame(tmp_path: Path) -> None:
+    """The same rows as for the point; and a key needs one aim."""
+    last = CameraKey(frame=N - 1, position=(0.5, -4, 1), look_at="ball")
+    looking = shot((0, N - 1), CameraKey(frame=0, position=(0.5, -4, 1), look_at="ball"), last, covers=["roll"])
+    pointing = shot((0, N - 1), key(target=(0, 0, 0.1)), key(target=(1, 0, 0.1), frame=N - 1), covers=["roll"])
+    found, wanted = (rows_of(rolling(tmp_path / name, {"s": plan})) for name, plan in (("a", looking), ("b", pointing)))
+    assert {n: (r.status, r.measured) for n, r in found.items()} == {n: (r.status, r.measured) for n, r in wanted.items()}
+    for aim in ({}, {"target": (0, 0, 0), "look_at": "ball"}):
+        with pytest.raises(ValueError, match=r"give target .* or look_at"):
+            CameraKey(frame=0, position=(0, -4, 1), **aim)
+
+
+def test_a_shot_that_looks_past_its_subject_is_mended_whatever_it_looked_at(tmp_path: Path) -> None:
+    wall = {"wall": box(0.2, 0.2, 0.2, at=(6, 0, 0.1), motion="static")}
+    keys = [CameraKey(frame=f, position=(0.5, -4, 1), look_at="wall") for f in (0, N - 1)]
+    candidate = rolling(tmp_path, {"s": shot((0, N - 1), *keys, covers=["roll"])}, walls=wall)
+    row = rows_of(candidate)["visible:roll"]
+    assert row.status == "fail"
+    index = next(k for k, c in enumerate(row.corrections) if any("/keys/" in o["path"] for o in c.patch))
+    mended = patched(candidate, row, index)
+    assert mended.spec.shots["s"].keys != candidate.spec.shots["s"].keys
+    turning = [
+        CameraKey(frame=0, position=(0.5, -4, 1), look_at="wall"),
+        CameraKey(frame=3, position=(0.5, -4, 1), look_at="ball"),
+    ]
+    swung = rolling(tmp_path / "swung", {"s": shot((0, N - 1), *turning, covers=["roll"])}, walls=wall)
+    jump = rows_of(swung)["motion:s"]
+    assert jump.status == "fail"
+    assert rows_of(patched(swung, jump))["motion:s"].status == "pass"

@@ -250,12 +250,21 @@ class SceneGraph(SpecModel):
 
 
 class CameraKey(SpecModel):
-    """Camera at one frame. Angles of shot plans are in degrees."""
+    """Camera at one frame: where it stands and what it looks at. Angles of shot plans are in degrees."""
 
     frame: Annotated[int, Field(ge=0)]
-    position: Vec3
-    target: Vec3
+    position: Vec3 = Field(description="of the eye [m]")
+    target: Vec3 | None = Field(default=None, description="point in the middle of the picture [m]; or give look_at")
+    look_at: EntityRef | None = Field(
+        default=None, description="instead of target: this entity's centre at the key's frame; follow keeps it there later"
+    )
     fov_deg: float = Field(default=40.0, gt=5, lt=120, description="vertical field of view")
+
+    @model_validator(mode="after")
+    def _one_aim(self) -> CameraKey:
+        if (self.target is None) == (self.look_at is None):
+            raise ValueError("give target (a point [x, y, z]) or look_at (an entity id), one of the two")
+        return self
 
 
 class Shot(SpecModel):

@@ -74,7 +74,8 @@ def build_terrain(
     Without: flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside
     plain_radius. The ground becomes a member of the first solver instance. Lengths in m. Needs a material.
     Not for: floors, tables and other flat things, which a static box does better (edit_spec). Repeating it with the same
-    entity replaces that ground. Returns: revision, heights, water, static rows that fail. Next: place_object.
+    entity replaces that ground. Returns: revision, heights, water, and of the open rows those that this call changed (the others by
+    id in open_as_before). Works before the audit passes. Next: the reply's `next`.
     """
     from .session import Session
 
@@ -145,14 +146,15 @@ def _landscape_told(world: str, name: str, data: dict[str, Any]) -> ToolReply:
     )
     picture = data["picture"]
     links = ((picture, f"worldagent://worlds/{world}/pictures/{picture}", "image/jpeg"),)
+    then = data.pop("then", None) or call("place_object", world=world)
     if "audit" in data:
+        audit = data.pop("audit")
         told = rows_answer(
-            world, data.pop("audit"), "concise", f"{text}; the audit leaves rows open", "edit_spec: mend the audit's open rows"
+            world, audit, "concise", f"{text}; the audit leaves {audit['counts']['mandatory_open']} rows open", then
         )
-        return ToolReply({**told, **data}, links=links)
-    return ToolReply(
-        rows_answer(world, data, "concise", text, call("render_shot", world=world, kind="field", field="hillshade")), links=links
-    )
+        head = {k: told.pop(k) for k in ("summary", "warnings", "next")}
+        return ToolReply({**head, **data, "audit": told}, links=links)
+    return ToolReply(rows_answer(world, data, "concise", text, then), links=links)
 
 
 def _plain(
@@ -169,7 +171,7 @@ def _plain(
     from ..worlds.patch import apply_patch
     from .answers import answer, call, rows_answer
     from .landscapes import ground_material, membership
-    from .rows import summary
+    from .rows import news, open_rows
 
     spec, world = session.spec, session.folder.id
     ground = ground_material(spec, material)
@@ -187,6 +189,7 @@ def _plain(
     patch += membership(spec, entity)
     after = apply_patch(spec, patch)
     check_limits(after)
+    before = {row.id: row for row in session.ledger.rows()}
     outcome = session.commit(after, patch=patch, hypothesis=hypothesis)
     report = session.audit()
     data: dict[str, Any] = {
@@ -197,11 +200,13 @@ def _plain(
     }
     text = f"{entity}: {kind} ground of {size[0]:g} x {size[1]:g} m, {len(heights[0]) - 1} x {len(heights) - 1} cells"
     if not report.passed:
-        audit = rows_answer(world, summary(report.rows), "concise", "", "")
-        data["audit"] = {k: v for k, v in audit.items() if k not in ("summary", "warnings", "next")}
-        return ToolReply(answer(data, f"{text}; the audit leaves rows open", "edit_spec: mend the audit's open rows"))
+        audit = rows_answer(world, news(report.rows, before), "concise", "", "")
+        data["audit"] = {"passed": False, **{k: v for k, v in audit.items() if k not in ("summary", "warnings", "next")}}
+        left = [r.id for r in open_rows(report.rows) if r.mandatory]
+        text += f"; the audit leaves {len(left)} rows open"
+        return ToolReply(answer(data, text, f"edit_spec: add what stands on the ground, or mend {', '.join(left[:3])}"))
     rows, changed, _ = session.check_static()
-    data |= {"changed_rows": len(changed), **summary(rows, static=True)}
+    data |= {"changed_rows": len(changed), **news(rows, before, static=True)}
     return ToolReply(rows_answer(world, data, "concise", text, call("place_object", world=world)))
 
 

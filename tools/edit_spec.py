@@ -119,7 +119,7 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
         f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]
     ]
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
-    then = _next(world, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})
+    then = _next(session, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})
     links = ((f"{world} specification", f"worldagent://worlds/{world}/spec", "application/json"),)
     stale = outcome.get("rows_now_stale", 0)
     if outcome.get("changed") == []:
@@ -128,11 +128,16 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     return ToolReply(answer(data, text, then, warnings), links=links)
 
 
-def _next(world: str, passed: bool, groups: set[str]) -> str:
+def _next(session: Any, passed: bool, groups: set[str]) -> str:
     from .answers import call
+    from .outdoor import to_build
 
+    world, land = session.folder.id, to_build(session)
     if not passed:
-        return "edit_spec: mend the audit's open rows"
+        mend = "edit_spec: mend the audit's open rows"
+        return mend if land is None else f"{land} (it needs no passing audit), or {mend}"
+    if land is not None:
+        return land
     if groups <= {"story", "limits", "shots", "look", "text"}:
         return f"{call('run_checks', world=world, scope='probe')} judges this again on the motion there is"
     if not groups & SCENE_GROUPS:

@@ -12,7 +12,8 @@ from ..worlds.landscape import SavedLandscape
 from ..worlds.limits import check_limits
 from ..worlds.patch import apply_patch
 from ..worlds.spec import WorldSpec
-from .rows import summary
+from .outdoor import after_building
+from .rows import news, open_rows
 from .session import Session
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
     session = Session.at(WorldFolder.at(Path(payload["folder"])))
     name = payload["terrain"]
+    before = {row.id: row for row in session.ledger.rows()}
 
     def say(done: float, text: str) -> None:
         context.check()
@@ -120,11 +122,14 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     data |= {"built": fresh, **describe(land), "ground": {"entity": entity, "center": list(center), **patch._asdict()}}
     data |= {"stems": stems.number if stems is not None else 0} if payload.get("stems") else {}
     data |= {"water": water} if water else {}
+    static_open: list[str] = []
     if report.passed:
         rows, changed, _ = session.check_static()
-        data |= {"changed_rows": len(changed), **summary(rows, static=True)}
+        data |= {"changed_rows": len(changed), **news(rows, before, static=True)}
+        static_open = [r.id for r in open_rows(rows, static=True) if r.mandatory]
     else:
-        data |= {"audit": summary(report.rows)}
+        data |= {"audit": {"passed": False, **news(report.rows, before)}}
+    data["then"] = after_building(session, [r.id for r in open_rows(report.rows) if r.mandatory], static_open)
     say(0.99, "drawing an overview")
     data["picture"] = _overview(session.folder, name, land)
     return data

@@ -12,6 +12,7 @@ from typing import Any
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
+from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, line, ranked
 from .session import Session
 from .table_entries import entry_of
@@ -139,10 +140,11 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         then = call("job", action="wait", job_id=jobs[0])
     elif accepted and not left:
         then = call("render_shot", world=world, kind="final")
-    elif any(r.status == "fail" and r.mandatory for r in rows):
-        then = call("inspect_world", world=world, part="matrix", status="open")
     else:
-        then = _coming(session)
+        failed = {r.check for r in rows if r.status == "fail" and r.mandatory}
+        mend = call("inspect_world", world=world, part="matrix", status="open")
+        # A landscape is built before the audit passes.
+        then = mend if failed - {"audit"} else to_build(session) or (mend if failed else _coming(session))
     verdict = "never judged" if latest is None else f"last verdict {latest['verdict']} at revision {latest['revision']}"
     return answer(data, f"{session.spec.title!r}, revision {session.revision}: {len(left)} mandatory rows open, {verdict}", then)
 

@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 from ..worlds.requirements import Check, Row
 
-__all__ = ["Detail", "Listed", "brief", "concise", "counts", "line", "open_rows", "ranked", "shaped", "summary"]
+__all__ = ["Detail", "Listed", "brief", "concise", "counts", "line", "news", "open_rows", "ranked", "shaped", "summary"]
 
 Detail = Literal["concise", "full"]
 Listed = dict[str, Any]
@@ -154,6 +154,21 @@ def summary(rows: Sequence[Row], *, static: bool = False) -> Listed:
     if static:
         data["waiting_for_motion"] = sum(r.status == "unverified" and r.check == "shots" for r in rows)
     return data
+
+
+def news(rows: Sequence[Row], before: Mapping[str, Row], *, static: bool = False) -> Listed:
+    """As `summary`, with those open rows only that are not what they were before; the others by their ids."""
+    same = {r.id for r in rows if r.id in before and _told(r) == _told(before[r.id])}
+    left = [r.id for r in open_rows(rows, static=static) if r.id in same]
+    data = summary([r for r in rows if r.id not in same], static=static) | {"counts": counts(rows)}
+    if static:
+        data["waiting_for_motion"] = sum(r.status == "unverified" and r.check == "shots" for r in rows)
+    return {**data, **({"open_as_before": left[:MAX_BRIEF_ROWS]} if left else {})}
+
+
+def _told(row: Row) -> tuple[Any, ...]:
+    """What of a row its reader has to know anew when it changes."""
+    return row.status, row.measured, row.first_failing_entity, row.evidence.get("problems")
 
 
 def shaped(

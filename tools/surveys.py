@@ -9,6 +9,7 @@ from ..worlds.errors import InputError
 from ..worlds.landscape import SavedLandscape, open_landscape
 from .answers import answer, call, paged
 from .landscapes import reach_line, short
+from .outdoor import to_place
 from .session import Session
 
 __all__ = ["Find", "terrain"]
@@ -78,7 +79,7 @@ def _found(
         text = f"{len(found)} places {'in rivers and streams' if find == 'river' else f'at the {find}'}, nearest to {list(near)} first"
         place = found[0]["at"]
     page, at = paged(found, offset, limit)
-    then = call("build_terrain", world=world, terrain=name, center=place, size=[120, 120])
+    then = to_place(session.spec, world, name, place)
     if "next_offset" in at:
         then = _again(world, name, at, find=find, points=[list(near)], size=size)
     return answer({"terrain": name, "find": find, "places": page, **at}, text, then, warnings)
@@ -118,7 +119,7 @@ def _values(
     page, at = paged(told, offset, limit)
     heights = [t["height"] for t in told if "height" in t]
     span = f"heights {min(heights):g} to {max(heights):g} m" if heights else "no land there"
-    then = call("place_object", world=session.folder.id, on="ground", at=page[0]["at"])
+    then = to_place(session.spec, session.folder.id, name, page[0]["at"])
     if "next_offset" in at:
         then = _again(session.folder.id, name, at, points=corners.tolist(), profile=profile)
     return answer({"terrain": name, "places": page, **at}, f"{len(told)} places: {span}", then)

@@ -174,3 +174,40 @@ def test_a_height_file_that_was_changed_is_refused(agent: Any) -> None:
     answer = agent.result("run_checks", world="w", scope="static")
     assert answer.is_error
     assert "digest" in answer.content[0].text
+
+
+def test_replies_about_a_landscape_name_calls_that_work_and_only_rows_that_changed(agent: Any) -> None:
+    """From a world with nothing but land: build, find a place, stand something there."""
+    bare = _spec() | {"entities": {}, "story": {}, "shots": {}, "clauses": {}, "simulation": {"frames": 21}}
+    made = agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=bare)
+    assert made["next"].startswith("build_terrain(world='w', terrain='land')")
+    assert agent.call("inspect_world", world="w")["next"].startswith("build_terrain(world='w', terrain='land')")
+    where = {"world": "w", "terrain": "land", "size": [80, 80], "center": [150, 150], "cells": 40, "wait_s": 120}
+    built = agent.call("build_terrain", **where)
+    told = {r["id"] for r in built["audit"]["open_rows"]}
+    before = {r["id"] for r in made["audit"]["open_rows"]}
+    assert before >= {"audit:clauses", "audit:story"}
+    assert not told & before
+    assert set(built["audit"]["open_as_before"]) == before
+    assert "find='flat'" in built["next"]
+    assert "render_shot" in built["next"]
+    flat = agent.call("inspect_world", world="w", part="terrain", find="flat", size=8, points=[[150, 150]])
+    assert "place_object(world='w', entity='its id', on='ground', at=" in flat["next"]
+    far = agent.call("inspect_world", world="w", part="terrain", points=[[-150, -150]])
+    assert far["next"] == "build_terrain(world='w', terrain='land', center=[-150.0, -150.0], size=[120, 120])"
+    edit = [{"op": "add", "path": "/terrains/land/vegetation/density", "value": 0.3}]
+    again = agent.call("edit_spec", world="w", patch=edit)["next"]
+    assert again.startswith(
+        "build_terrain(world='w', terrain='land', entity='ground', center=[150.0, 150.0], size=[80.0, 80.0], cells=40)"
+    )
+
+
+def test_a_camera_below_the_land_is_told(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec())
+    agent.call("build_terrain", world="w", terrain="land", size=[80, 80], center=[150, 150], cells=40, wait_s=120)
+    low, high = ({"position": [140, 140, z], "look_at": "ball"} for z in (-40, 40))
+    told = [
+        json.loads(agent.result("render_shot", world="w", camera=c, width=96, height=64).content[0].text) for c in (low, high)
+    ]
+    assert "inside the land 'land'" in told[0]["warnings"][0]
+    assert told[1]["warnings"] == []

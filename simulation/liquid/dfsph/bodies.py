@@ -86,7 +86,7 @@ class Coupling:
     """All boundaries of one liquid and what passes between them and the particles in a step."""
 
     def __init__(self, setup: LiquidSetup, sampled: list[Sampled], origin: F64, passes: Passes, cells: int) -> None:
-        from .boundary_kernels import Bodies, Pairs
+        from .boundary_kernels import Bodies
 
         wp = warp()
         self.setup, self.sampled, self.origin, self.passes = setup, sampled, origin, passes
@@ -103,7 +103,8 @@ class Coupling:
         self.fixed = Samples(self.device, shifted[fixed], volume[fixed], rows[fixed], cells)
         self.moving = Samples(self.device, local[~fixed], volume[~fixed], rows[~fixed], cells)
         self._moving_rows = rows[~fixed]
-        self._placed: tuple[F64, F64] | None = None
+        self.placed: tuple[Any, Any] = (np.zeros((0, 3, 3)), np.zeros((0, 3)))
+        """Rotations and positions of the bodies in this step."""
         self.bodies = s = Bodies()
         size = max(b, 1)
         for name, kind in {
@@ -121,17 +122,20 @@ class Coupling:
         self.acceleration, self.linear, self.angular = (wp.zeros(size, dtype=wp.vec3, device=self.device) for _ in range(3))
         self.force, self.torque = (wp.zeros(size * self.lanes, dtype=wp.vec3d, device=self.device) for _ in range(2))
         self.reach = wp.zeros(size * self.lanes, dtype=wp.vec2d, device=self.device)
-        self.impulse = [wp.zeros(size, dtype=wp.vec3d, device=self.device) for _ in range(2)]
-        self.reaction_sum = [wp.zeros(size, dtype=wp.vec3d, device=self.device) for _ in range(2)]
-        self.pairs = Pairs()
+        self._ledger = wp.zeros((4, size), dtype=wp.vec3d, device=self.device)
+        self.impulse = [self._ledger[0], self._ledger[1]]
+        self.reaction_sum = [self._ledger[2], self._ledger[3]]
         self._room = 0
         self._make_room(ROOM)
         self.total = 0
         self.reacts = False
 
     def _make_room(self, room: int) -> None:
+        from .boundary_kernels import Pairs
+
         wp = warp()
         self._room = room
+        self.pairs = Pairs()  # another one, so that no graph goes on with the arrays of the last
         self.pairs.particle, self.pairs.body = (wp.zeros(room, dtype=wp.int32, device=self.device) for _ in range(2))
         self.pairs.slope = wp.zeros(room, dtype=wp.vec3, device=self.device)
         self.pairs.drag = wp.zeros(room, dtype=wp.float32, device=self.device)
@@ -154,8 +158,9 @@ class Coupling:
         elif not self.fixed.count:
             self.fixed.arrange(self.passes, "fixed", None, None, grid)
         position, rotation = self._deformed(state, position, rotation)
-        self.position.assign(position.astype(np.float32))
-        self.rotation.assign(rotation.astype(np.float32))
+        self.placed = rotation.astype(np.float32), position.astype(np.float32)
+        self.rotation.assign(self.placed[0])
+        self.position.assign(self.placed[1])
         s.center.assign((np.asarray(state.center) - self.origin).astype(np.float32))
         mobile = np.asarray(state.inverse_mass) > 0
         moving = np.array([not (_stays(b) or b.deforming) for b in self.setup.boundaries])
@@ -165,8 +170,7 @@ class Coupling:
         s.mobility.assign((np.asarray(state.inverse_inertia) * moving[:, None, None]).astype(np.float32))
         self.acceleration.assign((np.asarray(state.acceleration) * moving[:, None]).astype(np.float32))
         self.reacts = bool((mobile & moving).any())
-        for one in (*self.impulse, *self.reaction_sum):
-            one.zero_()
+        self._ledger.zero_()
         self.moving.arrange(self.passes, "moving", self.rotation, self.position, grid)
 
     def _deformed(self, state: BodyState, position: F64, rotation: F64) -> tuple[F64, F64]:
@@ -206,6 +210,7 @@ class Coupling:
             self.total = int(w.start[n - 1 : n].numpy()[0]) + int(w.touched[n - 1 : n].numpy()[0])
             if self.total > self._room:
                 self._make_room(int(1.5 * self.total))
+                self.pairs.start, self.pairs.touched = w.start, w.touched
         if self.total:
             inputs = [x, fixed, moving, self.bodies, h, self.pairs, w.fill, w.lean, w.own]
             run("fill_pairs", kernels.fill_pairs, n, inputs)()
@@ -334,9 +339,8 @@ class Coupling:
 
     def wrenches(self) -> tuple[F64, F64]:
         """Impulses given to the bodies and taken by the liquid, (b, 6) each."""
-        b = self.count
-        given, taken = (np.concatenate([one.numpy()[:b] for one in sums], axis=1) for sums in (self.impulse, self.reaction_sum))
-        return given, taken
+        given, turned, taken, returned = self._ledger.numpy()[:, : self.count]
+        return np.concatenate([given, turned], axis=1), np.concatenate([taken, returned], axis=1)
 
 
 LEAST_STIFFNESS = 1e-3

@@ -11,7 +11,7 @@ import warp as wp
 from .domain_kernels import MIRROR
 from .shape_kernels import cell_of, slope, weight, wrapped
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options({"enable_backward": False, "max_unroll": 2})  # 27 cells
 
 __all__ = ["BODIES_NEAR", "Bodies", "Pairs", "Samples", "arrange", "count_pairs", "fill_pairs", "list_pairs", "place"]
 

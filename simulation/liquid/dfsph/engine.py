@@ -206,7 +206,9 @@ class Dfsph:
         while True:
             lists = [w.room, w.row, w.stride, w.count, w.near, w.gradient, w.fill, w.lean, w.stiffness]
             run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
-            most = int(w.count[:n].numpy().max())
+            run.fold("most", grid_kernels.most, n, [w.count, w.longest])()
+            run.close("close_most", grid_kernels.close_most, n, [w.longest, w.most])()
+            most = int(w.most.numpy()[0])
             if most <= w.room:
                 break
             w.grow(self.device, 8 * (-(-(most + 4) // 8)))
@@ -287,18 +289,19 @@ class Dfsph:
         from . import step_kernels as kernels
 
         s, n = self.store.now, self.store.count
-        self.passes("census", kernels.census, w.lanes, [w.lanes, n, s.x, s.v, w.fill, w.leaving, w.settings, w.out, w.bad])()
-        out, bad = w.out.numpy(), w.bad.numpy()
-        if (bad[:, 0] >= 0).any():
-            i = int(bad[:, 0].max())
+        self.passes.fold("census", kernels.census, n, [s.x, s.v, w.fill, w.leaving, w.settings, w.tallies])()
+        self.passes.close("close_census", kernels.close_census, n, [w.tallies, w.tally])()
+        total, worst, fastest, wrong, leavers = (float(one) for one in w.tally.numpy()[0])
+        if wrong >= 0:
+            i = int(wrong)
             where = ", ".join(f"{c:.4g}" for c in s.x[i : i + 1].numpy()[0] + self.origin)
             raise EngineError(
                 f"step {self.steps} of the liquid at {self.time:.4f} s: particle {int(s.identity[i : i + 1].numpy()[0])} at ({where}) m "
                 "has no finite velocity; use a shorter max_step or a finer resolution"
             )
-        self.speed = float(np.sqrt(out[:, 2].max()))
-        self._leavers = bool(bad[:, 1].any())
-        return float(out[:, 0].sum() / n), float(out[:, 1].max())
+        self.speed = float(np.sqrt(fastest))
+        self._leavers = leavers > 0
+        return total / n, worst
 
     def particles(self) -> Particles:
         """Copies of the present state; density and pressure are those of the last step."""

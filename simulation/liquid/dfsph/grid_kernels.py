@@ -10,7 +10,7 @@ from .shape_kernels import cell, cell_of, slope, weight, wrapped
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["clear_spans", "keys", "reorder", "search", "spans"]
+__all__ = ["clear_spans", "close_most", "keys", "most", "reorder", "search", "spans"]
 
 GONE = wp.constant(wp.int32(2147483647))
 """Key of a particle that leaves: sorts last."""
@@ -88,6 +88,16 @@ def reorder(first: wp.int32, index: wp.array(dtype=wp.int32), before: Particles,
     after.held[i] = before.held[j]
 
 
+@wp.func
+def joined(one: wp.vec2i, two: wp.vec2i):
+    """Two runs of particles of which the second follows the first, or one where the other is empty."""
+    if one[0] == one[1]:
+        return two
+    if two[0] == two[1]:
+        return one
+    return wp.vec2i(one[0], two[1])
+
+
 @wp.kernel
 def search(
     first: wp.int32,
@@ -119,41 +129,72 @@ def search(
     vi = volume[i]
     c = cell_of(xi, low, inverse)
     found = wp.int32(0)
+    at = i * row
+    limit = h * h
+    runs = wp.int32(3)
+    left = wrapped(c[0] - 1, size[0])
+    if left + 2 == wrapped(c[0] + 1, size[0]):
+        runs = 1
+    for k in range(9):
+        layer = wrapped(c[2] + k / 3 - 1, size[2]) * size[1]
+        line = (layer + wrapped(c[1] + k % 3 - 1, size[1])) * size[0]
+        for m in range(runs):
+            run = span[line + wrapped(left + m, size[0])]
+            if runs == 1:
+                run = joined(run, joined(span[line + left + 1], span[line + left + 2]))
+            for j in range(run[0], run[1]):
+                way = xi - x[j]
+                if wp.dot(way, way) < limit and j != i:
+                    if found < room:
+                        near[at] = j
+                    at += stride
+                    found += 1
     sum_w = vi * weight(0.0, h)
     sum_g = wp.vec3(0.0, 0.0, 0.0)
     sum_d = wp.float32(0.0)
-    limit = h * h
     per_h = 1.0 / h
-    cx0 = wrapped(c[0] - 1, size[0])
-    cx1 = wrapped(c[0], size[0])
-    cx2 = wrapped(c[0] + 1, size[0])
-    for dz in range(-1, 2):
-        layer = wrapped(c[2] + dz, size[2]) * size[1]
-        for dy in range(-1, 2):
-            line = (layer + wrapped(c[1] + dy, size[1])) * size[0]
-            for dx in range(3):
-                at = line + cx0
-                if dx == 1:
-                    at = line + cx1
-                if dx == 2:
-                    at = line + cx2
-                s = span[at]
-                for j in range(s[0], s[1]):
-                    way = xi - x[j]
-                    d2 = wp.dot(way, way)
-                    if d2 < limit and j != i:
-                        q = wp.sqrt(d2) * per_h
-                        vj = volume[j]
-                        g = way * (vj * slope(q, h))
-                        if found < room:
-                            at_k = i * row + found * stride
-                            near[at_k] = j
-                            gradient[at_k] = g
-                        found += 1
-                        sum_w += vj * weight(q, h)
-                        sum_g += g
-                        sum_d += vi * lightness[j] / vj * wp.dot(g, g)
+    at = i * row
+    for _k in range(wp.min(found, room)):
+        j = near[at]
+        way = xi - x[j]
+        q = wp.length(way) * per_h
+        vj = volume[j]
+        g = way * (vj * slope(q, h))
+        gradient[at] = g
+        sum_w += vj * weight(q, h)
+        sum_g += g
+        sum_d += vi * lightness[j] / vj * wp.dot(g, g)
+        at += stride
     count[i] = found
     fill[i] = sum_w
     lean[i] = sum_g
     stiffness[i] = sum_d
+
+
+@wp.kernel
+def most(
+    first: wp.int32,
+    span: wp.int32,
+    width: wp.int32,
+    total: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    partial: wp.array(dtype=wp.int32),
+):
+    """Longest of many lists."""
+    t = first + wp.tid()
+    s = wp.int32(0)
+    for i in range(t * span, wp.min((t + 1) * span, total)):
+        s = wp.max(s, count[i])
+    wp.tile_store(partial, wp.tile_max(wp.tile(s)), offset=t / width)
+
+
+@wp.kernel
+def close_most(
+    first: wp.int32, width: wp.int32, parts: wp.int32, partial: wp.array(dtype=wp.int32), out: wp.array(dtype=wp.int32)
+):
+    """The same of all blocks."""
+    t = first + wp.tid()
+    s = wp.int32(0)
+    for k in range(t, parts, width):
+        s = wp.max(s, partial[k])
+    wp.tile_store(out, wp.tile_max(wp.tile(s)))

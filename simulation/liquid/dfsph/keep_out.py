@@ -52,9 +52,9 @@ class KeepOut:
 
         if not coupling.total:
             return
-        rotation, position = coupling.rotation.numpy(), coupling.position.numpy()
-        rotation[: len(self._fixed)][self._fixed] = np.eye(3, dtype=np.float32)
-        position[: len(self._fixed)][self._fixed] = 0.0
+        rotation, position = (one.copy() for one in coupling.placed)
+        rotation[self._fixed] = np.eye(3, dtype=np.float32)
+        position[self._fixed] = 0.0
         self._rotation.assign(rotation)
         self._position.assign(position)
         inputs = [

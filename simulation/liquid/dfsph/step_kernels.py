@@ -5,15 +5,30 @@ import warp as wp
 
 from .shape_kernels import cell_of, wrapped
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options({"enable_backward": False, "max_unroll": 4})  # `packing` looks into 125 cells
 
-__all__ = ["census", "fall", "leave", "lighten", "packing", "travel"]
+__all__ = ["Tally", "census", "close_census", "fall", "leave", "lighten", "packing", "travel"]
 
 DT = wp.constant(0)
 TIME = wp.constant(6)
 FULL = wp.constant(10)
 OPEN = wp.constant(1)
 LOST = wp.constant(2)
+
+
+Tally = wp.types.vector(length=5, dtype=wp.float64)
+
+
+@wp.func
+def together(mean: wp.float64, worst: wp.float64, fast: wp.float64, wrong: wp.float64, leavers: wp.float64):
+    """What the threads of a block have of a census."""
+    return Tally(
+        wp.tile_sum(wp.tile(mean))[0],
+        wp.tile_max(wp.tile(worst))[0],
+        wp.tile_max(wp.tile(fast))[0],
+        wp.tile_max(wp.tile(wrong))[0],
+        wp.tile_sum(wp.tile(leavers))[0],
+    )
 
 
 @wp.kernel
@@ -108,35 +123,57 @@ def leave(
 @wp.kernel
 def census(
     first: wp.int32,
-    lanes: wp.int32,
+    span: wp.int32,
+    width: wp.int32,
     total: wp.int32,
     x: wp.array(dtype=wp.vec3),
     v: wp.array(dtype=wp.vec3),
     fill: wp.array(dtype=wp.float32),
     leaving: wp.array(dtype=wp.int32),
     settings: wp.array(dtype=wp.float32),
-    out: wp.array(dtype=wp.vec4d),
-    bad: wp.array(dtype=wp.vec2i),
+    out: wp.array(dtype=Tally),
 ):
-    """Per lane: sum and largest of compression, largest squared speed; a particle that is not finite or -1, leavers."""
+    """Sum and largest of compression, largest squared speed, a particle that is not finite or -1, and leavers."""
     t = first + wp.tid()
     mean = wp.float64(0.0)
-    worst = wp.float32(0.0)
-    fast = wp.float32(0.0)
-    wrong = wp.int32(-1)
-    leavers = wp.int32(0)
-    for i in range(t, total, lanes):
+    worst = wp.float64(0.0)
+    fast = wp.float64(0.0)
+    wrong = wp.float64(-1.0)
+    leavers = wp.float64(0.0)
+    for i in range(t * span, wp.min((t + 1) * span, total)):
         over = wp.max(fill[i] / settings[FULL] - 1.0, 0.0)
         mean += wp.float64(over)
-        worst = wp.max(worst, over)
+        worst = wp.max(worst, wp.float64(over))
         v2 = wp.dot(v[i], v[i])
-        fast = wp.max(fast, v2)
+        fast = wp.max(fast, wp.float64(v2))
         if not (wp.isfinite(v2) and wp.isfinite(wp.dot(x[i], x[i])) and wp.isfinite(fill[i])):
-            wrong = i
+            wrong = wp.float64(i)
         if leaving[i] != 0:
-            leavers += 1
-    out[t] = wp.vec4d(mean, wp.float64(worst), wp.float64(fast), wp.float64(0.0))
-    bad[t] = wp.vec2i(wrong, leavers)
+            leavers += wp.float64(1.0)
+    found = together(mean, worst, fast, wrong, leavers)
+    if t % width == 0:
+        out[t / width] = found
+
+
+@wp.kernel
+def close_census(first: wp.int32, width: wp.int32, parts: wp.int32, partial: wp.array(dtype=Tally), out: wp.array(dtype=Tally)):
+    """The same of all blocks."""
+    t = first + wp.tid()
+    mean = wp.float64(0.0)
+    worst = wp.float64(0.0)
+    fast = wp.float64(0.0)
+    wrong = wp.float64(-1.0)
+    leavers = wp.float64(0.0)
+    for k in range(t, parts, width):
+        one = partial[k]
+        mean += one[0]
+        worst = wp.max(worst, one[1])
+        fast = wp.max(fast, one[2])
+        wrong = wp.max(wrong, one[3])
+        leavers += one[4]
+    found = together(mean, worst, fast, wrong, leavers)
+    if t == 0:
+        out[0] = found
 
 
 @wp.kernel

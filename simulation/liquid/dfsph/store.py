@@ -81,6 +81,7 @@ class Work:
 
     def __init__(self, passes: Passes, capacity: int, cells: int, *, room: int = ROOM) -> None:
         from .solve_kernels import Totals
+        from .step_kernels import Tally
 
         wp, device = warp(), passes.device
 
@@ -98,10 +99,12 @@ class Work:
         self.fill, self.stiffness, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(6))
         self.own, self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(4))
         self.lean, self.wall, self.a = (zeros(capacity, wp.vec3) for _ in range(3))
-        self.partial = zeros(passes.parts(capacity), Totals)
+        parts = passes.parts(capacity)
+        self.partial = zeros(parts, Totals)
         self.going = zeros(1, wp.int32)
         self.last_y, self.last_r = zeros(capacity, wp.float32), zeros(capacity, wp.float32)
-        self.out, self.bad = zeros(self.lanes, wp.vec4d), zeros(self.lanes, wp.vec2i)
+        self.tallies, self.tally = zeros(parts, Tally), zeros(1, Tally)
+        self.longest, self.most = zeros(parts, wp.int32), zeros(1, wp.int32)
         self.settings = zeros(SETTINGS, wp.float32)
 
     def grow(self, device: str, room: int) -> None:

@@ -8,9 +8,12 @@ Needs numpy, scipy and warp-lang only, and this package on the path.
 from __future__ import annotations
 
 import argparse
+import cProfile
 import json
+import pstats
 import time
 from collections import defaultdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,12 +21,14 @@ import numpy as np
 from ..geometry.launch import chosen_device, warp
 from ..simulation.liquid.dfsph import Dfsph, DfsphSettings
 from ..simulation.liquid.engine import BodyState, Boundary, Fluid, LiquidSetup
-from ..simulation.passes import Pass
+from ..simulation.passes import Chain, Pass
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh
 
 __all__ = ["measure", "run"]
 
+ASKED = 60e6
+"""Particle-steps per second that are asked of an H200 at 2 million particles."""
 SPACING = 0.02
 SIDE = 8
 """Edge of a floating box in spacings."""
@@ -105,48 +110,104 @@ def measure(particles: int, steps: int, device: str, bodies: int) -> dict[str, A
         _advance(state, report.impulse, report.dt)
         iterations.append(report.iterations)
     wall, cpu = time.perf_counter() - start, time.process_time() - cpu
-    done = engine.store.count * steps
-    return {
+    rate = engine.store.count * steps / wall
+    found = {
         "device": str(warp().get_device(where).name),
         "particles": engine.store.count,
         "bodies": len(setup.boundaries),
         "steps": steps,
         "build_s": round(built, 2),
         "warm_up_s": round(warm_up, 2),
-        "particle_steps_per_s": round(done / wall),
-        "particle_steps_per_cpu_s": round(done / max(cpu, 1e-9)),
+        "particle_steps_per_s": round(rate),
+        "of_asked": round(rate / ASKED, 3),
+        "particle_steps_per_cpu_s": round(engine.store.count * steps / max(cpu, 1e-9)),
         "ms_per_step": round(1e3 * wall / steps, 3),
         "simulated_s": round(engine.time - begin, 5),
         "iterations_density": float(np.mean([i[0] for i in iterations])),
         "iterations_divergence": float(np.mean([i[1] for i in iterations])),
         "density_error": report.density_error[0],
-        "kernels_ms_per_step": _kernel_times(engine, state, min(5, steps), where),
+        "neighbours": round(float(engine.work.count[: engine.store.count].numpy().mean()), 2),
     }
+    few = min(5, steps)
+    found["host_per_step"] = _host_work(engine, state, few)
+    found["kernels_per_step"] = (_host_times if where == "cpu" else _device_times)(engine, state, few, where)
+    return found
 
 
-def _kernel_times(engine: Dfsph, state: BodyState, steps: int, device: str) -> dict[str, float]:
-    """Milliseconds per step of each kernel, waiting after every launch (without graphs)."""
+def _step(engine: Dfsph, state: BodyState, steps: int) -> None:
+    for _ in range(steps):
+        report = engine.step(1.0, state)
+        _advance(state, report.impulse, report.dt)
+
+
+def _host_work(engine: Dfsph, state: BodyState, steps: int) -> dict[str, float]:
+    """What the host does in a step: reads (each waits for the device), writes, launches, graphs; and where its time goes."""
     wp = warp()
-    spent: dict[str, float] = defaultdict(float)
+    made: dict[str, int] = defaultdict(int)
+    kinds = {
+        "reads": (wp.array, "numpy"),
+        "writes": (wp.array, "assign"),
+        "passes": (Pass, "__call__"),
+        "chains": (Chain, "__call__"),
+    }
+    kinds |= {"made_passes": (Pass, "__init__"), "made_chains": (Chain, "__init__")}
+    plain = {name: getattr(owner, attribute) for name, (owner, attribute) in kinds.items()}
+
+    def counted(name: str) -> Any:
+        def call(*given: Any, **named: Any) -> Any:
+            made[name] += 1
+            return plain[name](*given, **named)
+
+        return call
+
+    profile = cProfile.Profile()
+    try:
+        for name, (owner, attribute) in kinds.items():
+            setattr(owner, attribute, counted(name))
+        _step(engine, state, steps)
+    finally:
+        for name, (owner, attribute) in kinds.items():
+            setattr(owner, attribute, plain[name])
+    profile.runcall(_step, engine, state, steps)
+    slow = sorted(pstats.Stats(profile).stats.items(), key=lambda item: -item[1][2])[:12]  # type: ignore[attr-defined]
+    times = {f"{Path(file).name}:{line} {name}": round(1e3 * row[2] / steps, 3) for (file, line, name), row in slow}
+    return {**{name: made[name] / steps for name in kinds}, **times}
+
+
+def _device_times(engine: Dfsph, state: BodyState, steps: int, device: str) -> dict[str, list[float]]:
+    """Milliseconds and number of everything that the device does in a step, by its own clock (without graphs)."""
+    wp = warp()
+    engine.passes.graphs = False
+    wp.timing_begin(cuda_filter=wp.TIMING_ALL)
+    _step(engine, state, steps)
+    spent: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
+    for one in wp.timing_end():
+        name = one.name.replace("forward kernel ", "")
+        spent[name][0] += one.elapsed / steps
+        spent[name][1] += 1 / steps
+    engine.passes.graphs = True
+    rows = sorted(spent.items(), key=lambda item: -item[1][0])
+    total = [round(sum(row[k] for _, row in rows), 3) for k in (0, 1)]
+    return {"all": total, **{name: [round(v, 3) for v in row] for name, row in rows}}
+
+
+def _host_times(engine: Dfsph, state: BodyState, steps: int, device: str) -> dict[str, list[float]]:
+    """Milliseconds and number of all passes of a step, by the host's clock."""
+    spent: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
     plain = Pass.__call__
 
     def timed(one: Pass) -> None:
-        wp.synchronize_device(device)
         start = time.perf_counter()
         plain(one)
-        wp.synchronize_device(device)
-        spent[one.name] += 1e3 * (time.perf_counter() - start)
+        spent[one.name][0] += 1e3 * (time.perf_counter() - start) / steps
+        spent[one.name][1] += 1 / steps
 
-    engine.passes.graphs = False
     Pass.__call__ = timed  # type: ignore[method-assign, assignment]
     try:
-        for _ in range(steps):
-            report = engine.step(1.0, state)
-            _advance(state, report.impulse, report.dt)
+        _step(engine, state, steps)
     finally:
         Pass.__call__ = plain  # type: ignore[method-assign]
-        engine.passes.graphs = True
-    return {name: round(value / steps, 3) for name, value in sorted(spent.items(), key=lambda item: -item[1])}
+    return {name: [round(v, 3) for v in row] for name, row in sorted(spent.items(), key=lambda item: -item[1][0])}
 
 
 def run() -> dict[str, Any]:

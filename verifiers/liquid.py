@@ -1,4 +1,4 @@
-"""Liquids (R57, R58, R66-R68, R99, R102, R105): one pass over the frames of an instance, seen by one watch per family of claims.
+"""Liquids (R57, R58, R66-R68, R70, R99, R102, R105): one pass over the frames of an instance, seen by one watch per family of claims.
 
 Rows: `category:liquid:<claim>:<solver>` and, of counters, `numerical:<claim>:<solver>`. A claim whose channels are missing is
 `unverified`, and the others are judged all the same. Nothing here knows a solver: particles, their surfaces, what was exchanged
@@ -20,7 +20,9 @@ from .liquid_leaks import Leaks
 from .liquid_ledger import Books, Identity
 from .liquid_motion import Motion, Trapped
 from .liquid_numerical import Numbers
+from .liquid_resolved import Resolved
 from .liquid_rows import Watch, liquid_row
+from .liquid_sticking import Sticking
 from .liquid_surface import Shown
 from .liquid_walls import Walls
 
@@ -31,7 +33,23 @@ if TYPE_CHECKING:
 __all__ = ["WATCHES", "check_instance", "findings_of", "numerical_rows"]
 
 WATCHES: tuple[type[Watch], ...] = (
-    *(Numbers, Books, Identity, Energy, Momentum, Walls, Leaks, Motion, Flight, Trapped, Density, Coupling, Shown),
+    *(
+        Numbers,
+        Books,
+        Identity,
+        Energy,
+        Momentum,
+        Walls,
+        Leaks,
+        Motion,
+        Flight,
+        Trapped,
+        Sticking,
+        Resolved,
+        Density,
+        Coupling,
+        Shown,
+    ),
 )
 """All families, in the order of their rows."""
 

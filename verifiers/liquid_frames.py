@@ -141,6 +141,21 @@ class Liquid:
         frame = next((f for f in map(self.read, range(self.frames)) if f.count), None)
         return self.spacing if frame is None else float(np.cbrt(frame.volume.mean()))
 
+    @cached_property
+    def extent(self) -> tuple[F64, F64]:
+        """Least and greatest corner of where its particles are at all frames [m]; not finite where there are none."""
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for index in range(self.frames):
+            held = self.cache.read(index, ("origin", "particle/position"))
+            points = held["particle/position"]
+            points = points[np.isfinite(points).all(axis=1)]
+            if len(points):
+                low, high = (
+                    np.minimum(low, points.min(axis=0) + held["origin"]),
+                    np.maximum(high, points.max(axis=0) + held["origin"]),
+                )
+        return low, high
+
     def read(self, index: int) -> Frame:
         """One frame.
 

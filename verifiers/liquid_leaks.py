@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from .liquid_frames import Liquid, Rows, Step
 
-__all__ = ["LEAKED", "Leaks"]
+__all__ = ["LEAKED", "OFF", "Barrier", "Leaks", "liquid_space", "still_barrier"]
 
 CUBE = 0.5
 """[spacings] Size of a cube."""
@@ -35,6 +35,10 @@ THICK = 0.35
 """[cubes] Surfaces are sampled on both sides at this distance too, so that no chain of cubes slips between samples."""
 MOST_CUBES = 48_000_000
 """Own choice: larger spaces get larger cubes."""
+MARGIN = 4.0
+"""[spacings] of space around the places where liquid is."""
+OFF = np.array([0.37, 0.41, 0.43])
+"""[cubes] by which the corner of a space lies off the planes that people build on."""
 LEAKED = 1e-4
 """Own choice: share of the liquid's particles that may have passed a surface; never less than one."""
 SLACK = 6
@@ -140,7 +144,6 @@ class Leaks:
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
-        self.cube = CUBE * liquid.spacing
         self.barriers: list[Barrier] | None = None
         self.waiting: dict[int, _Waiting] = {}
         self.known: dict[tuple[int, ...], bool] = {}
@@ -150,32 +153,21 @@ class Leaks:
 
     def _make(self) -> list[Barrier]:
         """Barriers that reach into the space that the liquid fills at some frame."""
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for index in range(self.liquid.frames):
-            held = self.liquid.cache.read(index, ("origin", "particle/position"))
-            points = held["particle/position"]
-            good = np.isfinite(points).all(axis=1)
-            if good.any():
-                low = np.minimum(low, points[good].min(axis=0) + held["origin"])
-                high = np.maximum(high, points[good].max(axis=0) + held["origin"])
-        if not np.isfinite(low).all():
+        space = liquid_space(self.liquid)
+        if space is None:
             return []
-        margin = 4.0 * self.liquid.spacing
-        low, high = (np.clip(x, self.liquid.lower - margin, self.liquid.upper + margin) for x in (low - margin, high + margin))
-        cube = max(self.cube, float(np.cbrt(np.prod(high - low) / MOST_CUBES)))
-        made = []
+        low, high, cube = space
+        margin = MARGIN * self.liquid.spacing
         pieces = pieces_of(self.liquid.candidate)
-        still = tuple(p for p in pieces if p.still and _meet(p.box(0), (low, high)))
-        if still:
-            # A corner off the planes that people build on, so that slits do not fall between cubes.
-            made.append(Barrier(still, low - np.array([0.37, 0.41, 0.43]) * cube, high, cube))
+        still = still_barrier(self.liquid)
+        made = [still] if still is not None else []
         for key in dict.fromkeys((p.entity, p.body) for p in pieces if not p.still):
             mine = tuple(p for p in pieces if (p.entity, p.body) == key)
             least = np.min([p.solid.lower for p in mine], axis=0) - margin
             most = np.max([p.solid.upper for p in mine], axis=0) + margin
             size = max(cube, float(np.cbrt(np.prod(most - least) / MOST_CUBES)))
             if any(_meet(p.box(k), (low, high)) for p in mine for k in range(0, self.liquid.frames, 4)):
-                made.append(Barrier(mine, least - np.array([0.37, 0.41, 0.43]) * size, most, size))
+                made.append(Barrier(mine, least - OFF * size, most, size))
         return made
 
     def see(self, step: Step) -> None:
@@ -282,6 +274,27 @@ class Leaks:
         near = points[(np.abs(points - middle) <= 8.0 * barrier.cube).all(axis=1)]
         world = middle if barrier.world else barrier.pieces[0].world(middle[None], index)[0]
         return self.leaks[0][0], world, barrier.nearest(middle), place(np.ptp(near, axis=0))
+
+
+def liquid_space(liquid: Liquid) -> tuple[F64, F64, float] | None:
+    """Corners of the space about all places where a liquid's particles are [m], and the size of its cubes; None without any."""
+    low, high = liquid.extent
+    if not np.isfinite(low).all():
+        return None
+    margin = MARGIN * liquid.spacing
+    low, high = (np.clip(x, liquid.lower - margin, liquid.upper + margin) for x in (low - margin, high + margin))
+    return low, high, max(CUBE * liquid.spacing, float(np.cbrt(np.prod(high - low) / MOST_CUBES)))
+
+
+def still_barrier(liquid: Liquid) -> Barrier | None:
+    """All solids that stand still where the liquid gets to, made once per liquid; None where there are none."""
+    store: dict[str, Barrier | None] = vars(liquid).setdefault("_barriers", {})
+    if "still" not in store:
+        space = liquid_space(liquid)
+        still = () if space is None else tuple(p for p in pieces_of(liquid.candidate) if p.still and _meet(p.box(0), space[:2]))
+        # A corner off the planes that people build on, so that slits do not fall between cubes.
+        store["still"] = Barrier(still, space[0] - OFF * space[2], space[1], space[2]) if space is not None and still else None
+    return store["still"]
 
 
 def _filled(grid: NDArray[np.bool_]) -> NDArray[np.bool_]:

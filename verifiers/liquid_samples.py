@@ -12,8 +12,10 @@ from ..worlds.arrays import F64
 if TYPE_CHECKING:
     from .liquid_frames import Liquid
 
-__all__ = ["sample_inside", "samples", "share_under"]
+__all__ = ["sample_inside", "samples", "scattered", "share_under"]
 
+SCATTERED = 40_000
+"""Most points scattered over one surface."""
 POINTS = 600
 """Points inside a body at which it is asked whether they are under water."""
 
@@ -46,6 +48,26 @@ def samples(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64
     if not points:
         return np.zeros((0, 3)), np.zeros((0, 3))
     return np.concatenate(points), np.concatenate(normals)
+
+
+def scattered(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64]:
+    """Points within the triangles of a surface that meet a box, evenly by area, four per square of `spacing` [m], at most SCATTERED,
+    and the normals there, each shape (n, 3). None lies on an edge.
+    """  # fmt: skip
+    t = solid.triangles
+    meets = np.flatnonzero((t.max(axis=1) >= low).all(axis=1) & (t.min(axis=1) <= high).all(axis=1))
+    if not len(meets):
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    area = np.cumsum(0.5 * np.linalg.norm(np.cross(t[meets, 1] - t[meets, 0], t[meets, 2] - t[meets, 0]), axis=1))
+    count = int(np.clip(4.0 * area[-1] / spacing**2, 16, SCATTERED))
+    k = np.arange(count)
+    face = meets[np.minimum(np.searchsorted(area, (k + 0.5) / count * area[-1]), len(meets) - 1)]
+    # The additive recurrence of the plastic number fills a square evenly; folded it fills a triangle.
+    u, v = (0.5 + k * 0.7548776662466927) % 1.0, (0.5 + k * 0.5698402909980532) % 1.0
+    over = u + v > 1.0
+    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
+    weight = 0.98 * np.stack([1.0 - u - v, u, v], axis=1) + 0.02 / 3.0
+    return np.einsum("nk,nkx->nx", weight, t[face]), solid.face_normals[face]
 
 
 def sample_inside(liquid: Liquid, name: str) -> F64:

@@ -17,6 +17,7 @@ from ...worlds.spec import Pose
 from .. import small_worlds as sw
 from ..liquid_worlds import DENSITY, Flow, stream
 from . import _liquid_scenes as scenes
+from ._liquid_resolution import apex, clinging, ledge, narrow_way, parted, thin_wall, tight_drain, tight_tap
 from ._liquid_scenes import SPACING
 from .cases import Mechanism, Suite, World
 
@@ -376,6 +377,14 @@ SUITE = Suite(
         _defect("crushed", "water is pressed together while its records say otherwise", crushed, 0.06, 0.5, "1", 0.03),
         _defect("popping", "the surface jumps at one frame", popping, 0.011, 0.5, "1", 0.01),
         _defect("stray_chunk", "a piece of surface where no liquid is", stray_chunk, 3.5, 20.0, "spacings", 2.0),
+        _defect("narrow_way", "water stands on both sides of a way that is not resolved", narrow_way, 1.1, 2.97, "spacings"),
+        _defect("thin_wall", "walls are thinner than is resolved", thin_wall, 0.1, 0.494, "spacings"),
+        _defect("tight_tap", "an inflow is narrower than is resolved", tight_tap, 1.0, 2.99, "spacings"),
+        _defect("tight_drain", "an outflow is narrower than is resolved", tight_drain, 0.5, 2.99, "spacings"),
+        _defect("clinging", "water stays on a wall over the pool or under a lid", clinging, 3.0, 30.0, "particles", 2.0),
+        _clean("parted", "a way that is just resolved", lambda rng, m: parted(rng, m * SPACING), 3.03, 6.0, "spacings"),
+        _clean("ledge", "water lies on a ledge over the pool", ledge, 3.0, 20.0, "particles"),
+        _clean("apex", "water is thrown up beside a wall and turns round", apex, 0.3, 2.0, "m/s"),
         _clean("pool", "still water in tanks of many sizes", lambda rng, m: scenes.pool(rng)),
         _clean(
             "turned", "the same, turned about the vertical, so that walls cut the judge's cubes aslant", _turned, 0.1, 0.8, "rad"

@@ -13,12 +13,13 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from worldagent.bench.defects import _liquid_resolution as liquid_resolution
 from worldagent.bench.defects import _liquid_scenes as liquid_scenes
 from worldagent.bench.defects.suites import CHECKS, suite_of
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.server.skill_files import SKILLS
 from worldagent.tools import TOOLS
-from worldagent.verifiers import beats, causal, contact, numerical, phases
+from worldagent.verifiers import beats, category, causal, contact, numerical, phases
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.diagnosis_table import Condition, Entry, entries, table_schema
 from worldagent.worlds.candidate import Candidate
@@ -154,7 +155,18 @@ def _capped(folder: Path) -> Candidate:
     return flow.edited(change={(4, "record/iterations_capped"): np.array(200.0)}).candidate(folder)
 
 
+def _clings(folder: Path) -> Candidate:
+    """Water that stays on a wall."""
+    return liquid_resolution.clinging(folder, 9.0, np.random.default_rng(100)).candidate
+
+
+def _dribbles(folder: Path) -> Candidate:
+    """An inflow narrower than is resolved."""
+    return liquid_resolution.tight_tap(folder, 2.0, np.random.default_rng(3)).candidate
+
+
 OWN = {
+    "category": [(_clings, category.check), (_dribbles, category.check)],
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check)],
     "contact": [(_pressed, contact.check)],

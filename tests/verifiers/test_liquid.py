@@ -34,7 +34,7 @@ def test_still_water_passes_every_row_that_has_a_case(tmp_path: Path) -> None:
     rows = rows_of(scenes.pool(rng()).candidate(tmp_path))
     assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest"}
     assert {n for n, r in rows.items() if r.status == "not_applicable"} == {
-        *("source", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop")
+        *("source", "openings", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop")
     }
     assert {r.status for r in rows.values()} == {"pass", "not_applicable"}
 
@@ -60,6 +60,11 @@ BREACHES = [
     ("walled_source", 0.02, {"source"}),
     ("popping", 0.1, {"pop"}),
     ("stray_chunk", 8.0, {"closed"}),
+    ("narrow_way", 2.0, {"passages"}),
+    ("thin_wall", 0.3, {"obstacles"}),
+    ("tight_tap", 2.0, {"openings"}),
+    ("tight_drain", 2.0, {"openings"}),
+    ("clinging", 12.0, {"sticks"}),
 ]
 
 

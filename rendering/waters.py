@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import ndimage
 
+from ..construction.terrain.channels import centre_line
+from ..construction.terrain.grid import Grid
 from ..worlds.arrays import F64
 from ..worlds.landscape import SavedLandscape
 from .meshes import grid_faces, grid_uv, mesh_of
@@ -25,8 +27,6 @@ SURF_M = 0.7
 """Water shallower than this breaks at the shore [m]."""
 SEA_BEYOND = 2000.0
 """Half side of the sea over that of the land: to the horizon of a camera as high as the land is wide."""
-SMOOTHING = 2.0
-"""Cells over which a course is smoothed, as when its bed was cut."""
 WIDE_CELLS = 2.0
 """Rivers from this many cells on are drawn at their level, between banks that the grid carries; narrower ones lie on the land."""
 POOL = 0.5
@@ -54,12 +54,10 @@ def courses(land: SavedLandscape) -> list[Course]:
         cells = np.array(reach["cells"])
         if len(cells) < 3:
             continue
-        line = np.stack([cells % cols - 0.5 * (cols - 1), cells // cols - 0.5 * (rows - 1)], 1) * land.cell
-        smooth = ndimage.gaussian_filter1d(line, SMOOTHING, axis=0, mode="nearest")
-        smooth[0], smooth[-1] = line[0], line[-1]
         flow = discharge[cells]
         flow[-1] = flow[-2]  # the last cell belongs to what it flows into
         width = reach["width"][1] * np.sqrt(flow / max(float(flow[-1]), 1e-12))
+        smooth = centre_line(cells, float(width.mean()), Grid(rows, cols, land.cell))
         height = np.where(np.isfinite(level[cells]), level[cells], ground[cells])
         at = np.linspace(0, len(cells) - 1, 4 * (len(cells) - 1) + 1)
         dense = np.stack([_smooth_between(smooth[:, k], at) for k in (0, 1)], 1)

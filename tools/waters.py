@@ -1,10 +1,12 @@
-"""Operations that make a liquid of a landscape's water: its volume, its domain, and rivers that come in."""
+"""Operations that make a liquid of a landscape's water: its volume, its domain, rivers that run in it, come in and leave."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ..construction.terrain.rivers import Course, Gate
+    from ..construction.terrain.waters import WaterBody
     from ..worlds.folder import WorldFolder
     from ..worlds.landscape import SavedLandscape
     from ..worlds.spec import WorldSpec
@@ -14,7 +16,11 @@ __all__ = ["water_operations"]
 ABOVE = 2.0
 """Air over the highest water in a domain [m], at least; also a fifth of its depth."""
 MANY = 100_000
-"""Own choice: with more particles the water runs on a grid."""
+"""Own choice: with more particles, or with rivers, the water runs on a grid."""
+DRAIN = 2.0
+"""Length along the flow of the box in which a river leaves, in spacings."""
+OVER = 0.5
+"""How far that box reaches beyond the water, beside, below and above it, in its depths."""
 
 
 def water_operations(
@@ -44,11 +50,11 @@ def water_operations(
         InputError: the ground holds no water, or the entity is something else.
     """
     import numpy as np
-    from scipy.spatial.transform import Rotation
 
-    from ..construction.terrain.waters import river_entries, water_body
+    from ..construction.terrain.rivers import river_courses, river_gates
+    from ..construction.terrain.waters import water_body
     from ..worlds.errors import InputError
-    from ..worlds.liquids import LEAST_SPACINGS
+    from ..worlds.liquids import LEAST_MOUTH
 
     known = spec.entities.get(liquid)
     if known is not None and known.physics.category != "liquid":
@@ -56,83 +62,141 @@ def water_operations(
     ground = np.load(folder.assets / file, allow_pickle=False)
     x, y = (c + np.linspace(-s / 2, s / 2, n) for c, s, n in zip(center, size, ground.shape[::-1], strict=True))
     body = water_body(land, x, y, ground)
-    points = body.mesh.vertices
-    low, high = points.min(axis=0), points.max(axis=0)
+    courses, gates = river_courses(land, body), river_gates(land, body, inset=2 * spacing)
     count = body.volume / spacing**3
-    deep = float(high[2] - low[2])
-    domain_low = np.array([x[0], y[0], ground.min() - 2 * spacing])
-    domain_high = np.array([x[-1], y[-1], high[2] + max(ABOVE, 0.2 * deep)])
-    local = np.round(points - [center[0], center[1], 0.0], 6)
-    material = next((k for k, m in spec.materials.items() if m.substance == "water"), "water")
-    engine = "flip" if count > MANY else "dfsph"
-    found = river_entries(land, body, inset=2 * spacing)
-    entries = [e for e in found if min(e.size) >= LEAST_SPACINGS * spacing]
-    operations: list[dict[str, Any]] = []
-    if material not in spec.materials:
-        look = {"color": [0.75, 0.87, 0.9], "transmission": 1.0, "roughness": 0.05}
-        operations.append(_add(f"/materials/{material}", {"density": 1000, "substance": "water", "appearance": look}))
-    shape = {"kind": "mesh", "vertices": local.tolist(), "faces": body.mesh.faces.tolist(), "collision": "hull"}
-    operations.append(
-        _add(
-            f"/entities/{liquid}",
-            {
-                "role": "water of the landscape",
-                "motion": "dynamic",
-                "material": material,
-                "physics": {"category": "liquid", "resolution": spacing},
-                "dimensions": {"size": [round(float(v), 6) for v in high - low]},
-                "pose": {"position": [center[0], center[1], 0.0]},
-                "parts": {"body": {"shape": shape}},
-            },
-        )
-    )
-    domain = {
-        "center": [round(float(v), 6) for v in 0.5 * (domain_low + domain_high)],
-        "size": [round(float(v), 6) for v in domain_high - domain_low],
-    }
     owner = next((k for k, s in spec.simulation.liquid.items() if liquid in s.members), None)
-    if owner is None:
-        instance = {"engine": engine, "members": [liquid], "settings": {"domain": domain}}
-        operations.append(_add(f"/simulation/solvers/{liquid}", instance))
-    else:
-        operations.append(_add(f"/simulation/solvers/{owner}/settings/domain", domain))
-    prefix = f"{liquid}_in_"
-    operations += [{"op": "remove", "path": f"/simulation/drivers/{k}"} for k in spec.simulation.drivers if k.startswith(prefix)]
-    for number, entry in enumerate(entries):
-        along = np.array([*entry.direction, 0.0])
-        up = np.array([0.0, 0.0, 1.0])
-        quaternion = Rotation.from_matrix(np.column_stack([np.cross(up, along), up, along])).as_quat()[[3, 0, 1, 2]]
-        opening = {
-            "kind": "inflow",
-            "entity": liquid,
-            "pose": {
-                "position": [round(v, 6) for v in entry.center],
-                "quaternion": [round(float(v), 9) for v in quaternion],
-            },
-            "size": [round(v, 6) for v in entry.size],
-            "rate": entry.discharge,
-        }
-        operations.append(_add(f"/simulation/drivers/{prefix}{number}", opening))
+    engine = spec.simulation.liquid[owner].engine if owner is not None else "flip" if courses or count > MANY else "dfsph"
+    fits = [g for g in gates if not g.enters or min(g.size) >= LEAST_MOUTH[engine] * spacing]
+    operations = [*_material(spec), *_entity(spec, body, courses, liquid, center, spacing)]
+    operations += _instance(body, gates, liquid, owner, engine, spacing)
+    prefixes = (f"{liquid}_in_", f"{liquid}_out_")
+    operations += [
+        {"op": "remove", "path": f"/simulation/drivers/{k}"} for k in spec.simulation.drivers if k.startswith(prefixes)
+    ]
+    numbers = {True: 0, False: 0}
+    for gate in fits:
+        name = f"{prefixes[0 if gate.enters else 1]}{numbers[gate.enters]}"
+        numbers[gate.enters] += 1
+        operations.append(_add(f"/simulation/drivers/{name}", (_mouth if gate.enters else _drain)(gate, liquid, spacing)))
     told = {
         "entity": liquid,
         "volume_m3": round(body.volume, 3),
         "deepest_m": round(float(np.nanmax(body.level - ground)), 3),
         "particles": round(count),
         "engine": engine,
-        "inflows": [
-            {"reach": e.reach, "rate_m3_s": round(e.discharge, 4), "size_m": [round(v, 3) for v in e.size]} for e in entries
-        ],
-        **(
+        "inflows": [_told(g) for g in fits if g.enters],
+        "outflows": [_told(g) for g in fits if not g.enters],
+        "currents": [
             {
-                "too_small_for_the_spacing": [
-                    {"reach": e.reach, "size_m": [round(v, 3) for v in e.size]} for e in found if e not in entries
-                ]
+                "reach": c.reach,
+                "length_m": round(float(np.linalg.norm(np.diff(c.points[:, :2], axis=0), axis=1).sum()), 1),
+                "speed_m_s": [round(float(c.speeds.min()), 3), round(float(c.speeds.max()), 3)],
             }
-            if len(found) > len(entries)
-            else {}
-        ),
+            for c in courses
+        ],
     }
-    return operations, told
+    small = [g for g in gates if g not in fits]
+    return operations, told | ({"too_small_for_the_spacing": [_told(g) for g in small]} if small else {})
+
+
+def _told(gate: Gate) -> dict[str, Any]:
+    return {"reach": gate.reach, "rate_m3_s": round(gate.discharge, 4), "size_m": [round(v, 3) for v in gate.size]}
+
+
+def _water(spec: WorldSpec) -> str:
+    return next((k for k, m in spec.materials.items() if m.substance == "water"), "water")
+
+
+def _material(spec: WorldSpec) -> list[dict[str, Any]]:
+    material = _water(spec)
+    if material in spec.materials:
+        return []
+    look = {"color": [0.75, 0.87, 0.9], "transmission": 1.0, "roughness": 0.05}
+    return [_add(f"/materials/{material}", {"density": 1000, "substance": "water", "appearance": look})]
+
+
+def _entity(
+    spec: WorldSpec, body: WaterBody, courses: list[Course], liquid: str, center: tuple[float, float], spacing: float
+) -> list[dict[str, Any]]:
+    """The water with its volume and its currents, in the frame of the cut."""
+    import numpy as np
+
+    points = body.mesh.vertices
+    origin = np.array([center[0], center[1], 0.0])
+    shape = {
+        "kind": "mesh",
+        "vertices": np.round(points - origin, 6).tolist(),
+        "faces": body.mesh.faces.tolist(),
+        "collision": "hull",
+    }
+    currents = {
+        f"reach_{n}": {
+            "line": np.round(c.points - origin, 3).tolist(),
+            "speeds": np.round(c.speeds, 4).tolist(),
+            "width": round(c.width, 3),
+        }
+        for n, c in enumerate(courses)
+    }
+    extent = points.max(axis=0) - points.min(axis=0)
+    value = {
+        "role": "water of the landscape",
+        "motion": "dynamic",
+        "material": _water(spec),
+        "physics": {"category": "liquid", "resolution": spacing, **({"currents": currents} if currents else {})},
+        "dimensions": {"size": [round(float(v), 6) for v in extent]},
+        "pose": {"position": [center[0], center[1], 0.0]},
+        "parts": {"body": {"shape": shape}},
+    }
+    return [_add(f"/entities/{liquid}", value)]
+
+
+def _instance(
+    body: WaterBody, gates: list[Gate], liquid: str, owner: str | None, engine: str, spacing: float
+) -> list[dict[str, Any]]:
+    """The solver instance, or the domain of the one that is there: closed where rivers enter, open elsewhere."""
+    import numpy as np
+
+    from ..construction.terrain.rivers import BED_ROUGHNESS
+
+    points = body.mesh.vertices
+    top, deep = float(points[:, 2].max()), float(np.ptp(points[:, 2]))
+    low = np.array([body.x[0], body.y[0], body.ground.min() - 2 * spacing])
+    high = np.array([body.x[-1], body.y[-1], top + max(ABOVE, 0.2 * deep)])
+    sides = ["open"] * 6
+    for gate in gates:
+        if gate.enters:
+            near = [abs(gate.center[k // 2] - (low, high)[k % 2][k // 2]) for k in range(4)]
+            sides[int(np.argmin(near))] = "closed"
+    domain = {
+        "center": [round(float(v), 6) for v in 0.5 * (low + high)],
+        "size": [round(float(v), 6) for v in high - low],
+        "sides": sides,
+    }
+    if owner is not None:
+        return [_add(f"/simulation/solvers/{owner}/settings/domain", domain)]
+    settings = {"domain": domain, **({"roughness": round(BED_ROUGHNESS, 4)} if engine == "flip" and gates else {})}
+    return [_add(f"/simulation/solvers/{liquid}", {"engine": engine, "members": [liquid], "settings": settings})]
+
+
+def _pose(gate: Gate, position: tuple[float, ...]) -> dict[str, Any]:
+    """Local z along the flow, y up."""
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    along, up = np.array([*gate.direction, 0.0]), np.array([0.0, 0.0, 1.0])
+    turn = Rotation.from_matrix(np.column_stack([np.cross(up, along), up, along])).as_quat()[[3, 0, 1, 2]]
+    return {"position": [round(float(v), 6) for v in position], "quaternion": [round(float(v), 9) for v in turn]}
+
+
+def _mouth(gate: Gate, liquid: str, spacing: float) -> dict[str, Any]:
+    size = [round(v, 6) for v in gate.size]
+    return {"kind": "inflow", "entity": liquid, "pose": _pose(gate, gate.center), "size": size, "rate": gate.discharge}
+
+
+def _drain(gate: Gate, liquid: str, spacing: float) -> dict[str, Any]:
+    width, deep = gate.size
+    size = [round(v, 6) for v in (width + 2 * OVER * deep, (1 + 2 * OVER) * deep, DRAIN * spacing)]
+    return {"kind": "outflow", "entity": liquid, "pose": _pose(gate, gate.center), "size": size}
 
 
 def _add(path: str, value: Any) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from ..worlds.liquids import spacing_of
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
-from ..worlds.spec import Fastened, WorldSpec, prompt_digest
+from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec, prompt_digest
 from .bundle import event_list
 from .ground_stems import plant_lines
 
@@ -146,6 +146,15 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
                 + ("; it flows as thinly as water" if "viscosity" in ignored else ""),
             }
         )
+        for member in instance.members:
+            physics = spec.entities[member].physics
+            for key, current in physics.currents.items() if isinstance(physics, LiquidPhysics) else ():
+                found.append(
+                    {
+                        "what": f"current {key!r} of {member!r} runs at frame 0 with {min(current.speeds):.3g} to {max(current.speeds):.3g} m/s",
+                        "effect": "the same velocity all over each cross section, until bed and banks have slowed the liquid near them",
+                    }
+                )
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         free = [r for r, s in spec.simulation.rigid.items() if any(spec.entities[m].motion == "dynamic" for m in s.members)]
         for rigid in [r for r in free if r not in coupled]:
@@ -173,7 +182,11 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
     found += _liquids(spec)
     for name, terrain in spec.terrains.items():
         found.append(
-            {"what": f"water of the landscape {name!r} is a surface to look at", "effect": "nothing floats, flows or gets wet"}
+            {
+                "what": f"water of the landscape {name!r} is a surface to look at"
+                + (", outside the domains of liquids" if spec.simulation.liquid else ""),
+                "effect": "nothing floats, flows or gets wet in it",
+            }
         )
         if terrain.vegetation is not None:
             found += plant_lines(spec, name)

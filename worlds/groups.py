@@ -49,7 +49,7 @@ GROUPS: dict[str, GroupInfo] = {
 _RULES: tuple[tuple[str, str], ...] = (
     (r"/entities/[^/]+/pose(/.*)?", "placement"),
     (r"/entities/[^/]+/(dimensions|nominal_diagonal)(/.*)?", "dimensions"),
-    (r"/entities/[^/]+/physics/(linear_velocity|angular_velocity|temperature)(/.*)?", "initial_state"),
+    (r"/entities/[^/]+/physics/(linear_velocity|angular_velocity|currents|temperature)(/.*)?", "initial_state"),
     (r"/entities/[^/]+/physics/resolution", "resolution"),
     (r"/entities/[^/]+/physics/(viscosity|surface_tension|conductivity|heat_capacity|activation)", "liquid"),
     (r"/entities/[^/]+/physics(/.*)?", "mass"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import F64, pose_of
 from .gate import Problem
-from .liquids import LEAST_SPACINGS, domain_box, inflows_of, initial_box, spacing_of
+from .liquids import LEAST_MOUTH, LEAST_SPACINGS, domain_box, inflows_of, initial_box, spacing_of
 
 if TYPE_CHECKING:
     from .spec import Coupling, LiquidInstance, WorldSpec
@@ -98,11 +98,12 @@ def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[
                 f"{where}/pose",
                 f"inflow {key!r} {_box(corners.min(0), corners.max(0))} reaches out of the domain {_box(low, high)}",
             )
-        if min(inflow.size) < least:
+        mouth = LEAST_MOUTH[instance.engine]
+        if min(inflow.size) < mouth * spacing:
             yield Problem(
                 f"{where}/size",
-                f"inflow {key!r} is {min(inflow.size):g} m wide, less than {LEAST_SPACINGS:g} spacings of {spacing:g} m; "
-                f"widen it or use a resolution of at most {min(inflow.size) / LEAST_SPACINGS:.3g} m",
+                f"inflow {key!r} is {min(inflow.size):g} m wide, less than {mouth:g} spacings of {spacing:g} m; "
+                f"widen it or use a resolution of at most {min(inflow.size) / mouth:.3g} m",
             )
         if not inflow.start < (spec.simulation.frames - 1) / spec.simulation.fps:
             yield Problem(f"{where}/start", f"inflow {key!r} starts at {inflow.start:g} s, after the last frame")

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .spec.shapes import Shape
 
 __all__ = [
+    "LEAST_MOUTH",
     "LEAST_SPACINGS",
     "LiquidEstimate",
     "declares_heat",
@@ -31,6 +32,8 @@ __all__ = [
 
 LEAST_SPACINGS = 3.0
 """Own choice: a layer of liquid or an opening thinner than so many spacings is not resolved."""
+LEAST_MOUTH = {"dfsph": LEAST_SPACINGS, "flip": 2.0}
+"""Own choice: narrowest inflow in spacings, by engine. A grid gives layers of markers half a cell apart."""
 USUAL_TEMPERATURE = 293.15
 
 
@@ -146,6 +149,13 @@ def _volume(entity: Entity) -> float:
     return sum(known) if len(known) == len(volumes) else math.prod(entity.dimensions.size)
 
 
+def _fastest(entity: Entity) -> float:
+    """Largest speed of a liquid at frame 0 [m/s]."""
+    physics = entity.physics
+    currents = physics.currents.values() if physics.category == "liquid" else ()
+    return max([math.hypot(*getattr(physics, "linear_velocity", (0, 0, 0))), *(v for c in currents for v in c.speeds)])
+
+
 def liquid_estimate(spec: WorldSpec, name: str) -> LiquidEstimate:
     """Particles and steps that an instance will take, from its volume, inflows, domain and the fall through it."""
     plan, instance = spec.simulation, spec.simulation.liquid[name]
@@ -155,7 +165,7 @@ def liquid_estimate(spec: WorldSpec, name: str) -> LiquidEstimate:
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
     members = [spec.entities[m] for m in instance.members if m in spec.entities]
     volume = sum(_volume(m) for m in members)
-    fastest = max((math.hypot(*getattr(m.physics, "linear_velocity", (0, 0, 0))) for m in members), default=0.0)
+    fastest = max((_fastest(m) for m in members), default=0.0)
     for inflow in inflows_of(spec, name).values():
         volume += inflow.area * inflow.flow_speed * max(0.0, min(inflow.end or seconds, seconds) - inflow.start)
         fastest = max(fastest, inflow.flow_speed)

@@ -21,8 +21,9 @@ BANK_SLOPE = 1.5
 """Run of a bank per metre of rise."""
 FREEBOARD = 0.3
 """Part of the depth of a bed that stands above its water."""
-SMOOTHING = 2.0
-"""Cells over which the course of a channel is smoothed: eight directions are too few for a river."""
+SMOOTHING = (2.0, 1.0)
+"""Cells, and widths of the channel, over which its course is smoothed, whichever is more: eight directions are too few for a
+river, and bends are some ten widths long (Leopold & Wolman 1960)."""
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,16 @@ class Channels:
     """Cells under flowing water."""
 
 
-def centre_line(river: River, grid: Grid) -> F64:
-    """Smoothed course of a reach [m], shape (cells, 2); its ends stay where they are."""
-    x, y = (
-        (river.cells % grid.cols - 0.5 * (grid.cols - 1)) * grid.cell,
-        (river.cells // grid.cols - 0.5 * (grid.rows - 1)) * grid.cell,
-    )
-    line = np.stack([x, y], axis=1).astype(np.float64)
+def centre_line(cells: np.ndarray, width: float, grid: Grid) -> F64:
+    """Smoothed course [m] of a reach `width` m wide, shape (cells, 2); its ends stay where they are."""
+    column, row = cells % grid.cols, cells // grid.cols
+    line = np.stack([column - 0.5 * (grid.cols - 1), row - 0.5 * (grid.rows - 1)], axis=1) * grid.cell
+    sigma = max(SMOOTHING[0], SMOOTHING[1] * width / grid.cell)
     if len(line) < 4:
-        return line
-    smooth = ndimage.gaussian_filter1d(line, SMOOTHING, axis=0, mode="nearest")
+        return np.asarray(line)
+    more = min(len(line) - 1, int(np.ceil(4.0 * sigma)))
+    longer = np.pad(line, ((more, more), (0, 0)), mode="reflect", reflect_type="odd")
+    smooth = ndimage.gaussian_filter1d(longer, sigma, axis=0, mode="nearest")[more:-more]
     smooth[0], smooth[-1] = line[0], line[-1]
     return np.asarray(smooth)
 
@@ -86,7 +87,7 @@ def _cut(
     wet: np.ndarray,
 ) -> None:
     grid = drainage.grid
-    line = centre_line(river, grid)
+    line = centre_line(river.cells, float(river.width.mean()), grid)
     surface = np.minimum.accumulate(drainage.filled.ravel()[river.cells])
     width, depth = river.width, river.depth
     narrow = np.minimum(width / grid.cell, 1.0)

@@ -1,9 +1,8 @@
-"""Water of a landscape as a liquid: the volume between its level and the ground, and where rivers enter it (R38, R57)."""
+"""Water of a landscape as a liquid: the volume between its level and the ground (R38, R57)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +13,12 @@ from ...worlds.errors import InputError
 from ...worlds.landscape import SavedLandscape
 from .grid import Grid
 
-__all__ = ["Entry", "WaterBody", "river_entries", "water_body"]
+__all__ = ["WaterBody", "water_body"]
 
 REACH = 1.5
 """The level goes on so many cells of the landscape beyond its wet ones, so that the shore lies where level and ground meet."""
 LEAST_DEPTH = 1e-6
 """[m] Shallower places are dry."""
-CLEAR = 0.75
-"""Share of the deepest place of a section that an opening keeps to: its banks stay free."""
 MOST = (20_000, 40_000)
 """Vertices and faces that a specification takes inline."""
 
@@ -40,20 +37,6 @@ class WaterBody:
     """Heights of the cut (rows, cols) [m]."""
     level: F64
     """Of the water, NaN where there is none near (rows, cols) [m]."""
-
-
-@dataclass(frozen=True)
-class Entry:
-    """Where a river comes into a rectangle: an upright opening across it."""
-
-    reach: int
-    center: tuple[float, float, float]
-    direction: tuple[float, float]
-    """Of the flow, horizontal unit vector."""
-    size: tuple[float, float]
-    """Width and height of the opening [m]."""
-    discharge: float
-    """[m^3/s]"""
 
 
 def water_body(land: SavedLandscape, x: F64, y: F64, ground: F64) -> WaterBody:
@@ -149,59 +132,3 @@ def _closed(top: NDArray[np.int64], place: F64) -> TriangleMesh:
             f"the water's surface has {len(used)} corners, at most {MOST[0]} can be held; cut a smaller ground or fewer cells"
         )
     return TriangleMesh(vertices[used], number.reshape(-1, 3).astype(np.int32))
-
-
-def river_entries(land: SavedLandscape, body: WaterBody, *, inset: float) -> list[Entry]:
-    """Openings across the rivers that come into the rectangle, `inset` [m] inside it."""
-    from scipy.interpolate import RegularGridInterpolator
-
-    grid = Grid(*land.shape, land.cell)
-    sample = {
-        "ground": RegularGridInterpolator((body.y, body.x), body.ground),
-        "level": RegularGridInterpolator((body.y, body.x), body.level),
-    }
-    low = np.array([body.x[0], body.y[0]]) + inset
-    high = np.array([body.x[-1], body.y[-1]]) - inset
-    found = []
-    for number, reach in enumerate(land.about["reaches"]):
-        path = np.array([grid.place(c) for c in reach["cells"]]).reshape(-1, 2)
-        within: NDArray[np.bool_] = np.asarray(((path >= low) & (path <= high)).all(axis=1))
-        for k in (np.flatnonzero(within[1:] & ~within[:-1]) + 1).tolist():
-            ahead = path[min(k + 3, len(path) - 1)] - path[k - 1]
-            length = float(np.linalg.norm(ahead))
-            if length == 0.0:
-                continue
-            share = k / max(len(path) - 1, 1)
-            flow = (1 - share) * reach["discharge"][0] + share * reach["discharge"][1]
-            width = (1 - share) * reach["width"][0] + share * reach["width"][1]
-            made = _opening(sample, path[k], ahead / length, width, grid.cell, (low - inset, high + inset))
-            if made is not None and min(made[1]) > 0:
-                found.append(Entry(number, made[0], (float(ahead[0] / length), float(ahead[1] / length)), made[1], float(flow)))
-    return found
-
-
-def _opening(
-    sample: dict[str, Any], at: F64, along: F64, width: float, cell: float, box: tuple[F64, F64]
-) -> tuple[tuple[float, float, float], tuple[float, float]] | None:
-    """Centre and size of the largest rectangle in a section that keeps off the banks; None where it is dry."""
-    across = np.array([along[1], -along[0]])
-    offsets = np.arange(-2.0 * width - cell, 2.0 * width + cell, 0.1 * cell)
-    points = at + offsets[:, None] * across
-    inside = ((points >= box[0]) & (points <= box[1])).all(axis=1)
-    offsets, points = offsets[inside], points[inside]
-    ground, level = (sample[n](points[:, ::-1]) for n in ("ground", "level"))
-    depth = np.nan_to_num(level - ground, nan=-1.0)
-    near = np.abs(offsets) <= 0.5 * width + cell
-    if not near.any() or depth[near].max() <= 0:
-        return None
-    middle = int(np.flatnonzero(near)[np.argmax(depth[near])])
-    deep = depth >= CLEAR * depth[middle]
-    first = last = middle
-    while first > 0 and deep[first - 1]:
-        first -= 1
-    while last < len(deep) - 1 and deep[last + 1]:
-        last += 1
-    bottom, top = float(ground[first : last + 1].max()), float(level[middle])
-    center = points[first] + 0.5 * (points[last] - points[first])
-    size = (float(0.9 * (offsets[last] - offsets[first])), float(0.9 * (top - bottom)))
-    return (float(center[0]), float(center[1]), 0.5 * (top + bottom)), size

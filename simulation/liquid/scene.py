@@ -16,6 +16,7 @@ from ...worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
 from ...worlds.errors import InputError
 from ...worlds.liquids import domain_box, spacing_of
 from ...worlds.provenance import DOMAIN_MARGIN
+from .currents import start_velocity
 from .engine import SIDES, Boundary, Fluid, Inflow, LiquidSetup, Outflow
 from .filling import PlacedSolid, fill
 from .resolved import require_resolved
@@ -200,7 +201,9 @@ def _particles(
             )
         count = sum(len(p) for p in position) - sum(len(f) for f in fluid)
         fluid.append(np.full(count, number, dtype=np.int32))
-        velocity.append(np.tile(np.array(getattr(contract.physics, "linear_velocity", (0, 0, 0)), dtype=np.float64), (count, 1)))
+        assert contract.physics.category == "liquid"
+        everything = np.concatenate(position)
+        velocity.append(start_velocity(contract.physics, pose, everything[len(everything) - count :]))
     return np.concatenate(position), np.concatenate(velocity), np.concatenate(fluid), np.concatenate(volume)
 
 

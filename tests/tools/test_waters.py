@@ -8,6 +8,7 @@ import numpy as np
 from scipy import ndimage
 from worldagent.construction.build import build_entity
 from worldagent.construction.terrain.grid import Grid
+from worldagent.construction.terrain.rivers import BED_ROUGHNESS
 from worldagent.simulation.liquid.scene import build_scene
 from worldagent.tests.construction.terrain.test_waters import CELL, COLS, DEEP, FALL, HALF, ROWS, Land
 from worldagent.tools.waters import water_operations
@@ -52,14 +53,20 @@ def test_the_river_passes_the_audit_and_brings_its_discharge(tmp_path: Path) -> 
     open_rows = {r.id for r in audit(spec).rows if r.status != "pass"}
     assert open_rows <= {"audit:clauses", "audit:story"}
     (inflow,) = [d for d in spec.simulation.drivers.values() if d.kind == "inflow"]
-    assert 3.0 < (inflow.rate or 0.0) < 5.0
+    assert 5 * 3.0 < (inflow.rate or 0.0) < 5 * 5.0, "bankfull"
+    (outflow,) = [d for d in spec.simulation.drivers.values() if d.kind == "outflow"]
+    assert outflow.pose.position[0] > CENTER[0] + 0.45 * SIZE[0]
+    river = spec.simulation.liquid["river"]
+    assert river.engine == "flip"
+    assert river.settings.domain.sides[:2] == ("closed", "open")
+    assert getattr(river.settings, "roughness", 0.0) == round(BED_ROUGHNESS, 4)
     assert spec.materials["water"].density == 1000
     assert told["volume_m3"] == round(float(str(told["volume_m3"])), 3) > 300
 
 
 def test_a_river_too_shallow_for_the_spacing_says_so_and_has_no_inflow(tmp_path: Path) -> None:
     spec, told = operations(WorldFolder.at(tmp_path), base(), spacing=1.0)
-    assert not spec.simulation.drivers
+    assert not [d for d in spec.simulation.drivers.values() if d.kind == "inflow"]
     assert told["too_small_for_the_spacing"]
 
 

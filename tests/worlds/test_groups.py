@@ -18,7 +18,7 @@ CASES = {
     "relations": ["/graph/relations/r", "/graph/regions/r/radius"],
     "material": ["/materials/m/friction", "/materials/m", "/entities/a/material", "/entities/a/parts/b/material"],
     "mass": ["/entities/a/physics/mass", "/entities/a/physics/linear_damping", "/entities/a/physics"],
-    "initial_state": ["/entities/a/physics/linear_velocity", "/entities/a/physics/angular_velocity/1",
+    "initial_state": ["/entities/a/physics/linear_velocity", "/entities/a/physics/currents/reach_0/speeds/3", "/entities/a/physics/angular_velocity/1",
                       "/entities/a/physics/temperature"],
     "liquid": ["/entities/a/physics/viscosity", "/entities/a/physics/activation", "/simulation/solvers/s/settings/wall_friction",
                "/simulation/solvers/s/settings/roughness"],

@@ -1,7 +1,7 @@
 """Specification models. `WorldSpec` is the root."""
 
 from ..vocabulary import Ref, SpecModel
-from .entities import Appearance, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
+from .entities import Appearance, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
 from .liquids import DfsphInstance, DfsphSettings, FlipInstance, FlipSettings, InflowDriver, LiquidDomain, OutflowDriver
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, StemField, Wedge
 from .simulation import (
@@ -67,6 +67,7 @@ __all__ = [
     "ContactPair",
     "Contains",
     "Coupling",
+    "Current",
     "Cylinder",
     "CylinderRegion",
     "DetachDriver",

@@ -23,6 +23,7 @@ __all__ = [
     "Appearance",
     "Category",
     "ClothPhysics",
+    "Current",
     "Dimensions",
     "ElasticPhysics",
     "Entity",
@@ -138,6 +139,22 @@ class ClothPhysics(SpecModel):
     self_collision: bool = True
 
 
+class Current(SpecModel):
+    """A stream that runs at frame 0: the same velocity all over each of its cross sections."""
+
+    line: Annotated[list[Vec3], Field(min_length=2, max_length=400)] = Field(
+        description="its course downstream, in the entity's frame [m]"
+    )
+    speeds: Annotated[list[NonNegative], Field(min_length=2, max_length=400)] = Field(description="at each of these points [m/s]")
+    width: Positive = Field(description="of the stream [m]: liquid within half of it from the course, seen from above, runs")
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Current:
+        if len(self.line) != len(self.speeds):
+            raise ValueError(f"a current has {len(self.line)} points and {len(self.speeds)} speeds; give one speed per point")
+        return self
+
+
 class LiquidPhysics(SpecModel):
     """Free-surface liquid; the entity's parts are its initial volume."""
 
@@ -146,6 +163,9 @@ class LiquidPhysics(SpecModel):
     surface_tension: NonNegative = Field(default=0.072, description="[N/m]; recorded, not simulated yet")
     resolution: Positive = Field(description="particle spacing or cell size [m]")
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
+    currents: Annotated[dict[Id, Current], Field(max_length=64)] = Field(
+        default={}, description="streams that run at frame 0; liquid beside them has linear_velocity"
+    )
     temperature: float = Field(default=293.15, gt=0, le=5000, description="at frame 0 [K]")
     conductivity: NonNegative = Field(default=0.0, le=1000, description="thermal [W/(m K)]; 0: heat is carried, not conducted")
     heat_capacity: Positive = Field(default=4186.0, description="[J/(kg K)]")

@@ -376,4 +376,3 @@ class Flip:
                 mouth.travel, mouth.layers = float(travel), int(layers)
         except (KeyError, ValueError, OSError) as error:
             raise EvidenceError(f"these bytes are no checkpoint of the grid engine ({error}); start from another one") from error
-        self.solids.reuse = 0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from worldagent.construction.terrain.grid import Grid
-from worldagent.construction.terrain.waters import WaterBody, river_entries, water_body
+from worldagent.construction.terrain.rivers import river_courses, river_gates
+from worldagent.construction.terrain.waters import WaterBody, water_body
 from worldagent.geometry.inside import contains
 from worldagent.geometry.solids import Solid
 from worldagent.worlds.errors import InputError
@@ -61,14 +62,34 @@ def test_a_dry_landscape_holds_no_liquid() -> None:
         cut(Land(wet=False))
 
 
-def test_a_river_enters_across_its_section_with_its_discharge() -> None:
+def test_a_river_enters_and_leaves_across_its_section_with_the_discharge_of_its_level() -> None:
     body = cut(Land())
-    (entry,) = river_entries(Land(), body, inset=1.0)
+    entry, exit_ = river_gates(Land(), body, inset=1.0)
+    assert (entry.enters, exit_.enters) == (True, False)
     assert entry.direction == pytest.approx((1.0, 0.0))
     assert -40 < entry.center[0] < -35
-    assert entry.discharge == pytest.approx(3.0 + 2.0 * 11 / 59, abs=0.1)
+    assert 35 < exit_.center[0] < 40
+    assert entry.discharge == pytest.approx(5 * (3.0 + 2.0 * 11 / 59), abs=0.5), "bankfull, five times the mean"
     width, height = entry.size
     low = entry.center[2] - height / 2
     depth_at_its_side = -FALL * entry.center[0] - DEEP * (1 - (abs(entry.center[1]) + width / 2) / HALF)
     assert low > depth_at_its_side - 1e-9, "its corners are off the banks"
     assert entry.center[2] + height / 2 < -FALL * entry.center[0] - 0.5
+    assert exit_.size == pytest.approx((7.5, 1.5), rel=0.03), "all of the water"
+
+
+def test_a_river_runs_with_discharge_over_area() -> None:
+    """Law: area of the triangular section 1.5 m x 3.75 m; the discharge grows along the reach. No faster than its waves."""
+    land = Land()
+    land.about["reaches"][0]["discharge"] = [0.6, 1.0]
+    (course,) = river_courses(land, cut(land))
+    x = course.points[:, 0]
+    assert (np.diff(x) > 0).all()
+    assert x[0] < -37
+    assert x[-1] > 37
+    flow = 5 * (0.6 + 0.4 * ((x + 59) / 118))
+    assert course.speeds == pytest.approx(flow / (1.5 * 3.75), rel=0.02)
+    assert course.points[:, 2] == pytest.approx(-FALL * x - 0.5, abs=0.02)
+    assert course.width == pytest.approx(7.5, rel=0.03)
+    (flood,) = river_courses(Land(), cut(Land()))
+    assert flood.speeds == pytest.approx(np.sqrt(9.81 * 0.75), rel=0.02)

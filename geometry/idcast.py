@@ -142,18 +142,21 @@ def _rectangles(
     scale = camera.focal / np.where(front, z, 1.0)
     x = 0.5 * camera.width + local[:, 0] * scale
     y = 0.5 * camera.height + local[:, 1] * scale
-    in_front = front[faces[index]]
-    index = index[in_front.any(axis=1)]
-    whole = front[faces[index]].all(axis=1)
-    bounds = np.empty((len(index), 4))
+    # Corner by corner: sums over an axis of three are slow.
+    a, b, c = (faces[index, k] for k in range(3))
+    seen = front[a] | front[b] | front[c]
+    if not seen.all():
+        index, a, b, c = index[seen], a[seen], b[seen], c[seen]
+    whole = front[a] & front[b] & front[c]
+    bounds = np.empty((4, len(index)))
     for k, (value, start, stop) in enumerate(((x, *window[:2]), (y, *window[2:]))):
-        corner = value[faces[index]]
+        first, second, third = value[a], value[b], value[c]
+        low, high = np.minimum(np.minimum(first, second), third), np.maximum(np.maximum(first, second), third)
         # Triangles through the eye plane may cover anything.
-        bounds[:, 2 * k] = np.where(whole, np.ceil(corner.min(axis=1) - 0.5), start)
-        bounds[:, 2 * k + 1] = np.where(whole, np.floor(corner.max(axis=1) - 0.5) + 1, stop)
-        bounds[:, 2 * k : 2 * k + 2] = np.clip(bounds[:, 2 * k : 2 * k + 2], start, stop)
-    some = (bounds[:, 0] < bounds[:, 1]) & (bounds[:, 2] < bounds[:, 3])
-    return index[some], bounds[some].astype(np.int32)
+        bounds[2 * k] = np.clip(np.where(whole, np.ceil(low - 0.5), start), start, stop)
+        bounds[2 * k + 1] = np.clip(np.where(whole, np.floor(high - 0.5) + 1, stop), start, stop)
+    some = (bounds[0] < bounds[1]) & (bounds[2] < bounds[3])
+    return index[some], np.ascontiguousarray(bounds[:, some].T).astype(np.int32)
 
 
 class _Buffer:

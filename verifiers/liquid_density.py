@@ -34,6 +34,8 @@ RECORDED = {"dfsph": 0.01, "flip": 0.1}
 """Own choice: mean compression that an engine may record; of a grid, mean overfilling of cells (measured 0.03 in a dam break)."""
 DISAGREE = 0.05
 """Own choice: difference of the recorded and the counted mean density in the bulk."""
+MOST_CELLS = 1_000_000
+"""Own choice: in larger spaces far cells share their places."""
 BULK = 0.85
 """A particle is in the bulk where it has this share of the neighbours of a full neighbourhood."""
 FULL = {"dfsph": 28.0, "flip": 100.0}
@@ -50,17 +52,25 @@ def crowding_of(liquid: Liquid, frame: Frame) -> tuple[F64, F64, F64]:
 
     wp = warp()
     support = SUPPORT[liquid.plan.engine] * liquid.pitch
-    low = frame.position.min(axis=0)
-    points = wp.array(np.ascontiguousarray(frame.position - low, dtype=np.float32), dtype=wp.vec3, device="cpu")
-    cells = [int(n) for n in np.clip(np.ceil(np.ptp(frame.position, axis=0) / support) + 1, 1, 256)]
-    grid = wp.HashGrid(*cells, device="cpu")
-    grid.build(points, support)
+    size = 0.5 * support * (1.0 + 1e-5)
+    points = (frame.position - frame.position.min(axis=0)).astype(np.float32)
+    cell = (points / np.float32(size)).astype(np.int64)
+    cells = np.maximum(cell.max(axis=0) + np.array([1, 1, 5]), 5)
+    while np.prod(cells) > max(MOST_CELLS, frame.count) and cells[:2].max() > 8:
+        cells[int(np.argmax(cells[:2]))] //= 2
+    key = ((cell[:, 0] % cells[0]) * cells[1] + cell[:, 1] % cells[1]) * cells[2] + cell[:, 2] + 2
+    order = np.argsort(key, kind="stable")
+    starts = np.searchsorted(key[order], np.arange(int(np.prod(cells)) + 1)).astype(np.int32)
+    vectors = (np.ascontiguousarray(a[order], dtype=np.float32) for a in (points, frame.velocity))
+    sorted_points, velocity = (wp.array(v, dtype=wp.vec3, device="cpu") for v in vectors)
+    volume = wp.array(frame.volume[order].astype(np.float32), dtype=float, device="cpu")
     filled, spread = (wp.zeros(frame.count, dtype=float, device="cpu") for _ in range(2))
     count = wp.zeros(frame.count, dtype=wp.int32, device="cpu")
-    velocity = wp.array(np.ascontiguousarray(frame.velocity, dtype=np.float32), dtype=wp.vec3, device="cpu")
-    volume = wp.array(np.ascontiguousarray(frame.volume, dtype=np.float32), dtype=float, device="cpu")
-    launch(crowding, frame.count, [grid.id, points, velocity, volume, support, filled, spread, count], device="cpu")
-    return tuple(np.asarray(a.numpy(), dtype=np.float64) for a in (filled, spread, count))  # type: ignore[return-value]
+    given = [wp.array(starts, dtype=wp.int32, device="cpu"), wp.vec3i(*map(int, cells)), float(size), sorted_points, velocity]
+    launch(crowding, frame.count, [*given, volume, support, filled, spread, count], device="cpu")
+    found = np.empty((3, frame.count))
+    found[:, order] = filled.numpy(), spread.numpy(), count.numpy()
+    return found[0], found[1], found[2]
 
 
 class Density:
@@ -98,7 +108,7 @@ class Density:
         self.apart.append(
             abs(float(np.average(recorded[high] - filled[bulk][high], weights=weight[high]))) if high.any() else 0.0
         )
-        speed = float(np.sqrt(np.average(np.einsum("ij,ij->i", frame.velocity[bulk], frame.velocity[bulk]), weights=weight)))
+        speed = float(np.sqrt(np.average(frame.squared[bulk], weights=weight)))
         quiet = np.sqrt(max(self.liquid.strength, 0.1) * self.liquid.spacing)
         self.boiling.append(float(np.average(np.abs(spread[bulk]), weights=weight)) * self.liquid.pitch / (speed + 0.1 * quiet))
 

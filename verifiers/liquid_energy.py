@@ -63,14 +63,13 @@ class Energy:
     def see(self, step: Step) -> None:
         """Sum up one frame."""
         liquid, frame = self.liquid, step.now
-        squared = np.einsum("ij,ij->i", frame.velocity, frame.velocity)
         height = frame.position @ liquid.up
-        each = frame.mass * (0.5 * squared + liquid.strength * height)
-        self.kinetic.append(0.5 * float(frame.mass @ squared))
+        each = frame.mass * (0.5 * frame.squared + liquid.strength * height)
+        self.kinetic.append(0.5 * float(frame.mass @ frame.squared))
         self.potential.append(liquid.strength * float(frame.mass @ height))
         weight = liquid.strength * float(frame.mass.sum())
         self.one_spacing = max(self.one_spacing, weight * liquid.spacing)
-        low, top = (float(np.quantile(height, q)) for q in (0.0, 0.999)) if frame.count else (0.0, 0.0)
+        low, top = (float(height.min()), float(np.quantile(height, 0.999))) if frame.count else (0.0, 0.0)
         self.half_height = max(self.half_height, 0.5 * weight * (top - low))
         strongest = max(liquid.physics(m).surface_tension for m in liquid.members)
         self.tension = max(self.tension, TENSION * strongest * 6.0 * frame.count ** (2 / 3) * liquid.pitch**2)
@@ -80,10 +79,7 @@ class Energy:
             given += float(each[came].sum()) + liquid.strength * float(frame.mass[came] @ np.maximum(top - height[came], 0.0))
             then = step.before
             out = step.gone
-            went = then.mass[out] * (
-                0.5 * np.einsum("ij,ij->i", then.velocity[out], then.velocity[out])
-                + liquid.strength * (then.position[out] @ liquid.up)
-            )
+            went = then.mass[out] * (0.5 * then.squared[out] + liquid.strength * (then.position[out] @ liquid.up))
             given -= float(went.sum())
             given_by_bodies, doubt = self._bodies(step)
             given += given_by_bodies
@@ -181,7 +177,7 @@ class Momentum:
         brought = frame.mass[step.new] @ frame.velocity[step.new] - before.mass[step.gone] @ before.velocity[step.gone]
         change = frame.mass @ frame.velocity - before.mass @ before.velocity
         rest = change - mass * h * liquid.gravity - reaction.sum(axis=0) - brought
-        fastest = max(float(np.linalg.norm(f.velocity, axis=1).max(initial=0.0)) for f in (frame, before))
+        fastest = max(frame.fastest, before.fastest)
         passing = float(frame.mass[step.new].sum() + before.mass[step.gone].sum())
         scale = mass * h * max(liquid.strength, 1e-3) + float(np.linalg.norm(reaction, axis=1).sum())
         doubt = passing * (fastest + liquid.strength * h) + self._pushed(step)
@@ -208,7 +204,7 @@ class Momentum:
         reach = WET * liquid.spacing
         for frame in (step.now, step.before):
             if frame is not None and frame.count:
-                travel = reach + float(np.linalg.norm(frame.velocity, axis=1).max()) * step.duration
+                travel = reach + frame.fastest * step.duration
                 for axis in range(3):
                     high[axis] |= liquid.closed[2 * axis] and frame.position[:, axis].min() < liquid.lower[axis] + travel
                     low[axis] |= liquid.closed[2 * axis + 1] and frame.position[:, axis].max() > liquid.upper[axis] - travel

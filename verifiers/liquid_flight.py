@@ -19,7 +19,7 @@ from .verdicts import correction
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from .liquid_frames import Liquid, Step
+    from .liquid_frames import Frame, Liquid, Step
 
 __all__ = ["Flight"]
 
@@ -41,6 +41,7 @@ class Flight:
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
         self.pieces = pieces_of(liquid.candidate)
+        self.known: dict[int, NDArray[np.intp]] = {}
         self.slip: list[float] = []
         self.judged = 0
         self.first: tuple[int, int, list[float], float] | None = None
@@ -51,8 +52,8 @@ class Flight:
         self.slip.append(0.0)
         if before is None or len(step.here) < 2 or len(step.new) + len(step.gone) > 0.05 * frame.count:
             return
-        clusters = _clusters(frame.position, APART * liquid.spacing)
-        earlier = _clusters(before.position, APART * liquid.spacing)
+        clusters = self._of(frame)
+        earlier = self._of(before)
         free = self._free(step, clusters, earlier)
         if not free.any():
             return
@@ -76,6 +77,13 @@ class Flight:
             rows = clusters == worst
             self.first = (frame.index, int(rows.sum()), place(frame.position[rows].mean(axis=0)), float(slip.max()))
 
+    def _of(self, frame: Frame) -> NDArray[np.intp]:
+        """Cluster of every particle of a frame."""
+        if frame.index not in self.known:
+            self.known = {k: c for k, c in self.known.items() if k == frame.index - 1}
+            self.known[frame.index] = _clusters(frame.position, APART * self.liquid.spacing)
+        return self.known[frame.index]
+
     def _free(self, step: Step, clusters: NDArray[np.intp], earlier: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Clusters with the same particles at both frames that met no solid and no side of the domain between them."""
         frame, before, liquid = step.now, step.before, self.liquid
@@ -88,7 +96,7 @@ class Flight:
         np.maximum.at(high, a, b)
         shared = np.bincount(a, minlength=count)
         same = (low == high) & (shared == size) & (then[np.clip(low, 0, past - 1)] == size)
-        travel = 2.0 * liquid.spacing + step.duration * np.linalg.norm(frame.velocity, axis=1)
+        travel = 2.0 * liquid.spacing + step.duration * frame.speed
         near = np.zeros(frame.count, dtype=bool)
         near[step.new] = True
         rows = np.flatnonzero(same[clusters])

@@ -64,6 +64,21 @@ class Frame:
         """Particles."""
         return len(self.identity)
 
+    @cached_property
+    def squared(self) -> F64:
+        """Square of the speed [m^2/s^2], shape (n,)."""
+        return np.asarray(np.einsum("ij,ij->i", self.velocity, self.velocity))
+
+    @cached_property
+    def speed(self) -> F64:
+        """[m/s], shape (n,)."""
+        return np.sqrt(self.squared)
+
+    @property
+    def fastest(self) -> float:
+        """Of all [m/s]; 0 where there is none."""
+        return float(np.sqrt(self.squared.max(initial=0.0)))
+
 
 @dataclass(frozen=True)
 class Step:

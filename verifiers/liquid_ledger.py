@@ -72,8 +72,7 @@ class Books:
         if missing:
             raise EvidenceError(f"frame {frame.index} lacks {', '.join(missing[:3])}; bake again")
         momentum = frame.mass @ frame.velocity
-        squared = np.einsum("ij,ij->i", frame.velocity, frame.velocity)
-        kinetic = 0.5 * float(frame.mass @ squared)
+        kinetic = 0.5 * float(frame.mass @ frame.squared)
         potential = -float(frame.mass @ (frame.position @ self.liquid.gravity))
         self.own.append(
             [float(frame.mass.sum()), float(frame.volume.sum()), frame.count, *map(float, momentum), kinetic, potential]
@@ -85,9 +84,8 @@ class Books:
             went, float(held["record/outflow_mass"]), rtol=1e-9
         ):
             self.flows[-1] = (np.nan, np.nan, np.nan)
-        top = float(np.sqrt(squared.max(initial=0.0)))
-        self.fastest.append((top, float(held["record/max_speed"])))
-        self.speed_scale = max(self.speed_scale, top)
+        self.fastest.append((frame.fastest, float(held["record/max_speed"])))
+        self.speed_scale = max(self.speed_scale, frame.fastest)
 
     def findings(self) -> dict[str, Finding]:
         """Mass, start and records."""

@@ -75,7 +75,7 @@ class Motion:
         moved = frame.position[step.here] - before.position[step.there]
         v0, v1 = before.velocity[step.there], frame.velocity[step.here]
         missed = np.linalg.norm(moved - 0.5 * h * (v0 + v1), axis=1)
-        speeds = np.linalg.norm(v0, axis=1) + np.linalg.norm(v1, axis=1)
+        speeds = before.speed[step.there] + frame.speed[step.here]
         allowed = 0.5 * h * (speeds + self.liquid.strength * h)
         excess = (missed - allowed) / s
         worst = int(np.argmax(excess))
@@ -97,7 +97,7 @@ class Motion:
         height = frame.position @ liquid.up
         self.top, self.lowest = max(self.top, float(height.max())), min(self.lowest, float(height.min()))
         if step.before is None:
-            self.given = max(self.given, float(np.linalg.norm(frame.velocity, axis=1).max()))
+            self.given = max(self.given, frame.fastest)
         for name, driver in liquid.inflows.items():
             if liquid.active(name, max(1, frame.index)):
                 self.given = max(self.given, driver.flow_speed)
@@ -105,7 +105,7 @@ class Motion:
         self.given = max(self.given, 2.0 * float(self.bodies.moving[frame.index]))
         fall = max(self.top - self.lowest, 0.0) + 2.0 * liquid.spacing
         allowed = JET * np.sqrt(self.given**2 + 2.0 * liquid.strength * fall) + 0.05
-        speed = np.linalg.norm(frame.velocity, axis=1)
+        speed = frame.speed
         ratio = speed / allowed
         worst = int(np.argmax(ratio))
         self.over.append(float(ratio[worst]))
@@ -184,9 +184,7 @@ class Trapped:
         here: Rows = step.here
         if step.before is not None and len(here):
             at = np.searchsorted(self.identity, frame.identity[here])
-            speed = 0.5 * (
-                np.linalg.norm(frame.velocity[here], axis=1) + np.linalg.norm(step.before.velocity[step.there], axis=1)
-            )
+            speed = 0.5 * (frame.speed[here] + step.before.speed[step.there])
             stays = np.linalg.norm(frame.position[here] - self.anchor[at], axis=1) < self.liquid.spacing
             rows, at, speed = here[stays], at[stays], speed[stays]
             anchor[rows], since[rows] = self.anchor[at], self.since[at]

@@ -55,7 +55,7 @@ class Numbers:
         if missing:
             raise EvidenceError(f"frame {frame.index} lacks record/{missing[0]}; bake again")
         self.rows.append([float(held[f"record/{n}"]) for n in RECORDS])
-        self.fastest.append(float(np.linalg.norm(frame.velocity, axis=1).max(initial=0.0)))
+        self.fastest.append(frame.fastest)
         for name, array in held.items():
             if array.dtype.kind == "f":
                 self.total += array.size

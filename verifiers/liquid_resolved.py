@@ -15,7 +15,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from .findings import Finding
-from .liquid_leaks import still_barrier
+from .liquid_barriers import still_barrier
 from .liquid_rows import coarse, place
 from .liquid_samples import scattered
 from .liquid_solids import Piece, deepest, pieces_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +13,10 @@ from ..worlds.arrays import F64
 if TYPE_CHECKING:
     from .liquid_frames import Liquid
 
-__all__ = ["sample_inside", "samples", "scattered", "share_under"]
+__all__ = ["sample_inside", "samples", "scattered", "share_under", "triangles_by_parts"]
 
+MOST_PARTS = 32
+"""Triangles whose edges would be cut into more parts are divided first."""
 SCATTERED = 40_000
 """Most points scattered over one surface."""
 POINTS = 600
@@ -22,22 +25,29 @@ POINTS = 600
 
 def samples(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64]:
     """Points all over a surface within a box, at most `spacing` [m] apart, and the normals there, each shape (n, 3)."""
+    points, normals = [np.zeros((0, 3))], [np.zeros((0, 3))]
+    for triangles, facing, k in triangles_by_parts(solid, spacing, low, high):
+        i, j = np.meshgrid(np.arange(k + 1), np.arange(k + 1), indexing="ij")
+        inner = i + j <= k
+        weights = np.stack([i[inner], j[inner], k - i[inner] - j[inner]], axis=1) / k
+        points.append(np.einsum("wc,tcx->twx", weights, triangles).reshape(-1, 3))
+        normals.append(np.repeat(facing, len(weights), axis=0))
+    return np.concatenate(points), np.concatenate(normals)
+
+
+def triangles_by_parts(solid: Solid, spacing: float, low: F64, high: F64) -> Iterator[tuple[F64, F64, int]]:
+    """Triangles of a surface that meet a box, shape (n, 3, 3), their normals, and in how many parts of at most `spacing` [m] their
+    edges are to be cut. Large triangles come as smaller ones."""
     t, n = solid.triangles, solid.face_normals
-    points, normals = [], []
     while len(t):
         meets = (t.max(axis=1) >= low).all(axis=1) & (t.min(axis=1) <= high).all(axis=1)
         t, n = t[meets], n[meets]
         edge = np.linalg.norm(t - np.roll(t, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-        large = edge > 32.0 * spacing
-        for k in 2 ** np.arange(6):
+        large = edge > MOST_PARTS * spacing
+        for k in 2 ** np.arange(int(np.log2(MOST_PARTS)) + 1):
             mine = ~large & (np.ceil(edge / spacing) <= k) & (np.ceil(edge / spacing) > k // 2)
             if mine.any():
-                i, j = np.meshgrid(np.arange(k + 1), np.arange(k + 1), indexing="ij")
-                inner = i + j <= k
-                weights = np.stack([i[inner], j[inner], k - i[inner] - j[inner]], axis=1) / k
-                made = np.einsum("wc,tcx->twx", weights, t[mine]).reshape(-1, 3)
-                points.append(made)
-                normals.append(np.repeat(n[mine], len(weights), axis=0))
+                yield t[mine], n[mine], int(k)
         t, n = t[large], np.repeat(n[large], 4, axis=0)
         middle = 0.5 * (t + np.roll(t, -1, axis=1))
         a, b, c = t[:, 0], t[:, 1], t[:, 2]
@@ -45,9 +55,6 @@ def samples(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64
         t = np.stack([np.stack(q, axis=1) for q in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))], axis=1).reshape(
             -1, 3, 3
         )
-    if not points:
-        return np.zeros((0, 3)), np.zeros((0, 3))
-    return np.concatenate(points), np.concatenate(normals)
 
 
 def scattered(solid: Solid, spacing: float, low: F64, high: F64) -> tuple[F64, F64]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
-from .liquid_leaks import liquid_space, still_barrier
+from .liquid_barriers import liquid_space, still_barrier
 from .liquid_solids import Piece, deepest
 
 if TYPE_CHECKING:

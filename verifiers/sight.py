@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,8 +65,8 @@ class Seen:
 
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 """Of liquids, whose meshes are in the world."""
-HELD_SCENES = 4
-"""Frames whose liquids are kept."""
+HELD_FACES = 4_000_000
+"""Frames whose liquids have so many faces together are kept."""
 
 
 class _Scene:
@@ -113,21 +114,30 @@ class Sight:
         found = self.candidate.spec.materials.get(material)
         return found is not None and found.appearance.transmission >= GLASS
 
-    def _scene(self, frame: int) -> _Scene:
-        """What is there at a frame, liquids included.
+    @cached_property
+    def _veils(self) -> bool:
+        """Whether any liquid can hide what is behind it."""
+        return any(not self._clear(self.candidate.spec.entities[n].material) for n in self.candidate.liquids)
+
+    def _flows(self, entity: str) -> bool:
+        """Whether pictures of an entity depend on where liquids are: it is one, or one can hide it."""
+        return entity in self.candidate.liquids or self._veils
+
+    def _scene(self, frame: int, entity: str) -> _Scene:
+        """What is there at a frame, liquids included where pictures of the entity depend on them.
 
         Raises:
             EvidenceError: a liquid has no readable shape.
         """
         liquids = self.candidate.liquids
-        if not liquids:
+        if not self._flows(entity):
             return self._solid
         at = min(frame, self.candidate.last_frame)
         if at not in self._scenes:
             meshes = {n: liquid_outline(self.candidate, n, at) for n in liquids}
             there = [n for n in liquids if len(meshes[n].faces)]
             clear = [self._clear(self.candidate.spec.entities[n].material) for n in there]
-            while len(self._scenes) >= HELD_SCENES:
+            while self._scenes and sum(len(m.faces) for s in self._scenes.values() for m in s.meshes) > HELD_FACES:
                 self._scenes.pop(next(iter(self._scenes)))
             self._scenes[at] = self._solid.joined([(n, "") for n in there], [meshes[n] for n in there], clear)
         return self._scenes[at]
@@ -159,14 +169,14 @@ class Sight:
             raise EvidenceError(f"followed entity {shot.follow!r} has no finite position at frame {frame}")
         return moved
 
-    def poses(self, frame: int) -> list[RigidPose]:
-        """Pose of every instance.
+    def poses(self, frame: int, entity: str) -> list[RigidPose]:
+        """Pose of every instance of the scene in which an entity is looked at.
 
         Raises:
             EvidenceError: one is not finite.
         """
         at = min(frame, self.candidate.last_frame)
-        instances = self._scene(frame).instances
+        instances = self._scene(frame, entity).instances
         found = [self.candidate.pose(entity, at, body) if body else STILL for entity, body in instances]
         for (entity, _), pose in zip(instances, found, strict=True):
             if not (np.isfinite(pose.position).all() and np.isfinite(pose.quaternion).all()):
@@ -177,9 +187,9 @@ class Sight:
         """How `entity` appears in the shot at the frame."""
         key = (entity, shot_id, frame)
         if key not in self._seen:
-            camera, poses = self.camera(shot_id, frame), self.poses(frame)
+            camera, poses = self.camera(shot_id, frame), self.poses(frame, entity)
             # Where nothing moves, one look does for many frames.
-            flowing = [float(min(frame, self.candidate.last_frame))] if self.candidate.liquids else []
+            flowing = [float(min(frame, self.candidate.last_frame))] if self._flows(entity) else []
             view = np.concatenate(
                 [flowing, camera.position, camera.target, [camera.fov_deg], *(np.concatenate(p) for p in poses)]
             )
@@ -195,7 +205,7 @@ class Sight:
         return self._look(entity, "", frame, camera)
 
     def _look(self, entity: str, shot_id: str, frame: int, camera: Camera) -> Seen:
-        scene, poses = self._scene(frame), self.poses(frame)
+        scene, poses = self._scene(frame, entity), self.poses(frame, entity)
         own = scene.owner == entity
         if not own.any():
             if entity in self.candidate.liquids:  # all of it is gone, or none has come yet

@@ -59,7 +59,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -75,6 +75,10 @@ DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, struct.error),
 )
 """What reading a damaged zip file of arrays may raise."""
+HEADER_BYTES = 512
+"""Longest head of an array in a container; those of the channels have 128."""
+_LOCAL = struct.Struct("<4s22xHH")
+"""What stands before a member: signature, length of the name, length of what else there is."""
 KEPT_BYTES = 256_000_000
 """Caches up to this size are kept in memory while a verification reads them."""
 
@@ -128,19 +132,57 @@ def read_array(archive: zipfile.ZipFile, name: str) -> Any:
         KeyError: there is no such member.
         ValueError: it is compressed, encrypted, no plain array, or its header promises another size than it has.
     """
+    info = _plain(archive, name)
+    return _array(archive.read(info), name)
+
+
+def _plain(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
     info = archive.getinfo(name)
     if info.compress_type != zipfile.ZIP_STORED or info.flag_bits & 1:
         raise ValueError(f"member {name!r} is compressed or encrypted, which no container is")
-    raw = archive.read(info)
-    stream = io.BytesIO(raw)
-    version = np.lib.format.read_magic(stream)
-    header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, fortran, dtype = header(stream)
+    return info
+
+
+def _member(stream: BinaryIO, info: zipfile.ZipInfo) -> bytes:
+    """Bytes of a stored member of an archive; members are many and small, and `zipfile` takes long over each."""
+    stream.seek(info.header_offset)
+    signature, names, more = _LOCAL.unpack(stream.read(_LOCAL.size))
+    label = stream.read(names + more)[:names]
+    held = stream.read(info.file_size)
+    if signature != b"PK\x03\x04" or label != info.orig_filename.encode() or len(held) != info.file_size:
+        raise ValueError(f"member {info.filename!r} is not where the archive says")
+    if zlib.crc32(held) != info.CRC:
+        raise ValueError(f"member {info.filename!r} has another checksum than the archive says")
+    return held
+
+
+def _array(raw: bytes, name: str) -> Any:
+    """The array of an `.npy` file."""
+    shape, fortran, dtype, start = _header(raw[:HEADER_BYTES])
     count = math.prod(shape)
-    if dtype.hasobject or min(shape, default=0) < 0 or count * dtype.itemsize != len(raw) - stream.tell():
+    if dtype.hasobject or min(shape, default=0) < 0 or count * dtype.itemsize != len(raw) - start:
         raise ValueError(f"member {name!r} promises {shape} of {dtype} and holds {len(raw)} bytes")
-    flat = np.frombuffer(bytearray(raw), dtype, count, stream.tell()) if count else np.empty(0, dtype)
+    flat = np.frombuffer(bytearray(memoryview(raw)[start:]), dtype, count) if count else np.empty(0, dtype)
     return flat.reshape(shape, order="F" if fortran else "C")
+
+
+def _header(head: bytes) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
+    """Shape, order, type and where the values begin; the head of one channel is the same at most frames."""
+    major = np.lib.format.read_magic(io.BytesIO(head))[0]
+    length = int.from_bytes(head[8:10], "little") if major == 1 else int.from_bytes(head[8:12], "little")
+    end = (10 if major == 1 else 12) + length
+    if end > HEADER_BYTES:
+        raise ValueError(f"a header of {length} bytes, which no channel has")
+    return *_parsed(head[:end]), end
+
+
+@lru_cache(maxsize=4096)
+def _parsed(header: bytes) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    stream = io.BytesIO(header)
+    version = np.lib.format.read_magic(stream)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    found: tuple[tuple[int, ...], bool, np.dtype[Any]] = read(stream)
+    return found
 
 
 def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, Any]:
@@ -150,9 +192,12 @@ def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, 
         EvidenceError: the container is missing or damaged, or a channel is not in it.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
+        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
             wanted = [n.removesuffix(".npy") for n in archive.namelist()] if names is None else list(names)
-            return {n: read_array(archive, n + ".npy") for n in wanted}
+            found = {n: _plain(archive, n + ".npy") for n in wanted}
+            if sum(i.file_size for i in found.values()) > path.stat().st_size:
+                raise ValueError("its members promise more than the file holds")
+            return {n: _array(_member(stream, i), n) for n, i in found.items()}
     except DAMAGE as error:
         raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
 

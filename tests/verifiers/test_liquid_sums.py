@@ -10,10 +10,11 @@ import trimesh
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.liquid_worlds import lattice
 from worldagent.geometry import Solid
+from worldagent.verifiers.liquid_barriers import Barrier
 from worldagent.verifiers.liquid_density import crowding_of
 from worldagent.verifiers.liquid_flight import _clusters
 from worldagent.verifiers.liquid_frames import liquid_of
-from worldagent.verifiers.liquid_leaks import Barrier, _joined
+from worldagent.verifiers.liquid_leaks import _joined
 from worldagent.verifiers.liquid_samples import samples
 from worldagent.verifiers.liquid_solids import Piece
 from worldagent.worlds.arrays import F64

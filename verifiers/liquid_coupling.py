@@ -84,8 +84,9 @@ class Coupling:
         self.impulse.append(exchanged(step.now, "impulse", count))
         self.reaction.append(exchanged(step.now, "reaction", count))
         self.received.append(self._received(step.now.index))
-        self.sunk.append(self._sunk(step.now))
-        self.flow.append(self._flow(step.now))
+        sunk, flow = self._about(step.now)
+        self.sunk.append(sunk)
+        self.flow.append(flow)
 
     def _received(self, index: int) -> F64:
         """What the rigid side says it got, shape (b, 6); NaN where no coupled body is behind the boundary."""
@@ -105,21 +106,20 @@ class Coupling:
             result[row] = given[body]
         return result
 
-    def _flow(self, frame: Frame) -> F64:
-        """Speed of the liquid about every judged body [m/s], shape (bodies,)."""
-        return np.array([flow_about(self.liquid, frame, self._points(row, frame.index)) for row in self.judged])
-
-    def _sunk(self, frame: Frame) -> F64:
-        """Share of every free body that is under the level about it, shape (bodies,); NaN where no level is plain to see."""
-        result = np.full(len(self.judged), np.nan)
+    def _about(self, frame: Frame) -> tuple[F64, F64]:
+        """Of every free body, the share under the level about it (NaN where none is plain to see) and the liquid's speed [m/s] there."""
+        sunk, flow = np.full(len(self.judged), np.nan), np.zeros(len(self.judged))
+        seen = _seen(self.liquid, frame) if self.judged else np.zeros((0, 2))
         for column, row in enumerate(self.judged):
             points = self._points(row, frame.index)
-            level = level_about(self.liquid, frame, points)
+            near = _ring(self.liquid, seen, points)
+            flow[column] = _flow(frame, near)
+            level = _level(self.liquid, frame, seen, near)
             if level is not None:
                 entity, body = self.bodies.names[row].split("/")
                 step = float(np.cbrt(self.liquid.candidate.body(entity, body).volume / len(points)))
-                result[column] = share_under(points @ self.liquid.up, level, step)
-        return result
+                sunk[column] = share_under(points @ self.liquid.up, level, step)
+        return sunk, flow
 
     def _points(self, row: int, index: int) -> F64:
         entity, body = self.bodies.names[row].split("/")
@@ -273,35 +273,48 @@ class Coupling:
         return excess, push, wanted
 
 
-def _ring(liquid: Liquid, frame: Frame, points: F64) -> tuple[F64, NDArray[np.intp]]:
-    """Places of all particles seen along `up`, and which of them lie about points."""
-    up, s = liquid.up, liquid.spacing
-    flat = np.eye(3)[np.argsort(np.abs(up))[:2]]
-    flat = flat - np.outer(flat @ up, up)
-    around, here = frame.position @ flat.T, points @ flat.T
+def _flat(liquid: Liquid) -> F64:
+    """Two directions across `up`, shape (2, 3)."""
+    flat = np.eye(3)[np.argsort(np.abs(liquid.up))[:2]]
+    return np.asarray(flat - np.outer(flat @ liquid.up, liquid.up))
+
+
+def _seen(liquid: Liquid, frame: Frame) -> F64:
+    """Places of all particles seen along `up`, shape (n, 2)."""
+    return np.asarray(frame.position @ _flat(liquid).T)
+
+
+def _ring(liquid: Liquid, seen: F64, points: F64) -> NDArray[np.intp]:
+    """Which particles lie about points."""
+    s, here = liquid.spacing, points @ _flat(liquid).T
     low, high = here.min(axis=0), here.max(axis=0)
-    gap = np.maximum(low - around, around - high).max(axis=1)
-    return around, np.flatnonzero((gap > 0.5 * s) & (gap < RING * s))
+    inside = ((seen > low - RING * s) & (seen < high + RING * s)).all(axis=1)
+    rows = np.flatnonzero(inside)
+    gap = np.maximum(low - seen[rows], seen[rows] - high).max(axis=1, initial=-np.inf)
+    return np.asarray(rows[(gap > 0.5 * s) & (gap < RING * s)])
 
 
-def flow_about(liquid: Liquid, frame: Frame, points: F64) -> float:
-    """Root mean square speed of the liquid about points [m/s]; 0 where there is none."""
-    near = _ring(liquid, frame, points)[1] if frame.count else np.zeros(0, dtype=np.intp)
-    return float(np.sqrt(np.mean(np.sum(frame.velocity[near] ** 2, axis=1)))) if len(near) else 0.0
+def _flow(frame: Frame, near: NDArray[np.intp]) -> float:
+    return float(np.sqrt(np.mean(frame.squared[near]))) if len(near) else 0.0
 
 
 def level_about(liquid: Liquid, frame: Frame, points: F64) -> float | None:
     """Height of the liquid's surface about points, along `up` [m]; None where there is no plain one."""
     if not frame.count:
         return None
-    up, s = liquid.up, liquid.spacing
-    around, near = _ring(liquid, frame, points)
+    seen = _seen(liquid, frame)
+    return _level(liquid, frame, seen, _ring(liquid, seen, points))
+
+
+def _level(liquid: Liquid, frame: Frame, seen: F64, near: NDArray[np.intp]) -> float | None:
     if not len(near):
         return None
-    column = np.floor(around[near] / (1.5 * s)).astype(np.int64)
-    _, which = np.unique(column, axis=0, return_inverse=True)
+    s = liquid.spacing
+    column = np.floor(seen[near] / (1.5 * s)).astype(np.int64)
+    column -= column.min(axis=0)
+    _, which = np.unique(column[:, 0] * (int(column[:, 1].max()) + 1) + column[:, 1], return_inverse=True)
     top = np.full(which.max() + 1, -np.inf)
-    np.maximum.at(top, which.reshape(-1), frame.position[near] @ up)
+    np.maximum.at(top, which.reshape(-1), frame.position[near] @ liquid.up)
     if len(top) < 8 or float(np.quantile(top, 0.9) - np.quantile(top, 0.1)) > 2.0 * ROUGH * s:
         return None
     # The highest of a column lies half a particle under the surface.

@@ -56,7 +56,7 @@ def crowding_of(liquid: Liquid, frame: Frame) -> tuple[F64, F64, F64]:
     points = (frame.position - frame.position.min(axis=0)).astype(np.float32)
     cell = (points / np.float32(size)).astype(np.int64)
     cells = np.maximum(cell.max(axis=0) + np.array([1, 1, 5]), 5)
-    while np.prod(cells) > max(MOST_CELLS, frame.count) and cells[:2].max() > 8:
+    while np.prod(cells) > max(MOST_CELLS, frame.count) and cells[:2].max() > 10:
         cells[int(np.argmax(cells[:2]))] //= 2
     key = ((cell[:, 0] % cells[0]) * cells[1] + cell[:, 1] % cells[1]) * cells[2] + cell[:, 2] + 2
     order = np.argsort(key, kind="stable")

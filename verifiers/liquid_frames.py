@@ -34,6 +34,12 @@ CHANNELS = ("origin", "particle/position", "particle/velocity", "particle/id", "
 """What every row needs."""
 
 
+KEPT_BYTES = 200_000_000
+"""Frames are kept in memory up to this size."""
+FRAME_COST = 200
+"""Bytes that a particle takes in one frame."""
+
+
 @dataclass(frozen=True)
 class Frame:
     """One frame; particles in ascending order of their ids, those that are not finite left out."""
@@ -107,6 +113,8 @@ class Liquid:
 
     def __init__(self, candidate: Candidate, solver: str, cache: Cache) -> None:
         self.candidate, self.solver, self.cache = candidate, solver, cache
+        self._kept: dict[int, Frame] = {}
+        self._room = KEPT_BYTES
         spec = candidate.spec
         self.plan: LiquidInstance = spec.simulation.liquid[solver]
         self.members = tuple(cache.index.bodies)
@@ -172,11 +180,20 @@ class Liquid:
         return low, high
 
     def read(self, index: int) -> Frame:
-        """One frame.
+        """One frame; small caches are kept, since predicates ask again.
 
         Raises:
             EvidenceError: it is missing or damaged, or lacks a channel that every row needs.
         """
+        if index not in self._kept:
+            frame = self._read(index)
+            self._room -= FRAME_COST * frame.count
+            if self._room < 0:
+                return frame
+            self._kept[index] = frame
+        return self._kept[index]
+
+    def _read(self, index: int) -> Frame:
         held = self.cache.read(index)
         missing = [n for n in CHANNELS if n not in held]
         if missing:

@@ -48,9 +48,9 @@ def crowding(
     own = velocity[i]
     inverse = 1.0 / support
     scale = 8.0 / 3.14159265 * inverse * inverse * inverse
-    share = 0.0
-    spread = 0.0
-    count = 0
+    share = float(0.0)
+    spread = float(0.0)
+    count = int(0)
     x = int(here[0] / size) + cells[0]
     y = int(here[1] / size) + cells[1]
     z = int(here[2] / size) + 2
@@ -64,8 +64,8 @@ def crowding(
                     distance = wp.sqrt(squared)
                     q = inverse * distance
                     count += 1
-                    value = 0.0
-                    slope = 0.0
+                    value = float(0.0)
+                    slope = float(0.0)
                     if q > 0.5:
                         rest = 1.0 - q
                         value = 2.0 * rest * rest * rest

@@ -55,9 +55,16 @@ class Piece:
 
     def box(self, frame: int) -> tuple[F64, F64]:
         """Bounding box in the world [m]."""
+        low, high = self._boxes
+        return low[0 if self.still else frame], high[0 if self.still else frame]
+
+    @cached_property
+    def _boxes(self) -> tuple[F64, F64]:
+        """Corners of its box at every frame, each shape (frames, 3); at the first one only where it is still."""
         corners = self.solid.vertices if len(self.solid.vertices) <= 64 else _corners(self.solid)
-        placed = self.world(corners, frame)
-        return placed.min(axis=0), placed.max(axis=0)
+        count = 1 if self.still else len(self.position)
+        placed = np.einsum("fij,cj->fci", self.turn[:count], corners) + self.position[:count, None]
+        return placed.min(axis=1), placed.max(axis=1)
 
     @cached_property
     def _mesh(self) -> Any:

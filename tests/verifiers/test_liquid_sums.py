@@ -10,6 +10,7 @@ import trimesh
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.liquid_worlds import lattice
 from worldagent.geometry import Solid
+from worldagent.verifiers import liquid_density
 from worldagent.verifiers.liquid_barriers import Barrier
 from worldagent.verifiers.liquid_density import crowding_of
 from worldagent.verifiers.liquid_flight import _clusters
@@ -17,6 +18,7 @@ from worldagent.verifiers.liquid_frames import liquid_of
 from worldagent.verifiers.liquid_leaks import _joined
 from worldagent.verifiers.liquid_samples import samples
 from worldagent.verifiers.liquid_solids import Piece
+from worldagent.verifiers.liquid_surface import _measures
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.built import TriangleMesh
 
@@ -110,3 +112,55 @@ def test_samples_cover_a_surface_evenly() -> None:
     asked, _ = trimesh.sample.sample_surface(trimesh.Trimesh(solid.vertices, solid.faces), 2000, seed=1)
     assert cKDTree(points).query(asked)[0].max() <= 0.02
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
+
+
+def test_crowding_is_the_same_where_far_cells_share_their_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    flow = scenes.block((0.4, 0.3, 0.2), (0, 0, 2.2), frames=2)
+    liquid = liquid_of(flow.candidate(tmp_path), "water")
+    plain = crowding_of(liquid, liquid.read(0))
+    monkeypatch.setattr(liquid_density, "MOST_CELLS", 100)
+    shared = crowding_of(liquid, liquid.read(0))
+    assert all(np.array_equal(a, b) for a, b in zip(plain[1:], shared[1:], strict=True))
+    assert shared[0] == pytest.approx(plain[0], rel=1e-6)
+
+
+def test_ways_and_the_cubes_beside_them_are_those_of_a_plain_search() -> None:
+    """Two plates aslant: against the same questions asked point by point."""
+    rng = np.random.default_rng(5)
+    plate = trimesh.creation.box((0.3, 0.6, 0.03))
+    plate.apply_transform(trimesh.transformations.rotation_matrix(0.4, (0.2, 1.0, 0.3)))
+    barrier = Barrier((piece_of(plate),), np.full(3, -0.2), np.full(3, 0.2), 0.01)
+    start, end = rng.uniform(-0.25, 0.25, (2, 400, 3))
+
+    def is_closed(points: np.ndarray) -> np.ndarray:
+        cell, inside = barrier.cells(points)
+        found = np.zeros(len(points), dtype=bool)
+        found[inside] = barrier.closed[tuple(cell[inside].T)]
+        return found
+
+    count = 4 ** (1 + np.floor(np.log(np.ceil(np.linalg.norm(end - start, axis=1) / 0.005) + 1) / np.log(4) + 1e-9).astype(int))
+    wanted = [
+        bool(is_closed(a + np.linspace(0, 1, n)[1:-1, None] * (b - a)).any()) for a, b, n in zip(start, end, count, strict=True)
+    ]
+    assert barrier.blocked(start, end).tolist() == wanted
+    assert 20 < sum(wanted) < 380
+
+    steps = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    shut = start[is_closed(start)]
+    beside = barrier.beside(shut)
+    assert len(shut) > 5
+    for point, found in zip(shut, beside, strict=True):
+        middles = barrier.low + (barrier.cells(point[None])[0] + steps + 0.5) * 0.01
+        middles = middles[~is_closed(middles)]
+        gaps = np.linalg.norm(middles - point, axis=1)
+        assert np.isnan(found[0]) if not len(gaps) else np.linalg.norm(found - point) == pytest.approx(gaps.min(), abs=1e-12)
+
+
+def test_a_mesh_is_measured_and_every_open_edge_of_it_counted() -> None:
+    ball = trimesh.creation.icosphere(3, 0.3)
+    volume, area, gaps = _measures(ball.vertices + 5.0, ball.faces)
+    assert (volume, area, gaps) == (pytest.approx(ball.volume, rel=1e-9), pytest.approx(ball.area, rel=1e-9), 0)
+    assert _measures(ball.vertices, ball.faces[1:])[2] == 3
+    turned = ball.faces.copy()
+    turned[7] = turned[7, ::-1]
+    assert _measures(ball.vertices, turned)[2] == 6

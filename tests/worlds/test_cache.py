@@ -113,6 +113,22 @@ def test_a_container_cannot_promise_more_than_it_holds(tmp_path: Path) -> None:
         read_container(_container(tmp_path / "objects.npz", raw.replace(b"'<f8'", b"'|O' ")))
 
 
+def test_members_that_lie_elsewhere_or_share_their_bytes_are_refused(tmp_path: Path) -> None:
+    """What the archive's list says is compared with what stands there."""
+    path = tmp_path / "a.npz"
+    write_container(path, {"a": np.arange(64.0), "b": np.arange(64.0) + 1})
+    whole = path.read_bytes()
+    second = whole.index(b"PK\x03\x04", 4)
+    listed = whole.index(b"PK\x01\x02", whole.index(b"PK\x01\x02") + 4)
+    moved = whole[: listed + 42] + (0).to_bytes(4, "little") + whole[listed + 46 :]
+    for bad in (moved, whole[:second] + b"XX" + whole[second + 2 :]):
+        path.write_bytes(bad)
+        with pytest.raises(EvidenceError, match="not where the archive says"):
+            read_container(path)
+    path.write_bytes(whole)
+    assert read_container(path)["b"][0] == 1.0
+
+
 def test_arrays_of_every_order_and_length_come_back_writable(tmp_path: Path) -> None:
     given = {"f": np.asfortranarray(np.arange(6.0).reshape(2, 3)), "none": np.zeros((0, 3)), "one": np.float64(2.5)}
     write_container(tmp_path / "a.npz", given)

@@ -120,6 +120,21 @@ def test_what_an_engine_leaves_out_stands_in_the_register(tmp_path: Path, engine
     assert any(t.startswith(words) and "not simulated" in t for t in told), told
 
 
+def test_surface_tension_is_told_of_where_it_is_felt(tmp_path: Path) -> None:
+    """At 5 mm water feels it, at the tank's spacing gravity leaves nothing to it."""
+    candidate = tank(tmp_path, [POOL, POOL])
+    told = {}
+    for spacing in (None, 0.005):
+        data = tank_spec(crate_at=None)
+        if spacing is not None:
+            data["entities"]["water"]["physics"]["resolution"] = spacing
+        spec = WorldSpec.model_validate({"prompt": "p", **data})
+        lines = [a["what"] for a in approximations(dataclasses.replace(candidate, spec=spec))]
+        (told[spacing],) = (t for t in lines if "surface tension" in t)
+    assert "not simulated" in told[None]
+    assert "attractions" in told[0.005]
+
+
 def test_a_liquid_that_is_not_coupled_carries_nothing_and_the_row_says_what_to_do(tmp_path: Path) -> None:
     relation = {"kind": "supports", "a": "water", "b": "crate"}
     data = tank_spec(coupled=False, graph={"relations": {"afloat": relation}})

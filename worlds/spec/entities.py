@@ -160,7 +160,10 @@ class LiquidPhysics(SpecModel):
 
     category: Literal["liquid"] = "liquid"
     viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s]; engine flip leaves it out")
-    surface_tension: NonNegative = Field(default=0.072, description="[N/m]; recorded, not simulated yet")
+    surface_tension: NonNegative = Field(
+        default=0.072,
+        description="[N/m]; felt by dfsph below spacings of about three capillary lengths (water 8.6 mm); flip leaves it out",
+    )
     resolution: Positive = Field(description="particle spacing or cell size [m]")
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
     currents: Annotated[dict[Id, Current], Field(max_length=64)] = Field(

@@ -18,6 +18,7 @@ from .pressure import RELAXATION, Solved, solve
 from .settings import DfsphSettings
 from .state import pack, unpack
 from .store import SETTINGS, Store, Work, cells_of
+from .tension import Tension
 from .viscosity import Viscosity
 
 __all__ = ["Dfsph"]
@@ -74,6 +75,7 @@ class Dfsph:
         self._boxes = outflow_boxes(setup, self.origin, self.device)
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
         self.keep_out = KeepOut(setup, self.origin, self.passes)
+        self.tension = Tension(setup, self.passes)
         self.viscosity = Viscosity(setup, self._density, self.passes)
         self._host = np.zeros(SETTINGS, dtype=np.float32)
         self._work: Work | None = None
@@ -111,7 +113,7 @@ class Dfsph:
     def _stable(self, speed: float) -> float:
         reach = self.settings.cfl * self.setup.spacing
         fall = float(np.linalg.norm(self.setup.gravity))
-        dt = self.settings.max_step
+        dt = min(self.settings.max_step, self.tension.longest)
         if speed > 0 or fall > 0:  # (speed + fall dt) dt <= reach
             dt = min(dt, 2.0 * reach / (speed + float(np.sqrt(speed**2 + 4.0 * fall * reach))))
         return dt
@@ -140,6 +142,7 @@ class Dfsph:
         self.coupling.meet(w, s.x, s.volume, self.h, n)
         spread = self._solve(w, density=False)
         run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
+        self.tension.apply(w, s, self.coupling, self._grid, self._sides, self.h, n)
         self.coupling.advance()
         thin = self.viscosity.apply(
             w, s, self.coupling, self.h, n, dt, tolerance=self.settings.viscosity_error, most=self.settings.iterations
@@ -316,7 +319,7 @@ class Dfsph:
             c["fluid"],
             c["volume"].astype(float),
             fill / self.full * rest,
-            c["pressure"].astype(float),
+            np.maximum(c["pressure"].astype(float) - self.tension.inner[c["fluid"]], 0.0),
             c["temperature"].astype(float),
         )
 

@@ -1,4 +1,4 @@
-"""Landscapes in previews: land by its triangles, level water by its planes, rivers painted on the ground, plants as discs."""
+"""Landscapes in previews: land by its triangles, level water by its planes, rivers painted on the ground, plants as silhouettes."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..worlds.landscape import SavedLandscape
 from ..worlds.spec import Pose
 from .ground_look import ground_image
 from .meshes import grid_faces
+from .plant_stamps import Stand, draw_plants
 from .planting import free_plants, plant_color
 from .scenery import drawn_land, landscapes_of
 from .waters import courses
@@ -27,8 +28,6 @@ FINER = 3
 """Pixels per cell along a side of the picture of the ground."""
 SEA, LAKE, RIVER = (0.03, 0.16, 0.24), (0.03, 0.14, 0.17), (0.04, 0.17, 0.22)
 """Linear colours of water."""
-LARGEST_DISC, SPLAT = 40, 7
-"""Largest half width of a plant [pixels], and up to which plants of one size are drawn together."""
 
 
 class _Land:
@@ -64,16 +63,15 @@ class _Land:
             cv2.polylines(fine, [fixed], False, RIVER, wide, cv2.LINE_AA, 4)
         return np.asarray(fine, dtype=np.float64)
 
-    def _plants(self, candidate: Candidate, land: SavedLandscape) -> tuple[F64, F64, F64]:
-        """Middle of the crowns [m], half their width [m] and colour."""
+    def _plants(self, candidate: Candidate, land: SavedLandscape) -> Stand:
         if "plant_position" not in land.names:
-            return np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3))
+            return Stand(np.zeros((0, 3)), np.zeros(0), (), np.zeros(0, dtype=np.int64), np.zeros((0, 3)))
         chosen = free_plants(candidate, land)
         kind, tall = land.raw("plant_kind")[chosen], land.raw("plant_height")[chosen].astype(float)
-        colors = np.array([plant_color(shape) for shape in land.about["plant_shapes"]])
+        shapes = tuple(land.about["plant_shapes"])
+        colors = np.array([plant_color(shape) for shape in shapes])
         tint = np.random.default_rng(9).uniform(0.75, 1.3, len(kind))
-        crown = land.raw("plant_position")[chosen] + np.outer(0.6 * tall, [0, 0, 1.0])
-        return crown, 0.32 * tall, colors[kind] * tint[:, None]
+        return Stand(land.raw("plant_position")[chosen], tall, shapes, kind, colors[kind] * tint[:, None])
 
     def _at(self, points: F64, factor: int) -> tuple[np.ndarray, np.ndarray]:
         rows, cols = self.shape
@@ -141,54 +139,5 @@ class LandLayer:
             over = wet < found
             picture[over] = color[over]
             found = np.where(over, wet, found)
-            self._discs(picture, found, land, camera, float(sun[2]))
+            draw_plants(picture, found, land.plants, camera, 0.8 + 1.4 * float(sun[2]))
         return found
-
-    @staticmethod
-    def _discs(picture: Any, depth: F64, land: _Land, camera: Camera, high: float) -> None:
-        """Plants, far ones first, each a disc that is lighter above."""
-        crown, half, color = land.plants
-        if not len(crown):
-            return
-        pixels, away = camera.project(crown)
-        height, width = depth.shape
-        size = np.zeros(len(crown), dtype=np.int64)
-        before = away > 1.0
-        size[before] = np.clip(np.round(camera.focal * half[before] / away[before]), 0, LARGEST_DISC).astype(np.int64)
-        inside = (
-            before
-            & (pixels > -LARGEST_DISC).all(1)
-            & (pixels[:, 0] < width + LARGEST_DISC)
-            & (pixels[:, 1] < height + LARGEST_DISC)
-        )
-        order = np.flatnonzero(inside)
-        order = order[np.argsort(-away[order], kind="stable")]
-        drawn = order[size[order] > SPLAT]
-        for radius in range(SPLAT + 1):
-            own = order[size[order] == radius]
-            for dy in range(-radius, radius + 1):
-                wide = int(np.sqrt(radius**2 - dy**2))
-                light = (0.7 + 1.4 * high) * (0.75 - 0.35 * dy / max(radius, 1))
-                for dx in range(-wide, wide + 1):
-                    column, row = pixels[own, 0].astype(np.int64) + dx, pixels[own, 1].astype(np.int64) + dy
-                    fits = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-                    column, row, who = column[fits], row[fits], own[fits]
-                    clear = away[who] - half[who] < depth[row, column]
-                    picture[row[clear], column[clear]] = color[who[clear]] * light
-        for k in drawn:
-            _disc(picture, depth, pixels[k], float(away[k] - half[k]), int(size[k]), color[k] * (0.7 + 1.4 * high))
-
-
-def _disc(picture: Any, depth: F64, at: F64, away: float, radius: int, color: F64) -> None:
-    """One large crown."""
-    height, width = depth.shape
-    column, row = int(at[0]), int(at[1])
-    low_c, low_r = max(column - radius, 0), max(row - radius, 0)
-    high_c, high_r = min(column + radius + 1, width), min(row + radius + 1, height)
-    if low_c >= high_c or low_r >= high_r:
-        return
-    spot = slice(low_r, high_r), slice(low_c, high_c)
-    dy, dx = np.mgrid[spot]
-    dy, dx = dy - row, dx - column
-    clear = (dx**2 + dy**2 <= radius**2) & (away < depth[spot])
-    picture[spot][clear] = color * (0.75 - 0.35 * dy[clear] / radius)[:, None]

@@ -69,7 +69,7 @@ class PreviewRenderer:
         return over(solid, liquid, len(self.parts), shown)
 
     def _cast_solid(self, frame: int, camera: Camera, *, panes: bool = True, stems: bool = False) -> IdImage:
-        """Pictures leave out the stems of plants, which the layer of land draws as discs."""
+        """Pictures leave out the stems of plants, which the layer of land draws."""
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         left_out = {*(() if panes else self._panes), *(() if stems else self._stems)}
         shown = [k for k, (name, _) in enumerate(self.parts) if k not in left_out and active(self.candidate, name, frame)]

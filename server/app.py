@@ -56,7 +56,8 @@ of the prompt. Each reply holds the audit.
 4. probe_sim: a run through all phases; a pass freezes the settings.
 5. bake_sim: the whole sequence with the frozen settings. Long work answers with a job_id: job(action='wait').
 6. run_checks(scope='acceptance'): a fresh process judges the candidate, read-only. One open row refuses it.
-7. render_shot(kind='final'): only after acceptance. Previews and contact sheets work as soon as the audit passes.
+7. render_shot(kind='final'): only after acceptance. Previews and contact sheets work as soon as the audit passes, \
+maps of a landscape as soon as it is built.
 
 After a failed row: state one hypothesis, change one parameter group with edit_spec, repeat from the first stale step. \
 Bounds are no way out: weakening edits are refused or recorded. Trust the numbers of rows and inspect_world over \
@@ -65,8 +66,10 @@ pictures.
 Units are SI, Z is up, quaternions are (w, x, y, z), frame k is the state at k / fps. Angles are in degrees only where a \
 name says so.
 
-Read first: skill://world-building/SKILL.md (the procedure), worldagent://schema/world (the specification), \
-worldagent://capabilities (engines and caps)."""
+Read first, as resource or by inspect_world(part='guide', pointer='outdoor-terrain/SKILL.md'): \
+skill://outdoor-terrain/SKILL.md and its example.json for land outdoors, skill://world-building/SKILL.md for all else. \
+Then parts of the schema as you need them: inspect_world(part='schema', pointer='Shot'). worldagent://schema/world is all of it \
+(170 kB), worldagent://capabilities tells engines, species and caps."""
 """What a client shows its model about this server; clients cut it at 2 KB."""
 
 TOOLS_AT_A_TIME = 16

@@ -21,8 +21,8 @@ Make a physical world from the prompt between the lines and bring it to acceptan
 {prompt}
 ---
 
-1. Read skill://world-building/SKILL.md (or inspect_world(part='guide')), inspect_world(part='schema') part by part as you
-   need it, and worldagent://capabilities.
+1. Read skill://world-building/SKILL.md, or for land outdoors skill://outdoor-terrain/SKILL.md and its example.json
+   (inspect_world(part='guide') has both); then inspect_world(part='schema') part by part as you need it.
 2. edit_spec: create the world with this very prompt; split it into clauses and cover each one; give every entity real
    dimensions, a material and a solver; write beats with measurable predicates; plan shots.
 3. build_terrain where there is ground, place_object; then run_checks(scope='static') until nothing fails.

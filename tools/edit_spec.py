@@ -55,7 +55,7 @@ def edit_spec(
     """Create a world from a prompt, or apply a JSON Patch to its specification as a new revision.
 
     Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches); edit with `world` and `patch`. Learn the
-    fields from inspect_world(part='schema') or worldagent://schema/world, the procedure from inspect_world(part='guide').
+    fields part by part from inspect_world(part='schema', pointer=...), the procedure from inspect_world(part='guide').
     Units are SI (m, kg, s, rad), Z is up, frame k is the state at k / fps seconds.
     Returns: revision, the prompt's clauses (map each in /clauses: met_by pointers, or an unmet reason), the audit's open rows,
     what became stale. Refused: another prompt; a patch that does not validate; after failed rows an edit without hypothesis

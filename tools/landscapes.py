@@ -129,7 +129,7 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         static_open = [r.id for r in open_rows(rows, static=True) if r.mandatory]
     else:
         data |= {"audit": {"passed": False, **news(report.rows, before)}}
-    data["then"] = after_building(session, [r.id for r in open_rows(report.rows) if r.mandatory], static_open)
+    data["then"] = after_building(session, entity, [r.id for r in open_rows(report.rows) if r.mandatory], static_open)
     say(0.99, "drawing an overview")
     data["picture"] = _overview(session.folder, name, land)
     return data

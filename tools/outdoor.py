@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 __all__ = ["after_building", "grounds_of", "to_build", "to_place"]
 
+ON_GROUND = "support:ground:"
+"""Rows that tell whether a thing stands on the land."""
+
 
 def grounds_of(spec: WorldSpec, terrain: str) -> list[str]:
     """Entities whose ground is cut from a landscape."""
@@ -60,7 +63,7 @@ def _cut(session: Session, ground: str) -> dict[str, Any]:
     return found
 
 
-def after_building(session: Session, audit_open: list[str], static_open: list[str]) -> str:
+def after_building(session: Session, ground: str, audit_open: list[str], static_open: list[str]) -> str:
     """The call after a landscape was built: a look and a place for things, or what stands in the way."""
     world = session.folder.id
     look = call("render_shot", world=world, kind="field", field="hillshade")
@@ -69,6 +72,10 @@ def after_building(session: Session, audit_open: list[str], static_open: list[st
         return f"{find} tells where things can stand ({look} shows the land); then edit_spec: add the entities, beats and shots"
     if audit_open:
         return f"edit_spec: mend {', '.join(audit_open[:3])}; {look} shows the land"
+    lying = [row.removeprefix(ON_GROUND) for row in static_open if row.startswith(ON_GROUND)]
+    if lying:
+        call_them = call("place_object", world=world, entity=lying[0], on=ground)
+        return f"{call_them} lowers it onto the ground" + (f", then {', '.join(lying[1:5])} likewise" if lying[1:] else "")
     if static_open:
         return f"edit_spec or place_object: mend {static_open[0]}, one group at a time; {look} shows the land"
     return f"{call('place_object', world=world)} for what is not in place, else {call('probe_sim', world=world)}; {look} shows the land"

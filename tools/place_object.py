@@ -21,6 +21,8 @@ DROP_TOLERANCE = 1e-6
 MOST_STEPS = 2000
 """Steps of the descent: at 85 degrees each leaves nine tenths of the way."""
 
+MOST_EDITS = 1000
+"""Edits in which an earlier placement is looked for."""
 FARTHEST = 1e6
 """[m] Own choice: no world is larger, and squares of distances stay far from overflow."""
 
@@ -46,7 +48,8 @@ def place_object(
 
     Call it without `entity` after every edit of geometry. With `entity` and `on`, the entity is lowered along z onto that
     support until it rests with a gap of two collision skins; `at` and `yaw_deg` choose where and how. Its tilt stays as
-    specified: on a slope, turn it first with edit_spec. A move is a new revision; after a failed row it needs a hypothesis.
+    specified: on a slope, turn it first with edit_spec. A move is a new revision; after a failed row it needs a hypothesis, except the first
+    one onto a support while nothing else fails.
     Returns: what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
     Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).
     Refused: while the audit fails; a place that overlaps (`strict`); an entity that is not above `on`.
@@ -122,11 +125,25 @@ def _move(
     value: dict[str, Any] = {"position": [round(float(v), 9) for v in pose.position]}
     if abs(float(pose.quaternion[0])) < 1 - 1e-15:
         value["quaternion"] = [float(v) for v in pose.quaternion]
-    patch = [{"op": "add", "path": f"/entities/{entity}/pose", "value": value}]
+    path = f"/entities/{entity}/pose"
+    if on is not None and not hypothesis.strip():
+        hypothesis = _first_placement(session, entity, on, path)
+    patch = [{"op": "add", "path": path, "value": value}]
     after = apply_patch(spec, patch)
     if after.entities[entity].pose == spec.entities[entity].pose:
         return {"moved": False}
     return {"moved": True, "pose": value, **session.commit(after, patch=patch, hypothesis=hypothesis)}
+
+
+def _first_placement(session: Session, entity: str, on: str, path: str) -> str:
+    """The hypothesis that the first placement of an entity is by itself, where nothing but support at frame 0 fails; else empty."""
+    stages = session.ledger.stages()
+    failing = [r for r in session.ledger.rows() if r.status == "fail" and r.mandatory]
+    if any(r.check not in ("support", "audit", "shots") or stages.get(r.id) != "static" for r in failing):
+        return ""
+    if any(o.get("path", "").startswith(path) for edit in session.ledger.revisions(limit=MOST_EDITS) for o in edit["patch"]):
+        return ""
+    return f"{entity} was never put onto {on}: where it was specified is a guess"
 
 
 def _solids(session: Session, names: list[str]) -> dict[str, list[Any]]:

@@ -4,11 +4,13 @@
 arguments are packed once here and only replayed. Kernels take the index of their first element first, as there.
 
 Sums keep one order on a device, however many threads share the work. A kernel that folds many elements into few takes
-(first, span, width, total, ...): thread t = first + wp.tid() goes through the elements [t span, min((t + 1) span, total)), and the
-`width` threads of a block store what they have together at t / width:
+(first, span, width, total, ...): the `width` threads of a block take `span` elements each, side by side, and store what they have
+together at t / width:
 
+    t = first + wp.tid()
+    start = (t / width) * span * width + t % width
     s = wp.float64(0.0)
-    for i in range(t * span, wp.min((t + 1) * span, total)):
+    for i in range(start, wp.min(start + span * width, total), width):
         s += wp.float64(values[i])
     wp.tile_store(partial, wp.tile_sum(wp.tile(s)), offset=t / width)
 
@@ -33,8 +35,8 @@ SMALLEST = 256
 """Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
 SLICES = 2
 """Slices of one thread: another one takes the second where the first is held up."""
-BLOCK = 256
-"""Threads of a block on a GPU (Warp's default)."""
+BLOCK, FOLDED = 256, 8
+"""Threads of a block on a GPU (Warp's default), and what one of them folds."""
 
 
 @cache
@@ -104,7 +106,7 @@ class Passes:
         self.device = device
         self.graphs = device != "cpu"
         """Whether chains run as graphs."""
-        self.span, self.width = (SMALLEST, 1) if device == "cpu" else (1, BLOCK)
+        self.span, self.width = (SMALLEST, 1) if device == "cpu" else (FOLDED, BLOCK)
         """Elements of a thread, and threads of a block, where a kernel folds many elements into few."""
         self._chains: dict[str, list[Chain]] = {}
         self._known: dict[str, list[Pass]] = {}

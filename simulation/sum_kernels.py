@@ -19,9 +19,10 @@ def fold(
 ):
     """Sum of each column over the elements of a block."""
     t = first + wp.tid()
+    start = (t / width) * span * width + t % width
     for c in range(values.shape[1]):
         s = wp.float64(0.0)
-        for i in range(t * span, wp.min((t + 1) * span, total)):
+        for i in range(start, wp.min(start + span * width, total), width):
             s += wp.float64(values[i, c])
         wp.tile_store(partial[c], wp.tile_sum(wp.tile(s)), offset=t / width)
 

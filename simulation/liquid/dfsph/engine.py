@@ -25,6 +25,8 @@ __all__ = ["Dfsph"]
 
 SUPPORT = 2.0
 """Support of the kernel in spacings."""
+STEEPEST = 5.1
+"""Largest slope of the cubic spline times the fourth power of its support."""
 CELLS_PER_PARTICLE = 8
 LEAST_CELLS = 1 << 16
 
@@ -102,7 +104,9 @@ class Dfsph:
         """Arrays of the step, with room for all particles."""
         if self._work is None or self._work.capacity < self.store.count:
             room = {"room": self._work.room} if self._work else {}
-            self._work = Work(self.passes, self.store.capacity, self._cells, **room)
+            largest = max(float(np.max(self.setup.volume, initial=0.0)), *(m.volume for m in self.mouths), 0.0)
+            steepest = largest * STEEPEST / self.h**4
+            self._work = Work(self.passes, self.store.capacity, self._cells, steepest=steepest, **room)
             self._sorted = 0
         return self._work
 
@@ -207,14 +211,14 @@ class Dfsph:
         s, n, run = self.store.now, self.store.count, self.passes
         run("lighten", step_kernels.lighten, n, [s.fluid, s.held, self._density, w.settings, w.lightness])()
         while True:
-            lists = [w.room, w.row, w.stride, w.count, w.near, w.gradient, w.fill, w.lean, w.stiffness]
+            lists = [w.room, *w.lists, w.fill, w.lean, w.stiffness]
             run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
             run.fold("most", grid_kernels.most, n, [w.count, w.longest])()
             run.close("close_most", grid_kernels.close_most, n, [w.longest, w.most])()
             most = int(w.most.numpy()[0])
             if most <= w.room:
                 break
-            w.grow(self.device, 8 * (-(-(most + 4) // 8)))
+            w.grow(8 * (-(-(most + 4) // 8)))
         walls = [s.x, *self._sides, self.setup.spacing, self.h, w.fill, w.lean, w.wall]
         run("walls", domain_kernels.walls, n, walls)()
 

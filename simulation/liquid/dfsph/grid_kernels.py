@@ -4,8 +4,11 @@
 All gather: thread i writes only its own rows (or, for the spans of cells, entries that no other thread writes).
 """
 
+from typing import Any
+
 import warp as wp
 
+from .list_kernels import KINDS, keep, neighbour, note
 from .shape_kernels import cell, cell_of, slope, weight, wrapped
 
 wp.set_module_options({"enable_backward": False})
@@ -98,6 +101,17 @@ def joined(one: wp.vec2i, two: wp.vec2i):
     return wp.vec2i(one[0], two[1])
 
 
+@wp.func
+def beyond(inside: wp.float32, k: wp.int32):
+    """Distance in cells to the cell before (k = 0), to the own (1) and to the one after (2) from a place in a cell."""
+    d = wp.float32(0.0)
+    if k == 0:
+        d = inside
+    if k == 2:
+        d = 1.0 - inside
+    return d
+
+
 @wp.kernel
 def search(
     first: wp.int32,
@@ -110,11 +124,11 @@ def search(
     size: wp.vec3i,
     h: wp.float32,
     room: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    near: wp.array(dtype=Any),
     row: wp.int32,
     stride: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    near: wp.array(dtype=wp.int32),
-    gradient: wp.array(dtype=wp.vec3),
+    unit: wp.float32,
     fill: wp.array(dtype=wp.float32),
     lean: wp.array(dtype=wp.vec3),
     stiffness: wp.array(dtype=wp.float32),
@@ -135,10 +149,16 @@ def search(
     left = wrapped(c[0] - 1, size[0])
     if left + 2 == wrapped(c[0] + 1, size[0]):
         runs = 1
+    inside = (xi - low) * inverse - wp.vec3(wp.float32(c[0]), wp.float32(c[1]), wp.float32(c[2]))
     for k in range(9):
+        aside = beyond(inside[1], k % 3)
+        above = beyond(inside[2], k / 3)
         layer = wrapped(c[2] + k / 3 - 1, size[2]) * size[1]
         line = (layer + wrapped(c[1] + k % 3 - 1, size[1])) * size[0]
-        for m in range(runs):
+        here = runs
+        if aside * aside + above * above > 1.001:
+            here = 0
+        for m in range(here):
             run = span[line + wrapped(left + m, size[0])]
             if runs == 1:
                 run = joined(run, joined(span[line + left + 1], span[line + left + 2]))
@@ -146,7 +166,7 @@ def search(
                 way = xi - x[j]
                 if wp.dot(way, way) < limit and j != i:
                     if found < room:
-                        near[at] = j
+                        note(near, at, j)
                     at += stride
                     found += 1
     sum_w = vi * weight(0.0, h)
@@ -155,12 +175,11 @@ def search(
     per_h = 1.0 / h
     at = i * row
     for _k in range(wp.min(found, room)):
-        j = near[at]
+        j = neighbour(near[at])
         way = xi - x[j]
         q = wp.length(way) * per_h
         vj = volume[j]
-        g = way * (vj * slope(q, h))
-        gradient[at] = g
+        g = keep(near, at, j, way * (vj * slope(q, h)), unit)
         sum_w += vj * weight(q, h)
         sum_g += g
         sum_d += vi * lightness[j] / vj * wp.dot(g, g)
@@ -182,8 +201,9 @@ def most(
 ):
     """Longest of many lists."""
     t = first + wp.tid()
+    start = (t / width) * span * width + t % width
     s = wp.int32(0)
-    for i in range(t * span, wp.min((t + 1) * span, total)):
+    for i in range(start, wp.min(start + span * width, total), width):
         s = wp.max(s, count[i])
     wp.tile_store(partial, wp.tile_max(wp.tile(s)), offset=t / width)
 
@@ -198,3 +218,7 @@ def close_most(
     for k in range(t, parts, width):
         s = wp.max(s, partial[k])
     wp.tile_store(out, wp.tile_max(wp.tile(s)))
+
+
+for _kind in KINDS:
+    wp.overload(search, {"near": wp.array(dtype=_kind)})

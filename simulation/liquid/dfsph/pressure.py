@@ -65,9 +65,8 @@ def solve(
         relaxation: step along the scaled gradient to begin with.
     """
     w, name = work, "density" if density else "divergence"
-    lists = [w.count, w.near, w.gradient, w.row, w.stride]
     coupling.moving_walls()
-    passes(name + "rates", kernels.rates, count, [v, w.lean, *lists, w.moving, w.rate])()
+    passes(name + "rates", kernels.rates, count, [v, w.lean, *w.lists, w.moving, w.rate])()
     passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b])()
     passes(name + "begin", kernels.begin, count, [p, w.y])()
     settings[2:6] = (0.0, 1.0, 0.0, relaxation)
@@ -77,16 +76,16 @@ def solve(
     passes.close("before", kernels.judge, count, [w.partial, w.settings, 1, w.going])()
     reaction = coupling.reaction(w.y)
     chain: list[Callable[[], None]] = [
-        passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *lists, w.a]),
+        passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.a]),
         *reaction,
-        passes.fold(
+        passes(
             name + "relax",
             kernels.relax,
             count,
             [
                 w.a,
                 w.lean,
-                *lists,
+                *w.lists,
                 coupling.taken,
                 w.stiffness,
                 w.b,
@@ -96,13 +95,14 @@ def solve(
                 w.y,
                 w.last_y,
                 w.last_r,
-                w.partial,
+                w.sums,
             ],
         ),
+        passes.fold("gather", kernels.gather, count, [w.sums, w.partial]),
         passes.close("judge", kernels.judge, count, [w.partial, w.settings, 0, w.going]),
     ]
     passes.chain(name, chain, going=w.going)()
-    passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *lists, w.a])()
+    passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *w.lists, w.a])()
     coupling.book(p)
     passes(name + "end", kernels.end, count, [w.a, w.settings, v])()
     found = w.settings.numpy()

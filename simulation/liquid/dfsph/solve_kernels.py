@@ -6,11 +6,15 @@ with S_i = sum_j V_j grad W_ij + walls. Weighted by volume, -D a is a symmetric 
 convex problem with bounds (a linear complementarity problem): r = b - A p <= 0, p >= 0, p r = 0.
 """
 
+from typing import Any
+
 import warp as wp
+
+from .list_kernels import KINDS, neighbour, toward
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["accelerate", "asked", "begin", "end", "judge", "rates", "relax", "source"]
+__all__ = ["Sums", "Totals", "accelerate", "asked", "begin", "end", "gather", "judge", "rates", "relax", "source"]
 
 DT = wp.constant(0)
 COUNT = wp.constant(1)
@@ -37,6 +41,7 @@ SMALL = wp.constant(wp.float32(0.02))
 """Share of the tolerance below which that does not matter."""
 MOST_MENDED = wp.constant(wp.float32(0.02))
 """Compression that one step takes back at most: more would throw particles past each other."""
+Sums = wp.types.vector(length=5, dtype=wp.float32)
 Totals = wp.types.vector(length=5, dtype=wp.float64)
 
 
@@ -46,21 +51,22 @@ def rates(
     v: wp.array(dtype=wp.vec3),
     lean: wp.array(dtype=wp.vec3),
     count: wp.array(dtype=wp.int32),
-    near: wp.array(dtype=wp.int32),
-    gradient: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=Any),
     row: wp.int32,
     stride: wp.int32,
+    unit: wp.float32,
     moving: wp.array(dtype=wp.float32),
     rate: wp.array(dtype=wp.float32),
 ):
     """D v: rate of the fill [1/s]; `moving` is what moving walls take away."""
     i = first + wp.tid()
-    s = wp.dot(v[i], lean[i]) - moving[i]
+    s = wp.float32(0.0)
     at = i * row
     for _k in range(count[i]):
-        s -= wp.dot(v[near[at]], gradient[at])
+        w = near[at]
+        s += wp.dot(v[neighbour(w)], toward(w))
         at += stride
-    rate[i] = s
+    rate[i] = wp.dot(v[i], lean[i]) - moving[i] - unit * s
 
 
 @wp.kernel
@@ -103,35 +109,33 @@ def accelerate(
     lightness: wp.array(dtype=wp.float32),
     lean: wp.array(dtype=wp.vec3),
     count: wp.array(dtype=wp.int32),
-    near: wp.array(dtype=wp.int32),
-    gradient: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=Any),
     row: wp.int32,
     stride: wp.int32,
+    unit: wp.float32,
     a: wp.array(dtype=wp.vec3),
 ):
     """Acceleration by pressure [m/s^2]."""
     i = first + wp.tid()
-    s = p[i] * lean[i]
+    s = wp.vec3(0.0, 0.0, 0.0)
     at = i * row
     for _k in range(count[i]):
-        s += p[near[at]] * gradient[at]
+        w = near[at]
+        s += p[neighbour(w)] * toward(w)
         at += stride
-    a[i] = -lightness[i] * s
+    a[i] = -lightness[i] * (p[i] * lean[i] + unit * s)
 
 
 @wp.kernel
 def relax(
     first: wp.int32,
-    span: wp.int32,
-    width: wp.int32,
-    total: wp.int32,
     a: wp.array(dtype=wp.vec3),
     lean: wp.array(dtype=wp.vec3),
     count: wp.array(dtype=wp.int32),
-    near: wp.array(dtype=wp.int32),
-    gradient: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=Any),
     row: wp.int32,
     stride: wp.int32,
+    unit: wp.float32,
     bodies: wp.array(dtype=wp.float32),
     stiffness: wp.array(dtype=wp.float32),
     b: wp.array(dtype=wp.float32),
@@ -141,44 +145,42 @@ def relax(
     y: wp.array(dtype=wp.float32),
     last_y: wp.array(dtype=wp.float32),
     last_r: wp.array(dtype=wp.float32),
-    partial: wp.array(dtype=Totals),
+    sums: wp.array(dtype=Sums),
 ):
-    """One accelerated step; its sums: compression left (r > 0), residual that is left (also r < 0 where p > 0), the sign
+    """One accelerated step; sums: compression left (r > 0), residual that is left (also r < 0 where p > 0), the sign
     that asks for a restart, and the two parts of the Rayleigh quotient of A along the last change of y.
 
     `bodies` is what accelerating bodies take away from D a.
     """
-    t = first + wp.tid()
-    sums = Totals()
-    for i in range(t * span, wp.min((t + 1) * span, total)):
-        s = wp.dot(a[i], lean[i]) - bodies[i]
-        at = i * row
-        for _k in range(count[i]):
-            s -= wp.dot(a[near[at]], gradient[at])
-            at += stride
-        r = b[i] + s
-        old = p[i]
-        was = y[i]
-        fresh = wp.float32(0.0)
-        if stiffness[i] > 0.0:
-            fresh = wp.max(was + settings[OMEGA] * r / stiffness[i], 0.0)
-        p[i] = fresh
-        y[i] = fresh + settings[BETA] * (fresh - old)
-        left = wp.max(r, 0.0)
-        if was > 0.0:
-            left = wp.abs(r)
-        change = was - last_y[i]
-        weight = volume[i] * stiffness[i]
-        sums += Totals(
-            wp.float64(wp.max(r, 0.0)),
-            wp.float64(left),
-            wp.float64(weight * (was - fresh) * (fresh - old)),
-            wp.float64(volume[i] * change * (last_r[i] - r)),
-            wp.float64(weight * change * change),
-        )
-        last_y[i] = was
-        last_r[i] = r
-    wp.tile_store(partial, wp.tile_sum(wp.tile(sums, preserve_type=True)), offset=t / width)
+    i = first + wp.tid()
+    s = wp.float32(0.0)
+    at = i * row
+    for _k in range(count[i]):
+        w = near[at]
+        s += wp.dot(a[neighbour(w)], toward(w))
+        at += stride
+    r = b[i] + wp.dot(a[i], lean[i]) - bodies[i] - unit * s
+    old = p[i]
+    was = y[i]
+    fresh = wp.float32(0.0)
+    if stiffness[i] > 0.0:
+        fresh = wp.max(was + settings[OMEGA] * r / stiffness[i], 0.0)
+    p[i] = fresh
+    y[i] = fresh + settings[BETA] * (fresh - old)
+    left = wp.max(r, 0.0)
+    if was > 0.0:
+        left = wp.abs(r)
+    change = was - last_y[i]
+    weight = volume[i] * stiffness[i]
+    sums[i] = Sums(
+        wp.max(r, 0.0),
+        left,
+        weight * (was - fresh) * (fresh - old),
+        volume[i] * change * (last_r[i] - r),
+        weight * change * change,
+    )
+    last_y[i] = was
+    last_r[i] = r
 
 
 @wp.kernel
@@ -204,9 +206,29 @@ def asked(
 ):
     """Sum of the compression that a solve is to take away."""
     t = first + wp.tid()
+    start = (t / width) * span * width + t % width
     sums = Totals()
-    for i in range(t * span, wp.min((t + 1) * span, total)):
+    for i in range(start, wp.min(start + span * width, total), width):
         sums += Totals(wp.float64(wp.max(b[i], 0.0)), wp.float64(0.0), wp.float64(0.0), wp.float64(0.0), wp.float64(0.0))
+    wp.tile_store(partial, wp.tile_sum(wp.tile(sums, preserve_type=True)), offset=t / width)
+
+
+@wp.kernel
+def gather(
+    first: wp.int32,
+    span: wp.int32,
+    width: wp.int32,
+    total: wp.int32,
+    values: wp.array(dtype=Sums),
+    partial: wp.array(dtype=Totals),
+):
+    """Sums of an iteration, by blocks."""
+    t = first + wp.tid()
+    start = (t / width) * span * width + t % width
+    sums = Totals()
+    for i in range(start, wp.min(start + span * width, total), width):
+        v = values[i]
+        sums += Totals(wp.float64(v[0]), wp.float64(v[1]), wp.float64(v[2]), wp.float64(v[3]), wp.float64(v[4]))
     wp.tile_store(partial, wp.tile_sum(wp.tile(sums, preserve_type=True)), offset=t / width)
 
 
@@ -260,3 +282,8 @@ def judge(
     t1 = 0.5 * (1.0 + wp.sqrt(1.0 + 4.0 * t0 * t0))
     settings[BETA] = (t0 - 1.0) / t1
     settings[NESTEROV] = t1
+
+
+for _kind in KINDS:
+    for _kernel in (rates, accelerate, relax):
+        wp.overload(_kernel, {"near": wp.array(dtype=_kind)})

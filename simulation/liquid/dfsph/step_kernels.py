@@ -135,12 +135,13 @@ def census(
 ):
     """Sum and largest of compression, largest squared speed, a particle that is not finite or -1, and leavers."""
     t = first + wp.tid()
+    start = (t / width) * span * width + t % width
     mean = wp.float64(0.0)
     worst = wp.float64(0.0)
     fast = wp.float64(0.0)
     wrong = wp.float64(-1.0)
     leavers = wp.float64(0.0)
-    for i in range(t * span, wp.min((t + 1) * span, total)):
+    for i in range(start, wp.min(start + span * width, total), width):
         over = wp.max(fill[i] / settings[FULL] - 1.0, 0.0)
         mean += wp.float64(over)
         worst = wp.max(worst, wp.float64(over))

@@ -77,10 +77,19 @@ class Store:
 
 
 class Work:
-    """Room for one step of up to `capacity` particles with up to `room` neighbours each."""
+    """Room for one step of up to `capacity` particles with up to `room` neighbours each.
 
-    def __init__(self, passes: Passes, capacity: int, cells: int, *, room: int = ROOM) -> None:
-        from .solve_kernels import Totals
+    Args:
+        passes: of the device.
+        capacity: particles.
+        cells: of the grid.
+        steepest: largest component that a gradient V grad W can have [1/m].
+        room: neighbours.
+    """
+
+    def __init__(self, passes: Passes, capacity: int, cells: int, *, steepest: float, room: int = ROOM) -> None:
+        from .list_kernels import MOST_PACKED, STEPS
+        from .solve_kernels import Sums, Totals
         from .step_kernels import Tally
 
         wp, device = warp(), passes.device
@@ -88,32 +97,34 @@ class Work:
         def zeros(count: int, kind: Any) -> Any:
             return wp.zeros(count, dtype=kind, device=device)
 
-        self.capacity, self.room = capacity, room
-        self.row, self.stride = (room, 1) if device == "cpu" else (1, capacity)
+        self.device, self.capacity = device, capacity
+        self._packed = device != "cpu" and capacity <= MOST_PACKED
+        self._unit = steepest / STEPS if self._packed else 1.0
         self.lanes = lanes(device)
         self.key, self.index = zeros(2 * capacity, wp.int32), zeros(2 * capacity, wp.int32)
         self.span = zeros(cells, wp.vec2i)
         self.count, self.touched, self.leaving = (zeros(capacity, wp.int32) for _ in range(3))
+        self.grow(room)
         self.start = zeros(capacity, wp.int32)
-        self.near, self.gradient = zeros(capacity * room, wp.int32), zeros(capacity * room, wp.vec3)
         self.fill, self.stiffness, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(6))
         self.own, self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(4))
         self.lean, self.wall, self.a = (zeros(capacity, wp.vec3) for _ in range(3))
         parts = passes.parts(capacity)
-        self.partial = zeros(parts, Totals)
+        self.sums, self.partial = zeros(capacity, Sums), zeros(parts, Totals)
         self.going = zeros(1, wp.int32)
         self.last_y, self.last_r = zeros(capacity, wp.float32), zeros(capacity, wp.float32)
         self.tallies, self.tally = zeros(parts, Tally), zeros(1, Tally)
         self.longest, self.most = zeros(parts, wp.int32), zeros(1, wp.int32)
         self.settings = zeros(SETTINGS, wp.float32)
 
-    def grow(self, device: str, room: int) -> None:
-        """Longer neighbour lists."""
+    def grow(self, room: int) -> None:
+        """Neighbour lists with this much room; neighbour k of particle i stands at i row + k stride."""
         wp = warp()
         self.room = room
-        self.row = room if device == "cpu" else 1
-        self.near = wp.zeros(self.capacity * room, dtype=wp.int32, device=device)
-        self.gradient = wp.zeros(self.capacity * room, dtype=wp.vec3, device=device)
+        row, stride = (room, 1) if self.device == "cpu" else (1, self.capacity)
+        near = wp.zeros(self.capacity * room, dtype=wp.vec2i if self._packed else wp.vec4, device=self.device)
+        self.lists: list[Any] = [self.count, near, row, stride, self._unit]
+        """What kernels over lists take: lengths, neighbours, row, stride, unit of their gradients."""
 
 
 def cells_of(lower: F64, upper: F64, h: float, most: int) -> tuple[int, int, int]:

@@ -59,7 +59,7 @@ class Viscosity:
         if number < UNFELT:
             return True
         self._make_room(w.capacity)
-        lists = [w.viscosity, w.lightness, w.count, w.near, w.gradient, w.row, w.stride, h, coupling.pairs, coupling.bodies]
+        lists = [w.viscosity, w.lightness, *w.lists, h, coupling.pairs, coupling.bodies]
         if number < EXPLICIT:
             coupling.rub(s.v)
             run("viscous", kernels.direct, n, [s.x, s.v, *lists, 1.0, w.settings, self._image])()
@@ -109,7 +109,7 @@ class Viscosity:
         if self._diffusivity == 0.0:
             return
         parts = max(1, int(np.ceil(self._diffusivity * dt / (HEAT_STEP * self.setup.spacing**2))))
-        lists = [w.count, w.near, w.gradient, w.row, w.stride, h, dt / parts]
+        lists = [*w.lists, h, dt / parts]
         for _ in range(parts):
             run = self.passes
             run("conduct", kernels.conduct, n, [s.x, s.fluid, self._density, self._heat, s.temperature, *lists, w.rate])()

@@ -5,9 +5,12 @@ Viscous force between two particles along their connection (Monaghan 2005, the o
 angular momentum are kept, and weighted by mass the operator is symmetric, so the implicit step is solved by conjugate gradients.
 """
 
+from typing import Any
+
 import warp as wp
 
 from .boundary_kernels import Bodies, Pairs
+from .list_kernels import KINDS, neighbour, toward
 from .reaction_kernels import at_place
 
 wp.set_module_options({"enable_backward": False})
@@ -44,10 +47,10 @@ def direct(
     viscosity: wp.array(dtype=wp.float32),
     lightness: wp.array(dtype=wp.float32),
     count: wp.array(dtype=wp.int32),
-    near: wp.array(dtype=wp.int32),
-    gradient: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=Any),
     row: wp.int32,
     stride: wp.int32,
+    unit: wp.float32,
     h: wp.float32,
     pairs: Pairs,
     bodies: Bodies,
@@ -61,13 +64,15 @@ def direct(
     s = wp.vec3(0.0, 0.0, 0.0)
     at = i * row
     for _k in range(count[i]):
-        j = near[at]
+        w = near[at]
+        j = neighbour(w)
         way = x[i] - x[j]
         both = mu + viscosity[j]
         if both > 0.0:
             part = 20.0 * mu * viscosity[j] / both * wp.dot(v[i] - v[j], way) / (wp.dot(way, way) + 0.01 * h * h)
-            s += part * gradient[at]
+            s += part * toward(w)
         at += stride
+    s = unit * s
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
         b = pairs.body[k]
         wall = walls * at_place(bodies.velocity[b], bodies.spin[b], x[i] - bodies.center[b])
@@ -165,10 +170,10 @@ def conduct(
     heat: wp.array(dtype=wp.vec2),
     temperature: wp.array(dtype=wp.float32),
     count: wp.array(dtype=wp.int32),
-    near: wp.array(dtype=wp.int32),
-    gradient: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=Any),
     row: wp.int32,
     stride: wp.int32,
+    unit: wp.float32,
     h: wp.float32,
     dt: wp.float32,
     out: wp.array(dtype=wp.float32),
@@ -179,7 +184,8 @@ def conduct(
     s = wp.float32(0.0)
     at = i * row
     for _k in range(count[i]):
-        j = near[at]
+        w = near[at]
+        j = neighbour(w)
         way = x[i] - x[j]
         other = heat[fluid[j]]
         both = own[0] + other[0]
@@ -190,8 +196,14 @@ def conduct(
                 * other[0]
                 / both
                 * (temperature[i] - temperature[j])
-                * wp.dot(way, gradient[at])
+                * unit
+                * wp.dot(way, toward(w))
                 / (wp.dot(way, way) + 0.01 * h * h)
             )
         at += stride
     out[i] = temperature[i] + dt * s / (density[fluid[i]] * own[1])
+
+
+for _kind in KINDS:
+    for _kernel in (direct, conduct):
+        wp.overload(_kernel, {"near": wp.array(dtype=_kind)})

@@ -86,7 +86,7 @@ def run_frames(
     check: Callable[[], None] | None = None,
     reuse: bool = True,
 ) -> dict[str, Cache]:
-    """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces of liquids, resuming what is there.
+    """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces and wet maps of liquids, resuming what is there.
 
     Args:
         spec: the specification.
@@ -114,9 +114,10 @@ def run_frames(
 
         caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     if spec.simulation.liquid:
-        from .surfaces import mesh_liquids
+        from .surfaces import map_wet_solids, mesh_liquids
 
         mesh_liquids(spec, built, caches, progress=progress, check=check)
+        map_wet_solids(spec, built, caches, progress=progress, check=check)
     return caches
 
 

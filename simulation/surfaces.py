@@ -1,4 +1,4 @@
-"""Surfaces of all liquids of a run, laid onto the solids that hold them, as the last step of a probe or bake (R70)."""
+"""Surfaces of all liquids of a run, laid onto the solids that hold them, and what they wet, as the last step of a probe or bake (R70)."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from ..worlds.built import BuiltEntity, TriangleMesh
 from ..worlds.cache import Cache
 from ..worlds.errors import InputError
 from ..worlds.liquid_surface import LiquidSurface
+from ..worlds.liquid_wet import WetMap
 from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.spec import WorldSpec
 from .liquid.scene import MARGIN, meets_domain
 from .liquid.surface import default_settings, mesh_surfaces
+from .liquid.wet import WetPart, map_wet
 
-__all__ = ["mesh_liquids", "walls_of"]
+__all__ = ["map_wet_solids", "mesh_liquids", "walls_of"]
 
 
 def walls_of(
@@ -90,3 +92,63 @@ def mesh_liquids(
         walls = walls_of(spec, built, name, caches)
         made[name] = mesh_surfaces(caches[name], settings=settings, progress=progress, check=check, walls=walls)
     return made
+
+
+def map_wet_solids(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    caches: Mapping[str, Cache],
+    *,
+    progress: Callable[[int, int, str], None] | None = None,
+    check: Callable[[], None] | None = None,
+) -> dict[str, WetMap]:
+    """Make or resume the wet maps of every liquid instance; one that meets no solid gets none.
+
+    Args:
+        spec: the specification.
+        built: its geometry.
+        caches: complete, of all instances.
+        progress: called with (done, total, message).
+        check: called between frames; raises to stop.
+    """
+    gravity = np.array(spec.simulation.gravity, dtype=np.float64)
+    strength = float(np.linalg.norm(gravity))
+    up = -gravity / strength if strength > 0.0 else np.array([0.0, 0.0, 1.0])
+    made = {}
+    for name in spec.simulation.liquid:
+        parts = _wet_parts(spec, built, name, caches)
+        if parts:
+            spacing = spacing_of(spec, name)
+            made[name] = map_wet(caches[name], parts, spacing=spacing, up=up, progress=progress, check=check)
+    return made
+
+
+def _wet_parts(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> list[WetPart]:
+    """Visible surfaces of the solids that meet a liquid's domain."""
+    box, margin = domain_box(spec.simulation.liquid[name]), MARGIN * spacing_of(spec, name)
+    rigid = [c for n, c in caches.items() if n in spec.simulation.rigid]
+    found = []
+    for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
+        contract = spec.entities[entity]
+        if not meets_domain(contract, built[entity], box, margin):
+            continue
+        starts = {b.name: compose(pose_of(contract.pose), b.pose) for b in built[entity].bodies}
+        for part in built[entity].parts:
+            held = next(((c, row) for c in rigid if (row := c.body_row(entity, part.body)) is not None), None)
+
+            def place(
+                frame: int,
+                start: RigidPose = starts[part.body],
+                held: tuple[Cache, int] | None = held,
+                interval: tuple[int, int] | None = contract.active,
+            ) -> RigidPose | None:
+                if interval is not None and not interval[0] <= frame <= interval[1]:
+                    return None
+                if held is None:
+                    return start
+                data = held[0].read(frame, ("position", "quaternion"))
+                return RigidPose(data["position"][held[1]], data["quaternion"][held[1]])
+
+            still = held is None and contract.active is None
+            found.append(WetPart((entity, part.body, part.part), part.render, place, still))
+    return found

@@ -27,6 +27,7 @@ Part = Literal[
     "state",
     "events",
     "records",
+    "wet",
     "acceptance",
     "terrain",
     "worlds",
@@ -43,6 +44,7 @@ def inspect_world(
             "guide: the skills, file by file; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
             "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
+            "wet: what liquids wetted up to a frame, when and how deep; "
             "acceptance: the last verdict, its approximation register, its report and bundle; terrain: a built landscape in numbers, "
             "values at points, places to build on; worlds: all ids"
         ),
@@ -59,8 +61,8 @@ def inspect_world(
         Literal["open", "fail", "unverified", "pass", "not_applicable"] | None,
         Field(description="For matrix: only these; open means fail or unverified"),
     ] = None,
-    entities: Annotated[list[str] | None, Field(description="For state and events: only these entities")] = None,
-    frames: Annotated[tuple[int, int] | None, Field(description="For state, events and records: [first, last]")] = None,
+    entities: Annotated[list[str] | None, Field(description="For state, events and wet: only these entities")] = None,
+    frames: Annotated[tuple[int, int] | None, Field(description="For state, events, records and wet: [first, last]")] = None,
     terrain: Annotated[str | None, Field(description="For terrain: id under /terrains; default the only one")] = None,
     points: Annotated[
         list[tuple[float, float]] | None,
@@ -87,7 +89,7 @@ def inspect_world(
     """Read data: what a world specifies, its requirement rows, measured motion, history, and the schema and guides. Changes nothing.
 
     Use it to decide by numbers: which rows fail and why, where a body is and how fast, what touched what and when. Poses are
-    [x, y, z] in m and quaternions (w, x, y, z); speeds in m/s, impulses in N s. state, events and records read the bake of the
+    [x, y, z] in m and quaternions (w, x, y, z); speeds in m/s, impulses in N s. state, events, records and wet read the bake of the
     present settings if there is one, else the probe, else (state only) frame 0. Lists are paged: a reply says total and
     next_offset. Not for pictures (render_shot), nor for judging anew (run_checks). `next` names the call that usually follows.
     """

@@ -113,6 +113,10 @@ def measured(
         then = call("inspect_world", world=world, part="events", **same, offset=place.get("next_offset"))
         text = f"{len(page)} of {len(events)} contact begins in frames {first} to {last}, earliest first"
         return answer({**head, "events": page, **place}, text, then if "next_offset" in place else "")
+    if part == "wet":
+        from .wetness import wetness
+
+        return wetness(candidate, world, entities, last, limit=limit, offset=offset)
     return _records(candidate, first, last, limit, head)
 
 

@@ -150,6 +150,13 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
                         "effect": "the same velocity all over each cross section, until bed and banks have slowed the liquid near them",
                     }
                 )
+        drying = {spec.materials[spec.entities[m].material].appearance.drying for m in instance.members}
+        found.append(
+            {
+                "what": f"solids that {name!r} wetted dry by exp(-t / {', '.join(f'{d:g}' for d in sorted(drying))} s)",
+                "effect": "seen only: nothing evaporates, soaks in or runs off, and wet solids leave no tracks",
+            }
+        )
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         free = [r for r, s in spec.simulation.rigid.items() if any(spec.entities[m].motion == "dynamic" for m in s.members)]
         for rigid in [r for r in free if r not in coupled]:

@@ -25,6 +25,7 @@ from .liquid_rows import Watch, liquid_row
 from .liquid_sticking import Sticking
 from .liquid_surface import Shown
 from .liquid_walls import Walls
+from .liquid_wet import Wetted
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -49,6 +50,7 @@ WATCHES: tuple[type[Watch], ...] = (
         Density,
         Coupling,
         Shown,
+        Wetted,
     ),
 )
 """All families, in the order of their rows."""

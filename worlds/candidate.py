@@ -18,6 +18,7 @@ from .cache import Cache
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
 from .liquid_surface import LiquidSurface
+from .liquid_wet import WetMap
 from .patch import parse_spec
 from .records import Quantity
 from .spec import Shot, WorldSpec
@@ -191,7 +192,7 @@ class Candidate:
 
 
 def cache_digest(caches: Mapping[str, Cache]) -> str:
-    """SHA-256 over the indices and the recorded digests of all frames and surfaces, hex.
+    """SHA-256 over the indices and the recorded digests of all frames, surfaces and wet maps, hex.
 
     Raises:
         EvidenceError: a cache has no digests or lacks frames.
@@ -207,6 +208,8 @@ def cache_digest(caches: Mapping[str, Cache]) -> str:
         state.update(json.dumps(asdict(caches[name].index), sort_keys=True).encode())
         surface = LiquidSurface(caches[name])
         shown = [surface.digest()] if surface.count() >= caches[name].index.frames > 0 else []
+        wet = WetMap(caches[name])
+        shown += [wet.digest()] if wet.count() >= caches[name].index.frames > 0 else []
         for digest in [*digests[: caches[name].index.frames], *shown]:
             state.update(digest.encode())
     return state.hexdigest()

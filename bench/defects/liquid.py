@@ -19,6 +19,7 @@ from ..liquid_worlds import DENSITY, Flow, stream
 from . import _liquid_scenes as scenes
 from ._liquid_resolution import apex, clinging, ledge, narrow_way, parted, thin_wall, tight_drain, tight_tap
 from ._liquid_scenes import SPACING
+from ._liquid_wet import dried, drowned, shifted, wetted
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -382,6 +383,10 @@ SUITE = Suite(
         _defect("tight_tap", "an inflow is narrower than is resolved", tight_tap, 1.0, 2.99, "spacings"),
         _defect("tight_drain", "an outflow is narrower than is resolved", tight_drain, 0.5, 2.99, "spacings"),
         _defect("clinging", "water stays on a wall over the pool or under a lid", clinging, 3.0, 30.0, "particles", 2.0),
+        _defect("dried", "a share of the wet surface is called dry", dried, 0.01, 0.8, "1", 0.005),
+        _defect("drowned", "wet places are said to lie deeper than they do", drowned, 0.25, 5.0, "spacings", 0.1),
+        _defect("shifted", "places of the wet map lie off the surfaces", shifted, 2e-5, 0.01, "m", 1e-5),
+        Mechanism("wetted", "a swaying pool with its wet maps", False, wetted, 0.001, 0.006, "m"),
         _clean("parted", "a way that is just resolved", lambda rng, m: parted(rng, m * SPACING), 3.03, 6.0, "spacings"),
         _clean("ledge", "water lies on a ledge over the pool", ledge, 3.0, 20.0, "particles"),
         _clean("apex", "water is thrown up beside a wall and turns round", apex, 0.3, 2.0, "m/s"),

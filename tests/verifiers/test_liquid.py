@@ -34,7 +34,7 @@ def test_still_water_passes_every_row_that_has_a_case(tmp_path: Path) -> None:
     rows = rows_of(scenes.pool(rng()).candidate(tmp_path))
     assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest"}
     assert {n for n, r in rows.items() if r.status == "not_applicable"} == {
-        *("source", "openings", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop")
+        *("source", "openings", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop", "wet")
     }
     assert {r.status for r in rows.values()} == {"pass", "not_applicable"}
 
@@ -65,6 +65,9 @@ BREACHES = [
     ("tight_tap", 2.0, {"openings"}),
     ("tight_drain", 2.0, {"openings"}),
     ("clinging", 12.0, {"sticks"}),
+    ("dried", 0.05, {"wet"}),
+    ("drowned", 1.0, {"wet"}),
+    ("shifted", 1e-3, {"wet"}),
 ]
 
 

@@ -25,6 +25,7 @@ from .. import motion
 from ..liquid_frames import Frame, Liquid, liquid_of
 from ..liquid_samples import sample_inside, samples, share_under
 from ..liquid_solids import Piece, pieces_of
+from ..liquid_wet import touched
 from .kinematic import region_offset
 from .outcome import Comparison, Outcome, Series, band, judge
 
@@ -279,9 +280,10 @@ def _under(liquid: Liquid, position: F64, points: F64, step: float) -> float:
 
 
 def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: points spread over the surface within one spacing of a particle, each standing for its share of the area."""
-    from scipy.spatial import cKDTree
+    """Measured: points spread over the surface with a particle within one spacing on their outer side, each for its share of the area.
 
+    That is what wet maps call wet (`liquid_wet.py` judges those).
+    """
     p = _typed(predicate, WetArea)
     found = _liquid(scope.candidate, p.liquid)
     if isinstance(found, str):
@@ -291,21 +293,19 @@ def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:
     if not pieces:
         raise EvidenceError(f"{p.entity!r} has no surface that a liquid can wet")
     spread = [_spread(q, 0.5 * liquid.spacing) for q in pieces]
-    ever = [np.zeros(len(x), dtype=bool) for x, _ in spread]
+    ever = [np.zeros(len(x), dtype=bool) for x, *_ in spread]
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
-        tree = cKDTree(frame.position[own]) if own.any() else None
-        for piece, (points, area), wet in zip(pieces, spread, ever, strict=True):
-            now = np.zeros(len(points), dtype=bool)
-            if tree is not None:
-                now = tree.query(piece.world(points, frame.index), distance_upper_bound=TOUCH * liquid.spacing)[0] < np.inf
+        for piece, (points, area, normals), wet in zip(pieces, spread, ever, strict=True):
+            outward = normals @ piece.turn[frame.index].T
+            now, _ = touched(frame.position[own], piece.world(points, frame.index), outward, liquid.spacing)
             wet |= now
             value[i] += float(area[wet if p.measure == "ever" else now].sum())
     return _banded(scope, p, value, "m^2", f"wet area of {p.entity}")
 
 
-def _spread(piece: Piece, spacing: float) -> tuple[F64, F64]:
-    """Points on a surface and the area that each stands for [m^2]: triangle by triangle, in equal shares."""
+def _spread(piece: Piece, spacing: float) -> tuple[F64, F64, F64]:
+    """Points on a surface, the area that each stands for [m^2]: triangle by triangle, in equal shares; and the normals there."""
     triangles = piece.solid.triangles
     area = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
     points, _ = samples(piece.solid, spacing, piece.solid.lower, piece.solid.upper)
@@ -315,7 +315,7 @@ def _spread(piece: Piece, spacing: float) -> tuple[F64, F64]:
     count = np.bincount(face, minlength=len(area))
     bare = np.flatnonzero(count == 0)
     points, face = np.concatenate([points, triangles[bare].mean(axis=1)]), np.concatenate([face, bare])
-    return points, area[face] / np.bincount(face, minlength=len(area))[face]
+    return points, area[face] / np.bincount(face, minlength=len(area))[face], piece.solid.face_normals[face]
 
 
 def splash_height(scope: Scope, predicate: SpecModel) -> Outcome:

@@ -50,6 +50,7 @@ class Appearance(SpecModel):
     transmission: Unit = 0.0
     pattern: Literal["plain", "wood", "checker", "concrete"] = "plain"
     pattern_scale: Positive = Field(default=0.1, description="size of one pattern period [m]")
+    drying: Positive = Field(default=600.0, description="of liquids: time in which the film they leave fades to 1/e [s]")
 
 
 class Material(SpecModel):

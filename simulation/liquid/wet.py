@@ -1,0 +1,224 @@
+"""Wet maps of a baked liquid, frame by frame beside its cache (`worlds/liquid_wet.py` has the channels)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...worlds.arrays import F64, I32, RigidPose, rotation_matrix
+from ...worlds.built import TriangleMesh
+from ...worlds.cache import Cache, digest_arrays, write_container
+from ...worlds.canonical import digest_of, source_digest
+from ...worlds.errors import EvidenceError
+from ...worlds.folder import write_atomically
+from ...worlds.liquid_wet import WetMap, wet_folder
+
+__all__ = ["TOUCH", "WetPart", "map_wet"]
+
+SIZE = 0.5
+"""[spacings] Distance of places on surfaces, at least."""
+MOST_TEXELS = 300_000
+"""Own choice: larger surfaces get places farther apart."""
+TOUCH = 1.0
+"""[spacings] Liquid this near to a surface wets it: half a spacing to the middle of the particles next to it, and as much of slack."""
+BEHIND = 0.25
+"""[spacings] by which what wets a surface may be behind it: particles stand a little inside of walls."""
+GAP = 2.5
+"""[spacings] of air that end a column of liquid."""
+
+
+class WetPart(NamedTuple):
+    """One part of a solid."""
+
+    names: tuple[str, str, str]
+    """Entity, body, part."""
+    mesh: TriangleMesh
+    """Visible surface in the frame of its body."""
+    place: Callable[[int], RigidPose | None]
+    """Pose of the body at a frame; None where it does not exist then."""
+    still: bool
+
+
+def map_wet(
+    cache: Cache,
+    parts: Sequence[WetPart],
+    *,
+    spacing: float,
+    up: F64,
+    progress: Callable[[int, int, str], None] | None = None,
+    check: Callable[[], None] | None = None,
+) -> WetMap:
+    """Make the wet maps of every frame of a complete cache, resuming what is there.
+
+    Args:
+        cache: of a liquid instance.
+        parts: of the solids that its liquid may reach.
+        spacing: of its particles, or size of its cells [m].
+        up: unit vector against gravity, shape (3,).
+        progress: called with (done, total, message).
+        check: called between frames; raises to stop.
+
+    Raises:
+        EvidenceError: particles are missing or altered.
+    """
+    folder, reader, frames = wet_folder(cache), WetMap(cache), cache.index.frames
+    texels, size = _spread(parts, _reach(cache, 2.0 * spacing), SIZE * spacing)
+    about = _about(parts, texels, size, spacing, up)
+    files, digests = Cache(folder), cache.digests()
+    start = _trusted(reader, about["recipe"], frames)
+    folder.mkdir(parents=True, exist_ok=True)
+    files.write_index(cache.index)
+    if start < frames or reader.count() > frames:
+        files.begin_digests(files.digests()[:start] if start else [])
+        write_container(folder / "texels.npz", texels)
+        write_atomically(folder / "wet.json", json.dumps(about, indent=1, sort_keys=True).encode())
+    groups = [np.flatnonzero(texels["texel/part"] == k) for k in range(len(parts))]
+    for frame in range(start, frames):
+        data = cache.read(frame, ("origin", "particle/position", "particle/fluid", "particle/volume"))
+        position = data["particle/position"].astype(np.float64) + data["origin"]
+        whole = np.isfinite(position).all(axis=1)
+        layer = 0.5 * float(np.cbrt(data["particle/volume"].mean())) if len(position) else 0.0
+        found = _wet(texels, groups, parts, frame, position[whole], data["particle/fluid"][whole], spacing, up, layer)
+        found["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
+        files.add_digest(write_container(files.path(frame), found))
+        if progress is not None:
+            progress(frame + 1, frames, f"{cache.index.solver}: wet map of frame {frame + 1} of {frames}")
+        if check is not None:
+            check()
+    return WetMap(cache)
+
+
+def _about(parts: Sequence[WetPart], texels: dict[str, Any], size: float, spacing: float, up: F64) -> dict[str, Any]:
+    settings = {"size": size, "touch": TOUCH * spacing, "up": up.tolist(), "parts": [list(p.names) for p in parts]}
+    digest = digest_arrays(texels)
+    recipe = digest_of(settings, digest, source_digest(Path(__file__).parent))
+    return {**settings, "texels": digest, "recipe": recipe}
+
+
+def _trusted(reader: WetMap, recipe: str, frames: int) -> int:
+    """Frames at the start that are there, whole and of these particles and surfaces."""
+    try:
+        if reader.about()["recipe"] != recipe or reader.texels is None:
+            return 0
+        for frame in range(min(reader.count(), frames)):
+            try:
+                reader.read(frame)
+            except EvidenceError:
+                return frame
+    except (EvidenceError, KeyError):
+        return 0
+    return min(reader.count(), frames)
+
+
+def _reach(cache: Cache, margin: float) -> tuple[F64, F64]:
+    """Corners of where particles are at any frame, with a margin [m]."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for frame in range(cache.index.frames):
+        data = cache.read(frame, ("origin", "particle/position"))
+        points = data["particle/position"]
+        points = points[np.isfinite(points).all(axis=1)]
+        if len(points):
+            low, high = np.minimum(low, points.min(0) + data["origin"]), np.maximum(high, points.max(0) + data["origin"])
+    return low - margin, high + margin
+
+
+def _spread(parts: Sequence[WetPart], reach: tuple[F64, F64], size: float) -> tuple[dict[str, Any], float]:
+    """Places on the surfaces that lie within reach, and their distance [m]."""
+    kept: list[tuple[int, F64, F64, F64]] = []
+    for number, part in enumerate(parts):
+        pose = part.place(0) if part.still else None
+        corner = part.mesh.vertices[part.mesh.faces]
+        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        length = np.linalg.norm(across, axis=1)
+        fine = length > 0.0
+        if part.still and pose is not None:
+            placed = pose.apply(corner.reshape(-1, 3)).reshape(-1, 3, 3)
+            fine &= (placed.max(axis=1) >= reach[0]).all(axis=1) & (placed.min(axis=1) <= reach[1]).all(axis=1)
+        kept.append((number, corner[fine], across[fine] / np.maximum(length[fine], 1e-300)[:, None], 0.5 * length[fine]))
+    total = sum(float(a.sum()) for *_, a in kept)
+    size = max(size, float(np.sqrt(total / MOST_TEXELS)))
+    position, normal, area, owner = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)], [np.zeros(0, dtype=np.int32)]
+    for number, corner, outward, own in kept:
+        count = np.maximum(np.ceil(own / size**2), 1).astype(np.intp)
+        face = np.repeat(np.arange(len(own)), count)
+        k = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
+        points = np.einsum("nk,nkx->nx", _within(k, count[face]), corner[face])
+        inside = np.ones(len(points), dtype=bool)
+        pose = parts[number].place(0) if parts[number].still else None
+        if pose is not None:
+            placed = pose.apply(points)
+            inside &= ((placed >= reach[0]) & (placed <= reach[1])).all(axis=1)
+        position.append(points[inside])
+        normal.append(outward[face[inside]])
+        area.append((own / count)[face[inside]])
+        owner.append(np.full(int(inside.sum()), number, dtype=np.int32))
+    return {
+        "texel/position": np.concatenate(position).astype(np.float32),
+        "texel/normal": np.concatenate(normal).astype(np.float32),
+        "texel/area": np.concatenate(area).astype(np.float32),
+        "texel/part": np.concatenate(owner),
+    }, size  # fmt: skip
+
+
+def _within(k: NDArray[np.intp], count: NDArray[np.intp]) -> F64:
+    """Barycentric weights of the k-th of `count` points spread evenly over a triangle, shape (n, 3).
+
+    The additive recurrence of the plastic number, folded; a single point is the middle.
+    """
+    u, v = (0.5 + k * 0.7548776662466927) % 1.0, (0.5 + k * 0.5698402909980532) % 1.0
+    over = u + v > 1.0
+    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
+    u, v = np.where(count == 1, 1 / 3, u), np.where(count == 1, 1 / 3, v)
+    return np.stack([1.0 - u - v, u, v], axis=1)
+
+
+def _wet(
+    texels: dict[str, Any], groups: Sequence[NDArray[np.intp]], parts: Sequence[WetPart], frame: int,
+    position: F64, fluid: I32, spacing: float, up: F64, layer: float,
+) -> dict[str, Any]:  # fmt: skip
+    """Which places are wet at a frame, how deep and by what; the liquid reaches `layer` [m] above the middles of its particles."""
+    from scipy.spatial import cKDTree
+
+    rows, depth, kind = [np.zeros(0, dtype=np.int32)], [np.zeros(0, dtype=np.float32)], [np.zeros(0, dtype=np.int32)]
+    reach = TOUCH * spacing
+    if len(position):
+        tree, top = cKDTree(position), _tops(position, up, spacing)
+        low, high = position.min(axis=0) - reach, position.max(axis=0) + reach
+        for part, mine in zip(parts, groups, strict=True):
+            pose = part.place(frame)
+            if pose is None or not len(mine):
+                continue
+            points = pose.apply(texels["texel/position"][mine].astype(np.float64))
+            near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+            gap, at = tree.query(points[near], distance_upper_bound=reach)
+            near, at = near[np.isfinite(gap)], at[np.isfinite(gap)]
+            outward = texels["texel/normal"][mine[near]].astype(np.float64) @ rotation_matrix(pose.quaternion).T
+            front = ((position[at] - points[near]) * outward).sum(axis=1) >= -BEHIND * spacing
+            near, at = near[front], at[front]
+            rows.append(mine[near].astype(np.int32))
+            depth.append(np.maximum(top[at] + layer - points[near] @ up, 0.0).astype(np.float32))
+            kind.append(fluid[at].astype(np.int32))
+    joined = np.concatenate(rows)
+    order = np.argsort(joined, kind="stable")
+    return {"wet/texel": joined[order], "wet/depth": np.concatenate(depth)[order], "wet/fluid": np.concatenate(kind)[order]}
+
+
+def _tops(position: F64, up: F64, spacing: float) -> F64:
+    """Height of the top of the column of liquid that every particle is in [m], shape (n,): columns end at gaps of air."""
+    side = np.eye(3)[int(np.argmin(np.abs(up)))]
+    first = np.cross(up, side)
+    first /= np.linalg.norm(first)
+    cell = np.floor(position @ np.stack([first, np.cross(up, first)]).T / spacing).astype(np.int64)
+    height = position @ up
+    order = np.lexsort((height, cell[:, 1], cell[:, 0]))
+    cell, sorted_height = cell[order], height[order]
+    ends = np.append((np.diff(cell, axis=0) != 0).any(axis=1) | (np.diff(sorted_height) > GAP * spacing), True)
+    run = np.cumsum(ends) - ends
+    result = np.empty(len(position))
+    result[order] = sorted_height[np.flatnonzero(ends)][run]
+    return result

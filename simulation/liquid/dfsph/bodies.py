@@ -93,7 +93,8 @@ class Coupling:
         self.device = passes.device
         self.count = b = len(setup.boundaries)
         self._least = LEAST_STIFFNESS / (max(f.density for f in setup.fluids) * setup.spacing**2)
-        self.lanes = 4 if self.device == "cpu" else 64
+        self.lanes, self.width = (4 if self.device == "cpu" else 8 * passes.width), passes.width
+        self.parts = self.lanes // self.width
         rows = np.concatenate([np.full(len(s.position), k) for k, s in enumerate(sampled)] or [np.zeros(0)]).astype(np.int32)
         self._fixed_rows = [k for k, one in enumerate(setup.boundaries) if _stays(one)]
         fixed = np.isin(rows, self._fixed_rows)
@@ -120,8 +121,8 @@ class Coupling:
         self.rotation = wp.zeros(size, dtype=wp.mat33, device=self.device)
         self.position = wp.zeros(size, dtype=wp.vec3, device=self.device)
         self.acceleration, self.linear, self.angular = (wp.zeros(size, dtype=wp.vec3, device=self.device) for _ in range(3))
-        self.force, self.torque = (wp.zeros(size * self.lanes, dtype=wp.vec3d, device=self.device) for _ in range(2))
-        self.reach = wp.zeros(size * self.lanes, dtype=wp.vec2d, device=self.device)
+        self.force, self.torque = (wp.zeros(size * self.parts, dtype=wp.vec3d, device=self.device) for _ in range(2))
+        self.reach = wp.zeros(size * self.parts, dtype=wp.vec2d, device=self.device)
         self._ledger = wp.zeros((4, size), dtype=wp.vec3d, device=self.device)
         self.impulse = [self._ledger[0], self._ledger[1]]
         self.reaction_sum = [self._ledger[2], self._ledger[3]]
@@ -223,13 +224,13 @@ class Coupling:
                 "reach",
                 reaction_kernels.reach,
                 self.count * self.lanes,
-                [self.lanes, x, volume, self.pairs, self.order, self.spans, self.bodies, self.reach],
+                [self.lanes, self.width, x, volume, self.pairs, self.order, self.spans, self.bodies, self.reach],
             )()
         run(
             "finish",
             reaction_kernels.finish_factors,
             n,
-            [self.lanes, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self._least, w.stiffness],
+            [self.parts, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self._least, w.stiffness],
         )()
         self.taken = w.none
 
@@ -263,6 +264,7 @@ class Coupling:
                 self.count * self.lanes,
                 [
                     self.lanes,
+                    self.width,
                     self._x,
                     self._volume,
                     p,
@@ -278,7 +280,7 @@ class Coupling:
                 "react",
                 kernels.react,
                 self.count,
-                [self.lanes, s, self.force, self.torque, self.linear, self.angular],
+                [self.parts, s, self.force, self.torque, self.linear, self.angular],
             ),
             run("taken", kernels.carry, self._n, [self._x, self.pairs, s.center, self.linear, self.angular, w.none, w.moving]),
         ]
@@ -292,9 +294,9 @@ class Coupling:
         w, s, run = self._work, self.bodies, self.passes
         lists = [self.pairs, self.order, self.spans, s.center, self.force, self.torque]
         lanes = self.count * self.lanes
-        run("ledger", kernels.ledger_lanes, lanes, [self.lanes, self._x, self._volume, w.lightness, p, *lists])()
+        run("ledger", kernels.ledger_lanes, lanes, [self.lanes, self.width, self._x, self._volume, w.lightness, p, *lists])()
         self._account(self.reaction_sum, moves=False)
-        run("book", kernels.wrench_lanes, lanes, [self.lanes, self._x, self._volume, p, *lists])()
+        run("book", kernels.wrench_lanes, lanes, [self.lanes, self.width, self._x, self._volume, p, *lists])()
         self._account(self.impulse, moves=True)
 
     def _account(self, sums: list[Any], *, moves: bool) -> None:
@@ -304,7 +306,7 @@ class Coupling:
             f"account{int(moves)}",
             kernels.account,
             self.count,
-            [self.lanes, self.bodies, self.force, self.torque, self._work.settings, int(moves), *sums],
+            [self.parts, self.bodies, self.force, self.torque, self._work.settings, int(moves), *sums],
         )()
 
     def rub(self, v: Any) -> None:
@@ -325,7 +327,7 @@ class Coupling:
             return
         lists = [self.pairs, self.order, self.spans, self.bodies.center, self.force, self.torque]
         for name, value, sums in (("back", self.pair_return, self.reaction_sum), ("rubbed", self.pair_force, self.impulse)):
-            inputs = [self.lanes, self._x, value, *lists]
+            inputs = [self.lanes, self.width, self._x, value, *lists]
             self.passes(name, kernels.force_lanes, self.count * self.lanes, inputs)()
             self._account(sums, moves=name == "rubbed")
 

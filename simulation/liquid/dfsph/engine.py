@@ -17,7 +17,7 @@ from .keep_out import KeepOut
 from .pressure import RELAXATION, Solved, solve
 from .settings import DfsphSettings
 from .state import pack, unpack
-from .store import SETTINGS, Store, Work, cells_of
+from .store import FIELDS, SETTINGS, Store, Work, cells_of
 from .tension import Tension
 from .viscosity import Viscosity
 
@@ -82,7 +82,7 @@ class Dfsph:
         self._host = np.zeros(SETTINGS, dtype=np.float32)
         self._work: Work | None = None
         self._sorted = 0
-        self._leavers = False
+        self._leavers = 0
 
     def _first(self) -> dict[str, Any]:
         s, n = self.setup, len(self.setup.position)
@@ -248,29 +248,25 @@ class Dfsph:
                 added[mouth.inflow.name] = added.get(mouth.inflow.name, 0.0) + n * mouth.volume * fluid.density
                 self.speed = max(self.speed, mouth.inflow.speed)
         if new:
-            old = self.store.columns()
-            self._replace({name: np.concatenate([old[name], *(one[name] for one in new)]) for name in old})
+            self.store.append({name: np.concatenate([one[name] for one in new]) for name in FIELDS})
         return added
 
     def _let_out(self, w: Work) -> dict[str, float]:
         """Take away what left, and sum its mass by the way it took."""
-        if not self._leavers:
+        from .grid_kernels import GONE
+
+        gone, self._leavers = self._leavers, 0
+        if not gone:
             return {}
-        self._leavers = False
+        self._sort(w)
+        w.leaving.zero_()
         n = self.store.count
-        code = w.leaving[:n].numpy()
-        old = self.store.columns()
+        code = GONE - w.key[n - gone : n].numpy()
+        old = self.store.drop(gone)
         mass = old["volume"].astype(float) * np.array([f.density for f in self.setup.fluids])[old["fluid"]]
         names = reasons(self.setup)
-        removed = {names[c]: float(mass[code == c].sum()) for c in np.unique(code[code > 0])}
         self.lost += int((code == names.index("lost")).sum())
-        self._replace({name: column[code == 0] for name, column in old.items()})
-        return removed
-
-    def _replace(self, columns: dict[str, Any]) -> None:
-        """Other particles instead; cells and leavers are made anew."""
-        self.store.replace(columns)
-        self._sorted = 0
+        return {names[c]: float(mass[code == c].sum()) for c in np.unique(code)}
 
     def _measure_packing(self, w: Work) -> None:
         """Follow the fill of liquid at rest: that of particles deep in the liquid over the liquid that truly lies around them."""
@@ -307,7 +303,7 @@ class Dfsph:
                 "has no finite velocity; use a shorter max_step or a finer resolution"
             )
         self.speed = float(np.sqrt(fastest))
-        self._leavers = leavers > 0
+        self._leavers = int(leavers)
         return total / n, worst
 
     def particles(self) -> Particles:

@@ -13,10 +13,13 @@ from .shape_kernels import cell, cell_of, slope, weight, wrapped
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["clear_spans", "close_most", "keys", "most", "reorder", "search", "spans"]
+__all__ = ["GONE", "clear_spans", "close_most", "keys", "most", "reorder", "search", "spans"]
 
-GONE = wp.constant(wp.int32(2147483647))
-"""Key of a particle that leaves: sorts last."""
+GONE = 2147483647
+"""Key of a particle that leaves, less the code of its way out: sorts last."""
+LAST = wp.constant(wp.int32(GONE))
+CELLS = wp.constant(wp.int32(GONE - (1 << 16)))
+"""Keys from here on are no cells."""
 
 
 @wp.kernel
@@ -34,7 +37,7 @@ def keys(
     i = first + wp.tid()
     k = cell(cell_of(x[i], low, inverse), size)
     if leaving[i] != 0:
-        k = GONE
+        k = LAST - leaving[i]
     key[i] = k
     index[i] = i
 
@@ -44,7 +47,7 @@ def clear_spans(first: wp.int32, key: wp.array(dtype=wp.int32), span: wp.array(d
     """Empty the cells that the last sort filled."""
     i = first + wp.tid()
     k = key[i]
-    if k != GONE and (i == 0 or key[i - 1] != k):
+    if k < CELLS and (i == 0 or key[i - 1] != k):
         span[k] = wp.vec2i(0, 0)
 
 
@@ -53,7 +56,7 @@ def spans(first: wp.int32, count: wp.int32, key: wp.array(dtype=wp.int32), span:
     """First and past-the-last particle of each cell that holds any; the first particle of a cell writes both."""
     i = first + wp.tid()
     k = key[i]
-    if k != GONE and (i == 0 or key[i - 1] != k):
+    if k < CELLS and (i == 0 or key[i - 1] != k):
         end = i + 1
         while end < count and key[end] == k:
             end += 1

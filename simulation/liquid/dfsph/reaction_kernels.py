@@ -63,6 +63,7 @@ def kick(
 def reach(
     first: wp.int32,
     lanes: wp.int32,
+    width: wp.int32,
     x: wp.array(dtype=wp.vec3),
     volume: wp.array(dtype=wp.float32),
     pairs: Pairs,
@@ -84,13 +85,13 @@ def reach(
             turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
             one += wp.float64(volume[i] * wp.length(pairs.slope[k]))
             two += wp.float64(volume[i] * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)))
-    partial[t] = wp.vec2d(one, two)
+    wp.tile_store(partial, wp.tile_sum(wp.tile(wp.vec2d(one, two), preserve_type=True)), offset=t / width)
 
 
 @wp.kernel
 def finish_factors(
     first: wp.int32,
-    lanes: wp.int32,
+    parts: wp.int32,
     x: wp.array(dtype=wp.vec3),
     lean: wp.array(dtype=wp.vec3),
     lightness: wp.array(dtype=wp.float32),
@@ -108,9 +109,9 @@ def finish_factors(
         if bodies.lightness[b] > 0.0:
             one = wp.float64(0.0)
             two = wp.float64(0.0)
-            for t in range(lanes):
-                one += partial[b * lanes + t][0]
-                two += partial[b * lanes + t][1]
+            for t in range(parts):
+                one += partial[b * parts + t][0]
+                two += partial[b * parts + t][1]
             turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
             s += 0.25 * bodies.lightness[b] * wp.length(pairs.slope[k]) * wp.float32(one)
             s += 0.25 * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)) * wp.float32(two)
@@ -123,6 +124,7 @@ def finish_factors(
 def wrench_lanes(
     first: wp.int32,
     lanes: wp.int32,
+    width: wp.int32,
     x: wp.array(dtype=wp.vec3),
     volume: wp.array(dtype=wp.float32),
     p: wp.array(dtype=wp.float32),
@@ -146,27 +148,27 @@ def wrench_lanes(
         turn = wp.cross(x[i] - center[b], one)
         f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
         m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
-    force[t] = f
-    torque[t] = m
+    wp.tile_store(force, wp.tile_sum(wp.tile(f, preserve_type=True)), offset=t / width)
+    wp.tile_store(torque, wp.tile_sum(wp.tile(m, preserve_type=True)), offset=t / width)
 
 
 @wp.kernel
 def react(
     first: wp.int32,
-    lanes: wp.int32,
+    parts: wp.int32,
     bodies: Bodies,
     force: wp.array(dtype=wp.vec3d),
     torque: wp.array(dtype=wp.vec3d),
     velocity: wp.array(dtype=wp.vec3),
     spin: wp.array(dtype=wp.vec3),
 ):
-    """Sum the lanes of a body; its linear and angular acceleration by them."""
+    """Sum the parts of a body; its linear and angular acceleration by them."""
     b = first + wp.tid()
     f = wp.vec3d()
     m = wp.vec3d()
-    for t in range(lanes):
-        f += force[b * lanes + t]
-        m += torque[b * lanes + t]
+    for t in range(parts):
+        f += force[b * parts + t]
+        m += torque[b * parts + t]
     velocity[b] = bodies.lightness[b] * wp.vec3(wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2]))
     spin[b] = bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
 
@@ -175,6 +177,7 @@ def react(
 def ledger_lanes(
     first: wp.int32,
     lanes: wp.int32,
+    width: wp.int32,
     x: wp.array(dtype=wp.vec3),
     volume: wp.array(dtype=wp.float32),
     lightness: wp.array(dtype=wp.float32),
@@ -201,14 +204,15 @@ def ledger_lanes(
             turn = wp.cross(x[i] - center[b], one)
             f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
             m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
-    force[t] = f
-    torque[t] = m
+    wp.tile_store(force, wp.tile_sum(wp.tile(f, preserve_type=True)), offset=t / width)
+    wp.tile_store(torque, wp.tile_sum(wp.tile(m, preserve_type=True)), offset=t / width)
 
 
 @wp.kernel
 def force_lanes(
     first: wp.int32,
     lanes: wp.int32,
+    width: wp.int32,
     x: wp.array(dtype=wp.vec3),
     value: wp.array(dtype=wp.vec3),
     pairs: Pairs,
@@ -230,14 +234,14 @@ def force_lanes(
         turn = wp.cross(x[pairs.particle[k]] - center[b], one)
         f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
         m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
-    force[t] = f
-    torque[t] = m
+    wp.tile_store(force, wp.tile_sum(wp.tile(f, preserve_type=True)), offset=t / width)
+    wp.tile_store(torque, wp.tile_sum(wp.tile(m, preserve_type=True)), offset=t / width)
 
 
 @wp.kernel
 def account(
     first: wp.int32,
-    lanes: wp.int32,
+    parts: wp.int32,
     bodies: Bodies,
     force: wp.array(dtype=wp.vec3d),
     torque: wp.array(dtype=wp.vec3d),
@@ -250,9 +254,9 @@ def account(
     b = first + wp.tid()
     f = wp.vec3d()
     m = wp.vec3d()
-    for t in range(lanes):
-        f += force[b * lanes + t]
-        m += torque[b * lanes + t]
+    for t in range(parts):
+        f += force[b * parts + t]
+        m += torque[b * parts + t]
     dt = wp.float64(settings[0])
     linear[b] = linear[b] + dt * f
     angular[b] = angular[b] + dt * m

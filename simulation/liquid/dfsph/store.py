@@ -67,6 +67,24 @@ class Store:
                 values = np.ascontiguousarray(columns[name], dtype=dtype)
                 getattr(self.now, name)[: self.count].assign(values)
 
+    def append(self, columns: dict[str, Any]) -> None:
+        """Take these particles too, after the others."""
+        wp, old, before = warp(), self.now, self.count
+        self.count = before + len(columns["x"])
+        if self.count > self.capacity:
+            self.capacity = max(64, int(GROWTH * self.count))
+            self.now, self.spare = self._particles(self.capacity), self._particles(self.capacity)
+            for name in FIELDS if before else ():
+                wp.copy(getattr(self.now, name), getattr(old, name), count=before)
+        for name, (_, dtype) in FIELDS.items():
+            getattr(self.now, name)[before : self.count].assign(np.ascontiguousarray(columns[name], dtype=dtype))
+
+    def drop(self, count: int) -> dict[str, Any]:
+        """Let the last `count` particles go; copies of their fields."""
+        first, end = self.count - count, self.count
+        self.count = first
+        return {name: getattr(self.now, name)[first:end].numpy().copy() for name in FIELDS}
+
     def columns(self) -> dict[str, Any]:
         """Copies of all fields."""
         return {name: getattr(self.now, name)[: self.count].numpy().copy() for name in FIELDS}

@@ -1,10 +1,10 @@
-"""Small worlds with a liquid, for tests and seeded defects: a tank of water and a crate that floats in it."""
+"""Small worlds with a liquid, for tests and seeded defects: a tank of water and a crate that floats in it, waves in a flume."""
 
 from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["PROMPT", "tank_spec"]
+__all__ = ["PROMPT", "sea_spec", "tank_spec"]
 
 PROMPT = "A wooden crate drops into a tank of water."
 INNER = (0.4, 0.4, 0.3)
@@ -112,3 +112,62 @@ def tank_spec(
         },
     }  # fmt: skip
     return {**spec, **changes}
+
+
+def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True, frames: int = 110, **sea: Any) -> dict[str, Any]:
+    """A flume with waves from one end to the other in which a crate may float, without its prompt; `sea` changes the driver.
+
+    Args:
+        spacing: of the liquid [m].
+        engine: of the liquid.
+        crate: whether a crate floats in it.
+        frames: at 24 per second.
+    """
+    depth, width, length = 0.3, 0.4, 3.2
+    side = 0.15
+    members = ["bed", *(["crate"] if crate else [])]
+    slab = (length + 0.4, width + 0.4, 0.1)
+    waves = {
+        "kind": "waves", "entity": "water", "height": 0.07, "period": 0.8, "level": depth, "depth": depth, "zone": 1.0, **sea,
+    }  # fmt: skip
+    return {
+        "title": "A sea",
+        "clauses": {"c1": {"met_by": ["/entities/water", *(["/story/beats/bob"] if crate else [])]}},
+        "story": {
+            "beats": {
+                "bob": {"text": "the crate bobs in the waves", "owner": "rigid", "subject": "crate", "frames": [0, frames - 1],
+                        "predicate": {"kind": "displacement", "entity": "crate", "axis": [0, 0, 1], "min": 0.01}},
+            }
+            if crate
+            else {}
+        },
+        "materials": {
+            "water": {"density": 1000, "substance": "water", "appearance": {"color": [0.8, 0.9, 0.95], "transmission": 1}},
+            "wood": {"density": 500, "substance": "wood", "friction": 0.3},
+            "stone": {"density": 2600, "substance": "stone", "friction": 0.5},
+        },
+        "entities": {
+            "bed": _entity("bed of the sea", "static", "stone", slab, (0, 0, -0.05)),
+            "water": _entity("the sea", "dynamic", "water", (length, width, depth), (0, 0, depth / 2),
+                             physics={"category": "liquid", "resolution": spacing}),
+            **({"crate": _entity("crate", "dynamic", "wood", (side,) * 3, (0, 0, depth + 0.002))} if crate else {}),
+        },
+        "graph": {"relations": {}},
+        "shots": {
+            "wide": {"frames": [0, frames - 1], "covers": ["bob"] if crate else [], "subjects": ["crate" if crate else "water"],
+                     "keys": {"k": {"frame": 0, "position": [0.4, -1.6, 0.9], "target": [0, 0, 0.25]}}},
+        },
+        "simulation": {
+            "fps": 24,
+            "frames": frames,
+            "solvers": {
+                "rigid": {"engine": "mujoco", "members": members},
+                "water": {"engine": engine, "members": ["water"], "settings": {
+                    "domain": {"center": [0, 0, 0.3], "size": [length, width, 0.6], "sides": ["closed"] * 5 + ["open"]}}},
+            },
+            "drivers": {"sea": waves},
+            "couplings": {
+                "float": {"source": "water", "target": "rigid", "direction": "two_way", "variables": ["motion", "wrench"]},
+            },
+        },
+    }  # fmt: skip

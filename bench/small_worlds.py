@@ -396,7 +396,7 @@ def make_candidate(
         velocity[:, row], spin[:, row] = _derivative(centers, plan.fps), _angular(quaternions[:, row], plan.fps)
     colliders = tuple(solids)
     hinges = tuple(j for j, joint in plan.joints.items() if joint.kind in {"hinge", "slide"})
-    drivers = tuple(n for n, d in plan.drivers.items() if d.kind not in ("inflow", "outflow"))
+    drivers = tuple(n for n, d in plan.drivers.items() if d.kind not in ("inflow", "outflow", "waves"))
     per_frame: dict[str, Any] = {
         "position": positions,
         "quaternion": quaternions,

@@ -25,6 +25,7 @@ from .liquid_rows import Watch, liquid_row
 from .liquid_sticking import Sticking
 from .liquid_surface import Shown
 from .liquid_walls import Walls
+from .liquid_waves import Waves
 from .liquid_wet import Wetted
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ WATCHES: tuple[type[Watch], ...] = (
         Density,
         Coupling,
         Shown,
+        Waves,
         Wetted,
     ),
 )

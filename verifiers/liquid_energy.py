@@ -1,8 +1,8 @@
 """Energy and momentum of a liquid against all that can change them (R67, R99).
 
-- `energy`: kinetic + potential energy, less what inflow brought and bodies gave, never grows by more than
+- `energy`: kinetic + potential energy, less what inflow, waves and bodies gave, never grows by more than
   `limits.energy_growth` of the energy in play. Pressure, viscosity and walls only take energy away.
-- `momentum`: what changes the liquid's momentum in a frame is gravity, what boundaries gave (`exchange/reaction`), what came in
+- `momentum`: what changes the liquid's momentum in a frame is gravity, what boundaries gave (`exchange/reaction`), what zones of waves gave, what came in
   and went out, and closed sides of the domain, which push inwards only.
 - `calm`: liquid that nothing drives and whose surface has come to rest does not move by itself.
 """
@@ -42,11 +42,28 @@ TENSION = 0.1
 """Own choice: share of the surface energy of all liquid in one cube that drops may give back as they merge."""
 
 
+DRIVEN_RECORDS = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
+
+
+def driven(step: Step) -> F64:
+    """Momentum [N s] and energy [J] that zones of waves gave in a frame, (4,); zero where no waves are planned.
+
+    Raises:
+        EvidenceError: waves are planned and their records are missing.
+    """
+    if not step.liquid.waves or step.before is None:
+        return np.zeros(4)
+    missing = [n for n in DRIVEN_RECORDS if f"record/{n}" not in step.now.others or f"record/{n}" not in step.before.others]
+    if missing:
+        raise EvidenceError(f"frame {step.now.index} of {step.liquid.solver!r} lacks record/{missing[0]}; bake again")
+    return np.array([float(step.now.others[f"record/{n}"]) - float(step.before.others[f"record/{n}"]) for n in DRIVEN_RECORDS])
+
+
 class Energy:
     """Kinetic and potential energy of every frame, with what brought or took any."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "energy": "mechanical energy less what inflow and bodies brought never grows by more than limits.energy_growth of that in play",
+        "energy": "mechanical energy less what inflow, waves and bodies brought never grows by more than limits.energy_growth of that in play",
         "calm": f"undriven liquid with a resting surface has at most {CALM:g} of weight x height / 2 as kinetic energy",
     }
 
@@ -82,11 +99,12 @@ class Energy:
             went = then.mass[out] * (0.5 * then.squared[out] + liquid.strength * (then.position[out] @ liquid.up))
             given -= float(went.sum())
             given_by_bodies, doubt = self._bodies(step)
-            given += given_by_bodies
+            given += given_by_bodies + float(driven(step)[3])
         self.given.append(given)
         self.doubt.append(doubt)
         inflow = any(liquid.active(n, frame.index) for n in liquid.inflows)
-        self.driven.append(bool(inflow or len(step.gone) or self.bodies.moving[frame.index] > DRIVEN))
+        waves = any(w.start < frame.index * liquid.duration for w in liquid.waves.values())
+        self.driven.append(bool(inflow or waves or len(step.gone) or self.bodies.moving[frame.index] > DRIVEN))
 
     def _bodies(self, step: Step) -> tuple[float, float]:
         """Work of moving boundaries on the liquid in the frame [J], and how far the frame's ends leave it open."""
@@ -156,7 +174,7 @@ class Momentum:
     """Change of the liquid's momentum per frame against its causes."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "momentum": f"momentum changes by gravity, boundaries, inflow and outflow, within {MOMENTUM:.0%} of a frame's weight and impulses"
+        "momentum": f"momentum changes by gravity, boundaries, waves, inflow and outflow, within {MOMENTUM:.0%} of a frame's weight and impulses"
     }
 
     def __init__(self, liquid: Liquid) -> None:
@@ -176,10 +194,12 @@ class Momentum:
         mass = 0.5 * float(frame.mass.sum() + before.mass.sum())
         brought = frame.mass[step.new] @ frame.velocity[step.new] - before.mass[step.gone] @ before.velocity[step.gone]
         change = frame.mass @ frame.velocity - before.mass @ before.velocity
-        rest = change - mass * h * liquid.gravity - reaction.sum(axis=0) - brought
+        given = driven(step)[:3]
+        rest = change - mass * h * liquid.gravity - reaction.sum(axis=0) - brought - given
         fastest = max(frame.fastest, before.fastest)
         passing = float(frame.mass[step.new].sum() + before.mass[step.gone].sum())
         scale = mass * h * max(liquid.strength, 1e-3) + float(np.linalg.norm(reaction, axis=1).sum())
+        scale += float(np.linalg.norm(given))
         doubt = passing * (fastest + liquid.strength * h) + self._pushed(step)
         low, high = self._sides(step)
         over = np.maximum(np.where(high, 0.0, rest), np.where(low, 0.0, -rest)) - doubt

@@ -19,6 +19,7 @@ from ..worlds.arrays import F64, pose_of, rotation_matrix
 from ..worlds.errors import EvidenceError
 from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.spec import InflowDriver, LiquidPhysics, OutflowDriver
+from ..worlds.waves import waves_of
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
@@ -138,6 +139,8 @@ class Liquid:
         self.inflows = {
             n: d for n, d in spec.simulation.drivers.items() if isinstance(d, InflowDriver) and d.entity in self.members
         }
+        self.waves = waves_of(spec, solver)
+        """Declared seas, by driver."""
         self.outflows = {
             n: d for n, d in spec.simulation.drivers.items() if isinstance(d, OutflowDriver) and d.entity in self.members
         }

@@ -10,6 +10,7 @@ import numpy as np
 from .arrays import F64, pose_of
 from .gate import Problem
 from .liquids import LEAST_MOUTH, LEAST_SPACINGS, domain_box, inflows_of, initial_box, spacing_of
+from .wave_audit import wave_problems
 
 if TYPE_CHECKING:
     from .spec import Coupling, LiquidInstance, WorldSpec
@@ -22,6 +23,8 @@ def liquid_problems(spec: WorldSpec) -> list[Problem]:
     found = [*_memberships(spec)]
     for name, instance in spec.simulation.liquid.items():
         found += _instance(spec, name, instance)
+        if np.isfinite(spacing_of(spec, name)):
+            found += wave_problems(spec, name, instance)
     found += _drivers(spec)
     return found
 
@@ -111,17 +114,17 @@ def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[
 
 def _drivers(spec: WorldSpec) -> Iterator[Problem]:
     for name, driver in spec.simulation.drivers.items():
-        if driver.kind in ("inflow", "outflow"):
+        if driver.kind in ("inflow", "outflow", "waves"):
             entity = spec.entities.get(driver.entity)
             if entity is not None and entity.physics.category != "liquid":
                 yield Problem(
                     f"/simulation/drivers/{name}/entity", f"{driver.kind} {name!r} acts on {driver.entity!r}, which is no liquid"
                 )
         moved = spec.entities.get(getattr(driver, "entity", ""))
-        if driver.kind not in ("inflow", "outflow") and moved is not None and moved.physics.category == "liquid":
+        if driver.kind not in ("inflow", "outflow", "waves") and moved is not None and moved.physics.category == "liquid":
             yield Problem(
                 f"/simulation/drivers/{name}",
-                f"driver {driver.kind!r} cannot act on a liquid; use inflow, outflow, gravity, or a kinematic solid that moves it",
+                f"driver {driver.kind!r} cannot act on a liquid; use inflow, outflow, waves, gravity, or a kinematic solid that moves it",
             )
 
 

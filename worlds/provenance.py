@@ -114,7 +114,7 @@ def liquid_slice(spec: WorldSpec, name: str, meeting: Iterable[str]) -> dict[str
         "drivers": {
             k: d.model_dump(mode="json")
             for k, d in plan.drivers.items()
-            if d.kind in ("inflow", "outflow") and d.entity in members
+            if d.kind in ("inflow", "outflow", "waves") and d.entity in members
         },
         "clock": [plan.fps, plan.preroll, list(plan.gravity), plan.seed],
     }

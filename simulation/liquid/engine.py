@@ -13,8 +13,20 @@ import numpy as np
 
 from ...worlds.arrays import F64, I32
 from ...worlds.built import TriangleMesh
+from ...worlds.waves import Sea
 
-__all__ = ["BodyState", "Boundary", "Engine", "Fluid", "Inflow", "LiquidSetup", "Outflow", "Particles", "StepReport"]
+__all__ = [
+    "BodyState",
+    "Boundary",
+    "Engine",
+    "Fluid",
+    "Inflow",
+    "LiquidSetup",
+    "Outflow",
+    "Particles",
+    "StepReport",
+    "WaveZones",
+]
 
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Order of the sides of a domain."""
@@ -88,6 +100,20 @@ class Outflow:
 
 
 @dataclass(frozen=True)
+class WaveZones:
+    """Zones along sides of the domain that draw the liquid towards a sea, or towards rest (`zones.py` does it)."""
+
+    name: str
+    sea: Sea
+    """Its `start` counts from the engine's own."""
+    width: float
+    """Of every zone [m]."""
+    generate: tuple[bool, bool, bool, bool]
+    """-x, +x, -y, +y: whether the zone of that side makes the sea."""
+    absorb: tuple[bool, bool, bool, bool]
+
+
+@dataclass(frozen=True)
 class LiquidSetup:
     """Everything that does not change during a run."""
 
@@ -111,6 +137,7 @@ class LiquidSetup:
     boundaries: tuple[Boundary, ...] = ()
     inflows: tuple[Inflow, ...] = ()
     outflows: tuple[Outflow, ...] = ()
+    waves: tuple[WaveZones, ...] = ()
     device: str = "cpu"
     seed: int = 0
 
@@ -159,6 +186,8 @@ class StepReport:
     """Solves that stopped at their cap of iterations."""
     density_error: tuple[float, float]
     """Mean and largest relative compression at the end of the step."""
+    driven: F64 = field(default_factory=lambda: np.zeros(4))
+    """Momentum [N s] and energy [J] that zones of waves gave to the liquid, (4,)."""
 
 
 @dataclass

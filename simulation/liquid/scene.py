@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -16,8 +16,9 @@ from ...worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
 from ...worlds.errors import InputError
 from ...worlds.liquids import domain_box, spacing_of
 from ...worlds.provenance import DOMAIN_MARGIN
+from ...worlds.waves import sea_of, waves_of
 from .currents import start_velocity
-from .engine import SIDES, Boundary, Fluid, Inflow, LiquidSetup, Outflow
+from .engine import SIDES, Boundary, Fluid, Inflow, LiquidSetup, Outflow, WaveZones
 from .filling import PlacedSolid, fill
 from .resolved import require_resolved
 
@@ -45,7 +46,7 @@ class LiquidScene:
 def build_scene(
     spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, *, without: frozenset[str] = frozenset()
 ) -> LiquidScene:
-    """Initial particles, boundaries and openings of a liquid instance; `without` some of its inflows.
+    """Initial particles, boundaries and openings of a liquid instance; `without` some of its inflows or waves.
 
     Raises:
         InputError: something is not resolved, a source lies in a solid, or a liquid lies in solids.
@@ -69,6 +70,7 @@ def build_scene(
         boundaries=boundaries,
         inflows=tuple(i for i in _inflows(spec, instance) if i.name not in without),
         outflows=tuple(_outflows(spec, instance)),
+        waves=tuple(w for w in _waves(spec, name, spacing) if w.name not in without),
         device=instance.settings.device,
         seed=plan.seed,
     )
@@ -234,3 +236,11 @@ def _outflows(spec: WorldSpec, instance: LiquidInstance) -> Iterator[Outflow]:
             pose = pose_of(driver.pose)
             half = (0.5 * driver.size[0], 0.5 * driver.size[1], 0.5 * driver.size[2])
             yield Outflow(key, pose.position, rotation_matrix(pose.quaternion), half)
+
+
+def _waves(spec: WorldSpec, name: str, spacing: float) -> Iterator[WaveZones]:
+    plan = spec.simulation
+    for key, driver in waves_of(spec, name).items():
+        sea = sea_of(driver, float(np.linalg.norm(plan.gravity)), spacing)
+        generate, absorb = (tuple(side in sides for side in SIDES[:4]) for sides in (driver.generate, driver.absorb))
+        yield WaveZones(key, replace(sea, start=sea.start + plan.preroll), driver.zone, generate, absorb)  # type: ignore[arg-type]

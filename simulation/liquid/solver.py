@@ -48,6 +48,8 @@ ENGINES = {"dfsph": ("dfsph", "Dfsph"), "flip": ("flip", "Flip")}
 """Folder and class of each engine; its settings are the class's name with `Settings`. Loaded when needed: they compile kernels."""
 DOMAIN = "domain"
 """Name under which engines report what left through open sides."""
+DRIVEN = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
+"""Records of what zones of waves gave."""
 SHORTEST = 1e-9
 """[s] Times this close are equal."""
 
@@ -79,7 +81,7 @@ class SolverLiquid:
         built: its geometry.
         name: the instance.
         caches: of the rigid instances that move its boundaries; None: a coupling gives their states.
-        intervention: inflows taken away; liquids that are held neither move nor act from then on.
+        intervention: inflows and waves taken away; liquids that are held neither move nor act from then on.
         recipe: hash of everything that decides this liquid's motion, for the cache's index.
     """
 
@@ -152,7 +154,7 @@ class SolverLiquid:
 
     def _start_ledger(self) -> None:
         count = len(self.drivers)
-        self._ledger: dict[str, Any] = {"in": [0.0] * count, "out": [0.0] * count, DOMAIN: 0.0, "mass": 0.0}
+        self._ledger: dict[str, Any] = {"in": [0.0] * count, "out": [0.0] * count, DOMAIN: 0.0, "mass": 0.0, "driven": [0.0] * 4}
 
     def max_stable_dt(self) -> float:
         """Largest stable step of the engine [s]."""
@@ -197,6 +199,7 @@ class SolverLiquid:
         tally["capped"] += int(report.capped > 0)
         tally["mean"] = max(tally["mean"], report.density_error[0])
         tally["max"] = max(tally["max"], report.density_error[1])
+        ledger["driven"] = [a + float(b) for a, b in zip(ledger["driven"], report.driven, strict=True)]
         for name, mass in report.added.items():
             ledger["in"][self._row[name]] += mass
         for name, mass in report.removed.items():
@@ -307,6 +310,7 @@ class SolverLiquid:
             "inflow_mass": sum(ledger["in"]),
             "outflow_mass": sum(ledger["out"]),
             "domain_outflow": ledger[DOMAIN],
+            **dict(zip(DRIVEN, ledger["driven"], strict=True)),
         }
         self._data: dict[str, Any] = {
             "origin": self.origin,

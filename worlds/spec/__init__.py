@@ -2,7 +2,16 @@
 
 from ..vocabulary import Ref, SpecModel
 from .entities import Appearance, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
-from .liquids import DfsphInstance, DfsphSettings, FlipInstance, FlipSettings, InflowDriver, LiquidDomain, OutflowDriver
+from .liquids import (
+    DfsphInstance,
+    DfsphSettings,
+    FlipInstance,
+    FlipSettings,
+    InflowDriver,
+    LiquidDomain,
+    OutflowDriver,
+    WavesDriver,
+)
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, StemField, Wedge
 from .simulation import (
     BallJoint,
@@ -123,6 +132,7 @@ __all__ = [
     "StemField",
     "Story",
     "Supports",
+    "WavesDriver",
     "Wedge",
     "WeldJoint",
     "WorldSpec",

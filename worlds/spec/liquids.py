@@ -1,4 +1,4 @@
-"""Liquids in the simulation plan: engines and their settings, the domain, what lets liquid in and out (R57, R58)."""
+"""Liquids in the simulation plan: engines and their settings, the domain, what lets liquid in and out, what makes waves (R57, R58)."""
 
 from __future__ import annotations
 
@@ -6,12 +6,23 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from ..vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
+from ..vocabulary import EntityRef, Finite, NonNegative, Positive, SpecModel, Vec3
 from .shapes import Pose
 
-__all__ = ["DfsphInstance", "DfsphSettings", "FlipInstance", "FlipSettings", "InflowDriver", "LiquidDomain", "OutflowDriver"]
+__all__ = [
+    "DfsphInstance",
+    "DfsphSettings",
+    "FlipInstance",
+    "FlipSettings",
+    "InflowDriver",
+    "LiquidDomain",
+    "OutflowDriver",
+    "WaveSide",
+    "WavesDriver",
+]
 
 Side = Literal["open", "closed"]
+WaveSide = Literal["-x", "+x", "-y", "+y"]
 
 
 class LiquidDomain(SpecModel):
@@ -130,3 +141,35 @@ class OutflowDriver(SpecModel):
     entity: EntityRef = Field(description="the liquid, or any one of its instance")
     pose: Pose = Pose()
     size: tuple[Positive, Positive, Positive] = Field(description="full extents along the box's own axes [m]")
+
+
+class WavesDriver(SpecModel):
+    """Makes the waves of a spectrum, and takes in those that arrive, in zones along closed sides of the liquid's domain.
+
+    In a zone of `generate`, liquid is drawn towards the motion of the declared sea; in one of `absorb`, towards rest.
+    """
+
+    kind: Literal["waves"] = "waves"
+    entity: EntityRef = Field(description="the liquid, or any one of its instance")
+    spectrum: Literal["regular", "jonswap", "pierson_moskowitz"] = "regular"
+    height: Positive = Field(description="crest to trough of regular waves, significant height of the others [m]")
+    period: Positive = Field(description="of regular waves, peak period of the others [s]")
+    level: Finite = Field(description="still water, world z [m]")
+    depth: Positive = Field(description="of still water [m]")
+    direction: float = Field(default=0.0, ge=-360, le=360, description="that waves travel in, from +x towards +y [deg]")
+    spreading: float = Field(default=0.0, ge=0, le=40, description="standard deviation of directions [deg]; 0: long crests")
+    peakedness: float = Field(default=3.3, ge=1, le=7, description="of jonswap: gamma")
+    components: int = Field(default=32, ge=2, le=128, description="waves that a spectrum is made of; regular is 1")
+    seed: int = Field(default=0, ge=0, lt=2**31, description="of their phases and directions")
+    generate: Annotated[list[WaveSide], Field(min_length=1, max_length=4)] = ["-x"]
+    absorb: Annotated[list[WaveSide], Field(max_length=3)] = ["+x"]
+    zone: Positive = Field(description="width of each zone [m], at least one peak wavelength")
+    start: float = Field(default=0.0, ge=-60, le=1e5, description="[s]; negative: within the preroll")
+    rise: Positive | None = Field(default=None, description="seconds to full height; default: two periods")
+
+    @model_validator(mode="after")
+    def _own_sides(self) -> WavesDriver:
+        both = [*self.generate, *self.absorb]
+        if len(set(both)) < len(both):
+            raise ValueError("a side stands once, in generate or in absorb")
+        return self

@@ -17,7 +17,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
-from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver
+from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from .shapes import Pose
 
 __all__ = [
@@ -194,7 +194,7 @@ class DetachDriver(SpecModel):
 
 
 Driver = Annotated[
-    ReleaseDriver | PathDriver | ForceDriver | MotorDriver | DetachDriver | InflowDriver | OutflowDriver,
+    ReleaseDriver | PathDriver | ForceDriver | MotorDriver | DetachDriver | InflowDriver | OutflowDriver | WavesDriver,
     Field(discriminator="kind"),
 ]
 

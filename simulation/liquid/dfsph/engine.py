@@ -11,6 +11,7 @@ from ....worlds.arrays import F64
 from ....worlds.errors import EngineError
 from ...passes import Pass, Passes
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
+from ..zones import Zones
 from .bodies import Coupling, sampled_boundaries
 from .flow import Mouth, outflow_boxes, reasons
 from .keep_out import KeepOut
@@ -79,6 +80,7 @@ class Dfsph:
         self.keep_out = KeepOut(setup, self.origin, self.passes)
         self.tension = Tension(setup, self.passes)
         self.viscosity = Viscosity(setup, self._density, self.passes)
+        self.zones = Zones(setup, self.origin, self.device)
         self._host = np.zeros(SETTINGS, dtype=np.float32)
         self._work: Work | None = None
         self._sorted = 0
@@ -145,6 +147,8 @@ class Dfsph:
             self._measure_packing(w)
         self.coupling.meet(w, s.x, s.volume, self.h, n)
         spread = self._solve(w, density=False)
+        launch, pull = (lambda k, many, of: run("zones", k, many, of)()), [s.x, s.volume, w.lightness, s.v]
+        driven = self.zones.pull(launch, "pull_particles", n, pull, self.time, dt)
         run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
         self.tension.apply(w, s, self.coupling, self._grid, self._sides, self.h, n)
         self.coupling.advance()
@@ -167,7 +171,9 @@ class Dfsph:
         self.steps += 1
         given, taken = self.coupling.wrenches()
         capped = int(pressed.capped) + int(spread.capped) + int(not thin)
-        return StepReport(dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error)
+        return StepReport(
+            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven
+        )
 
     def _solve(self, w: Work, *, density: bool) -> Solved:
         s, k = self.store.now, self.settings

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ....geometry.launch import chosen_device, warp
 from ....worlds.arrays import F64
 from ....worlds.errors import EngineError, EvidenceError, LimitError
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
+from ..zones import Zones
 from . import column_kernels as columns
 from . import cut_kernels as cuts
 from . import distance_kernels as distances
@@ -82,6 +84,7 @@ class Flip:
         self.markers.add(start)
         self.solids = Solids(self.run, setup, self._origin)
         self.sources = Sources(self.run, setup, self._origin)
+        self.zones = Zones(setup, self._origin, self.device)
         self.time = 0.0
         self._begun = False
         self._speed = float(np.linalg.norm(start.velocity, axis=1).max(initial=0.0))
@@ -119,6 +122,7 @@ class Flip:
             return self._close(dt, np.zeros((self.solids.count, 6)), np.zeros((self.solids.count, 6)), (0, 0), 0, (0.0, 0.0))
         grid = self._build_grid()
         self._dt = dt
+        driven = self._pull(dt)
         self._to_faces(grid, dt)
         mouths, half = self.sources.speeds(self.time, dt)
         self._cut(grid, half)
@@ -138,7 +142,14 @@ class Flip:
         self._advance(grid, exchange, dt)
         capped = int(pressed.capped) + int(moved.capped)
         iterations = (pressed.iterations, moved.iterations)
-        return self._close(dt, impulse[: self.solids.count], reaction, iterations, capped, excess)
+        report = self._close(dt, impulse[: self.solids.count], reaction, iterations, capped, excess)
+        return replace(report, driven=driven)
+
+    def _pull(self, dt: float) -> F64:
+        """Draw particles in zones of waves towards them."""
+        markers = self.markers
+        state = [self._cell, self._density * self._cell**3, markers.position, markers.velocity]
+        return self.zones.pull(partial(self.run, grain=8), "pull_cells", markers.total, state, self.time, dt)
 
     def _close(
         self, dt: float, impulse: F64, reaction: F64, iterations: tuple[int, int], capped: int, excess: tuple[float, float]

@@ -12,9 +12,16 @@ __all__ = ["couette", "poiseuille"]
 
 LENGTH, ACROSS = 4, 4
 """Of the slab: gaps along the flow, cells across it. Its ends are free: it moves by less than half a gap."""
+GATE = 0.10
+"""Own choice: no gate is published. Viscosity of 30 neighbours depends by some 10 % on how they lie."""
 TERMS = np.arange(1, 60)
 GAPS = {"water": (1e-3, 0.002), "oil": (0.1, 0.02), "honey": (10.0, 0.1)}
 """Viscosity [Pa s] and gap [m]: a time in which the flow develops is then some tenths of a second to some seconds."""
+
+
+def _stirred(position: F64, spacing: float) -> F64:
+    """Off their lattice, whose rows would slide along each other: by up to a third of a spacing."""
+    return position + spacing / 3 * np.random.default_rng(0).uniform(-1.0, 1.0, position.shape)
 
 
 def _between(cells: int, liquid_name: str, speed: float, push: float, seconds: float) -> tuple[F64, F64]:
@@ -30,7 +37,7 @@ def _between(cells: int, liquid_name: str, speed: float, push: float, seconds: f
     fluid = Fluid(liquid_name, 1000.0, viscosity)
     setup = liquid(
         s,
-        lattice((0, 0, 0), (length, width, gap), s),
+        _stirred(lattice((0, 0, 0), (length, width, gap), s), s),
         (2 * length, width, gap + 8 * s),
         lower=(-length, 0.0, -8 * s),
         sides=("open", "open", "closed", "closed", "open", "open"),
@@ -55,7 +62,7 @@ def couette(engine: EngineName, cells: int, liquid_name: str = "oil") -> list[Fi
     z, v = _between(cells, liquid_name, speed, 0.0, time)
     n = TERMS[:, None]
     exact = z + (2 / (np.pi * n) * (-1.0) ** n * np.exp(-((np.pi * n) ** 2) * 0.5) * np.sin(np.pi * n * z)).sum(axis=0)
-    return [below(f"{liquid_name}: velocity, L2 error", np.sqrt(((v / speed - exact) ** 2).sum() / (exact**2).sum()), 0.05)]
+    return [below(f"{liquid_name}: velocity, L2 error", np.sqrt(((v / speed - exact) ** 2).sum() / (exact**2).sum()), GATE)]
 
 
 def poiseuille(engine: EngineName, cells: int, liquid_name: str = "oil") -> list[Figure]:
@@ -69,4 +76,4 @@ def poiseuille(engine: EngineName, cells: int, liquid_name: str = "oil") -> list
     n = 2 * TERMS[:, None] - 1
     slow = (32 / (np.pi * n) ** 3 * np.exp(-((np.pi * n) ** 2) * 0.5) * np.sin(np.pi * n * z)).sum(axis=0)
     exact = 4 * z * (1 - z) - slow
-    return [below(f"{liquid_name}: velocity, L2 error", np.sqrt(((v / most - exact) ** 2).sum() / (exact**2).sum()), 0.05)]
+    return [below(f"{liquid_name}: velocity, L2 error", np.sqrt(((v / most - exact) ** 2).sum() / (exact**2).sum()), GATE)]

@@ -57,17 +57,46 @@ class Pass:
 
     def __init__(self, kernel: Any, count: int, inputs: Sequence[Any], device: str, *, smallest: int = SMALLEST) -> None:
         load(kernel, device)
-        wp = warp()
+        self.kernel, self.device, self.smallest = kernel, device, smallest
         self.name = str(kernel.key)
-        self.inputs = tuple(inputs)
-        self.count = count
-        parts = max(1, min(SLICES * cores(), count // smallest)) if device == "cpu" and cores() > 1 else 1
+        self.changes = 0
+        """How often its numbers have changed."""
+        self._prepare(count, inputs)
+
+    def _prepare(self, count: int, inputs: Sequence[Any]) -> None:
+        wp = warp()
+        self.count, self.inputs = count, tuple(inputs)
+        parts = self._parts(count)
         cuts = [count * k // parts for k in range(parts + 1)]
         self.launches = [
-            wp.launch(kernel, dim=end - first, inputs=[first, *inputs], device=device, record_cmd=True)
+            wp.launch(self.kernel, dim=end - first, inputs=[first, *inputs], device=self.device, record_cmd=True)
             for first, end in pairwise(cuts)
             if end > first
         ]
+
+    def _parts(self, count: int) -> int:
+        shared = self.device == "cpu" and cores() > 1
+        return max(1, min(SLICES * cores(), count // self.smallest)) if shared else 1
+
+    def takes(self, count: int, inputs: Sequence[Any]) -> bool:
+        """Whether all but its whole numbers are just these; it then takes those, and `count`, from now on."""
+        if len(inputs) != len(self.inputs):
+            return False
+        pairs = list(zip(inputs, self.inputs, strict=True))
+        if not all(a is b or (isinstance(a, float) and a == b) or isinstance(a, int) for a, b in pairs):
+            return False
+        others = [k for k, (a, b) in enumerate(pairs) if isinstance(a, int) and a != b]
+        if count == self.count and not others:
+            return True
+        self.changes += 1
+        if len(self.launches) != 1 or self._parts(count) != 1 or count == 0:
+            self._prepare(count, inputs)
+            return True
+        self.count, self.inputs = count, tuple(inputs)
+        self.launches[0].set_dim(count)
+        for k in others:
+            self.launches[0].set_param_at_index(k + 1, inputs[k])
+        return True
 
     def __call__(self) -> None:
         """Run over all elements; on a CPU it has ended when this returns, on a GPU it is queued."""
@@ -90,17 +119,13 @@ class Pass:
         for other in others:
             other.result()
 
-    def fits(self, count: int, inputs: Sequence[Any]) -> bool:
-        """Whether it was prepared for just these arguments."""
-        return (
-            count == self.count
-            and len(inputs) == len(self.inputs)
-            and all(a is b or (isinstance(a, int | float) and a == b) for a, b in zip(inputs, self.inputs, strict=True))
-        )
-
 
 class Passes:
-    """Prepared passes by name; of each the two last ones are kept, since a step reads what the next one writes and back."""
+    """Prepared passes by name; of each the two last ones are kept, since a step reads what the next one writes and back.
+
+    A name and its arrays stand for one pass: when it is asked for with another count or other whole numbers (particles come and
+    go), it goes on with those. What is to be held with several numbers at once needs several names.
+    """
 
     def __init__(self, device: str) -> None:
         self.device = device
@@ -115,7 +140,7 @@ class Passes:
         """The pass of this name with these arguments."""
         known = self._known.setdefault(name, [])
         for one in known:
-            if one.fits(count, inputs):
+            if one.kernel is kernel and one.takes(count, inputs):
                 return one
         made = Pass(kernel, count, inputs, self.device, smallest=smallest)
         self._known[name] = [*known[-1:], made]
@@ -175,6 +200,7 @@ class Chain:
         self.passes = list(passes)
         self.device, self.going, self.graph = device, going, graph
         self._graph: Any = None
+        self._changes: list[int] = []
 
     def fits(self, passes: Sequence[Callable[[], None]], going: Any, *, graph: bool) -> bool:
         """Whether it was made of just these."""
@@ -187,7 +213,9 @@ class Chain:
         if not self.graph or (self.going is not None and not wp.is_conditional_graph_supported()):
             self._run()
             return
-        if self._graph is None:
+        changes = [getattr(one, "changes", 0) for one in self.passes]
+        if self._graph is None or changes != self._changes:
+            self._changes = changes
             with wp.ScopedCapture(device=self.device, force_module_load=False) as capture:
                 self._run()
             self._graph = capture.graph

@@ -57,19 +57,39 @@ def test_slices_cover_every_element_once(monkeypatch: pytest.MonkeyPatch) -> Non
     assert (values.numpy() == 1.0).all()
 
 
-def test_a_pass_is_prepared_again_only_for_other_arguments() -> None:
+def test_a_pass_is_prepared_again_only_for_other_arrays() -> None:
     wp, passes = warp(), Passes("cpu")
     here, there = wp.zeros(10, dtype=wp.float32), wp.zeros(10, dtype=wp.float32)
     first = passes("add", kernels.add, 10, [1.0, here])
     second = passes("add", kernels.add, 10, [1.0, there])
     assert passes("add", kernels.add, 10, [1.0, here]) is first
     assert passes("add", kernels.add, 10, [1.0, there]) is second
-    others = [
-        passes("add", kernels.add, 9, [1.0, here]),
-        passes("add", kernels.add, 10, [2.0, here]),
-        passes("add", kernels.add, 10, [1.0, wp.zeros(10, dtype=wp.float32)]),
-    ]
+    others = [passes("add", kernels.add, 10, [2.0, here]), passes("add", kernels.add, 10, [1.0, wp.zeros(10, dtype=wp.float32)])]
     assert all(a is not b for a, b in pairwise([first, second, *others]))
+
+
+@pytest.mark.parametrize("many", [1, 5000])
+def test_a_pass_goes_on_with_another_count(many: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "cores", lambda: 2)
+    wp, passes = warp(), Passes("cpu")
+    values = wp.zeros(10 * many, dtype=wp.float32)
+    first = passes("add", kernels.add, 7 * many, [1.0, values])
+    first()
+    for count in (3 * many, 0, 9 * many):
+        assert passes("add", kernels.add, count, [1.0, values]) is first
+        first()
+    assert values.numpy().reshape(10, many)[:, 0].tolist() == [3.0] * 3 + [2.0] * 4 + [1.0] * 2 + [0.0]
+    assert first.changes == 3
+
+
+def test_a_sum_goes_on_with_another_count() -> None:
+    wp, passes = warp(), Passes("cpu")
+    given = wp.array(np.ones((1000, 1), dtype=np.float32), dtype=wp.float32)
+    room, result = wp.zeros((1, 8), dtype=wp.float64), wp.zeros(1, dtype=wp.float64)
+    for count in (300, 999, 10):
+        for one in passes.sum("test", given, count, room, result):
+            one()
+        assert result.numpy()[0] == count
 
 
 def test_a_chain_runs_in_order_until_its_passes_end_it() -> None:
@@ -92,7 +112,7 @@ def test_the_same_chain_is_used_again() -> None:
     first = passes.chain("name", steps, going=left)
     assert passes.chain("name", steps, going=left) is first
     assert passes.chain("name", steps) is not first
-    assert passes.chain("name", [passes("add", kernels.add, 3, [1.0, values])], going=left) is not first
+    assert passes.chain("name", [passes("other", kernels.add, 4, [1.0, values])], going=left) is not first
 
 
 def test_the_kernels_of_the_particle_liquid_compile_for_a_gpu(tmp_path: Path) -> None:

@@ -174,8 +174,8 @@ def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
     instance = spec.simulation.liquid[name]
     if instance.engine == "flip":
         return {
-            "what": f"surface tension and viscosity of the liquid {name!r} not simulated",
-            "effect": "drops, menisci and films do not hold together; it flows as thinly as water",
+            "what": f"surface tension of the liquid {name!r} not simulated",
+            "effect": "drops, menisci and films do not hold together",
         }
     gravity = math.hypot(*spec.simulation.gravity)
     members = [spec.entities[m] for m in instance.members]

@@ -160,7 +160,7 @@ class LiquidPhysics(SpecModel):
     """Free-surface liquid; the entity's parts are its initial volume."""
 
     category: Literal["liquid"] = "liquid"
-    viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s]; engine flip leaves it out")
+    viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s], at `temperature`")
     surface_tension: NonNegative = Field(
         default=0.072,
         description="[N/m]; felt by dfsph below spacings of about three capillary lengths (water 8.6 mm); flip leaves it out",

@@ -2,14 +2,17 @@
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
 """Sparse grid of columns: only cells near liquid exist, one run of cells along z for each column (i, j).
 
-A column's cells follow one another in memory, and so do the particles, which are sorted by cell.
+A column's cells follow one another in memory, and so do the particles, which are sorted by column.
 """
 
 import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["Columns", "cell_at", "count_cells", "dilate", "find_bases", "find_heads", "find_keys", "find_ranges", "link", "vec6i"]
+__all__ = [
+    "Columns", "cell_at", "count_cells", "deal", "dilate", "find_bases", "find_heads", "find_keys", "find_ranges", "link", "stack",
+    "tally", "vec6i",
+]  # fmt: skip
 
 vec6i = wp.types.vector(length=6, dtype=wp.int32)
 NONE = wp.constant(1 << 30)
@@ -49,33 +52,34 @@ def place_of(grid: Columns, c: wp.int32):
     return wp.vec3i(col // grid.ny, col - (col // grid.ny) * grid.ny, c - grid.start[col] + grid.low[col])
 
 
+@wp.func
+def column_of(x: wp.vec4, nx: int, ny: int):
+    """Column of a particle; removed ones (volume 0) come after all columns."""
+    c = wp.clamp(int(wp.floor(x[0])), 0, nx - 1) * ny + wp.clamp(int(wp.floor(x[1])), 0, ny - 1)
+    if x[3] <= 0.0:
+        c = nx * ny
+    return c
+
+
 @wp.kernel
 def find_keys(
-    first: wp.int32, position: wp.array(dtype=wp.vec4), nx: int, ny: int, nz: int,
-    keys: wp.array(dtype=wp.int32), order: wp.array(dtype=wp.int32),
+    first: wp.int32, position: wp.array(dtype=wp.vec4), nx: int, ny: int, keys: wp.array(dtype=wp.int32),
+    order: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """Number of the cell of each particle in the full box; removed particles (volume 0) come last."""
+    """Column of each particle."""
     p = first + wp.tid()
-    x = position[p]
-    i = wp.clamp(int(wp.floor(x[0])), 0, nx - 1)
-    j = wp.clamp(int(wp.floor(x[1])), 0, ny - 1)
-    k = wp.clamp(int(wp.floor(x[2])), 0, nz - 1)
     order[p] = p
-    keys[p] = (i * ny + j) * nz + k
-    if x[3] <= 0.0:
-        keys[p] = nx * ny * nz
+    keys[p] = column_of(position[p], nx, ny)
 
 
 @wp.kernel
-def find_heads(
-    first: wp.int32, keys: wp.array(dtype=wp.int32), count: int, nz: int, columns: int, head: wp.array(dtype=wp.int32)
-):
-    """First particle of each column."""
+def find_heads(first: wp.int32, keys: wp.array(dtype=wp.int32), count: int, columns: int, head: wp.array(dtype=wp.int32)):
+    """First particle of each column, of sorted keys."""
     p = first + wp.tid()
-    here = keys[p] // nz
+    here = keys[p]
     before = int(-1)
     if p > 0:
-        before = keys[p - 1] // nz
+        before = keys[p - 1]
     for c in range(before + 1, here + 1):
         head[c] = p
     if p == count - 1:
@@ -84,19 +88,63 @@ def find_heads(
 
 
 @wp.kernel
-def find_ranges(
-    first: wp.int32, head: wp.array(dtype=wp.int32), keys: wp.array(dtype=wp.int32), nz: int,
-    low: wp.array(dtype=wp.int32), high: wp.array(dtype=wp.int32),
+def tally(
+    first: wp.int32, count: int, part: int, position: wp.array(dtype=wp.vec4), nx: int, ny: int, keys: wp.array(dtype=wp.int32),
+    tallies: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """Lowest and highest cell of each column that holds particles."""
+    """Particles of each column in one part of all particles."""
+    s = first + wp.tid()
+    base = s * (nx * ny + 1)
+    for c in range(base, base + nx * ny + 1):
+        tallies[c] = 0
+    for p in range(s * part, wp.min((s + 1) * part, count)):
+        c = column_of(position[p], nx, ny)
+        keys[p] = c
+        tallies[base + c] = tallies[base + c] + 1
+
+
+@wp.kernel
+def stack(first: wp.int32, parts: int, columns: int, tallies: wp.array(dtype=wp.int32), head: wp.array(dtype=wp.int32)):
+    """Where each column's particles of each part begin, by one thread."""
+    total = int(first)
+    for c in range(columns + 1):
+        head[c] = total
+        for s in range(parts):
+            n = s * (columns + 1) + c
+            many = tallies[n]
+            tallies[n] = total
+            total += many
+
+
+@wp.kernel
+def deal(
+    first: wp.int32, count: int, part: int, columns: int, keys: wp.array(dtype=wp.int32), tallies: wp.array(dtype=wp.int32),
+    order: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """The order of the particles by columns, those of a column as they were."""
+    s = first + wp.tid()
+    for p in range(s * part, wp.min((s + 1) * part, count)):
+        n = s * (columns + 1) + keys[p]
+        order[tallies[n]] = p
+        tallies[n] = tallies[n] + 1
+
+
+@wp.kernel
+def find_ranges(
+    first: wp.int32, head: wp.array(dtype=wp.int32), position: wp.array(dtype=wp.vec4), nz: int, low: wp.array(dtype=wp.int32),
+    high: wp.array(dtype=wp.int32), room: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """Lowest and highest cell of each column that holds particles; `room` for their sums (`transfer_kernels`)."""
     c = first + wp.tid()
-    a = head[c]
-    b = head[c + 1]
-    low[c] = NONE
-    high[c] = -1
-    if b > a:
-        low[c] = keys[a] - c * nz
-        high[c] = keys[b - 1] - c * nz
+    a = int(NONE)
+    b = int(-1)
+    for p in range(head[c], head[c + 1]):
+        k = wp.clamp(int(wp.floor(position[p][2])), 0, nz - 1)
+        a = wp.min(a, k)
+        b = wp.max(b, k)
+    low[c] = a
+    high[c] = b
+    room[c] = wp.max(b - a + 2, 0)
 
 
 @wp.kernel
@@ -146,16 +194,39 @@ def find_bases(first: wp.int32, grid: Columns, base: wp.array(dtype=wp.int32)):
     base[c] = grid.start[c] - grid.low[c]
 
 
+@wp.func
+def cells_of(grid: Columns, i: int, j: int):
+    """First and last z of a column's cells, and what makes an index of z."""
+    r = wp.vec3i(0, -1, 0)
+    if i >= 0 and j >= 0 and i < grid.nx and j < grid.ny:
+        c = i * grid.ny + j
+        r = wp.vec3i(grid.low[c], grid.low[c] + grid.start[c + 1] - grid.start[c] - 1, grid.start[c] - grid.low[c])
+    return r
+
+
+@wp.func
+def in_column(r: wp.vec3i, k: int):
+    """Index of a cell of a column, -1 where it does not exist."""
+    n = int(-1)
+    if k >= r[0] and k <= r[1]:
+        n = r[2] + k
+    return n
+
+
 @wp.kernel
 def link(first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i)):
-    """Neighbours of each cell towards -x, +x, -y, +y, -z, +z; -1 where none exists."""
-    c = first + wp.tid()
-    at = place_of(grid, c)
-    n = vec6i()
-    n[0] = cell_at(grid, at[0] - 1, at[1], at[2])
-    n[1] = cell_at(grid, at[0] + 1, at[1], at[2])
-    n[2] = cell_at(grid, at[0], at[1] - 1, at[2])
-    n[3] = cell_at(grid, at[0], at[1] + 1, at[2])
-    n[4] = cell_at(grid, at[0], at[1], at[2] - 1)
-    n[5] = cell_at(grid, at[0], at[1], at[2] + 1)
-    near[c] = n
+    """Neighbours of each cell of a column towards -x, +x, -y, +y, -z, +z; -1 where none exists."""
+    column = first + wp.tid()
+    i = column // grid.ny
+    j = column - i * grid.ny
+    own = cells_of(grid, i, j)
+    if own[1] < own[0]:
+        return
+    a = cells_of(grid, i - 1, j)
+    b = cells_of(grid, i + 1, j)
+    c = cells_of(grid, i, j - 1)
+    d = cells_of(grid, i, j + 1)
+    for k in range(own[0], own[1] + 1):
+        near[own[2] + k] = vec6i(
+            in_column(a, k), in_column(b, k), in_column(c, k), in_column(d, k), in_column(own, k - 1), in_column(own, k + 1)
+        )

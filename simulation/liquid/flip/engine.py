@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -19,34 +19,26 @@ from . import cut_kernels as cuts
 from . import distance_kernels as distances
 from . import grid_kernels as cells
 from . import multigrid, seeding
-from . import multigrid_kernels as blocks
 from . import solid_kernels as walls
 from . import transfer_kernels as transfer
+from . import viscous_kernels as thick
 from .exchange import Exchange
+from .grid import Grid, build
 from .markers import Markers, from_bytes, to_bytes
 from .run import Runner
 from .settings import FlipSettings
 from .solids import Solids
 from .sources import Sources
+from .viscosity import Rubbed, Viscosity
 
 __all__ = ["Flip"]
 
 PAD = 2
 """Cells below the domain, for faces beyond its walls; above there is one more."""
+FAR = 1e9
 KARMAN = 0.41
 FALL = 0.25
 """Way that gravity adds in a step, in cells: the first steps from rest are of first order in time."""
-
-
-@dataclass
-class Grid:
-    """The sparse grid of one step."""
-
-    columns: Any
-    cells: int
-    near: Any
-    head: Any
-    """First particle of each column."""
 
 
 class Flip:
@@ -75,6 +67,9 @@ class Flip:
             )
         self._box = [wp.vec3(float(PAD), float(PAD), float(PAD)), wp.vec3(*size)]
         self._sides = columns.vec6i(*(int(side == "open") for side in setup.sides))
+        closed = np.array([side == "closed" for side in setup.sides]).reshape(3, 2)
+        self._walls = np.where(closed, np.array([np.full(3, float(PAD)), size]).T, (-FAR, FAR)).T
+        """Lower and upper walls of the domain [cells]; far away where a side is open."""
         self._density = setup.fluids[0].density
         self._reach = math.ceil(self.settings.cfl) + 1
         apic = self.settings.transfer == "apic"
@@ -85,6 +80,7 @@ class Flip:
         self.solids = Solids(self.run, setup, self._origin)
         self.sources = Sources(self.run, setup, self._origin)
         self.zones = Zones(setup, self._origin, self.device)
+        self.viscosity = Viscosity(self.run, setup)
         self.time = 0.0
         self._begun = False
         self._speed = float(np.linalg.norm(start.velocity, axis=1).max(initial=0.0))
@@ -126,23 +122,32 @@ class Flip:
         self._to_faces(grid, dt)
         mouths, half = self.sources.speeds(self.time, dt)
         self._cut(grid, half)
-        levels = self._build_rows(grid)
-        fine, run = levels[0], self.run
+        solver = self._build_rows(grid)
+        fine, run = solver.levels[0], self.run
         near, cell = grid.near, run.array("cell", fine.rows, warp().int32)
         exchange = Exchange(
             run, self.solids, bodies, fine, grid.columns, [near, cell, *self._faces(grid, "opening"), self._owners(grid)], mouths
         )
         exchange.mass = self._density * self._cell**3
-        pressed = self._press(levels, exchange, dt)
-        moved, excess = self._correct(grid, levels)
-        q = run.array("q", fine.rows, warp().float32)
-        impulse = exchange.end(q)
-        change = self._finish(grid, fine, exchange, dt)
+        exchange.start(run.array("pressure_right", fine.rows, warp().float32), dt)
+        pressed = self._press(solver, exchange)
+        iterations, capped = pressed.iterations, int(pressed.capped)
+        impulse = exchange.end(run.array("q", fine.rows, warp().float32))
+        calm, ratio = self.viscosity.look(self.markers, dt), self._ratio
+        viscous = calm is not None
+        if calm is not None:
+            ratio *= calm
+            rubbed = self._resist(grid, solver, exchange)
+            pressed = self._press(solver, exchange)
+            impulse += rubbed.impulse + exchange.end(run.array("q", fine.rows, warp().float32))
+            iterations += pressed.iterations
+            capped += int(pressed.capped) + int(rubbed.capped)
+        moved, excess = self._correct(grid, solver)
+        capped += int(moved.capped)
+        change = self._finish(grid, fine, exchange, viscous, ratio)
         reaction = exchange.felt(impulse, change)
-        self._advance(grid, exchange, dt)
-        capped = int(pressed.capped) + int(moved.capped)
-        iterations = (pressed.iterations, moved.iterations)
-        report = self._close(dt, impulse[: self.solids.count], reaction, iterations, capped, excess)
+        self._advance(grid, exchange, ratio)
+        report = self._close(dt, impulse[: self.solids.count], reaction, (iterations, moved.iterations), capped, excess)
         return replace(report, driven=driven)
 
     def _pull(self, dt: float) -> F64:
@@ -179,48 +184,21 @@ class Flip:
         )
 
     def _build_grid(self) -> Grid:
-        """Sort the particles by cell and lay columns of cells around them."""
-        wp, run, markers = warp(), self.run, self.markers
-        n = markers.total
-        nx, ny, nz = self._shape
-        many = nx * ny
-        keys, order = run.array("keys", 2 * n, wp.int32), run.array("order", 2 * n, wp.int32)
-        run(columns.find_keys, n, [markers.position, nx, ny, nz, keys, order], grain=16384)
-        wp.utils.radix_sort_pairs(keys, order, n)
-        head = run.array("head", many + 1, wp.int32)
-        run(columns.find_heads, n, [keys, n, nz, many, head], grain=16384)
-        markers.sort(order)
-        run.swap("low", "low/before")
-        run.swap("start", "start/before")
-        low, high = run.array("low", many + 1, wp.int32), run.array("high", many + 1, wp.int32)
-        low2, high2 = run.array("low2", many + 1, wp.int32), run.array("high2", many + 1, wp.int32)
-        run(columns.find_ranges, many, [head, keys, nz, low, high])
-        run(columns.dilate, many, [low, high, nx, ny, 0, self._reach, low2, high2])
-        run(columns.dilate, many, [low2, high2, nx, ny, 1, self._reach, low, high])
-        count, start = run.array("count", many + 1, wp.int32), run.array("start", many + 1, wp.int32)
-        run(columns.count_cells, many + 1, [nz, self._reach, many, low, high, count])
-        total = run.scan(count, start, many + 1)
-        grid = columns.Columns()
-        grid.nx, grid.ny, grid.nz = nx, ny, nz
-        grid.low, grid.start = low, start
-        grid.column = run.array("column", total, wp.int32)
-        run(blocks.name_columns, many, [grid, grid.column])
-        grid.base = run.array("base", many, wp.int32)
-        run(columns.find_bases, many, [grid, grid.base], grain=16384)
-        near = run.array("near", total, columns.vec6i)
-        run(columns.link, total, [grid, near])
-        return Grid(grid, total, near, head)
+        """Sort the particles by column and lay columns of cells around them."""
+        head = self.markers.sort(*self._shape[:2])
+        return build(self.run, head, self.markers.position, self._shape, self._reach)
 
     def _to_faces(self, grid: Grid, dt: float) -> None:
         """Velocities of faces and densities of cells from the particles, after gravity."""
         wp, run, markers = warp(), self.run, self.markers
-        sums = run.array("scratch", grid.cells * transfer.SUMS, wp.float32)
         nx, ny, _ = self._shape
+        sums = run.array("sums/faces", grid.places * int(transfer.FACES), wp.vec4)
+        weights = run.array("sums/centres", grid.places * int(transfer.CENTRES), wp.vec2)
         state = [markers.position, markers.velocity, markers.affine, int(markers.apic)]
-        run(transfer.add_up, nx * ny, [grid.columns, grid.head, *state, sums], grain=64)
+        run(transfer.add_up, nx * ny, [ny, grid.head, grid.low, grid.room, *state, sums, weights], grain=64)
         kick = wp.vec3(*(float(g) * dt for g in self.setup.gravity))
         faces = [*self._faces(grid, "old", "weight"), *self._of(grid, "density"), *self._faces(grid, "new")]
-        run(transfer.gather, nx * ny, [grid.columns, sums, kick, *faces], grain=64)
+        run(transfer.gather, nx * ny, [grid.columns, grid.low, grid.room, sums, weights, kick, *faces], grain=64)
 
     def _faces(self, grid: Grid, *names: str) -> list[Any]:
         return [self.run.array(name, grid.cells, warp().vec3) for name in names]
@@ -235,7 +213,13 @@ class Flip:
         """Open shares of faces and cells: the domain, boundaries, mouths of inflows."""
         wp, run, total = warp(), self.run, grid.cells
         (opening,), (room, spread, solid) = self._faces(grid, "opening"), self._of(grid, "room", "spread", "solid")
-        run(cells.open_box, total, [grid.columns, *self._box, self._sides, opening, room, spread, self._owners(grid)])
+        box = [wp.vec3(*limits) for limits in self._walls]
+        run(
+            cells.open_box,
+            self._shape[0] * self._shape[1],
+            [grid.columns, *box, opening, room, spread, self._owners(grid)],
+            grain=256,
+        )
         if self.solids.count:
             many = self._shape[0] * self._shape[1] + 1
             before = columns.Columns()
@@ -271,7 +255,7 @@ class Flip:
         self.run(walls.rub, grid.cells, [*state, law * self._dt / self._cell, *self._faces(grid, "new", "new2")])
         self.run.swap("new", "new2")
 
-    def _build_rows(self, grid: Grid) -> list[multigrid.Level]:
+    def _build_rows(self, grid: Grid) -> multigrid.Solver:
         """Surface, and the system of equations with its coarser levels."""
         wp, run, total = warp(), self.run, grid.cells
         red, wet = run.array("red", total + 1, wp.int32), run.array("wet", total + 1, wp.int32)
@@ -284,27 +268,46 @@ class Flip:
             run.swap("phi", "phi2")
             run(cells.close_buried, total, [grid.near, phi, *self._faces(grid, "opening")])
             wet = hidden
-        row, cell, rows, reds = multigrid.number(run, run.array, total, red, wet)
+        row, _, rows, reds = multigrid.number(run, run.array, total, red, wet)
         level = multigrid.rows_of(run.array, grid.columns, total, row, rows, reds)
-        right, airy = run.array("pressure_right", rows, wp.float32), run.array("airy", rows, wp.int32)
-        system = [level.link, level.coefficient, level.diagonal, right, airy]
-        run(cells.build_rows, rows, [grid.near, cell, row, phi, *self._faces(grid, "opening", "new"), *system])
+        self._fill_rows(grid, level)
         many = -(-total // run.block)
         sums = run.array("volume/sums", many, wp.float64)
         run(cells.measure, many, [total, run.block, phi, *self._of(grid, "room"), sums], grain=16)
         self.volume = float(run.read(sums, many).sum()) * self._cell**3
-        return multigrid.hierarchy(run, level)
+        return multigrid.Solver(run, multigrid.hierarchy(run, level))
 
-    def _press(self, levels: list[multigrid.Level], exchange: Exchange, dt: float) -> multigrid.Solution:
-        wp, run, rows = warp(), self.run, levels[0].rows
-        bound = self.settings.pressure_error * self._cell / dt
+    def _press(self, solver: multigrid.Solver, exchange: Exchange) -> multigrid.Solution:
+        wp, run, rows = warp(), self.run, solver.rows
+        bound = self.settings.pressure_error * self._cell / self._dt
         right, q = run.array("pressure_right", rows, wp.float32), run.array("q", rows, wp.float32)
-        exchange.start(right, dt)
-        return multigrid.solve(run, levels, right, q, bound, self.settings.iterations, exchange.add)
+        return solver(right, q, bound, self.settings.iterations, exchange.add)
 
-    def _correct(self, grid: Grid, levels: list[multigrid.Level]) -> tuple[multigrid.Solution, tuple[float, float]]:
+    def _resist(self, grid: Grid, solver: multigrid.Solver, exchange: Exchange) -> Rubbed:
+        """Viscosity between two projections: without the first, liquid at rest would rub against its walls as it begins to fall."""
+        wp, run, total = warp(), self.run, grid.cells
+        fine = solver.levels[0]
+        wp.copy(run.array("kicked", total, wp.vec3), run.array("new", total, wp.vec3), count=total)
+        run.array("push", fine.rows, wp.float32).zero_()
+        self._project(grid, fine, exchange)
+        run.swap("new", "new2")
+        run.swap("pressure", "pressure/first")
+        rubbed = self.viscosity.apply(grid, exchange, self.markers, fine.row, self._dt, 4 * self.settings.iterations)
+        self._fill_rows(grid, fine)
+        exchange.again(run.array("pressure_right", fine.rows, wp.float32))
+        return rubbed
+
+    def _fill_rows(self, grid: Grid, level: multigrid.Level) -> None:
+        """Couplings and right sides of the liquid's cells."""
+        wp, run, rows = warp(), self.run, level.rows
+        right, airy = run.array("pressure_right", rows, wp.float32), run.array("airy", rows, wp.int32)
+        system = [level.link, level.coefficient, level.diagonal, right, airy]
+        state = [grid.near, run.array("cell", rows, wp.int32), level.row, *self._of(grid, "phi")]
+        run(cells.build_rows, rows, [*state, *self._faces(grid, "opening", "new"), *system])
+
+    def _correct(self, grid: Grid, solver: multigrid.Solver) -> tuple[multigrid.Solution, tuple[float, float]]:
         """Displacement potential that undoes compression; mean compression inside the liquid and the largest one."""
-        wp, run, rows = warp(), self.run, levels[0].rows
+        wp, run, rows = warp(), self.run, solver.rows
         right, push = run.array("push_right", rows, wp.float32), run.array("push", rows, wp.float32)
         excess, airy = run.array("excess", rows, wp.float32), run.array("airy", rows, wp.int32)
         share = self.settings.volume_correction
@@ -315,50 +318,54 @@ class Flip:
         if share == 0.0:
             push.zero_()
             return multigrid.Solution(0, 0.0, False), bounds
-        return multigrid.solve(run, levels, right, push, 10.0 * self.settings.pressure_error, self.settings.iterations), bounds
+        return solver(right, push, 10.0 * self.settings.pressure_error, self.settings.iterations), bounds
 
-    def _finish(self, grid: Grid, level: multigrid.Level, exchange: Exchange, dt: float) -> F64:
-        """Velocities after pressure, extended beyond the liquid; the change of momentum that the pressure made."""
-        wp, run, total, rows = warp(), self.run, grid.cells, level.rows
-        known, known2 = run.array("known", total, wp.vec3i), run.array("known2", total, wp.vec3i)
-        q, push = run.array("q", rows, wp.float32), run.array("push", rows, wp.float32)
-        scale = self._density * self._cell / dt
+    def _project(self, grid: Grid, level: multigrid.Level, exchange: Exchange) -> None:
+        """Velocities after pressure (`new2`) and those that move particles (`drift`)."""
+        wp, run, total = warp(), self.run, grid.cells
+        q, push = run.array("q", level.rows, wp.float32), run.array("push", level.rows, wp.float32)
+        scales = [self._cell / self._dt, self._density * self._cell / self._dt]
         state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening"), self._owners(grid)]
-        after = [*self._faces(grid, "new2", "drift"), known, *self._of(grid, "pressure")]
+        inside = [int(self.solids.count > 0), *self._of(grid, "solid")]
+        after = [*self._faces(grid, "new2", "drift"), run.array("known", total, wp.vec3i), *self._of(grid, "pressure")]
         run(
-            cells.project,
-            total,
-            [*state, exchange.walls, q, push, self._cell / dt, scale, *self._faces(grid, "weight", "new"), *after],
+            cells.project, total, [*state, exchange.walls, q, push, *inside, *scales, *self._faces(grid, "weight", "new"), *after]
         )
+
+    def _finish(self, grid: Grid, level: multigrid.Level, exchange: Exchange, viscous: bool, ratio: float) -> F64:
+        """Velocities extended beyond the liquid; the change of momentum that pressure and viscosity made."""
+        wp, run, total = warp(), self.run, grid.cells
+        self._project(grid, level, exchange)
+        if viscous:
+            run(thick.add, total, self._of(grid, "pressure/first", "pressure"), grain=65536)
+        known = run.array("known", total, wp.vec3i)
         change = np.zeros(6)
         if self.solids.count:
             many = -(-total // run.block)
             sums = run.array("momentum/sums", many, walls.vec6d)
-            run(walls.momentum, many, [total, run.block, *state[:5], *self._faces(grid, "new", "new2"), sums], grain=16)
+            state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening")]
+            speeds = self._faces(grid, "kicked" if viscous else "new", "new2")
+            run(walls.momentum, many, [total, run.block, *state, *speeds, sums], grain=16)
             change = run.read(sums, many).sum(axis=0) * self._density * self._cell**3
             change[3:] *= self._cell
         run.swap("new", "new2")
-        for step in (2, 1, 1):
-            new, drift, new2, drift2 = self._faces(grid, "new", "drift", "new2", "drift2")
-            run(cells.extend, total, [grid.near, step, known, new, drift, known2, new2, drift2])
-            known, known2 = known2, known
-            run.swap("new", "new2")
-            run.swap("drift", "drift2")
+        for least, mark in ((2, 3), (1, 4), (1, 5)):
+            run(cells.extend, total, [grid.near, least, mark, known, *self._faces(grid, "new", "drift")])
         state = [grid.columns, grid.near, *self._box, self._sides, int(self.solids.count > 0), *self._of(grid, "solid")]
         state += [*self._faces(grid, "opening"), self._owners(grid), exchange.walls]
-        state += [*self._faces(grid, "old"), self._ratio]
+        state += [*self._faces(grid, "old"), ratio, int(viscous), self.viscosity.friction]
         run(walls.constrain, total, [*state, *self._faces(grid, "new", "drift", "new2", "drift2", "given")])
         run.swap("new", "new2")
         run.swap("drift", "drift2")
         return np.asarray(change)
 
-    def _advance(self, grid: Grid, exchange: Exchange, dt: float) -> None:
+    def _advance(self, grid: Grid, exchange: Exchange, ratio: float) -> None:
         """Velocities and places of the particles."""
         wp, run, markers = warp(), self.run, self.markers
-        n, way = markers.total, dt / self._cell
+        n, way = markers.total, self._dt / self._cell
         left = run.array("left", n, wp.int32)
         fields = [grid.columns, *self._faces(grid, "given", "drift"), *self._of(grid, "pressure")]
-        how = [self._ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
+        how = [ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
         run(transfer.advance, n, [*fields, *how, markers.position, markers.velocity, markers.affine, left])
         if self.solids.count:
             state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.int32), exchange.walls]

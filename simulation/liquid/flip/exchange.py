@@ -28,7 +28,7 @@ class Exchange:
     ) -> None:
         self.run, self.solids, self.bodies = run, solids, bodies
         self._grid, self._near, self._cell, self._opening, self._owner = grid, *shared
-        self._mouths = mouths
+        self.mouths = mouths
         self.mass = 0.0
         """Of a full cell [kg]."""
         wp, rows = warp(), level.rows
@@ -38,7 +38,7 @@ class Exchange:
         self._count = run.scan(flag, before, rows + 1)
         self._touched = run.array("touch/rows", self._count, wp.int32)
         run(kernels.list_rows, rows, [flag, before, self._touched])
-        self._reacting = reacting(solids.setup.boundaries, bodies)
+        self.reacting = reacting(solids.setup.boundaries, bodies)
 
     def _sums(self, owners: list[int], q: Any, walls: Any) -> F64:
         """Sums of q over the solid faces of each owner: along axes, and about its centre [m], (n, 6)."""
@@ -63,23 +63,37 @@ class Exchange:
         """Add the flux of walls that move by themselves to the right side."""
         bodies = self.bodies
         self.velocity = bodies.velocity + dt * bodies.acceleration * (bodies.inverse_mass > 0.0)[:, None]
-        self.walls = self.solids.walls("walls", bodies, self.velocity, bodies.angular_velocity, self._mouths)
-        self._still = not (self.velocity.any() or bodies.angular_velocity.any() or self._mouths.any())
+        self.spin = bodies.angular_velocity
+        self.walls = self.solids.walls("walls", bodies, self.velocity, self.spin, self.mouths)
+        self._still = not (self.velocity.any() or bodies.angular_velocity.any() or self.mouths.any())
         if not self._still:
             self._push(right, self.walls, -1.0)
 
     def add(self, p: Any, ap: Any) -> float:
         """Add the answer of reacting bodies to A p; returns its part of p A p."""
-        rows = self._reacting
+        rows = self.reacting
         if not rows:
             return 0.0
         sums = self._sums(rows, p, self.walls)
-        kick, spin = self._answer(rows, self.mass * sums)
-        walls = self.solids.walls("answer", self.bodies, kick, spin, np.zeros_like(self._mouths))
+        kick, spin = self.answer(rows, self.mass * sums)
+        walls = self.solids.walls("answer", self.bodies, kick, spin, np.zeros_like(self.mouths))
         self._push(ap, walls, 1.0)
         return float((sums[:, :3] * kick[rows]).sum() + (sums[:, 3:] * spin[rows]).sum())
 
-    def _answer(self, rows: list[int], impulse: F64) -> tuple[F64, F64]:
+    def moved(self, kick: F64, spin: F64) -> Any:
+        """Take changes of the boundaries' velocities (b, 3) and give the walls' motion after them."""
+        self.velocity, self.spin = self.velocity + kick, self.spin + spin
+        self._still = self._still and not (kick.any() or spin.any())
+        self.walls = self.solids.walls("walls", self.bodies, self.velocity, self.spin, self.mouths)
+        return self.walls
+
+    def again(self, right: Any) -> None:
+        """Add the flux of walls as they move now to the right side of a second solve."""
+        if not self._still:
+            self._push(right, self.walls, -1.0)
+
+    def answer(self, rows: list[int], impulse: F64) -> tuple[F64, F64]:
+        """Changes of velocity and angular velocity of all boundaries by impulses on the given ones (n, 6)."""
         kick, spin = np.zeros((self.solids.count, 3)), np.zeros((self.solids.count, 3))
         for n, given in zip(rows, impulse, strict=True):
             kick[n] = self.bodies.inverse_mass[n] * given[:3]
@@ -88,13 +102,12 @@ class Exchange:
 
     def end(self, q: Any) -> F64:
         """Impulse on each boundary, then on mouths and on the domain (last) [N s, N m s]; walls move as after it."""
-        many = self.solids.count + len(self._mouths)
+        many = self.solids.count + len(self.mouths)
         if not self.solids.count:
             return np.zeros((many + 1, 6))
         impulse = self.mass * self._sums([*range(many), -1], q, self.walls)
-        kick, spin = self._answer(self._reacting, impulse[self._reacting])
-        bodies = self.bodies
-        self.walls = self.solids.walls("walls", bodies, self.velocity + kick, bodies.angular_velocity + spin, self._mouths)
+        kick, spin = self.answer(self.reacting, impulse[self.reacting])
+        self.moved(kick, spin)
         return impulse
 
     def felt(self, impulse: F64, change: F64) -> F64:
@@ -111,7 +124,7 @@ class Exchange:
         centers = self.bodies.center - self.solids._origin
         about = impulse.copy()
         about[:count, 3:] += np.cross(centers, impulse[:count, :3])
-        if len(self._mouths):
+        if len(self.mouths):
             about[count:-1, 3:] += np.cross(self._mouth_centers(), impulse[count:-1, :3])
         rest = change + about.sum(axis=0)
         size = np.abs(about)
@@ -121,4 +134,4 @@ class Exchange:
         return np.asarray(felt[:count])
 
     def _mouth_centers(self) -> F64:
-        return np.zeros((len(self._mouths), 3))
+        return np.zeros((len(self.mouths), 3))

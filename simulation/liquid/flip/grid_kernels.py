@@ -62,35 +62,35 @@ def tent_inside(center: float, low: float, high: float):
     return tent_overlap(high - center) - tent_overlap(low - center)
 
 
+@wp.func
+def share_of(k: float, low: float, high: float):
+    """Of one axis: share of a cell inside [low, high], whether its lower face is, and the share of a tent around its centre."""
+    full = float(0.0)
+    if k > low and k < high:
+        full = 1.0
+    return wp.vec3(overlap(k, low, high), full, tent_inside(k + 0.5, low, high))
+
+
 @wp.kernel
 def open_box(
-    first: wp.int32, grid: Columns, lower: wp.vec3, upper: wp.vec3, sides: vec6i,
-    opening: wp.array(dtype=wp.vec3), room: wp.array(dtype=float), spread: wp.array(dtype=float),
-    face_owner: wp.array(dtype=wp.vec3i),
+    first: wp.int32, grid: Columns, lower: wp.vec3, upper: wp.vec3, opening: wp.array(dtype=wp.vec3), room: wp.array(dtype=float),
+    spread: wp.array(dtype=float), face_owner: wp.array(dtype=wp.vec3i),
 ):  # fmt: skip
-    """Open shares in a box whose closed sides (0 in `sides`) are walls; `spread` is the room weighted as density is."""
-    c = first + wp.tid()
-    at = place_of(grid, c)
-    share = wp.vec3()
-    full = wp.vec3()
-    tent = float(1.0)
-    for d in range(3):
-        low = float(-1.0e9)
-        high = float(1.0e9)
-        if sides[2 * d] == 0:
-            low = lower[d]
-        if sides[2 * d + 1] == 0:
-            high = upper[d]
-        k = float(at[d])
-        share[d] = overlap(k, low, high)
-        full[d] = 0.0
-        if k > low and k < high:
-            full[d] = 1.0
-        tent = tent * tent_inside(k + 0.5, low, high)
-    opening[c] = wp.vec3(full[0] * share[1] * share[2], share[0] * full[1] * share[2], share[0] * share[1] * full[2])
-    room[c] = share[0] * share[1] * share[2]
-    spread[c] = tent
-    face_owner[c] = wp.vec3i(-1, -1, -1)
+    """Open shares of a column's cells in a box; `spread` is the room weighted as density is."""
+    column = first + wp.tid()
+    begin = grid.start[column]
+    end = grid.start[column + 1]
+    if end == begin:
+        return
+    i = column // grid.ny
+    x = share_of(float(i), lower[0], upper[0])
+    y = share_of(float(column - i * grid.ny), lower[1], upper[1])
+    for c in range(begin, end):
+        z = share_of(float(c - begin + grid.low[column]), lower[2], upper[2])
+        opening[c] = wp.vec3(x[1] * y[0] * z[0], x[0] * y[1] * z[0], x[0] * y[0] * z[1])
+        room[c] = x[0] * y[0] * z[0]
+        spread[c] = x[2] * y[2] * z[2]
+        face_owner[c] = wp.vec3i(-1, -1, -1)
 
 
 @wp.kernel
@@ -284,11 +284,11 @@ def measure(
 def project(
     first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), row: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
     opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i), walls: Walls, q: wp.array(dtype=float),
-    push: wp.array(dtype=float), per_cell: float, scale: float, weight: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
+    push: wp.array(dtype=float), solids: int, solid: wp.array(dtype=float), per_cell: float, scale: float, weight: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
     now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3), known: wp.array(dtype=wp.vec3i), pressure: wp.array(dtype=float),
 ):  # fmt: skip
     """Velocity of a cell's faces after the pressure, the drift that moves particles, and whether each face is known (2), carries
-    only flying particles (1) or nothing (0). `per_cell`: displacement in cells to velocity [m/s]; `scale`: q to Pa.
+    only flying particles (1) or nothing (0), as between cells inside a solid. `per_cell`: displacement in cells to velocity [m/s]; `scale`: q to Pa.
     """
     c = first + wp.tid()
     n = near[c]
@@ -307,7 +307,11 @@ def project(
         share = opening[c][axis]
         if share < LEAST_OPEN:
             state[axis] = 0
-            if r >= 0 or s >= 0:
+            inside = int(0)
+            if solids == 1 and other >= 0:
+                if solid[c] < 0.0 and solid[other] < 0.0:
+                    inside = 1
+            if inside == 0 and (r >= 0 or s >= 0):
                 who = face_owner[c][axis]
                 v = float(0.0)
                 if who >= 0:
@@ -344,14 +348,18 @@ def project(
 
 @wp.kernel
 def extend(
-    first: wp.int32, near: wp.array(dtype=vec6i), level: int, known: wp.array(dtype=wp.vec3i), now: wp.array(dtype=wp.vec3),
-    drift: wp.array(dtype=wp.vec3), known_out: wp.array(dtype=wp.vec3i), now_out: wp.array(dtype=wp.vec3),
-    drift_out: wp.array(dtype=wp.vec3),
+    first: wp.int32, near: wp.array(dtype=vec6i), level: int, mark: int, known: wp.array(dtype=wp.vec3i),
+    now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Faces that are less known than `level` take the mean of their neighbours that are at least as known."""
+    """Faces that are less known than `level` take the mean of their neighbours that are at least as known.
+
+    They are marked by `mark`, which is above all others and counts as known from the next launch on.
+    """
     c = first + wp.tid()
-    n = near[c]
     state = known[c]
+    if state[0] >= level and state[1] >= level and state[2] >= level:
+        return
+    n = near[c]
     u = now[c]
     d = drift[c]
     for axis in range(3):
@@ -362,14 +370,15 @@ def extend(
             for side in range(6):
                 m = n[side]
                 if m >= 0:
-                    if known[m][axis] >= level:
+                    s = known[m][axis]
+                    if s >= level and s < mark:
                         total += 1.0
                         su += now[m][axis]
                         sd += drift[m][axis]
             if total > 0.0:
                 u[axis] = su / total
                 d[axis] = sd / total
-                state[axis] = level
-    known_out[c] = state
-    now_out[c] = u
-    drift_out[c] = d
+                state[axis] = mark
+    known[c] = state
+    now[c] = u
+    drift[c] = d

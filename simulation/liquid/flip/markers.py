@@ -1,4 +1,4 @@
-"""The marker particles: what moves lives on the device in the order of cells, what stays with a particle lives on the host."""
+"""The marker particles: what moves lives on the device in the order of columns, what stays with a particle lives on the host."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ from numpy.typing import NDArray
 from ....geometry.launch import warp
 from ....worlds.arrays import F64, I32
 from ..engine import Particles
+from . import column_kernels as columns
 from . import transfer_kernels as kernels
 from .run import Runner
 
 __all__ = ["Markers"]
+
+PARTS = 8
+"""Parts that are sorted side by side on the CPU; the order does not depend on it."""
 
 
 class Markers:
@@ -89,9 +93,10 @@ class Markers:
         source = warp().array(np.ascontiguousarray(values), dtype=dtype, device=self.run.device)
         warp().copy(target, source, dest_offset=self.total, count=len(values))
 
-    def sort(self, order: Any) -> None:
-        """Put the rows in an order that has the removed ones last, and let go of those."""
+    def sort(self, nx: int, ny: int) -> Any:
+        """Put the rows in the order of their columns and let go of removed ones; first row of each column."""
         wp, run, n = warp(), self.run, self.total
+        order, head = self._order(nx, ny)
         before = [self.position, self.velocity, self.slot]
         after = [run.array(name, n, kind) for name, kind in (("position2", wp.vec4), ("velocity2", wp.vec4), ("slot2", wp.int32))]
         run(kernels.permute, n, [order, *before, *after], grain=16384)
@@ -107,9 +112,28 @@ class Markers:
             self.identity, self.fluid = self.identity[slot], self.fluid[slot]
             self.volume, self.temperature = self.volume[slot], self.temperature[slot]
             run.upload("slot", np.arange(self.total, dtype=np.int32), wp.int32)
+        return head
+
+    def _order(self, nx: int, ny: int) -> tuple[Any, Any]:
+        """Rows in the order of their columns (those of one column stay as they were, removed ones come last) and first of each."""
+        wp, run, n, many = warp(), self.run, self.total, nx * ny
+        head = run.array("head", many + 1, wp.int32)
+        if run.device == "cpu" and PARTS * many <= n:
+            keys, order = run.array("keys", n, wp.int32), run.array("order", n, wp.int32)
+            part = -(-n // PARTS)
+            tallies = run.array("tallies", PARTS * (many + 1), wp.int32)
+            run(columns.tally, PARTS, [n, part, self.position, nx, ny, keys, tallies], grain=1)
+            run(columns.stack, 1, [PARTS, many, tallies, head])
+            run(columns.deal, PARTS, [n, part, many, keys, tallies, order], grain=1)
+            return order, head
+        keys, order = run.array("keys", 2 * n, wp.int32), run.array("order", 2 * n, wp.int32)
+        run(columns.find_keys, n, [self.position, nx, ny, keys, order], grain=16384)
+        wp.utils.radix_sort_pairs(keys, order, n)
+        run(columns.find_heads, n, [keys, n, many, head], grain=16384)
+        return order, head
 
     def particles(self) -> Particles:
-        """Copies of all that are there, in the order of their cells at the start of the last step."""
+        """Copies of all that are there, in the order of their columns at the start of the last step."""
         run, n = self.run, self.total
         position, velocity = run.read(self.position, n), run.read(self.velocity, n)
         here = position[:, 3] > 0.0

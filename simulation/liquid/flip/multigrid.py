@@ -12,15 +12,17 @@ from ....geometry.launch import warp
 from . import column_kernels as columns
 from . import grid_kernels as cells
 from . import multigrid_kernels as kernels
-from .run import Runner
+from .run import Prepared, Runner
 
-__all__ = ["Level", "Solution", "hierarchy", "solve"]
+__all__ = ["Level", "Solution", "Solver", "hierarchy"]
 
 FEWEST = 128
 """Rows below which no coarser level is made."""
 DEPTH = 10
 BOTTOM = 8
 """Sweeps down and up on the coarsest level."""
+SOME = 8192
+"""Rows of a sweep worth a thread: some 40 microseconds."""
 
 
 @dataclass
@@ -126,79 +128,88 @@ def number(run: Runner, array: Any, total: int, red: Any, wet: Any) -> tuple[Any
     return row, cell, rows, reds
 
 
-def _bottom(run: Runner, level: Level, system: list[Any]) -> None:
-    """Sweeps on the coarsest level, red and black, then black and red."""
-    if run.device == "cpu":
-        run(kernels.settle, 1, [BOTTOM, level.rows, level.reds, *system])
-        return
-    for n in range(4 * BOTTOM):
-        if (n % 2 == 1) == (n < 2 * BOTTOM):
-            run(kernels.relax, level.rows - level.reds, [level.reds, *system])
-        else:
-            run(kernels.relax, level.reds, [0, *system])
+class Solver:
+    """Launches of one system, prepared once: a solve repeats them in each iteration."""
 
+    def __init__(self, run: Runner, levels: list[Level]) -> None:
+        self.run, self.levels = run, levels
+        wp, fine = warp(), levels[0]
+        rows = self.rows = fine.rows
+        self.blocks = -(-rows // run.block)
+        self.p, self.ap = run.array("p", rows, wp.float32), run.array("ap", rows, wp.float32)
+        self.sums = run.array("sums", self.blocks, wp.float64)
+        many = [rows, run.block]
+        grain = max(1, 16384 // run.block)
+        self._cycle = self._prepare_cycle()
+        self._inner = run.prepare(kernels.inner, self.blocks, [*many, fine.right, fine.x, self.sums], grain=grain)
+        self._direct = run.prepare(kernels.copy_direction, rows, [0.0, fine.x, self.p], grain=32768)
+        system = [fine.link, fine.coefficient, fine.diagonal]
+        self._multiply = run.prepare(
+            kernels.multiply, self.blocks, [*many, *system, self.p, self.ap, self.sums], grain=max(1, 8192 // run.block)
+        )
 
-def _cycle(run: Runner, levels: list[Level]) -> None:
-    """One V-cycle from `right` to `x` of the finest level, symmetric."""
-    last = len(levels) - 1
-    for depth, level in enumerate(levels):
-        system = [level.link, level.coefficient, level.diagonal, level.right, level.x]
-        run(kernels.start_red, level.rows, [level.right, level.diagonal, level.reds, level.x], grain=65536)
-        run(kernels.relax, level.rows - level.reds, [level.reds, *system])
-        if depth == last:
-            _bottom(run, level, system)
-        else:
-            coarse = levels[depth + 1]
-            run(
-                kernels.restrict,
-                coarse.rows,
-                [coarse.children, level.reds, *system, coarse.right],
-                grain=1024,
-            )
-    for depth in range(last - 1, -1, -1):
-        level, coarse = levels[depth], levels[depth + 1]
-        system = [level.link, level.coefficient, level.diagonal, level.right, level.x]
-        run(kernels.return_up, level.reds, [coarse.parent, coarse.x, level.x], grain=65536)
-        run(kernels.relax, level.rows - level.reds, [level.reds, *system])
-        run(kernels.relax, level.reds, [0, *system])
+    def _prepare_cycle(self) -> list[Prepared]:
+        """One V-cycle from `right` to `x` of the finest level, symmetric."""
+        run, levels = self.run, self.levels
+        last = len(levels) - 1
+        calls = []
+        for depth, level in enumerate(levels):
+            system = [level.link, level.coefficient, level.diagonal, level.right, level.x]
+            calls.append(run.prepare(kernels.start_red, level.reds, [level.right, level.diagonal, level.x], grain=32768))
+            calls.append(run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system], grain=SOME))
+            if depth == last:
+                calls += self._prepare_bottom(level, system)
+            else:
+                coarse = levels[depth + 1]
+                inputs = [coarse.children, level.reds, *system, coarse.right]
+                calls.append(run.prepare(kernels.restrict, coarse.rows, inputs, grain=SOME // 4))
+        for depth in range(last - 1, -1, -1):
+            level, coarse = levels[depth], levels[depth + 1]
+            system = [level.link, level.coefficient, level.diagonal, level.right, level.x]
+            calls.append(run.prepare(kernels.return_up, level.reds, [coarse.parent, coarse.x, level.x], grain=32768))
+            calls.append(run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system], grain=SOME))
+            calls.append(run.prepare(kernels.relax, level.reds, [0, *system], grain=SOME))
+        return calls
 
+    def _prepare_bottom(self, level: Level, system: list[Any]) -> list[Prepared]:
+        """Sweeps on the coarsest level, red and black, then black and red."""
+        run = self.run
+        if run.device == "cpu":
+            return [run.prepare(kernels.settle, 1, [BOTTOM, level.rows, level.reds, *system])]
+        red = run.prepare(kernels.relax, level.reds, [0, *system])
+        black = run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system])
+        return [black if (n % 2 == 1) == (n < 2 * BOTTOM) else red for n in range(4 * BOTTOM)]
 
-def solve(
-    run: Runner, levels: list[Level], right: Any, x: Any, bound: float, cap: int, more: Callable[[Any, Any], float] | None = None
-) -> Solution:
-    """Solve the finest level's system from x = 0 until no residual exceeds `bound`.
+    def __call__(self, right: Any, x: Any, bound: float, cap: int, more: Callable[[Any, Any], float] | None = None) -> Solution:
+        """Solve the finest level's system from x = 0 until no residual exceeds `bound`.
 
-    `levels[0].right` is overwritten: it holds the residual. `more(p, ap)` adds further terms of the matrix to A p and returns what
-    they add to p A p.
-    """
-    wp = warp()
-    fine = levels[0]
-    rows = fine.rows
-    blocks = -(-rows // run.block)
-    p, ap = run.array("p", rows, wp.float32), run.array("ap", rows, wp.float32)
-    sums = run.array("sums", blocks, wp.float64)
-    grain = max(1, 4096 // run.block)
-    x.zero_()
-    p.zero_()
-    residual = fine.right
-    wp.copy(residual, right, count=rows)
-    largest = float(np.abs(run.read(residual, rows)).max()) if rows else 0.0
-    before = 0.0
-    for iteration in range(cap):
-        if largest <= bound:
-            return Solution(iteration, largest, False)
-        _cycle(run, levels)
-        run(kernels.inner, blocks, [rows, run.block, residual, fine.x, sums], grain=grain)
-        now = float(run.read(sums, blocks).sum())
-        beta = now / before if before > 0.0 else 0.0
-        before = now
-        run(kernels.copy_direction, rows, [beta, fine.x, p], grain=65536)
-        run(kernels.multiply, blocks, [rows, run.block, fine.link, fine.coefficient, fine.diagonal, p, ap, sums], grain=grain)
-        along = float(run.read(sums, blocks).sum())
-        if more is not None:
-            along += more(p, ap)
-        if not along > 0.0:
-            break
-        run(kernels.update, blocks, [rows, run.block, now / along, p, ap, x, residual, sums], grain=grain)
-        largest = float(run.read(sums, blocks).max())
-    return Solution(cap, largest, largest > bound)
+        `levels[0].right` is overwritten: it holds the residual. `more(p, ap)` adds further terms of the matrix to A p and returns what
+        they add to p A p.
+        """
+        run, rows, sums = self.run, self.rows, self.sums
+        residual = self.levels[0].right
+        x.zero_()
+        self.p.zero_()
+        warp().copy(residual, right, count=rows)
+        inputs = [rows, run.block, 0.0, self.p, self.ap, x, residual, sums]
+        update = run.prepare(kernels.update, self.blocks, inputs, grain=max(1, 16384 // run.block))
+        largest = float(np.abs(run.read(residual, rows)).max()) if rows else 0.0
+        before = 0.0
+        for iteration in range(cap):
+            if largest <= bound:
+                return Solution(iteration, largest, False)
+            for call in self._cycle:
+                call()
+            self._inner()
+            now = float(run.read(sums, self.blocks).sum())
+            self._direct({1: now / before if before > 0.0 else 0.0})
+            before = now
+            self._multiply()
+            along = float(run.read(sums, self.blocks).sum())
+            if more is not None:
+                along += more(self.p, self.ap)
+            if not along > 0.0:
+                break
+            update({3: now / along})
+            largest = float(run.read(sums, self.blocks).max())
+        return Solution(cap, largest, largest > bound)

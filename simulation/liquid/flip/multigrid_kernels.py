@@ -134,14 +134,10 @@ def pull(links: vec6i, k: vec6, x: wp.array(dtype=float)):
 
 
 @wp.kernel
-def start_red(
-    first: wp.int32, right: wp.array(dtype=float), diagonal: wp.array(dtype=float), reds: int, x: wp.array(dtype=float)
-):
-    """The first half sweep from zero."""
+def start_red(first: wp.int32, right: wp.array(dtype=float), diagonal: wp.array(dtype=float), x: wp.array(dtype=float)):
+    """The first half sweep from zero, over red rows; the black half that follows reads only those."""
     r = first + wp.tid()
-    x[r] = 0.0
-    if r < reds:
-        x[r] = right[r] / diagonal[r]
+    x[r] = right[r] / diagonal[r]
 
 
 @wp.kernel

@@ -177,10 +177,11 @@ def push_rows(
 def constrain(
     first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), lower: wp.vec3, upper: wp.vec3, sides: vec6i, solids: int,
     solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i), walls: Walls,
-    was: wp.array(dtype=wp.vec3), ratio: float, now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3),
+    was: wp.array(dtype=wp.vec3), ratio: float, thick: int, friction: wp.array(dtype=float),
+    now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3),
     now_out: wp.array(dtype=wp.vec3), drift_out: wp.array(dtype=wp.vec3), given: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Closed faces: what moves into the solid is taken away, what slips along it stays.
+    """Closed faces: what moves into the solid is taken away, what slips along it stays; `thick` liquid sticks by the wall's friction.
 
     `given` is what a face gives to particles beside their own velocity: now - ratio was.
     """
@@ -228,6 +229,11 @@ def constrain(
             w = wall_speed(walls, face_owner[c][axis], face_center(at, axis))
             u[axis] = v[axis] - wp.min(wp.dot(v - w, normal), 0.0) * normal[axis]
             d[axis] = e[axis] - wp.min(wp.dot(e - w, normal), 0.0) * normal[axis]
+            if thick == 1 and face_owner[c][axis] >= 0:
+                depth = wp.clamp(-0.5 * (solid[c] + solid[o]), 0.0, 0.5)
+                stick = friction[face_owner[c][axis]] / (1.0 - depth)
+                u[axis] = u[axis] + stick * (w[axis] - u[axis])
+                d[axis] = d[axis] + stick * (w[axis] - d[axis])
     now_out[c] = u
     drift_out[c] = d
     given[c] = u - ratio * was[c]

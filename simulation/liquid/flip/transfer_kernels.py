@@ -12,11 +12,12 @@ from .column_kernels import Columns, vec6i
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["SUMS", "add_up", "advance", "fastest", "gather", "permute", "permute_affine"]
+__all__ = ["CENTRES", "FACES", "add_up", "advance", "fastest", "gather", "permute", "permute_affine"]
 
-SUMS = 51
-"""Sums per cell of a column: weight and momentum of 6 + 6 + 9 faces, weight of 9 centres."""
-WIDTH = wp.constant(51)
+FACES = wp.constant(21)
+"""Sums of faces per cell of a column: 6 along x, 6 along y, 9 along z; weight and momentum, each of a node and the one above."""
+CENTRES = wp.constant(9)
+"""Sums of centres per cell of a column: weight of a node and the one above."""
 
 
 @wp.kernel
@@ -43,112 +44,117 @@ def permute_affine(
 
 
 @wp.func
-def put(sums: wp.array(dtype=float), at: int, w0: float, w1: float, momentum: float, slope: float):
-    """Add weight and momentum to a node and to the one above, where the momentum grows by `slope`."""
-    sums[at] = sums[at] + w0
-    sums[at + 1] = sums[at + 1] + w0 * momentum
-    sums[at + 2] = sums[at + 2] + w1
-    sums[at + 3] = sums[at + 3] + w1 * (momentum + slope)
+def growth(w0: float, w1: float, more: float):
+    """Momentum that a node and the one above get for a velocity that is greater by `more`."""
+    return wp.vec4(0.0, w0 * more, 0.0, w1 * more)
+
+
+@wp.func
+def with_slope(q: wp.vec4, change: float, slope: float):
+    """Weights and momenta of a velocity that differs by `change` at the lower node and grows by `slope` to the one above."""
+    return wp.vec4(q[0], q[1] + q[0] * change, q[2], q[3] + q[2] * (change + slope))
 
 
 @wp.kernel
 def add_up(
-    first: wp.int32, grid: Columns, head: wp.array(dtype=wp.int32), position: wp.array(dtype=wp.vec4),
-    velocity: wp.array(dtype=wp.vec4), affine: wp.array(dtype=wp.mat33), apic: int, sums: wp.array(dtype=float),
+    first: wp.int32, ny: int, head: wp.array(dtype=wp.int32), low: wp.array(dtype=wp.int32), start: wp.array(dtype=wp.int32),
+    position: wp.array(dtype=wp.vec4), velocity: wp.array(dtype=wp.vec4), affine: wp.array(dtype=wp.mat33), apic: int,
+    sums: wp.array(dtype=wp.vec4), weights: wp.array(dtype=wp.vec2),
 ):  # fmt: skip
     """What the particles of one column give to the faces and centres of the nine columns around it."""
     c = first + wp.tid()
-    s = grid.start[c]
-    e = grid.start[c + 1]
-    if e == s:
+    s = start[c]
+    many = start[c + 1] - s
+    if many == 0:
         return
-    for n in range(s * WIDTH, e * WIDTH):
-        sums[n] = 0.0
-    i = c // grid.ny
-    j = c - i * grid.ny
-    many = 2 * (e - s)
+    for n in range(FACES * s, FACES * (s + many)):
+        sums[n] = wp.vec4()
+    for n in range(CENTRES * s, CENTRES * (s + many)):
+        weights[n] = wp.vec2()
+    i = c // ny
+    ti = float(i)
+    tj = float(c - i * ny)
+    bottom = low[c]
     for p in range(head[c], head[c + 1]):
         x = position[p]
         v = velocity[p]
-        kf = wp.floor(x[2])
-        k = int(kf)
-        tx = x[0] - float(i)
-        ty = x[1] - float(j)
-        tz = x[2] - kf
-        bx = int(0)
-        by = int(0)
-        bz = int(0)
-        if tx < 0.5:
-            bx = -1
-        if ty < 0.5:
-            by = -1
-        if tz < 0.5:
-            bz = -1
-        cx1 = tx - 0.5 - float(bx)
-        cy1 = ty - 0.5 - float(by)
-        cz1 = tz - 0.5 - float(bz)
+        k = int(x[2])
+        tx = x[0] - ti
+        ty = x[1] - tj
+        tz = x[2] - float(k)
+        bx = int(tx + 0.5)
+        by = int(ty + 0.5)
+        bz = int(tz + 0.5)
+        cx1 = tx + 0.5 - float(bx)
+        cy1 = ty + 0.5 - float(by)
+        cz1 = tz + 0.5 - float(bz)
         cx0 = 1.0 - cx1
         cy0 = 1.0 - cy1
-        m = x[3]
-        # Momentum at the lowest node of each kind, and how it grows from node to node.
-        pu = v[0]
-        pv = v[1]
-        pw = v[2]
-        g = wp.mat33()
+        z1 = x[3] * cz1
+        z0 = x[3] - z1
+        f1 = x[3] * tz
+        f0 = x[3] - f1
+        # Weight and momentum of the lower node of each kind and of the one above it, and how momentum grows along x and y.
+        qu = wp.vec4(z0, z0 * v[0], z1, z1 * v[0])
+        qv = wp.vec4(z0, z0 * v[1], z1, z1 * v[1])
+        qw = wp.vec4(f0, f0 * v[2], f1, f1 * v[2])
+        level = s * FACES + k - bottom + bz
+        u = level + many * by
+        vv = level + many * (6 + 2 * bx)
+        w = s * FACES + k - bottom + 1 + many * (12 + 3 * bx + by)
+        a = cx0 * cy0
+        b = cx0 * cy1
+        d = cx1 * cy0
+        e = cx1 * cy1
         if apic == 1:
             g = affine[p]
-            pu = pu - g[0, 0] * tx - g[0, 1] * cy1 - g[0, 2] * cz1
-            pv = pv - g[1, 0] * cx1 - g[1, 1] * ty - g[1, 2] * cz1
-            pw = pw - g[2, 0] * cx1 - g[2, 1] * cy1 - g[2, 2] * tz
-        z1 = m * cz1
-        z0 = m - z1
-        level = k - grid.low[c]
-        low = s * WIDTH + 2 * (level + bz)
-        n = low + many * (by + 1)
-        put(sums, n, (1.0 - tx) * cy0 * z0, (1.0 - tx) * cy0 * z1, pu, g[0, 2])
-        put(sums, n + many, (1.0 - tx) * cy1 * z0, (1.0 - tx) * cy1 * z1, pu + g[0, 1], g[0, 2])
-        put(sums, n + 3 * many, tx * cy0 * z0, tx * cy0 * z1, pu + g[0, 0], g[0, 2])
-        put(sums, n + 4 * many, tx * cy1 * z0, tx * cy1 * z1, pu + g[0, 0] + g[0, 1], g[0, 2])
-        n = low + many * (6 + 2 * (bx + 1))
-        put(sums, n, cx0 * (1.0 - ty) * z0, cx0 * (1.0 - ty) * z1, pv, g[1, 2])
-        put(sums, n + many, cx0 * ty * z0, cx0 * ty * z1, pv + g[1, 1], g[1, 2])
-        put(sums, n + 2 * many, cx1 * (1.0 - ty) * z0, cx1 * (1.0 - ty) * z1, pv + g[1, 0], g[1, 2])
-        put(sums, n + 3 * many, cx1 * ty * z0, cx1 * ty * z1, pv + g[1, 0] + g[1, 1], g[1, 2])
-        f1 = m * tz
-        f0 = m - f1
-        n = s * WIDTH + 2 * level + many * (12 + 3 * (bx + 1) + by + 1)
-        put(sums, n, cx0 * cy0 * f0, cx0 * cy0 * f1, pw, g[2, 2])
-        put(sums, n + many, cx0 * cy1 * f0, cx0 * cy1 * f1, pw + g[2, 1], g[2, 2])
-        put(sums, n + 3 * many, cx1 * cy0 * f0, cx1 * cy0 * f1, pw + g[2, 0], g[2, 2])
-        put(sums, n + 4 * many, cx1 * cy1 * f0, cx1 * cy1 * f1, pw + g[2, 0] + g[2, 1], g[2, 2])
-        n = s * WIDTH + 21 * many + level + bz + (e - s) * (3 * (bx + 1) + by + 1)
-        sums[n] = sums[n] + cx0 * cy0 * z0
-        sums[n + 1] = sums[n + 1] + cx0 * cy0 * z1
-        n = n + e - s
-        sums[n] = sums[n] + cx0 * cy1 * z0
-        sums[n + 1] = sums[n + 1] + cx0 * cy1 * z1
-        n = n + 2 * (e - s)
-        sums[n] = sums[n] + cx1 * cy0 * z0
-        sums[n + 1] = sums[n + 1] + cx1 * cy0 * z1
-        n = n + e - s
-        sums[n] = sums[n] + cx1 * cy1 * z0
-        sums[n + 1] = sums[n + 1] + cx1 * cy1 * z1
+            qu = with_slope(qu, -g[0, 0] * tx - g[0, 1] * cy1 - g[0, 2] * cz1, g[0, 2])
+            qv = with_slope(qv, -g[1, 0] * cx1 - g[1, 1] * ty - g[1, 2] * cz1, g[1, 2])
+            qw = with_slope(qw, -g[2, 0] * cx1 - g[2, 1] * cy1 - g[2, 2] * tz, g[2, 2])
+            sums[u + many] = sums[u + many] + (1.0 - tx) * cy1 * growth(z0, z1, g[0, 1])
+            sums[u + 3 * many] = sums[u + 3 * many] + tx * cy0 * growth(z0, z1, g[0, 0])
+            sums[u + 4 * many] = sums[u + 4 * many] + tx * cy1 * growth(z0, z1, g[0, 0] + g[0, 1])
+            sums[vv + many] = sums[vv + many] + cx0 * ty * growth(z0, z1, g[1, 1])
+            sums[vv + 2 * many] = sums[vv + 2 * many] + cx1 * (1.0 - ty) * growth(z0, z1, g[1, 0])
+            sums[vv + 3 * many] = sums[vv + 3 * many] + cx1 * ty * growth(z0, z1, g[1, 0] + g[1, 1])
+            sums[w + many] = sums[w + many] + b * growth(f0, f1, g[2, 1])
+            sums[w + 3 * many] = sums[w + 3 * many] + d * growth(f0, f1, g[2, 0])
+            sums[w + 4 * many] = sums[w + 4 * many] + e * growth(f0, f1, g[2, 0] + g[2, 1])
+        sums[u] = sums[u] + (1.0 - tx) * cy0 * qu
+        sums[u + many] = sums[u + many] + (1.0 - tx) * cy1 * qu
+        sums[u + 3 * many] = sums[u + 3 * many] + tx * cy0 * qu
+        sums[u + 4 * many] = sums[u + 4 * many] + tx * cy1 * qu
+        sums[vv] = sums[vv] + cx0 * (1.0 - ty) * qv
+        sums[vv + many] = sums[vv + many] + cx0 * ty * qv
+        sums[vv + 2 * many] = sums[vv + 2 * many] + cx1 * (1.0 - ty) * qv
+        sums[vv + 3 * many] = sums[vv + 3 * many] + cx1 * ty * qv
+        sums[w] = sums[w] + a * qw
+        sums[w + many] = sums[w + many] + b * qw
+        sums[w + 3 * many] = sums[w + 3 * many] + d * qw
+        sums[w + 4 * many] = sums[w + 4 * many] + e * qw
+        n = s * CENTRES + k - bottom + bz + many * (3 * bx + by)
+        q = wp.vec2(z0, z1)
+        weights[n] = weights[n] + a * q
+        weights[n + many] = weights[n + many] + b * q
+        weights[n + 3 * many] = weights[n + 3 * many] + d * q
+        weights[n + 4 * many] = weights[n + 4 * many] + e * q
 
 
 @wp.kernel
 def gather(
-    first: wp.int32, grid: Columns, sums: wp.array(dtype=float), kick: wp.vec3,
-    was: wp.array(dtype=wp.vec3), weight: wp.array(dtype=wp.vec3), density: wp.array(dtype=float), now: wp.array(dtype=wp.vec3),
+    first: wp.int32, grid: Columns, low: wp.array(dtype=wp.int32), start: wp.array(dtype=wp.int32), sums: wp.array(dtype=wp.vec4),
+    weights: wp.array(dtype=wp.vec2), kick: wp.vec3, was: wp.array(dtype=wp.vec3), weight: wp.array(dtype=wp.vec3),
+    density: wp.array(dtype=float), now: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Velocity and weight of the faces of a column's cells, their density relative to rest, and the velocity after gravity's
     `kick` [m/s].
     """
     c = first + wp.tid()
-    start = grid.start[c]
+    begin = grid.start[c]
     end = grid.start[c + 1]
-    if end == start:
+    if end == begin:
         return
-    for cell in range(start, end):
+    for cell in range(begin, end):
         was[cell] = wp.vec3()
         weight[cell] = wp.vec3()
         density[cell] = 0.0
@@ -159,28 +165,43 @@ def gather(
         b = s - 3 * (s // 3) - 1
         if i - a >= 0 and j - b >= 0 and i - a < grid.nx and j - b < grid.ny:
             col = (i - a) * grid.ny + j - b
-            other = grid.start[col]
-            n = grid.start[col + 1] - other
-            shift = grid.low[col] - grid.low[c]
-            low = wp.max(0, shift)
-            high = wp.min(end - start, shift + n)
-            u = other * WIDTH + 2 * n * (3 * a + b + 1) - 2 * shift
-            v = other * WIDTH + 2 * n * (6 + 2 * (a + 1) + b) - 2 * shift
-            w = other * WIDTH + 2 * n * (12 + 3 * (a + 1) + b + 1) - 2 * shift
-            d = other * WIDTH + 42 * n + n * (3 * (a + 1) + b + 1) - shift
-            for k in range(low, high):
-                m = wp.vec3(0.0, 0.0, sums[w + 2 * k])
-                p = wp.vec3(0.0, 0.0, sums[w + 2 * k + 1])
-                if a >= 0:
-                    m[0] = sums[u + 2 * k]
-                    p[0] = sums[u + 2 * k + 1]
-                if b >= 0:
-                    m[1] = sums[v + 2 * k]
-                    p[1] = sums[v + 2 * k + 1]
-                weight[start + k] = weight[start + k] + m
-                was[start + k] = was[start + k] + p
-                density[start + k] = density[start + k] + sums[d + k]
-    for cell in range(start, end):
+            other = start[col]
+            n = start[col + 1] - other
+            if n > 0:
+                # Each node of a column of sums stands for z = low - 1 + its number and, with its upper half, for the one above.
+                z = begin + low[col] - 1 - grid.low[c]
+                u = other * FACES + n * (3 * a + b + 1)
+                v = other * FACES + n * (6 + 2 * (a + 1) + b)
+                w = other * FACES + n * (12 + 3 * (a + 1) + b + 1)
+                d = other * CENTRES + n * (3 * (a + 1) + b + 1)
+                below = wp.vec3()
+                pull = wp.vec3()
+                lower = float(0.0)
+                for node in range(n + 1):
+                    m = below
+                    p = pull
+                    r = lower
+                    if node < n:
+                        qu = wp.vec4()
+                        qv = wp.vec4()
+                        if a >= 0:
+                            qu = sums[u + node]
+                        if b >= 0:
+                            qv = sums[v + node]
+                        qw = sums[w + node]
+                        q = weights[d + node]
+                        m = m + wp.vec3(qu[0], qv[0], qw[0])
+                        p = p + wp.vec3(qu[1], qv[1], qw[1])
+                        r = r + q[0]
+                        below = wp.vec3(qu[2], qv[2], qw[2])
+                        pull = wp.vec3(qu[3], qv[3], qw[3])
+                        lower = q[1]
+                    cell = z + node
+                    if cell >= begin and cell < end:
+                        weight[cell] = weight[cell] + m
+                        was[cell] = was[cell] + p
+                        density[cell] = density[cell] + r
+    for cell in range(begin, end):
         m = weight[cell]
         p = was[cell]
         for axis in range(3):
@@ -322,28 +343,34 @@ def advance(
     velocity[p] = wp.vec4(d[0], d[1], d[2], press)
     half = 0.5 * cells_per_speed
     d = sample(s, drift)
-    y = wp.vec3()
-    for axis in range(3):
-        t = x[axis] + wp.clamp(half * d[axis], 0.5 - reach, reach - 0.5)
-        y[axis] = wp.clamp(t, lower[axis] - 0.5, upper[axis] + 0.5)
-    s = stencil(grid, y[0], y[1], y[2])
+    y0 = wp.clamp(x[0] + wp.clamp(half * d[0], 0.5 - reach, reach - 0.5), lower[0] - 0.5, upper[0] + 0.5)
+    y1 = wp.clamp(x[1] + wp.clamp(half * d[1], 0.5 - reach, reach - 0.5), lower[1] - 0.5, upper[1] + 0.5)
+    y2 = wp.clamp(x[2] + wp.clamp(half * d[2], 0.5 - reach, reach - 0.5), lower[2] - 0.5, upper[2] + 0.5)
+    s = stencil(grid, y0, y1, y2)
     d = sample(s, drift)
     gone = int(0)
-    for axis in range(3):
-        t = x[axis] + wp.clamp(cells_per_speed * d[axis], -reach, reach)
-        if t < lower[axis] + 0.001:
-            if sides[2 * axis] == 1:
-                if t < lower[axis]:
-                    gone = 1
-            else:
-                t = lower[axis] + 0.001
-        if t > upper[axis] - 0.001:
-            if sides[2 * axis + 1] == 1:
-                if t > upper[axis]:
-                    gone = 1
-            else:
-                t = upper[axis] - 0.001
-        x[axis] = t
+    tx = x[0] + wp.clamp(cells_per_speed * d[0], -reach, reach)
+    ty = x[1] + wp.clamp(cells_per_speed * d[1], -reach, reach)
+    tz = x[2] + wp.clamp(cells_per_speed * d[2], -reach, reach)
+    inner = tx >= lower[0] + 0.001 and ty >= lower[1] + 0.001 and tz >= lower[2] + 0.001
+    if inner and tx <= upper[0] - 0.001 and ty <= upper[1] - 0.001 and tz <= upper[2] - 0.001:
+        x = wp.vec4(tx, ty, tz, x[3])
+    else:
+        for axis in range(3):
+            t = x[axis] + wp.clamp(cells_per_speed * d[axis], -reach, reach)
+            if t < lower[axis] + 0.001:
+                if sides[2 * axis] == 1:
+                    if t < lower[axis]:
+                        gone = 1
+                else:
+                    t = lower[axis] + 0.001
+            if t > upper[axis] - 0.001:
+                if sides[2 * axis + 1] == 1:
+                    if t > upper[axis]:
+                        gone = 1
+                else:
+                    t = upper[axis] - 0.001
+            x[axis] = t
     position[p] = x
     left[p] = gone
 

@@ -10,7 +10,7 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ...passes import Passes
 
-__all__ = ["FIELDS", "Store", "Work", "lanes"]
+__all__ = ["FIELDS", "Store", "Work"]
 
 FIELDS = {
     "x": ("vec3", np.float32),
@@ -29,11 +29,6 @@ ROOM = 40
 GROWTH = 1.3
 SETTINGS = 16
 """Numbers of a step and its solves that kernels read; `solve_kernels.py` names them."""
-
-
-def lanes(device: str) -> int:
-    """Partial sums of a reduction: few on a CPU, many on a GPU. Sums depend on it, so it depends on the device alone."""
-    return 8 if device == "cpu" else 2048
 
 
 class Store:
@@ -118,7 +113,6 @@ class Work:
         self.device, self.capacity = device, capacity
         self._packed = device != "cpu" and capacity <= MOST_PACKED
         self._unit = steepest / STEPS if self._packed else 1.0
-        self.lanes = lanes(device)
         self.key, self.index = zeros(2 * capacity, wp.int32), zeros(2 * capacity, wp.int32)
         self.span = zeros(cells, wp.vec2i)
         self.count, self.touched, self.leaving = (zeros(capacity, wp.int32) for _ in range(3))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,6 +37,7 @@ class Viscosity:
         self._heat = wp.array([(f.conductivity, f.heat_capacity) for f in setup.fluids], dtype=wp.vec2, device=device)
         self._diffusivity = max(f.conductivity / (f.density * f.heat_capacity) for f in setup.fluids)
         self._scalars = wp.zeros(2, dtype=wp.float32, device=device)
+        self._ledger = wp.zeros(5, dtype=wp.float64, device=device)
         self._varies = any(f.activation for f in setup.fluids)
         self._room = 0
         self.iterations = 0
@@ -45,6 +47,7 @@ class Viscosity:
             wp, device = warp(), self.passes.device
             self._room = count
             self._rest, self._way, self._image = (wp.zeros(count, dtype=wp.vec3, device=device) for _ in range(3))
+            self._partial = wp.zeros(self.passes.parts(count), dtype=wp.float64, device=device)
 
     def apply(self, w: Work, s: Any, coupling: Coupling, h: float, n: int, dt: float, *, tolerance: float, most: int) -> bool:
         """Change velocities by viscosity; False where the solve stopped at its cap."""
@@ -74,32 +77,33 @@ class Viscosity:
         coupling.rubbed()
         return done
 
-    def _dot(self, w: Work, s: Any, one: Any, two: Any, n: int) -> float:
+    def _dot(self, w: Work, s: Any, one: Any, two: Any, n: int, part: int) -> list[Callable[[], None]]:
+        """Passes of one product and of what follows from it."""
         from . import viscous_kernels as kernels
 
-        if not hasattr(self, "_partial"):
-            self._partial = warp().zeros(w.lanes, dtype=warp().float64, device=self.passes.device)
-        inputs = [w.lanes, n, s.volume, w.lightness, one, two, self._partial]
-        self.passes("dots" + str(one is two), kernels.dots, w.lanes, inputs)()
-        return float(self._partial.numpy().sum())
+        run, name = self.passes, f"steer{part}"
+        return [
+            run.fold(f"dots{part}", kernels.dots, n, [s.volume, w.lightness, one, two, self._partial]),
+            run.close(name, kernels.steer, n, [self._partial, part, self._ledger, self._scalars, w.going]),
+        ]
 
     def _solve(self, w: Work, s: Any, lists: list[Any], n: int, tolerance: float, most: int) -> bool:
         """Conjugate gradients on (1 - dt L) v = v0."""
         from . import viscous_kernels as kernels
 
-        run = self.passes
-        left = first = self._dot(w, s, self._rest, self._rest, n)
-        while self.iterations < most:
-            if left <= tolerance**2 * first or first == 0.0:
-                return True
-            run("image", kernels.direct, n, [s.x, self._way, *lists, 0.0, w.settings, self._image])()
-            self._scalars.assign(np.array([left / self._dot(w, s, self._way, self._image, n), 0.0], dtype=np.float32))
-            run("update", kernels.update, n, [self._scalars, self._way, self._image, s.v, self._rest])()
-            now = self._dot(w, s, self._rest, self._rest, n)
-            self._scalars.assign(np.array([0.0, now / left], dtype=np.float32))
-            run("direction", kernels.warm, n, [self._scalars, self._rest, self._way])()
-            left = now
-            self.iterations += 1
+        run, image, way, rest = self.passes, self._image, self._way, self._rest
+        self._ledger.assign(np.array([0.0, 0.0, 0.0, tolerance**2, most]))
+        run.chain("before_viscous", self._dot(w, s, rest, rest, n, 0))()
+        iteration = [
+            run("image", kernels.direct, n, [s.x, way, *lists, 0.0, w.settings, image]),
+            *self._dot(w, s, way, image, n, 1),
+            run("update", kernels.update, n, [self._scalars, way, image, s.v, rest]),
+            *self._dot(w, s, rest, rest, n, 2),
+            run("direction", kernels.warm, n, [self._scalars, rest, way]),
+        ]
+        run.chain("viscous", iteration, going=w.going)()
+        first, left, done = (float(one) for one in self._ledger.numpy()[:3])
+        self.iterations = int(done)
         return left <= tolerance**2 * first
 
     def conduct(self, w: Work, s: Any, h: float, n: int, dt: float) -> None:

@@ -15,7 +15,7 @@ from .reaction_kernels import at_place
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["blend", "conduct", "direct", "dots", "rub", "thicken", "update", "warm"]
+__all__ = ["blend", "conduct", "direct", "dots", "rub", "steer", "thicken", "update", "warm"]
 
 DT = wp.constant(0)
 PAIR = wp.constant(wp.float32(11.8))
@@ -23,6 +23,12 @@ PAIR = wp.constant(wp.float32(11.8))
 viscosity and a lattice sheared along its rows 0.92 to 0.95."""
 ALPHA = wp.constant(0)
 BETA = wp.constant(1)
+FIRST = wp.constant(0)
+LEFT = wp.constant(1)
+DONE = wp.constant(2)
+SHARE = wp.constant(3)
+MOST = wp.constant(4)
+"""Places in the ledger of a solve: squared residual at first and now, iterations, squared tolerance, iterations at most."""
 
 
 @wp.kernel
@@ -120,7 +126,8 @@ def blend(
 @wp.kernel
 def dots(
     first: wp.int32,
-    lanes: wp.int32,
+    span: wp.int32,
+    width: wp.int32,
     total: wp.int32,
     volume: wp.array(dtype=wp.float32),
     lightness: wp.array(dtype=wp.float32),
@@ -128,13 +135,48 @@ def dots(
     two: wp.array(dtype=wp.vec3),
     partial: wp.array(dtype=wp.float64),
 ):
-    """Products of two fields weighted by mass, one lane."""
+    """Products of two fields weighted by mass, by blocks."""
     t = first + wp.tid()
+    start = (t / width) * span * width + t % width
     s = wp.float64(0.0)
-    for i in range(t, total, lanes):
+    for i in range(start, wp.min(start + span * width, total), width):
         if lightness[i] > 0.0:
             s += wp.float64(volume[i] / lightness[i] * wp.dot(one[i], two[i]))
-    partial[t] = s
+    wp.tile_store(partial, wp.tile_sum(wp.tile(s)), offset=t / width)
+
+
+@wp.kernel
+def steer(
+    first: wp.int32,
+    width: wp.int32,
+    parts: wp.int32,
+    partial: wp.array(dtype=wp.float64),
+    part: wp.int32,
+    ledger: wp.array(dtype=wp.float64),
+    scalars: wp.array(dtype=wp.float32),
+    going: wp.array(dtype=wp.int32),
+):
+    """What conjugate gradients do with a product: 0 remember the first residual, 1 the length of a step, 2 the next direction."""
+    t = first + wp.tid()
+    mine = wp.float64(0.0)
+    for k in range(t, parts, width):
+        mine += partial[k]
+    s = wp.tile_sum(wp.tile(mine))[0]
+    if t > 0:
+        return
+    if part == 0:
+        ledger[FIRST] = s
+        ledger[LEFT] = s
+    if part == 1:
+        scalars[ALPHA] = wp.float32(ledger[LEFT] / s)
+    if part == 2:
+        scalars[BETA] = wp.float32(s / ledger[LEFT])
+        ledger[LEFT] = s
+        ledger[DONE] = ledger[DONE] + wp.float64(1.0)
+    if part != 1:
+        going[0] = 1
+        if ledger[LEFT] <= ledger[SHARE] * ledger[FIRST] or ledger[DONE] >= ledger[MOST] or not wp.isfinite(s):
+            going[0] = 0
 
 
 @wp.kernel

@@ -94,7 +94,7 @@ class Viscosity:
         run, image, way, rest = self.passes, self._image, self._way, self._rest
         self._ledger.assign(np.array([0.0, 0.0, 0.0, tolerance**2, most]))
         run.chain("before_viscous", self._dot(w, s, rest, rest, n, 0))()
-        iteration = [
+        iteration: list[Callable[[], None]] = [
             run("image", kernels.direct, n, [s.x, way, *lists, 0.0, w.settings, image]),
             *self._dot(w, s, way, image, n, 1),
             run("update", kernels.update, n, [self._scalars, way, image, s.v, rest]),

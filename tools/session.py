@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from ..worlds.limits import check_cap
 from ..worlds.patch import differences, parse_spec, weakenings
 from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
-from ..worlds.spec import WorldSpec
+from ..worlds.spec import HeightField, WorldSpec
 from .known_specs import KnownSpecs
 
 __all__ = ["CAUSAL_CLASSES", "Session", "no_revision"]
@@ -107,7 +107,7 @@ class Session:
         documents = before.model_dump(mode="json"), after.model_dump(mode="json")
         places = list(differences(*documents))
         groups = {group_of(p) for p in places}
-        causal = [] if derived else _causal(places)
+        causal = [] if derived else _causal(places, _cut_grounds(before, after))
         weaker = weakenings(before, after)
         failing = [r for r in self.ledger.rows() if _failed(r) and r.mandatory and r.check != "audit"]
         self._rules(failing, groups, causal, weaker, hypothesis, weakening_reason)
@@ -261,16 +261,36 @@ def no_revision(folder: WorldFolder) -> str:
     )
 
 
-def _causal(places: Sequence[str]) -> list[str]:
-    """Causal parameter groups of an edit. The declared size of an entity goes along with its shape: one says what the other is."""
+def _causal(places: Sequence[str], grounds: Collection[str] = ()) -> list[str]:
+    """Causal parameter groups of an edit.
+
+    The declared size of an entity goes along with its shape: one says what the other is. So does the place of a ground that is cut
+    from a landscape: where it is cut decides what it is.
+    """
     by_group: dict[str, set[str]] = {}
     for place in places:
         info = group_of(place)
         if info.edit_class in CAUSAL_CLASSES:
             by_group.setdefault(info.name, set()).add("/".join(place.split("/")[:3]))
-    if by_group.get("dimensions", {""}) <= by_group.get("shape", set()):
+    shaped = by_group.get("shape", set())
+    if by_group.get("dimensions", {""}) <= shaped:
         del by_group["dimensions"]
+    if by_group.get("placement", {""}) <= shaped & {f"/entities/{name}" for name in grounds}:
+        del by_group["placement"]
     return sorted(by_group)
+
+
+def _cut_grounds(*specs: WorldSpec) -> set[str]:
+    """Entities that are ground cut from a landscape in each of these specifications."""
+    found = [
+        {
+            name
+            for name, entity in spec.entities.items()
+            if any(isinstance(p.shape, HeightField) and p.shape.file is not None for p in entity.parts.values())
+        }
+        for spec in specs
+    ]
+    return set.intersection(*found)
 
 
 def _value(document: Any, pointer: str) -> Any:

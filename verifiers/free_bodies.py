@@ -75,7 +75,7 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
             **common,
         )
     fall = drop(surfaces, entity, 0) if entity not in surfaces.broken else None
-    corrections = []
+    corrections: list[Correction] = []
     if fall is None:
         text = f"{entity!r} floats: nothing lies beneath it, no joint or driver holds it and it has no initial velocity"
     elif fall[0] <= gap:
@@ -84,15 +84,16 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
         text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
         offset = along_up(surfaces, LEFT - fall[0])
         corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
-    corrections.append(
-        Correction(
-            cause="it is meant to be dropped, thrown or hung",
-            edit_class="solver",
-            group="drivers",
-            action=f"Declare what holds {entity!r}: a `release` driver, a joint, or an initial velocity >= {LAUNCH_SPEED:g} m/s.",
-            pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
-        )
+    held = Correction(
+        cause="it is meant to be dropped, thrown or hung",
+        edit_class="solver",
+        group="drivers",
+        action=f"Declare what holds {entity!r}: a `release` driver, a joint, or an initial velocity >= {LAUNCH_SPEED:g} m/s.",
+        pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
+    # What hangs higher than it is large was put there on purpose more likely than by a slip.
+    hangs = fall is not None and fall[0] > _size(surfaces, entity)
+    corrections = [held, *corrections] if hangs else [*corrections, held]
     return row(
         surfaces.candidate,
         status="fail",
@@ -107,6 +108,11 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
         extra=_declared(surfaces, entity),
         **common,
     )
+
+
+def _size(surfaces: Surfaces, entity: str) -> float:
+    """Diagonal of what the entity covers at frame 0 [m]."""
+    return float(np.linalg.norm(np.ptp(surfaces.candidate.vertices(entity, 0), axis=0)))
 
 
 def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:

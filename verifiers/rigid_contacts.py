@@ -2,7 +2,8 @@
 
 - `contacts`: pairs that are logged as touching can reach each other.
 - `friction`: a body that slides all the frame long without turning loses what Coulomb's law takes, no more and no less.
-- `restitution`: a ball that hits once in a frame, and nothing else, leaves with the declared share of its closing speed.
+- `restitution`: a ball that hits once in a frame, and nothing else, leaves with the declared share of its closing speed; not where it goes
+  on over ground whose facets turn it.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from ..geometry import aabb_of
 from ..worlds.arrays import F64
 from .ledgers import Books, books_of
 from .rigid_rows import largest, law_row
+from .uneven import even_ground
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -32,6 +34,8 @@ BOUNCE = 0.05
 """Own choice: of restitution; measured 0.01 for single hits of balls at steps up to 2 ms."""
 SLOW_BOUNCE = 0.25
 """[m/s] Slower hits are not judged: gravity in a step and the resting threshold are then a visible part of them."""
+TURNED = 0.5 * BOUNCE
+"""Own choice: part of the closing speed that a turn of the ground under a rolling ball may add to what it keeps."""
 SLIDING = 0.1
 """[m/s] Slower bodies may stick within the frame."""
 STRAIGHT = 0.9995
@@ -287,6 +291,15 @@ def _hits(books: Books) -> list[_Hit]:
     return found
 
 
+def _even(books: Books, other: str, point: F64, velocity: F64, normal: F64, rest: float, closing: float) -> bool:
+    """Whether what a ball rolls over after a hit, until the frame ends, is level enough to tell what it kept of the hit."""
+    if books.candidate.spec.entities[other].motion != "static":
+        return True
+    along = velocity - (normal @ velocity) * normal
+    most = TURNED * closing / max(float(np.linalg.norm(along)), 1e-9)
+    return even_ground(books.candidate, other, point, along * rest, most=most)
+
+
 def _judge(
     books: Books, frame: int, ball: int, other: int, time: float, point: F64, partners: list[dict[int, set[int]]]
 ) -> _Hit | None:
@@ -334,5 +347,7 @@ def _judge(
     low, high = (min(away, at_end), max(away, at_end)) if lasting else (away, away)
     kept = (max(low, 0.0) / closing, high / closing)
     declared = _declared(books, names[ball], names[other])
+    if (lasting or declared[0] == 0.0) and not _even(books, names[other], point, ends[0][1], normal, after, closing):
+        return None
     deviation = max(kept[0] - declared[1], declared[0] - kept[1], 0.0)
     return _Hit(frame, row, deviation, closing, kept, declared)

@@ -15,10 +15,13 @@ from ...worlds.spec import terrain as spec
 from . import noise
 from .dem import read_dem
 from .grid import Grid
+from .meanders import winding
 from .zones import along, declared_zone, inside_weight, zone_distance
 
 __all__ = ["is_late", "shape_land"]
 
+LEAST_TILT = 0.03
+"""Slope of a floor towards the course that winds over it, beside twice its fall: else water takes the straight way."""
 STOSS_SHARE = 0.75
 """Windward part of a dune's length: with it the lee side of a usual dune (height : spacing = 1 : 10) stands at 22 to 33 deg."""
 
@@ -149,9 +152,19 @@ def _valley(grid: Grid, height: F64, layer: spec.Valley, terrain: spec.Terrain, 
     start = float(grid.sample(np.nan_to_num(height), line[:1, 0], line[:1, 1])[0])
     floor = start - layer.depth - passed * layer.fall
     t = np.clip((away / (0.5 * layer.width) - layer.floor) / (1.0 - layer.floor), 0.0, 1.0)
+    if layer.sinuosity > 1:
+        floor = start - layer.depth + _winding_floor(grid, layer)
     wall = t * t * (3 - 2 * t) if layer.walls == "smooth" else np.floor(4 * t + 0.5 * t * t) / 4.5 + 0.1 * t
     made = floor + np.clip(wall, 0.0, 1.0) * (height - floor)
     return np.where(away < 0.5 * layer.width, np.minimum(height, made), height)
+
+
+def _winding_floor(grid: Grid, layer: spec.Valley) -> F64:
+    """Height of the floor over its first point [m]: it falls along a winding course and towards it."""
+    line, half = np.array(layer.line), 0.5 * layer.width * layer.floor
+    away, passed, _ = along(grid, winding(line, sinuosity=layer.sinuosity, half_floor=half, cell=grid.cell))
+    steep = LEAST_TILT + 2.0 * layer.fall / float(np.hypot(*np.diff(line, axis=0).T).sum())
+    return np.asarray(-passed * layer.fall + steep * np.minimum(away, half))
 
 
 def _coast(grid: Grid, height: F64, layer: spec.Coast, terrain: spec.Terrain, assets: Path) -> F64:

@@ -211,3 +211,22 @@ def test_a_camera_below_the_land_is_told(agent: Any) -> None:
     ]
     assert "inside the land 'land'" in told[0]["warnings"][0]
     assert told[1]["warnings"] == []
+
+
+def test_a_ground_cut_elsewhere_is_one_group_after_a_failure(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=_spec())
+    agent.call("build_terrain", world="w", terrain="land", size=[60, 60], center=[120, 120], cells=40, wait_s=120)
+    hut = {"role": "hut", "motion": "static", "material": "stone", "dimensions": {"size": [2, 2, 2]}, "pose": {"position": [150, 150, 40]},
+           "parts": {"walls": {"shape": {"kind": "box", "size": [2, 2, 2]}}}}  # fmt: skip
+    patch = [
+        {"op": "add", "path": "/entities/hut", "value": hut},
+        {"op": "add", "path": "/simulation/solvers/rigid/members/-", "value": "hut"},
+    ]
+    agent.call("edit_spec", world="w", patch=patch, hypothesis=HANGS)
+    assert agent.call("place_object", world="w")["counts"]["fail"], "the hut hangs beside the ground"
+    moved = agent.call(
+        "build_terrain", world="w", terrain="land", size=[60, 60], center=[150, 150], cells=40, hypothesis=HANGS, wait_s=120
+    )
+    assert {"placement", "shape"} <= set(moved["groups"])
+    placed = agent.call("place_object", world="w", entity="hut", on="ground")
+    assert placed["moved"], "its first placement is its own hypothesis"

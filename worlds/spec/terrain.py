@@ -165,6 +165,12 @@ class Valley(_Layered):
     fall: NonNegative = Field(default=0.0, description="of the floor from the first to the last point [m]")
     floor: float = Field(default=0.3, ge=0, le=0.9, description="flat part of the width")
     walls: Literal["smooth", "canyon"] = "smooth"
+    sinuosity: float = Field(
+        default=1.0,
+        ge=1,
+        le=2.5,
+        description="length of the course on the floor over that of the line; rivers: 1.2 to 1.5 winding, above meandering",
+    )
 
 
 class Coast(_Layered):

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.requirements import Correction, Status
-from .predicates.outcome import Comparison
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
+    from .predicates.outcome import Comparison
 
 __all__ = ["Finding", "again", "halve", "separate"]
 

@@ -20,7 +20,7 @@ CATEGORIES: dict[str, dict[str, Any]] = {
     "liquid": {
         "available": True,
         "engine": "dfsph, flip",
-        "covers": "free-surface liquids as particles or on a grid, inflows and outflows; dfsph pushes bodies and is pushed by them",
+        "covers": "free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
     },
     "gas": {"available": False},
     "particles": {"available": False},

@@ -63,12 +63,14 @@ class Waves:
         self.heights: dict[str, list[F64]] = {name: [] for name in self.drivers}
 
     def see(self, step: Step) -> None:
-        """Measure one frame."""
+        """Measure one frame: every particle is a cube of its volume, of which a share lies in a window."""
+        edge = self.liquid.pitch
         for name, (centers, half) in self.windows.items():
-            near = np.array([
-                float(step.now.volume[(np.abs(step.now.position[:, :2] - center) <= half).all(axis=1)].sum()) for center in centers
-            ])  # fmt: skip
-            self.heights[name].append(near / (4.0 * half[0] * half[1]))
+            near = []
+            for center in centers:
+                inside = (half + 0.5 * edge - np.abs(step.now.position[:, :2] - center)) / edge
+                near.append(float(step.now.volume @ inside.clip(0.0, 1.0).prod(axis=1)))
+            self.heights[name].append(np.array(near) / (4.0 * half[0] * half[1]))
 
     def findings(self) -> dict[str, Finding]:
         """Height and period of the sea."""

@@ -19,15 +19,13 @@ A second kernel of `width` threads closes it over the `Passes.parts(total)` part
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from itertools import pairwise
 from operator import is_
 from typing import Any
 
 from ..geometry.launch import cores, load, warp
+from .team import team
 
 __all__ = ["Chain", "Pass", "Passes"]
 
@@ -37,11 +35,6 @@ SLICES = 2
 """Slices of one thread: another one takes the second where the first is held up."""
 BLOCK, FOLDED = 256, 8
 """Threads of a block on a GPU (Warp's default), and what one of them folds."""
-
-
-@cache
-def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(max(1, cores() - 1))
 
 
 class Pass:
@@ -73,6 +66,7 @@ class Pass:
             for first, end in pairwise(cuts)
             if end > first
         ]
+        self._calls = [one.launch for one in self.launches]
 
     def _parts(self, count: int) -> int:
         shared = self.device == "cpu" and cores() > 1
@@ -98,26 +92,20 @@ class Pass:
             self.launches[0].set_param_at_index(k + 1, inputs[k])
         return True
 
-    def __call__(self) -> None:
-        """Run over all elements; on a CPU it has ended when this returns, on a GPU it is queued."""
-        if len(self.launches) <= 1:
+    def __call__(self, changed: dict[int, float] | None = None) -> None:
+        """Run over all elements; on a CPU it has ended when this returns, on a GPU it is queued.
+
+        Args:
+            changed: new values of numbers, by their place among the kernel's parameters.
+        """
+        for place, value in (changed or {}).items():
             for one in self.launches:
-                one.launch()
+                one.set_param_at_index(place, value)
+        if len(self.launches) > 1:
+            team(cores() - 1)(self._calls)
             return
-        waiting = deque(self.launches)
-
-        def work() -> None:
-            while True:
-                try:
-                    one = waiting.popleft()
-                except IndexError:
-                    return
-                one.launch()
-
-        others = [_pool().submit(work) for _ in range(min(cores(), len(self.launches)) - 1)]
-        work()
-        for other in others:
-            other.result()
+        for call in self._calls:
+            call()
 
 
 class Passes:

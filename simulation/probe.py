@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import shutil
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ import numpy as np
 from ..worlds.built import BuiltEntity, load_built
 from ..worlds.cache import Cache, digest_arrays
 from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.coarsening import coarsened, read_overrides, write_overrides
 from ..worlds.errors import EngineError, EvidenceError, SpecError
 from ..worlds.folder import WorldFolder, safe_join
 from ..worlds.patch import parse_spec
@@ -40,14 +43,29 @@ def run_probe(
     folder: WorldFolder,
     freeze: str,
     *,
+    overrides: Mapping[str, float] | None = None,
     progress: Callable[[int, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
 ) -> Candidate:
-    """Run the probe of a freeze and open it for checking."""
+    """Run the probe of a freeze and open it for checking.
+
+    `overrides` are settings that it leaves coarser than production (`worlds/coarsening.py`); frames of a probe with others go.
+    """
     spec, built = recorded_inputs(folder, freeze)
-    root = folder.candidate(freeze) / "probe"
+    root, wanted = folder.candidate(freeze) / "probe", dict(overrides or {})
+    spec = coarsened(spec, wanted)
+    if _recorded(root) != wanted:
+        shutil.rmtree(root, ignore_errors=True)
+        write_overrides(root, wanted)
     run_frames(spec, built, root, frames=probe_frames(spec), progress=progress, check=check)
     return open_candidate(folder, freeze, "probe")
+
+
+def _recorded(root: Path) -> dict[str, float] | None:
+    try:
+        return read_overrides(root)
+    except EvidenceError:
+        return None
 
 
 def recorded_inputs(folder: WorldFolder, freeze: str) -> tuple[WorldSpec, dict[str, BuiltEntity]]:

@@ -107,6 +107,7 @@ def candidate_members(
     from ..simulation.probe import probe_frames
     from ..simulation.schedule import checkpoint_frames, checkpoint_path
     from ..worlds.cache import Cache
+    from ..worlds.coarsening import OVERRIDES, read_overrides
 
     files = {s.shape.file for e in spec.entities.values() for s in e.parts.values() if s.shape.kind == "mesh" and s.shape.file}
     chosen = [p for p in (safe_join(root / "assets", file) for file in sorted(files)) if p.is_file()]
@@ -116,6 +117,8 @@ def candidate_members(
         frames = {"full": spec.simulation.frames, "probe": probe_frames(spec), "static": 0}[stage]
         for name in spec.simulation.solvers if frames else ():
             cache = Cache(folder / ("bake" if stage == "full" else "probe") / name)
+            if stage == "probe" and read_overrides(folder / "probe"):
+                chosen.append(folder / "probe" / OVERRIDES)
             chosen += [cache.folder / "index.json", cache.folder / "digests.txt"]
             chosen += [checkpoint_path(cache.folder, k) for k in checkpoint_frames(spec, frames)]
             chosen += [cache.path(k) for k in range(frames)] if with_caches else []

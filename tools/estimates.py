@@ -47,7 +47,9 @@ def bake_estimate(session: Session, record: dict[str, Any]) -> float | None:
     """Seconds that a bake with its checks will take, by the pace of its probe; None where that was not measured."""
     spent = record["detail"].get("seconds")
     frames = record["detail"].get("frames")
-    return None if not spent or not frames else round(spent / frames * session.spec.simulation.frames, 1)
+    # Particles and steps that a coarser probe did without.
+    finer = float(record["detail"].get("coarser", 1.0)) ** 4
+    return None if not spent or not frames else round(finer * spent / frames * session.spec.simulation.frames, 1)
 
 
 def liquid_seconds(spec: WorldSpec, frames: int) -> float | None:

@@ -42,7 +42,7 @@ KINDS: dict[str, JobKind] = {
         ("terrain", "entity", "size", "center", "cells", "material", "hypothesis"),
         keeps="keeps a landscape that is built",
     ),
-    "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim"),
+    "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim", ("coarser",)),
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),
     "final": JobKind(

@@ -97,12 +97,17 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..simulation.probe import probe_frames, run_probe
     from ..verifiers.checks import names_of, run_checks
     from ..verifiers.phases import find_phases
+    from ..worlds.coarsening import overrides_for
 
     session, freeze = _session(payload)
     total = probe_frames(session.spec)
     started = time.monotonic()
     pace = Pace(context.progress)
-    candidate = run_probe(session.folder, freeze, progress=lambda d, n, m: pace(d, n * 1.4, m), check=context.check)
+    coarser = float(payload.get("coarser") or 1.0)
+    overrides = overrides_for(session.spec, coarser)
+    candidate = run_probe(
+        session.folder, freeze, overrides=overrides, progress=lambda d, n, m: pace(d, n * 1.4, m), check=context.check
+    )
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.35 * d / n), total * 1.4, m))
     open_rows = _failing(rows, candidate.last_frame)
     session.ledger.close_iterations(freeze[:16], open_rows, rows)
@@ -124,6 +129,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             "digest": candidate.digest,
             "events": _events(candidate),
             "seconds": round(time.monotonic() - started, 2),
+            **({"coarser": coarser, "overrides": overrides} if overrides else {}),
         },
     )
     picture = _sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
@@ -132,6 +138,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "freeze": freeze[:16],
         "frames_probed": total,
         "phases": phases,
+        **({"overrides": overrides} if overrides else {}),
         "changed_rows": len(changed),
         **summary(rows),
         "picture": picture,
@@ -152,6 +159,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..simulation.bake import run_bake
     from ..verifiers.checks import names_of, rerun_ids, run_checks
     from .measurements import refuted
+    from .promises import promise_row
 
     session, freeze = _session(payload)
     record = session.ledger.freeze(freeze)
@@ -174,7 +182,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     )
     rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
     promised, found = record["detail"]["events"], _events(candidate)
-    rows.append(_promise_row(candidate, promised, found))
+    rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
     changed = session.ledger.put_rows(
         rows, revision=session.revision, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec)
@@ -194,25 +202,6 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         **summary(rows),
         "picture": picture,
     }
-
-
-def _promise_row(candidate: Any, promised: dict[str, int | None], found: dict[str, int | None]) -> Row:
-    different = sorted(k for k in promised if promised[k] != found.get(k))
-    return Row(
-        id="numerical:promise",
-        check="numerical",
-        group="temporal",
-        predicate="beats come true at the frames that the probe of these settings promised",
-        status="fail" if different else "pass",
-        artifact=candidate.artifact,
-        frames=(0, candidate.last_frame),
-        measured=float(len(different)),
-        bound=0.0,
-        comparison="<=",
-        unit="beat",
-        evidence={"promised": promised, "found": found},
-        recipe=candidate.recipe("numerical", extra=promised),
-    )
 
 
 def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
@@ -236,7 +225,7 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
         known = session.ledger.freeze(freeze)
-        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k == "seconds"}
+        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k in ("seconds", "coarser", "overrides")}
         detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
         detail |= spent
         session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)

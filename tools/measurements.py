@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.coarsening import coarsened, read_overrides
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
 from ..worlds.records import QUANTITIES
@@ -37,7 +38,10 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
         except EvidenceError:
             continue
         # The record may hold an older story or shot plan over the same motion.
-        return Candidate(found.folder, session.spec, found.built, found.stage, found.caches, found.artifact, found.digest)
+        spec = session.spec
+        if wanted == "probe":
+            spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
+        return Candidate(found.folder, spec, found.built, found.stage, found.caches, found.artifact, found.digest)
     if stage == "best":
         return static
     raise RefusedError(

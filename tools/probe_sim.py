@@ -27,11 +27,15 @@ def probe_sim(
         ),
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
+    coarser: Annotated[
+        float, Field(ge=1, le=2, description="Of liquids: spacing of this probe over production's; 2 costs about a sixteenth")
+    ] = 1.0,
 ) -> ToolReply:
     """Simulate to 0.75 s after the last beat with production settings, judge the motion, and freeze the settings if it passes.
 
     Use it when the static rows pass, and again after every repair. It covers preroll, activation, first contact, peak response
-    and early settling (a world that is meant to rest has none of them). Liquids run at their production resolution, too.
+    and early settling (a world that is meant to rest has none of them). Liquids run at their production resolution, or coarser as
+    asked: then the bake must show the same beats in the same order and within 15 % of the times that the probe promised.
     Refused while the audit or a static row fails; when a liquid's spacing does not resolve a wall, a passage or a source, with its name.
     Returns: passed, phases (frames), open rows with measured value, bound, first failing entity and frame, ranked causes and
     suggested patches, and a link to a contact sheet; or a job_id when it takes longer than wait_s.
@@ -40,6 +44,7 @@ def probe_sim(
     """
     from ..simulation.freeze import freeze_hash
     from ..simulation.probe import probe_frames
+    from ..worlds.coarsening import coarsened, overrides_for
     from ..worlds.limits import check_workspace, estimate_counts
     from .estimates import liquid_seconds
     from .measurements import is_whole
@@ -59,13 +64,16 @@ def probe_sim(
 
     built, _ = build_world(session.folder, session.spec)
     freeze = freeze_hash(session.spec, built)
-    whole = session.ledger.freeze(freeze) is not None and is_whole(session, freeze, "probe")
+    overrides = overrides_for(session.spec, coarser)
+    known = session.ledger.freeze(freeze)
+    whole = known is not None and known["detail"].get("overrides", {}) == overrides and is_whole(session, freeze, "probe")
     if not whole:
         check_workspace(context.workspace, estimate_counts(session.spec)["cache_bytes"])
-    key = f"probe:{freeze}:{session.revision}"
-    data = start_and_wait(context, session, "probe", {"detail": detail}, wait_s=wait_s, key=key, reuse=whole)
+    key = f"probe:{freeze}:{session.revision}{f':{coarser:g}' if overrides else ''}"
+    payload = {"detail": detail, **({"coarser": coarser} if overrides else {})}
+    data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
-        data["estimate_s"] = liquid_seconds(session.spec, probe_frames(session.spec))
+        data["estimate_s"] = liquid_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
     return told(world, "probe", data, detail)
 
 

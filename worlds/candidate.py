@@ -15,6 +15,7 @@ import numpy as np
 from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
+from .coarsening import coarsened, read_overrides
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
 from .liquid_surface import LiquidSurface
@@ -233,6 +234,8 @@ def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "fu
         if built[entity].digest() != digest:
             raise EvidenceError(f"built entity {entity!r} was altered since the freeze; call place_object, then probe again")
     where = root / ("probe" if stage == "probe" else "bake")
+    if stage == "probe":
+        spec = coarsened(spec, read_overrides(where))
     caches = {name: Cache(where / name) for name in spec.simulation.solvers}
     return Candidate(
         folder=folder.root,

@@ -92,3 +92,21 @@ def test_a_killed_bake_goes_on_to_the_bytes_of_the_probe(probed: Any) -> None:
         assert cache.digests() == candidate.caches[name].digests(), name
     assert all(r["identical"] for r in replay(baked, intervals=1, seed=2))
     assert Path(baked.artifact).name == "bake"
+
+
+def test_a_coarser_probe_runs_fewer_particles_and_gives_way_to_a_finer_one(agent_of: Any, tmp_path: Path) -> None:
+    with pytest.MonkeyPatch.context() as patch, agent_of(tmp_path) as agent:
+        run_jobs_inline(patch)
+        agent.call("edit_spec", world="w", prompt=PROMPT, spec=tank_spec(**{**WATER, "frames": 14}))
+        agent.call("place_object", world="w")
+        counts = {}
+        for coarser in (1.5, 1.0):
+            told = agent.call("probe_sim", world="w", coarser=coarser)
+            folder = WorldFolder.at(tmp_path / "w")
+            candidate = open_candidate(folder, _freeze(folder), "probe")
+            counts[coarser] = len(candidate.caches["water"].read(0)["particle/id"])
+            resolution = candidate.spec.entities["water"].physics.resolution  # type: ignore[union-attr]
+            assert resolution == pytest.approx(coarser * SPACING)
+            assert told.get("overrides", {}) == ({"/entities/water/physics/resolution": resolution} if coarser > 1 else {})
+        assert 2.0 < counts[1.0] / counts[1.5] < 5.0
+        assert "allowed" in agent.refused("probe_sim", world="w", coarser=3.0)

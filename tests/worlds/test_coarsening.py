@@ -1,0 +1,64 @@
+"""Settings that a probe may leave coarser: which, how far, and that a record cannot ask for others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.worlds.coarsening import COARSEST, KNOBS, coarsened, overrides_for, read_overrides, write_overrides
+from worldagent.worlds.errors import EvidenceError, InputError
+from worldagent.worlds.spec import DfsphInstance, FlipInstance, RigidInstance, WorldSpec
+
+POINTER = "/entities/water/physics/resolution"
+
+
+def world(engine: str = "dfsph") -> WorldSpec:
+    return WorldSpec.model_validate({**tank_spec(spacing=0.03, engine=engine), "prompt": PROMPT})
+
+
+def test_every_engine_says_what_may_be_coarser() -> None:
+    engines = {i.model_fields["engine"].annotation.__args__[0] for i in (DfsphInstance, FlipInstance, RigidInstance)}  # type: ignore[union-attr]
+    assert engines == set(KNOBS)
+
+
+@pytest.mark.parametrize("engine", ["dfsph", "flip"])
+def test_liquids_get_coarser_and_nothing_else_changes(engine: str) -> None:
+    spec = world(engine)
+    overrides = overrides_for(spec, 1.5)
+    assert overrides == {POINTER: pytest.approx(0.045)}
+    other = coarsened(spec, overrides)
+    assert other.entities["water"].physics.resolution == pytest.approx(0.045)  # type: ignore[union-attr]
+    assert other.model_copy(update={"entities": {**other.entities, "water": spec.entities["water"]}}) == spec
+    assert overrides_for(spec, 1.0) == {}
+    assert coarsened(spec, {}) is spec
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.5, float("nan")])
+def test_factors_out_of_range_are_refused(factor: float) -> None:
+    with pytest.raises(InputError, match=f"allowed: 1 .* to {COARSEST:g}"):
+        overrides_for(world(), factor)
+
+
+def test_a_world_of_rigid_bodies_has_nothing_to_leave_coarser() -> None:
+    spec = world()
+    plan = spec.simulation.model_copy(update={"solvers": {k: s for k, s in spec.simulation.solvers.items() if k == "rigid"}})
+    with pytest.raises(InputError, match="rigid contact depends on its step"):
+        overrides_for(spec.model_copy(update={"simulation": plan}), 1.5)
+
+
+@pytest.mark.parametrize(
+    ("pointer", "value"),
+    [("/simulation/fps", 12.0), (POINTER, 0.02), (POINTER, 0.07), ("/entities/ghost/physics/resolution", 0.04)],
+)
+def test_a_forged_record_overrides_nothing_else(pointer: str, value: float, tmp_path: Path) -> None:
+    write_overrides(tmp_path, {pointer: value})
+    with pytest.raises(EvidenceError, match=pointer):
+        coarsened(world(), read_overrides(tmp_path))
+
+
+def test_a_damaged_record_is_named(tmp_path: Path) -> None:
+    assert read_overrides(tmp_path) == {}
+    (tmp_path / "overrides.json").write_text("[1]")
+    with pytest.raises(EvidenceError, match=r"overrides\.json"):
+        read_overrides(tmp_path)

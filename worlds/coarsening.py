@@ -1,0 +1,98 @@
+"""What a probe may leave coarser than production (R78): overrides of the specification, by knobs that engines declare.
+
+The step of rigid contact is no knob: what bodies do depends on it. A coarse probe vouches for the bake of the same freeze, whose
+event order and times are checked against it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import EvidenceError, InputError
+from .folder import write_atomically
+
+if TYPE_CHECKING:
+    from .spec import WorldSpec
+
+__all__ = ["COARSEST", "KNOBS", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "write_overrides"]
+
+KNOBS: Mapping[str, tuple[str, ...]] = {"dfsph": ("resolution",), "flip": ("resolution",), "mujoco": ()}
+"""By engine, members of an entity's `physics` that a probe may override. All are lengths."""
+COARSEST = 2.0
+"""Own choice: a liquid of twice the spacing has an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
+layers and passages that production resolves."""
+OVERRIDES = "overrides.json"
+"""File of them in the folder of a probe."""
+
+
+def overrides_for(spec: WorldSpec, factor: float) -> dict[str, float]:
+    """Pointers and values of a probe that is coarser by a factor; empty for a factor of 1.
+
+    Raises:
+        InputError: the factor is out of range, or nothing in the world can be coarser.
+    """
+    if not 1.0 <= factor <= COARSEST:
+        raise InputError(f"coarser is {factor:g}; allowed: 1 (production settings) to {COARSEST:g}")
+    if factor == 1.0:
+        return {}
+    found = {pointer: value * factor for pointer, value in _knobs(spec).items()}
+    if not found:
+        raise InputError(
+            f"coarser is {factor:g}, but no engine of this world can run coarser: rigid contact depends on its step. "
+            "Leave coarser out; a rigid probe is short instead"
+        )
+    return found
+
+
+def _knobs(spec: WorldSpec) -> dict[str, float]:
+    """Production values of all knobs, by pointer."""
+    return {
+        f"/entities/{member}/physics/{knob}": float(getattr(spec.entities[member].physics, knob))
+        for solver in spec.simulation.solvers.values()
+        for member in solver.members
+        for knob in KNOBS.get(solver.engine, ())
+        if member in spec.entities
+    }
+
+
+def coarsened(spec: WorldSpec, overrides: Mapping[str, float]) -> WorldSpec:
+    """The specification that a probe with these overrides runs.
+
+    Raises:
+        EvidenceError: an override is no knob of this world, or out of its range.
+    """
+    known, entities = _knobs(spec), dict(spec.entities)
+    for pointer, value in overrides.items():
+        least = known.get(pointer, math.nan)
+        if not least <= value <= COARSEST * least * (1.0 + 1e-9):
+            raise EvidenceError(
+                f"the probe overrides {pointer} with {value:g}, which is no setting that probes may leave coarser; call probe_sim again"
+            )
+        _, _, name, _, knob = pointer.split("/")
+        physics = entities[name].physics.model_copy(update={knob: value})
+        entities[name] = entities[name].model_copy(update={"physics": physics})
+    return spec.model_copy(update={"entities": entities}) if overrides else spec
+
+
+def read_overrides(probe: Path) -> dict[str, float]:
+    """Overrides of the probe in a folder; empty where it runs at production settings.
+
+    Raises:
+        EvidenceError: the record is damaged.
+    """
+    path = probe / OVERRIDES
+    if not path.exists():
+        return {}
+    try:
+        return {str(k): float(v) for k, v in json.loads(path.read_text()).items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise EvidenceError(f"{OVERRIDES} of the probe is damaged ({error}); call probe_sim again") from error
+
+
+def write_overrides(probe: Path, overrides: Mapping[str, float]) -> None:
+    """Record the overrides of a probe."""
+    write_atomically(probe / OVERRIDES, json.dumps(overrides, sort_keys=True).encode())

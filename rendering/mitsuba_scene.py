@@ -10,6 +10,7 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Appearance
 from .lights import light_dicts
@@ -21,12 +22,17 @@ from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
 from .variant import load_mitsuba
 from .views import active, part_frame
+from .wet_look import Link, Wetness, darkened, film_at
 
 __all__ = ["Features", "SceneRenderer"]
 
 PATH_DEPTH = 5
 """Longest light path in segments; glass needs `GLASS_DEPTH`."""
 GLASS_DEPTH = 9
+FILM = "vertex_film"
+"""Attribute of meshes: share of a liquid's film that is left on them."""
+FILM_ROUGHNESS = 0.12
+"""Most that a surface under a film has; own choice."""
 PANE = 0.5
 """Transmission from which on light crosses a solid beside liquids."""
 RAYS_PER_PASS = 4_000_000
@@ -50,6 +56,12 @@ class _Batch:
     owner: Any
     """Index into `bodies` per vertex."""
     surface: Surface
+    links: tuple[tuple[int, tuple[Link, ...]], ...] = ()
+    """Of wetted parts in the order of their vertices: how many, and whence their film; empty where nothing gets wet."""
+
+    def film(self, wetness: Wetness, frame: int, known: dict[str, F64]) -> F32:
+        """Share of the film of a liquid at every vertex, shape (v,)."""
+        return np.concatenate([film_at(wetness, list(links), count, frame, known) for count, links in self.links])
 
     def placed(self, candidate: Candidate, frame: int) -> tuple[F32, F32]:
         """World positions and normals at a frame; entities that do not exist then shrink to a point."""
@@ -73,9 +85,12 @@ def _joined(surfaces: list[Surface]) -> Surface:
     )
 
 
-def _batches(candidate: Candidate, tiles: dict[str, dict[str, Tile]]) -> dict[tuple[str, str, bool], _Batch]:
-    """Batches by (material, layer, moving)."""
-    found: dict[tuple[str, str, bool], list[tuple[str, str, Surface]]] = {}
+def _batches(
+    candidate: Candidate, tiles: dict[str, dict[str, Tile]], wetness: Wetness
+) -> dict[tuple[str, str, bool, bool], _Batch]:
+    """Batches by (material, layer, moving, ever wet)."""
+    found: dict[tuple[str, str, bool, bool], list[tuple[str, BuiltPart, Surface]]] = {}
+    wet = wetness.entities()
     scenery = landscapes_of(candidate)
     for entity in sorted(candidate.built):
         if cut_from(candidate, entity) in scenery or entity in candidate.liquids:
@@ -92,43 +107,61 @@ def _batches(candidate: Candidate, tiles: dict[str, dict[str, Tile]]) -> dict[tu
                 frame=part_frame(candidate, entity, part),
                 key=f"{entity}/{part.part}",
             )
+            wets = entity in wet and look.transmission < PANE
             for layer, surface in layers.items():
-                found.setdefault((part.material, layer, changing), []).append((entity, part.body, surface))
+                fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
+                found.setdefault((part.material, layer, changing, wets), []).append((entity, part, fine))
     batches = {}
     for key, pieces in found.items():
-        bodies = tuple(dict.fromkeys((entity, body) for entity, body, _ in pieces))
+        bodies = tuple(dict.fromkeys((entity, part.body) for entity, part, _ in pieces))
         index = {name: k for k, name in enumerate(bodies)}
-        owner = np.concatenate([np.full(len(s.positions), index[entity, body]) for entity, body, s in pieces])
-        name = f"{'moving' if key[2] else 'static'}-{key[0]}-{key[1]}"
-        batches[key] = _Batch(name, bodies, owner, _joined([s for _, _, s in pieces]))
+        owner = np.concatenate([np.full(len(s.positions), index[entity, part.body]) for entity, part, s in pieces])
+        name = f"{'moving' if key[2] else 'static'}-{key[0]}-{key[1]}{'-wet' if key[3] else ''}"
+        links = [(len(s.positions), tuple(wetness.links(e, p.body, p.part, s))) for e, p, s in pieces] if key[3] else []
+        batches[key] = _Batch(name, bodies, owner, _joined([s for *_, s in pieces]), tuple(links))
     return batches
 
 
-def _bsdf(mi: Any, look: Appearance, tile: Tile | None, *, open_surface: bool) -> Any:
-    """Principled BSDF of an appearance; open surfaces show both sides."""
-    color: dict[str, Any] = {"type": "rgb", "value": list(look.color)}
+def _bsdf(mi: Any, look: Appearance, tile: Tile | None, *, open_surface: bool, wets: bool = False) -> Any:
+    """Principled BSDF of an appearance; open surfaces show both sides, those that get wet blend to their wet look by their film."""
+    described = _described(mi, look, tile, wet=False)
+    if wets:
+        weight = {"type": "mesh_attribute", "name": FILM}
+        described = {"type": "blendbsdf", "weight": weight, "dry": described, "wet": _described(mi, look, tile, wet=True)}
+    if open_surface and look.transmission == 0:
+        return mi.load_dict({"type": "twosided", "bsdf": described})
+    return mi.load_dict(described)
+
+
+def _described(mi: Any, look: Appearance, tile: Tile | None, *, wet: bool) -> dict[str, Any]:
+    """Description of a principled BSDF. A film smooths what is rough, and darkens what is no metal."""
+    dark = wet and look.metallic < 0.5
+    color: dict[str, Any] = {"type": "rgb", "value": darkened(look.color).tolist() if dark else list(look.color)}
     if tile is not None:
+        image = darkened(tile.image).astype(np.float32) if dark else tile.image
         color = {
             "type": "bitmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(tile.image)),
+            "bitmap": mi.Bitmap(np.ascontiguousarray(image)),
             "raw": True,
             "wrap_mode": "repeat",
             "filter_type": "nearest" if tile.sharp else "bilinear",
         }
-    description: dict[str, Any] = {"type": "principled", "base_color": color, "roughness": max(look.roughness, 0.03)}
+    description: dict[str, Any] = {
+        "type": "principled",
+        "base_color": color,
+        "roughness": max(min(look.roughness, FILM_ROUGHNESS) if wet else look.roughness, 0.03),
+    }
     if look.metallic > 0:
         description["metallic"] = look.metallic
     if look.transmission > 0:
         description |= {"spec_trans": look.transmission, "eta": 1.5}
     else:
         description["specular"] = 0.5
-    if open_surface and look.transmission == 0:
-        return mi.load_dict({"type": "twosided", "bsdf": description})
-    return mi.load_dict(description)
+    return description
 
 
-def _mesh(mi: Any, name: str, surface: Surface, positions: F32, normals: F32, bsdf: Any) -> Any:
-    """Build a mesh object. The only place that knows Mitsuba's mesh API (it changes in 3.10)."""
+def _mesh(mi: Any, name: str, surface: Surface, positions: F32, normals: F32, bsdf: Any, film: F32 | None = None) -> Any:
+    """Build a mesh object, with the film on its vertices where it gets wet. The only place that knows Mitsuba's mesh API (it changes in 3.10)."""
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
     mesh = mi.Mesh(
@@ -139,6 +172,8 @@ def _mesh(mi: Any, name: str, surface: Surface, positions: F32, normals: F32, bs
         has_vertex_normals=True,
         has_vertex_texcoords=True,
     )
+    if film is not None:
+        mesh.add_attribute(FILM, 1, film)
     parameters = mi.traverse(mesh)
     parameters["vertex_positions"] = positions.ravel()
     parameters["vertex_normals"] = normals.ravel()
@@ -167,17 +202,22 @@ class SceneRenderer:
         looks = {name: candidate.spec.materials[name].appearance for name in sorted(materials)}
         tiles = {name: pattern_tiles(look.pattern, look.color, seed=k) for k, (name, look) in enumerate(looks.items())}
         self._moving: list[_Batch] = []
+        self._wet: list[_Batch]
         self._panes: list[str] = []
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
-        bsdfs: dict[tuple[str, str], Any] = {}
-        for (material, layer, moving), batch in sorted(_batches(candidate, tiles).items()):
-            if (material, layer) not in bsdfs:
-                tile = tiles[material].get(layer)
-                bsdfs[material, layer] = _bsdf(mi, looks[material], tile, open_surface=material in open_materials)
+        self._wetness, self._wet, known = Wetness(candidate), [], dict[str, F64]()
+        bsdfs: dict[tuple[str, str, bool], Any] = {}
+        for (material, layer, moving, wets), batch in sorted(_batches(candidate, tiles, self._wetness).items()):
+            if (material, layer, wets) not in bsdfs:
+                tile, both = tiles[material].get(layer), material in open_materials
+                bsdfs[material, layer, wets] = _bsdf(mi, looks[material], tile, open_surface=both, wets=wets)
             positions, normals = batch.placed(candidate, frame)
-            scene[batch.name] = _mesh(mi, batch.name, batch.surface, positions, normals, bsdfs[material, layer])
+            film = batch.film(self._wetness, frame, known) if wets else None
+            scene[batch.name] = _mesh(mi, batch.name, batch.surface, positions, normals, bsdfs[material, layer, wets], film)
             if moving:
                 self._moving.append(batch)
+            if wets:
+                self._wet.append(batch)
             if looks[material].transmission >= PANE:
                 self._panes.append(batch.name)
         scenery = scenery_shapes(mi, candidate, eyes)
@@ -213,6 +253,11 @@ class SceneRenderer:
             return
         if self._liquids:
             self._load(frame)
+        known: dict[str, F64] = {}
+        for batch in self._wet:
+            self._parameters[f"{batch.name}.{FILM}"] = batch.film(self._wetness, frame, known)
+        if self._wet:
+            self._parameters.update()
         if self._moving:
             placed = {batch.name: batch.placed(self.candidate, frame) for batch in self._moving}
             for name, (positions, _) in placed.items():

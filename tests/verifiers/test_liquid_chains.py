@@ -79,3 +79,26 @@ def test_pushes_are_those_of_the_cache(tmp_path: Path) -> None:
     assert {(a, b): j for a, b, j in pushes[STIRS] if b != "tank"} == {("pool", "paddle"): pytest.approx(2.0)}
     assert {b for _, b, _ in pushes[CARRIES]} == {"tank", "paddle", "duck"}
     assert not [b for _, b, _ in pushes[0] if b != "tank"]
+
+
+def test_liquids_of_one_instance_share_pushes_by_what_touches_the_body(tmp_path: Path) -> None:
+    """Oil fills the half where the duck floats, water that of the paddle; both lie on the floor."""
+    others: dict[str, Any] = {
+        "paddle": box(0.05, 0.2, 0.1, at=(-0.15, 0, 0.1), motion="dynamic"),
+        "duck": box(0.05, 0.05, 0.05, at=(0.1, 0, 0.16), motion="dynamic"),
+    }
+    flow = pool_in_tank(others=others, frames=3, two_way=True)
+    plan = flow.spec.simulation
+    water = plan.solvers["water"]
+    solvers = {**plan.solvers, "water": water.model_copy(update={"members": ["pool", "oil"]})}
+    entities = {**flow.spec.entities, "oil": flow.spec.entities["pool"]}
+    spec = flow.spec.model_copy(update={"entities": entities, "simulation": plan.model_copy(update={"solvers": solvers})})
+    fluid = (flow.position[0][:, 0] > 0).astype(np.int32)
+    names = [n.split("/")[0] for n in flow.colliders]
+    share = {names.index(n): np.array([np.zeros(6), [1.0, 0, 0, 0, 0, 0], np.zeros(6)]) for n in others}
+    made = dataclasses.replace(flow, spec=spec, share=share, change={(k, "particle/fluid"): fluid for k in range(3)})
+    pushes = liquid_pushes(made.candidate(tmp_path))[1]
+    assert [(a, j) for a, b, j in pushes if b == "duck"] == [("oil", pytest.approx(1.0))]
+    assert [(a, j) for a, b, j in pushes if b == "paddle"] == [("pool", pytest.approx(1.0))]
+    tank = {a: j for a, b, j in pushes if b == "tank"}
+    assert tank["oil"] == pytest.approx(tank["pool"], rel=0.1)

@@ -69,7 +69,7 @@ def build_terrain(
     With terrain: builds the landscape declared under /terrains/<id> (height layers, erosion, lakes, rivers, ground materials,
     plants), checks it, and cuts the ground that bodies stand on from it, in world coordinates. Declare it first with
     edit_spec: skill://outdoor-terrain/SKILL.md. See it with render_shot(kind='field'). Its water is a surface to look at; with liquid
-    the water inside the cut is simulated: lakes and rivers start filled to their level, rivers bring their discharge. Plants are
+    the water inside the cut is simulated: lakes and rivers start filled to their level, rivers run, come in with their bankfull discharge and leave through outflow boxes. Plants are
     drawn only; with stems those inside the cut are solid, without their crowns: give it where bodies move among them.
     Without: flat lies at z = 0; slope rises from z = 0 at -x towards +x; hills is noise that fades to z = 0 inside
     plain_radius. The ground becomes a member of the first solver instance. Lengths in m. Needs a material.

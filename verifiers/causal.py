@@ -20,7 +20,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact
 from ..worlds.requirements import Correction, Row, Status
-from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver
+from ..worlds.spec import DetachDriver, ForceDriver, InflowDriver, MotorDriver, OutflowDriver, PathDriver, ReleaseDriver
 from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
 from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row
@@ -80,8 +80,10 @@ def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str
     driver = plan.drivers[driver_id]
     if isinstance(driver, ReleaseDriver):
         return driver.time, (driver.entity,)
-    if isinstance(driver, ForceDriver):
+    if isinstance(driver, ForceDriver | InflowDriver):
         return driver.start, (driver.entity,)
+    if isinstance(driver, OutflowDriver):
+        return 0.0, (driver.entity,)
     if isinstance(driver, PathDriver):
         keys = sorted(driver.keys.values(), key=lambda k: k.time)
         still = [b.time for a, b in pairwise(keys) if a.pose == b.pose]

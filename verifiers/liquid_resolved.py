@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..worlds.arrays import F64
+from ..worlds.liquids import LEAST_MOUTH
 from .findings import Finding
 from .liquid_barriers import still_barrier
 from .liquid_rows import coarse, place
@@ -51,7 +52,7 @@ class Resolved:
     """Openings, obstacles and passages against the spacing."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "openings": f"mouths of inflows and outflows are at least {LEAST_OPENING:g} spacings wide",
+        "openings": f"mouths of inflows are at least {LEAST_MOUTH['dfsph']:g} spacings ({LEAST_MOUTH['flip']:g} cells) wide, outflows {LEAST_OPENING:g}",
         "obstacles": "fixed solids are at least half a spacing (a cell) thick where they are wet",
         "passages": f"ways between fixed solids that liquid gets to are at least {LEAST_OPENING:g} spacings wide, or have one beside them that is",
     }
@@ -76,19 +77,20 @@ class Resolved:
         widths |= {n: float(sorted(d.size)[1]) for n, d in liquid.outflows.items()}
         if not widths:
             return Finding("not_applicable", "the plan has neither inflow nor outflow")
-        name = min(widths, key=lambda n: widths[n])
-        value = widths[name] / s
+        least = {n: LEAST_MOUTH[liquid.plan.engine] if n in liquid.inflows else LEAST_OPENING for n in widths}
+        name = min(widths, key=lambda n: widths[n] / least[n])
+        value, bound = widths[name] / s, least[name]
         text = f"the narrowest of {len(widths)} openings, {name}, is {widths[name]:.3g} m wide, {value:.3g} spacings of {s:g} m"
-        if value >= LEAST_OPENING * (1.0 - 1e-9):
-            return Finding("pass", text, value, LEAST_OPENING, "spacings", comparison=">=")
+        if value >= bound * (1.0 - 1e-9):
+            return Finding("pass", text, value, bound, "spacings", comparison=">=")
         driver = liquid.inflows.get(name) or liquid.outflows[name]
         pointer = f"/simulation/drivers/{name}/size"
         hints = (
             coarse(liquid, "the spacing does not resolve the opening", 0.28 * widths[name]),
-            correction("the opening is too narrow", "drivers", f"widen {name} to {LEAST_OPENING * s:.3g} m", pointers=(pointer,)),
+            correction("the opening is too narrow", "drivers", f"widen {name} to {bound * s:.3g} m", pointers=(pointer,)),
         )
         evidence = {"place": place(np.array(driver.pose.position)), "driver": name, "width_m": widths[name]}
-        return Finding("fail", text, value, LEAST_OPENING, "spacings", driver.entity, 0, hints, evidence, ">=")
+        return Finding("fail", text, value, bound, "spacings", driver.entity, 0, hints, evidence, ">=")
 
     # ---------------------------------------------------------------- obstacles
 

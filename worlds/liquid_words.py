@@ -28,6 +28,13 @@ _MOVES = re.compile(
     r"|waves(?!\s+(?:at|to|its?|his|her|their)\b)|ripples)\b",
     re.IGNORECASE,
 )
+_BODY = r"(?:waters?|streams?|rivers?|brooks?|creeks?|currents?|torrents?|tides?|floods?|surf|lakes?|ponds?|sea)"
+_TAKES = r"(?:carr(?:y|ies|ied|ying)|sweep(?:s|ing)?|swept|wash(?:es|ed|ing)?|drag(?:s|ged|ging)?|bear(?:s|ing)?|bore|borne)"
+_CARRIES = re.compile(
+    rf"\b{_BODY}\s+(?:\w+ly\s+)?{_TAKES}\b|\b(?:{_TAKES}|drift(?:s|ed|ing)?)\s(?:[\w-]+\s){{0,4}}(?:by|down|along|on|in)\s(?:the\s|a\s)?(?:[\w-]+\s)?{_BODY}\b",
+    re.IGNORECASE,
+)
+"""Water that takes things along, and things that it takes along."""
 _DRY = re.compile(r"\b(?:sand|gravel|grain|rice|smoke|air|space|mid-?air|clouds?|light|traffic|crowds?|people)\b", re.IGNORECASE)
 """With these in the clause, such a verb tells of something else."""
 _RUNS = re.compile(r"\b(?:flow(?:s|ed|ing)?|waves|ripples)\b", re.IGNORECASE)
@@ -42,7 +49,7 @@ def missing_liquid(spec: WorldSpec, text: str, met_by: Iterable[str]) -> Iterato
         text: the clause.
         met_by: pointers that it is met by.
     """
-    moves, named = _MOVES.search(text), _NAMED.search(text)
+    moves, named = _MOVES.search(text) or _CARRIES.search(text), _NAMED.search(text)
     if moves is None and named is None:
         return
     simulated = _simulated(spec)

@@ -23,6 +23,13 @@ TELLS = {
     "A glass of milk stands on the table": "milk",
     "Waves break on the beach": "Waves",
     "Lava covers the road": "Lava",
+    "A stream carries leaves and a log": "stream carries",
+    "The river slowly carried a raft off": "river slowly carried",
+    "Leaves drift down the brook": "drift down the brook",
+    "A raft is swept along by a swollen river": "swept along by a swollen river",
+    "A stream runs past a mill": "",
+    "A woman carries a basket to the river": "",
+    "A porter carries a trunk": "",
     "Sand pours onto a plate": "",
     "A balloon floats in the air": "",
     "A man waves at the camera": "",
@@ -55,6 +62,7 @@ def test_water_of_a_landscape_is_water_that_nothing_moves_in() -> None:
     assert not list(missing_liquid(spec, "Still water lies below", ["/terrains/land"]))
     assert list(missing_liquid(spec, "A log floats down the river", ["/terrains/land"]))
     assert list(missing_liquid(spec, "The river floods the village", ["/terrains/land"]))
+    assert list(missing_liquid(spec, "A stream carries leaves and a log", ["/terrains/land"]))
 
 
 def _painted() -> dict[str, Any]:

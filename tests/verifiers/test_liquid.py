@@ -69,6 +69,8 @@ BREACHES = [
     ("dried", 0.05, {"wet"}),
     ("drowned", 1.0, {"wet"}),
     ("shifted", 1e-3, {"wet"}),
+    ("flat_waves", 0.5, {"waves_height"}),
+    ("slow_waves", 0.3, {"waves_period"}),
 ]
 
 

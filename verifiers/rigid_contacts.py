@@ -14,6 +14,7 @@ import numpy as np
 
 from ..geometry import aabb_of
 from ..worlds.arrays import F64
+from ..worlds.spec import HeightField
 from .ledgers import Books, books_of
 from .rigid_rows import largest, law_row
 from .uneven import even_ground
@@ -291,12 +292,17 @@ def _hits(books: Books) -> list[_Hit]:
     return found
 
 
-def _even(books: Books, other: str, point: F64, velocity: F64, normal: F64, rest: float, closing: float) -> bool:
-    """Whether what a ball rolls over after a hit, until the frame ends, is level enough to tell what it kept of the hit."""
-    if books.candidate.spec.entities[other].motion != "static":
+def _even(books: Books, ball: str, other: str, point: F64, velocity: F64, normal: F64, rest: float, closing: float) -> bool:
+    """Whether a hit on ground of facets can be told from rolling: neither facets nor a step's travel turn the normal by too much."""
+    contract = books.candidate.spec.entities[other]
+    if contract.motion != "static" or not any(isinstance(p.shape, HeightField) for p in contract.parts.values()):
         return True
     along = velocity - (normal @ velocity) * normal
-    most = TURNED * closing / max(float(np.linalg.norm(along)), 1e-9)
+    speed = max(float(np.linalg.norm(along)), 1e-9)
+    most = TURNED * closing / speed
+    # Events are told to a step: so far the ball moved on between its place and the point.
+    if speed * books.step / (_radius(books, ball) or np.inf) > most:
+        return False
     return even_ground(books.candidate, other, point, along * rest, most=most)
 
 
@@ -347,7 +353,7 @@ def _judge(
     low, high = (min(away, at_end), max(away, at_end)) if lasting else (away, away)
     kept = (max(low, 0.0) / closing, high / closing)
     declared = _declared(books, names[ball], names[other])
-    if (lasting or declared[0] == 0.0) and not _even(books, names[other], point, ends[0][1], normal, after, closing):
+    if (lasting or declared[0] == 0.0) and not _even(books, names[ball], names[other], point, ends[0][1], normal, after, closing):
         return None
     deviation = max(kept[0] - declared[1], declared[0] - kept[1], 0.0)
     return _Hit(frame, row, deviation, closing, kept, declared)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from worldagent.bench.small_worlds import ball, box, entity, make_candidate, world
+from worldagent.verifiers.rigid_contacts import _even
 from worldagent.verifiers.uneven import even_ground
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.spec import HeightField
@@ -39,3 +41,24 @@ def test_ground_is_even_where_its_facets_do_not_turn_along_the_way(
 ) -> None:
     assert even_ground(candidate, entity_id, np.array(point), np.array(way), most=0.5 * BEND) is even
     assert even_ground(candidate, entity_id, np.array(point), np.array(way), most=1.1 * BEND)
+
+
+@pytest.mark.parametrize(
+    ("other", "speed", "rest", "told"),
+    [
+        ("slab", 12.0, 0.02, True),
+        ("land", 0.5, 0.02, True),
+        ("land", 12.0, 0.0, False),
+        ("land", 3.0, 0.3, False),
+    ],
+)
+def test_a_hit_on_facets_is_told_only_where_neither_a_step_nor_the_way_turns_the_normal(
+    candidate: Candidate, other: str, speed: float, rest: float, told: bool
+) -> None:
+    """A grazing hit at 12 m/s: in a step of 1 ms the ball of 10 cm goes on by 12 mm, which turns the normal by 0.12."""
+    spec = candidate.spec
+    assert spec.entities[other].motion == "static"
+    books = SimpleNamespace(candidate=candidate, step=1e-3)
+    point = np.array([9.3, 0.3, 0.0]) if other == "land" else np.zeros(3)
+    velocity, up = np.array([speed, 0.0, -1.0]), np.array([0.0, 0.0, 1.0])
+    assert _even(books, "ball", other, point, velocity, up, rest, 1.0) is told  # type: ignore[arg-type]

@@ -32,7 +32,7 @@ __all__ = ["Chain", "Pass", "Passes"]
 SMALLEST = 256
 """Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
 SLICES = 2
-"""Slices of one thread: another one takes the second where the first is held up."""
+"""Slices of one thread: others take the rest where it is held up."""
 BLOCK, FOLDED = 256, 8
 """Threads of a block on a GPU (Warp's default), and what one of them folds."""
 
@@ -46,11 +46,14 @@ class Pass:
         inputs: its other parameters.
         device: where they are.
         smallest: elements below which a slice is not worth a thread.
+        slices: of each core.
     """
 
-    def __init__(self, kernel: Any, count: int, inputs: Sequence[Any], device: str, *, smallest: int = SMALLEST) -> None:
+    def __init__(
+        self, kernel: Any, count: int, inputs: Sequence[Any], device: str, *, smallest: int = SMALLEST, slices: int = SLICES
+    ) -> None:
         load(kernel, device)
-        self.kernel, self.device, self.smallest = kernel, device, smallest
+        self.kernel, self.device, self.smallest, self.slices = kernel, device, smallest, slices
         self.name = str(kernel.key)
         self.changes = 0
         """How often its numbers have changed."""
@@ -70,7 +73,7 @@ class Pass:
 
     def _parts(self, count: int) -> int:
         shared = self.device == "cpu" and cores() > 1
-        return max(1, min(SLICES * cores(), count // self.smallest)) if shared else 1
+        return max(1, min(self.slices * cores(), count // self.smallest)) if shared else 1
 
     def takes(self, count: int, inputs: Sequence[Any]) -> bool:
         """Whether all but its whole numbers are just these; it then takes those, and `count`, from now on."""

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from ....geometry.launch import warp
+from ...passes import Pass
 from . import column_kernels as columns
 from . import grid_kernels as cells
 from . import multigrid_kernels as kernels
-from .run import Prepared, Runner
+from .run import Runner
 
 __all__ = ["Level", "Solution", "Solver", "hierarchy"]
 
@@ -148,7 +149,7 @@ class Solver:
             kernels.multiply, self.blocks, [*many, *system, self.p, self.ap, self.sums], grain=max(1, 8192 // run.block)
         )
 
-    def _prepare_cycle(self) -> list[Prepared]:
+    def _prepare_cycle(self) -> list[Pass]:
         """One V-cycle from `right` to `x` of the finest level, symmetric."""
         run, levels = self.run, self.levels
         last = len(levels) - 1
@@ -171,7 +172,7 @@ class Solver:
             calls.append(run.prepare(kernels.relax, level.reds, [0, *system], grain=SOME))
         return calls
 
-    def _prepare_bottom(self, level: Level, system: list[Any]) -> list[Prepared]:
+    def _prepare_bottom(self, level: Level, system: list[Any]) -> list[Pass]:
         """Sweeps on the coarsest level, red and black, then black and red."""
         run = self.run
         if run.device == "cpu":

@@ -61,8 +61,14 @@ def touched(position: F64, points: F64, normals: F64, spacing: float) -> tuple[N
 
     if not len(position) or not len(points):
         return np.zeros(len(points), dtype=bool), np.full(len(points), len(position), dtype=np.intp)
-    gap, at = cKDTree(position).query(points, distance_upper_bound=TOUCH * spacing)
+    reach = TOUCH * spacing
+    low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+    some = np.flatnonzero(((position >= low) & (position <= high)).all(axis=1))
+    if not len(some):
+        return np.zeros(len(points), dtype=bool), np.full(len(points), len(position), dtype=np.intp)
+    gap, at = cKDTree(position[some], balanced_tree=False, compact_nodes=False).query(points, distance_upper_bound=reach)
     found = np.isfinite(gap)
+    at = np.append(some, len(position))[at]
     rows = np.flatnonzero(found)
     found[rows] = np.einsum("ij,ij->i", position[at[rows]] - points[rows], normals[rows]) >= -BEHIND * spacing
     return found, np.asarray(at, dtype=np.intp)
@@ -99,13 +105,14 @@ class Wetted:
             return
         if self.count < liquid.frames:
             raise EvidenceError(f"the liquid has {self.count} of {liquid.frames} wet maps; bake again to resume")
-        known = {(p.entity, p.body, p.part): p for p in pieces_of(liquid.candidate)}
+        self.known = known = {(p.entity, p.body, p.part): p for p in pieces_of(liquid.candidate)}
         texels = self.map.texels
         alien = [n for n in texels.parts if n not in known]
         if alien:
             raise EvidenceError(f"wet maps are of {'/'.join(alien[0])}, which the world does not have; bake again")
         self.pieces = [known[n] for n in texels.parts]
         self.groups = [np.flatnonzero(texels.part == k) for k in range(len(self.pieces))]
+        self.own = dict(zip(texels.parts, self.groups, strict=True))
         self.probes = {n: _probes(p, liquid, texels.size) for n, p in known.items()}
 
     def see(self, step: Step) -> None:
@@ -174,15 +181,14 @@ class Wetted:
 
         texels = self.map.texels
         for (entity, body, part), (points, normals) in self.probes.items():
-            piece = next(p for p in pieces_of(self.liquid.candidate) if (p.entity, p.body, p.part) == (entity, body, part))
             if not len(points) or not _shown(self.liquid, entity, frame.index):
                 continue
+            piece = self.known[entity, body, part]
             world, outward = piece.world(points, frame.index), normals @ piece.turn[frame.index].T
             wet, _ = touched(frame.position, world, outward, self.liquid.spacing)
             if wet.sum() < 16:
                 continue
-            mine = [k for k, n in enumerate(texels.parts) if n == (entity, body, part)]
-            rows = self.groups[mine[0]] if mine else np.zeros(0, dtype=np.intp)
+            rows = self.own.get((entity, body, part), np.zeros(0, dtype=np.intp))
             gap = cKDTree(texels.position[rows]).query(points[wet])[0] if len(rows) else np.full(int(wet.sum()), np.inf)
             bare = gap > 3.0 * texels.size
             if bare.any():

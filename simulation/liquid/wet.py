@@ -22,12 +22,14 @@ __all__ = ["TOUCH", "WetPart", "map_wet"]
 
 SIZE = 0.5
 """[spacings] Distance of places on surfaces, at least."""
-MOST_TEXELS = 300_000
+MOST_TEXELS = 150_000
 """Own choice: larger surfaces get places farther apart."""
 TOUCH = 1.0
 """[spacings] Liquid this near to a surface wets it: half a spacing to the middle of the particles next to it, and as much of slack."""
 BEHIND = 0.25
 """[spacings] by which what wets a surface may be behind it: particles stand a little inside of walls."""
+MOST_CUBES = 60_000_000
+"""Cubes by which particles far from surfaces are left out; in larger spaces all are asked."""
 GAP = 2.5
 """[spacings] of air that end a column of liquid."""
 
@@ -187,25 +189,53 @@ def _wet(
     rows, depth, kind = [np.zeros(0, dtype=np.int32)], [np.zeros(0, dtype=np.float32)], [np.zeros(0, dtype=np.int32)]
     reach = TOUCH * spacing
     if len(position):
-        tree, top = cKDTree(position), _tops(position, up, spacing)
+        placed = [_placed(part, texels, mine, frame) for part, mine in zip(parts, groups, strict=True)]
+        beside = _beside(
+            position, np.concatenate([points for points in placed if points is not None] or [np.zeros((0, 3))]), reach
+        )
+        some = position[beside]
+        # Built loosely: it is asked once, and building costs more than asking.
+        tree, top = cKDTree(some, balanced_tree=False, compact_nodes=False), _tops(position, up, spacing)[beside]
+        kinds = fluid[beside]
         low, high = position.min(axis=0) - reach, position.max(axis=0) + reach
-        for part, mine in zip(parts, groups, strict=True):
+        for part, mine, points in zip(parts, groups, placed, strict=True):
             pose = part.place(frame)
-            if pose is None or not len(mine):
+            if pose is None or points is None or not len(some):
                 continue
-            points = pose.apply(texels["texel/position"][mine].astype(np.float64))
             near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
             gap, at = tree.query(points[near], distance_upper_bound=reach)
             near, at = near[np.isfinite(gap)], at[np.isfinite(gap)]
             outward = texels["texel/normal"][mine[near]].astype(np.float64) @ rotation_matrix(pose.quaternion).T
-            front = ((position[at] - points[near]) * outward).sum(axis=1) >= -BEHIND * spacing
+            front = ((some[at] - points[near]) * outward).sum(axis=1) >= -BEHIND * spacing
             near, at = near[front], at[front]
             rows.append(mine[near].astype(np.int32))
             depth.append(np.maximum(top[at] + layer - points[near] @ up, 0.0).astype(np.float32))
-            kind.append(fluid[at].astype(np.int32))
+            kind.append(kinds[at].astype(np.int32))
     joined = np.concatenate(rows)
     order = np.argsort(joined, kind="stable")
     return {"wet/texel": joined[order], "wet/depth": np.concatenate(depth)[order], "wet/fluid": np.concatenate(kind)[order]}
+
+
+def _placed(part: WetPart, texels: dict[str, Any], mine: NDArray[np.intp], frame: int) -> F64 | None:
+    """Places of a part in the world at a frame; None where it has none or does not exist then."""
+    pose = part.place(frame) if len(mine) else None
+    return None if pose is None else pose.apply(texels["texel/position"][mine].astype(np.float64))
+
+
+def _beside(position: F64, points: F64, reach: float) -> NDArray[np.bool_]:
+    """Particles in a cube of size `reach` [m] that has a place in it or next to it: all that may be within reach of one."""
+    from scipy.ndimage import maximum_filter
+
+    if not len(points):
+        return np.zeros(len(position), dtype=bool)
+    low = np.minimum(position.min(axis=0), points.min(axis=0)) - reach
+    shape = ((np.maximum(position.max(axis=0), points.max(axis=0)) - low) / reach).astype(np.intp) + 2
+    if shape.astype(np.float64).prod() > MOST_CUBES:
+        return np.ones(len(position), dtype=bool)
+    grid = np.zeros(tuple(shape), dtype=bool)
+    grid[tuple(((points - low) / reach).astype(np.intp).T)] = True
+    near = maximum_filter(grid, size=3, mode="constant")
+    return np.asarray(near[tuple(((position - low) / reach).astype(np.intp).T)])
 
 
 def _tops(position: F64, up: F64, spacing: float) -> F64:
@@ -214,10 +244,14 @@ def _tops(position: F64, up: F64, spacing: float) -> F64:
     first = np.cross(up, side)
     first /= np.linalg.norm(first)
     cell = np.floor(position @ np.stack([first, np.cross(up, first)]).T / spacing).astype(np.int64)
+    cell -= cell.min(axis=0)
+    column = cell[:, 0] * (int(cell[:, 1].max()) + 1) + cell[:, 1]
     height = position @ up
-    order = np.lexsort((height, cell[:, 1], cell[:, 0]))
-    cell, sorted_height = cell[order], height[order]
-    ends = np.append((np.diff(cell, axis=0) != 0).any(axis=1) | (np.diff(sorted_height) > GAP * spacing), True)
+    # One key for column and height: sorted at once, as finely as single precision tells heights.
+    level = (height - height.min()) / max(float(np.ptp(height)), 1e-9) * (2**24 - 1)
+    order = np.argsort((column << 24) | level.astype(np.int64), kind="stable")
+    column, sorted_height = column[order], height[order]
+    ends = np.append((np.diff(column) != 0) | (np.diff(sorted_height) > GAP * spacing), True)
     run = np.cumsum(ends) - ends
     result = np.empty(len(position))
     result[order] = sorted_height[np.flatnonzero(ends)][run]

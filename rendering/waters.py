@@ -14,7 +14,7 @@ from ..worlds.arrays import F64
 from ..worlds.landscape import SavedLandscape
 from .meshes import grid_faces, grid_uv, mesh_of
 
-__all__ = ["Course", "courses", "drawn_height", "surface_height", "water_shapes"]
+__all__ = ["Course", "courses", "drawn_height", "ribbon_of", "surface_height", "water_shapes"]
 
 DEEP = (0.006, 0.03, 0.045)
 SHALLOW = (0.05, 0.20, 0.19)
@@ -29,6 +29,10 @@ SEA_BEYOND = 2000.0
 """Half side of the sea over that of the land: to the horizon of a camera as high as the land is wide."""
 WIDE_CELLS = 2.0
 """Rivers from this many cells on are drawn at their level, between banks that the grid carries; narrower ones lie on the land."""
+RIBBON = 8
+"""Corners of a narrow ribbon across, per cell of the landscape."""
+OVER = 4
+"""Places between two corners of a ribbon, where it must not lie under the land."""
 POOL = 0.5
 """Most that a narrow ribbon stands over the drawn land [m], where the grid dams it."""
 LIFT = 0.12
@@ -212,6 +216,28 @@ def _wide(land: SavedLandscape) -> np.ndarray:
     return np.asarray(ndimage.binary_opening(flowing, np.ones((2, 2))))
 
 
+def ribbon_of(course: Course, cell: float, drawn: Sequence[tuple[F64, F64, F64]]) -> F64:
+    """Corners of a narrow river's surface, downstream and from its right to its left, shape (n, m, 3) [m].
+
+    A corner lies over the highest drawn land between it and its neighbours, so that no ridge of a triangle stands out of the water.
+    """
+    many = 2 * max(2, int(np.ceil(RIBBON * course.width.max() / cell / 2))) + 1
+    known = np.arange(len(course.line))
+    at = np.linspace(0, known[-1], known[-1] * OVER + 1)
+    line = np.stack([np.interp(at, known, course.line[:, k]) for k in (0, 1)], 1)
+    along = np.gradient(line, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
+    side = np.stack([-along[:, 1], along[:, 0]], 1)
+    across = np.linspace(-0.5, 0.5, OVER * (many - 1) + 1)
+    places = line[:, None] + across[None, :, None] * (np.interp(at, known, course.width)[:, None] * side)[:, None]
+    ground = drawn_height(drawn, places.reshape(-1, 2)).reshape(places.shape[:2])
+    # A bump of the drawn land dams what is above it, by no more than a shallow pool.
+    middle = ground.mean(1)
+    level = np.minimum(np.maximum.accumulate(middle[::-1])[::-1], middle + POOL)
+    z = ndimage.maximum_filter(np.maximum(ground, level[:, None]), size=2 * OVER + 1, mode="nearest") + LIFT
+    return np.concatenate([places, z[..., None]], axis=2)[::OVER, ::OVER]
+
+
 def _rivers(
     mi: Any, name: str, land: SavedLandscape, drawn: list[tuple[F64, F64, F64]], simulated: Sequence[tuple[F64, F64]]
 ) -> dict[str, Any]:
@@ -221,20 +247,11 @@ def _rivers(
     for course in courses(land):
         if course.width.max() >= WIDE_CELLS * land.cell:
             continue
-        along = np.gradient(course.line, axis=0)
-        along /= np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
-        side = np.stack([-along[:, 1], along[:, 0]], 1)
-        across = np.linspace(-0.5, 0.5, 5)
-        places = course.line[:, None] + across[None, :, None] * (course.width[:, None] * side)[:, None]
-        ground = drawn_height(drawn, places.reshape(-1, 2)).reshape(places.shape[:2])
-        # A bump of the drawn land dams what is above it, by no more than a shallow pool.
-        middle = ground.mean(1)
-        level = np.minimum(np.maximum.accumulate(middle[::-1])[::-1], middle + POOL)
-        z = np.maximum(ground, level[:, None]) + LIFT
-        count = len(course.line)
-        pieces.append(np.concatenate([places, z[..., None]], axis=2).reshape(-1, 3))
-        faces.append(grid_faces(count, len(across), np.ones((count - 1, len(across) - 1), dtype=bool)) + start)
-        start += count * len(across)
+        ribbon = ribbon_of(course, land.cell, drawn)
+        count, across = ribbon.shape[:2]
+        pieces.append(ribbon.reshape(-1, 3))
+        faces.append(grid_faces(count, across, np.ones((count - 1, across - 1), dtype=bool)) + start)
+        start += count * across
     if not pieces:
         return {}
     vertices = np.concatenate(pieces)

@@ -22,7 +22,7 @@ from worldagent.rendering.plants import form_of, placed
 from worldagent.rendering.preview import PreviewRenderer
 from worldagent.rendering.scenery import cut_from, drawn_land, landscapes_of, scenery_shapes
 from worldagent.rendering.variant import load_mitsuba
-from worldagent.rendering.waters import courses, surface_height
+from worldagent.rendering.waters import Course, courses, drawn_height, ribbon_of, surface_height
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.folder import WorldFolder
@@ -235,3 +235,23 @@ def test_solid_trunks_are_drawn_once_as_plants(candidate: Candidate) -> None:
     parts = PreviewRenderer(solid).parts
     stems = next(k for k, (_, part) in enumerate(parts) if part.part == "stems")
     assert (PreviewRenderer(solid).cast(0, camera).ids == stems).any()
+
+
+def test_no_land_stands_out_of_a_river_narrower_than_a_cell() -> None:
+    """A winding ribbon over rough land, drawn as triangles: its own triangles lie over the land everywhere."""
+    rng = np.random.default_rng(5)
+    x, y = np.linspace(-60, 60, 21), np.linspace(-30, 30, 11)
+    drawn = [(x, y, rng.uniform(-1.2, 1.2, (11, 21)))]
+    along = np.linspace(-55, 55, 75)
+    course = Course(np.column_stack([along, 12 * np.sin(along / 14)]), np.linspace(2.0, 5.0, 75), np.zeros(75), "river")
+    ribbon = ribbon_of(course, 6.0, drawn)
+    lowest = np.inf
+    for s in (0.25, 0.5, 0.75):
+        for t in (0.2, 0.5, 0.8):
+            u, v = (1 - s, s), (1 - t, t)
+            point = sum(u[i] * v[j] * ribbon[i : i - 1 or None, j : j - 1 or None] for i in (0, 1) for j in (0, 1)).reshape(-1, 3)
+            lowest = min(lowest, float((point[:, 2] - drawn_height(drawn, point[:, :2])).min()))
+    assert lowest > 0.0
+    assert (
+        ribbon[:, 1:-1, 2] - drawn_height(drawn, ribbon[:, 1:-1, :2].reshape(-1, 2)).reshape(ribbon[:, 1:-1].shape[:2])
+    ).max() < 2.0

@@ -101,7 +101,7 @@ class Work:
     """
 
     def __init__(self, passes: Passes, capacity: int, cells: int, *, steepest: float, room: int = ROOM) -> None:
-        from .list_kernels import MOST_PACKED, STEPS
+        from .list_kernels import STEPS
         from .solve_kernels import Sums, Totals
         from .step_kernels import Tally
 
@@ -111,7 +111,7 @@ class Work:
             return wp.zeros(count, dtype=kind, device=device)
 
         self.device, self.capacity = device, capacity
-        self._packed = device != "cpu" and capacity <= MOST_PACKED
+        self._packed = packs(device, capacity)
         self._unit = steepest / STEPS if self._packed else 1.0
         self.key, self.index = zeros(2 * capacity, wp.int32), zeros(2 * capacity, wp.int32)
         self.span = zeros(cells, wp.vec2i)
@@ -137,6 +137,13 @@ class Work:
         near = wp.zeros(self.capacity * room, dtype=wp.vec2i if self._packed else wp.vec4, device=self.device)
         self.lists: list[Any] = [self.count, near, row, stride, self._unit]
         """What kernels over lists take: lengths, neighbours, row, stride, unit of their gradients."""
+
+
+def packs(device: str, capacity: int) -> bool:
+    """Whether lists of so many particles are packed (`list_kernels.py`)."""
+    from .list_kernels import MOST_PACKED
+
+    return device != "cpu" and capacity <= MOST_PACKED
 
 
 def cells_of(lower: F64, upper: F64, h: float, most: int) -> tuple[int, int, int]:

@@ -114,7 +114,7 @@ def tank_spec(
     return {**spec, **changes}
 
 
-def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True, frames: int = 110, **sea: Any) -> dict[str, Any]:
+def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True, frames: int = 90, **sea: Any) -> dict[str, Any]:
     """A flume with waves from one end to the other in which a crate may float, without its prompt; `sea` changes the driver.
 
     Args:
@@ -123,12 +123,17 @@ def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True,
         crate: whether a crate floats in it.
         frames: at 24 per second.
     """
-    depth, width, length = 0.3, 0.4, 3.2
-    side = 0.15
+    depth, width, length = 0.3, 0.3, 2.6
+    side = 0.12
     members = ["bed", *(["crate"] if crate else [])]
-    slab = (length + 0.4, width + 0.4, 0.1)
+    wall, high = 0.06, 0.42
+    slab = (length, width + 2 * wall, 0.1)
+    flume = {
+        "bottom": _box(slab, (0, 0, -0.05)),
+        **{n: _box((length, wall, high), (0, y * (width + wall) / 2, high / 2)) for n, y in (("front", -1), ("back", 1))},
+    }
     waves = {
-        "kind": "waves", "entity": "water", "height": 0.07, "period": 0.8, "level": depth, "depth": depth, "zone": 1.0, **sea,
+        "kind": "waves", "entity": "water", "height": 0.07, "period": 0.8, "level": depth, "depth": depth, "zone": 1.0, "rise": 0.8, **sea,
     }  # fmt: skip
     return {
         "title": "A sea",
@@ -147,7 +152,7 @@ def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True,
             "stone": {"density": 2600, "substance": "stone", "friction": 0.5},
         },
         "entities": {
-            "bed": _entity("bed of the sea", "static", "stone", slab, (0, 0, -0.05)),
+            "bed": _entity("bed of the sea between walls", "static", "stone", (slab[0], slab[1], 0.1 + high), (0, 0, 0), parts=flume),
             "water": _entity("the sea", "dynamic", "water", (length, width, depth), (0, 0, depth / 2),
                              physics={"category": "liquid", "resolution": spacing}),
             **({"crate": _entity("crate", "dynamic", "wood", (side,) * 3, (0, 0, depth + 0.002))} if crate else {}),
@@ -155,7 +160,7 @@ def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True,
         "graph": {"relations": {}},
         "shots": {
             "wide": {"frames": [0, frames - 1], "covers": ["bob"] if crate else [], "subjects": ["crate" if crate else "water"],
-                     "keys": {"k": {"frame": 0, "position": [0.4, -1.6, 0.9], "target": [0, 0, 0.25]}}},
+                     "keys": {"k": {"frame": 0, "position": [0.5, -1.3, 1.1], "target": [0, 0, 0.27]}}},
         },
         "simulation": {
             "fps": 24,

@@ -20,6 +20,9 @@ _WORDS: Mapping[str, re.Pattern[str]] = {
     }.items()
 }
 
+_OPEN_SEA = ("sea", "seas", "ocean")
+"""Without a shore."""
+
 
 def names_scenery(text: str) -> bool:
     """Whether a clause names water of a landscape."""
@@ -30,14 +33,17 @@ def missing_scenery(spec: WorldSpec, text: str) -> Iterator[tuple[str, str, str]
     """Scenery that a clause names and nothing holds: (word, kind, what to declare).
 
     A landscape holds water that its hydrology requires, and trees where its vegetation has the form; a static entity that is
-    called so holds it, too (a toy lake, a painted forest).
+    called so holds it, too (a toy lake, a painted forest). A sea is also the liquid in which a driver makes waves.
     """
+    waves = any(d.kind == "waves" for d in spec.simulation.drivers.values())
     for kind, pattern in _WORDS.items():
         found = pattern.search(text)
         if found is None or any(
             e.motion == "static" and pattern.search(f"{name.replace('_', ' ').replace('-', ' ')} {e.role}")
             for name, e in spec.entities.items()
         ):
+            continue
+        if kind == "sea" and waves and all(m.group().lower() in _OPEN_SEA for m in pattern.finditer(text)):
             continue
         if kind == "trees":
             if not any(t.vegetation is not None and "tree" in t.vegetation.grown() for t in spec.terrains.values()):

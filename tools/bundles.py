@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..worlds.bundle import WrittenBundle, json_bytes, write_bundle
+from ..worlds.cache import Cache
 from ..worlds.candidate import open_candidate
 from ..worlds.canonical import canonical_json, spec_digest
 from ..worlds.clauses import clauses_of
@@ -106,7 +107,6 @@ def candidate_members(
     """
     from ..simulation.probe import probe_frames
     from ..simulation.schedule import checkpoint_frames, checkpoint_path
-    from ..worlds.cache import Cache
     from ..worlds.coarsening import OVERRIDES, read_overrides
 
     files = {s.shape.file for e in spec.entities.values() for s in e.parts.values() if s.shape.kind == "mesh" and s.shape.file}
@@ -122,7 +122,22 @@ def candidate_members(
             chosen += [cache.folder / "index.json", cache.folder / "digests.txt"]
             chosen += [checkpoint_path(cache.folder, k) for k in checkpoint_frames(spec, frames)]
             chosen += [cache.path(k) for k in range(frames)] if with_caches else []
+            if with_caches and name in spec.simulation.liquid:
+                chosen += _beside(cache)
     return {f"world/{p.resolve().relative_to(root.resolve()).as_posix()}": p for p in chosen}
+
+
+def _beside(cache: Cache) -> list[Path]:
+    """Files of the surfaces and wet maps that were made of a liquid's cache."""
+    from ..worlds.liquid_surface import surface_folder
+    from ..worlds.liquid_wet import wet_folder
+
+    names = ("index.json", "digests.txt", "surface.json", "wet.json", "texels.npz")
+    found = []
+    for folder in (surface_folder(cache), wet_folder(cache)):
+        found += [folder / n for n in names if (folder / n).is_file()]
+        found += sorted(folder.glob("frame_[0-9][0-9][0-9][0-9][0-9][0-9].npz"))
+    return found
 
 
 def make_bundle(

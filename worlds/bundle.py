@@ -40,7 +40,8 @@ _WORLD = re.compile(
     r"|assets/[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*"
     r"|built/[A-Za-z0-9_-]+\.[0-9a-f]{16}\.zip"
     r"|candidates/[0-9a-f]{16}/(candidate\.json"
-    r"|(bake|probe)/[A-Za-z0-9_-]+/(index\.json|digests\.txt|frame_\d{6}\.npz|checkpoints/\d{6}\.bin)))"
+    r"|(bake|probe)/[A-Za-z0-9_-]+/(index\.json|digests\.txt|frame_\d{6}\.npz|checkpoints/\d{6}\.bin"
+    r"|(surface|wet)/(index\.json|digests\.txt|frame_\d{6}\.npz|surface\.json|wet\.json|texels\.npz))))"
 )
 """What may stand below `world/`: nothing that a verdict does not need."""
 _BLOCK = 1 << 20

@@ -42,6 +42,15 @@ def test_bytes_depend_on_the_content_alone(tmp_path: Path) -> None:
     assert write_bundle(tmp_path / "c.zip", {"x": 1, "y": 3}, MEMBERS).digest != a.digest
 
 
+def test_what_was_made_of_a_liquid_travels_beside_its_cache(tmp_path: Path) -> None:
+    base = "world/candidates/0123456789abcdef/bake/water"
+    beside = {
+        f"{base}/{n}": n.encode() for n in ("surface/surface.json", "wet/wet.json", "wet/texels.npz", "wet/frame_000000.npz")
+    }
+    write_bundle(tmp_path / "a.zip", {}, {**MEMBERS, **beside})
+    assert (open_bundle(tmp_path / "a.zip").extract(tmp_path / "out") / "candidates").is_dir()
+
+
 @pytest.mark.parametrize(
     "name",
     [
@@ -54,6 +63,8 @@ def test_bytes_depend_on_the_content_alone(tmp_path: Path) -> None:
         "world/built/a.zip",
         "world/candidates/0123456789abcdef/bake/../candidate.json",
         "world/candidates/0123456789abcdef/bake/rigid/frame_1.npz",
+        "world/candidates/0123456789abcdef/bake/water/wet/notes.txt",
+        "world/candidates/0123456789abcdef/bake/water/dry/frame_000000.npz",
         "manifest.json",
         "readme.txt",
         "world/assets/a\nb.obj",

@@ -9,6 +9,7 @@ import pytest
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.liquid_worlds import Flow, pool_in_tank
 from worldagent.simulation.surfaces import map_wet_solids
+from worldagent.tools.bundles import _beside
 from worldagent.tools.wetness import wetness
 from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.cache import read_container, write_container
@@ -104,6 +105,15 @@ def test_maps_are_resumed_and_those_of_other_particles_are_noticed(tmp_path: Pat
     cache.begin_digests(digests)
     with pytest.raises(EvidenceError, match="of other particles"):
         WetMap(cache).read(2)
+
+
+def test_a_bundle_holds_them(tmp_path: Path) -> None:
+    """What they are made of is digested with the caches, so a bundle without them would be one of another run."""
+    candidate = still().candidate(tmp_path)
+    folder = made(candidate).files.folder
+    held = set(_beside(candidate.caches["water"]))
+    assert set(folder.iterdir()) <= held
+    assert len(held) == 4 + 4, "index, digests, note and places; a file per frame"
 
 
 def test_what_was_wet_can_be_asked_for(tmp_path: Path) -> None:

@@ -41,16 +41,18 @@ class Team:
         ended: SimpleQueue[BaseException | None] = SimpleQueue()
         for door in self._doors[: len(calls) - 1]:
             door.put((calls, following, ended))
-        mine = 0
+        mine, errors = 0, []
         for n in following:
             if n >= len(calls):
                 break
-            calls[n]()
             mine += 1
-        errors = [ended.get() for _ in range(len(calls) - mine)]
-        for error in errors:
-            if error is not None:
-                raise error
+            try:
+                calls[n]()
+            except BaseException as error:
+                errors.append(error)
+        errors += [one for one in (ended.get() for _ in range(len(calls) - mine)) if one is not None]
+        if errors:
+            raise errors[0]
 
 
 @cache

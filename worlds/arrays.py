@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from .spec.shapes import Pose
 
-__all__ = ["F64", "I32", "RigidPose", "compose", "euler_to_quaternion", "pose_of", "quaternion_product", "rotation_matrix"]
+__all__ = ["F64", "I32", "I64", "RigidPose", "compose", "euler_to_quaternion", "pose_of", "quaternion_product", "rotation_matrix"]
 
 F64: TypeAlias = NDArray[np.float64]
 I32: TypeAlias = NDArray[np.int32]
+I64: TypeAlias = NDArray[np.int64]
 
 
 class RigidPose(NamedTuple):

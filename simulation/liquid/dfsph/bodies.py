@@ -11,6 +11,7 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ..boundary import Sampled, sample_surface
 from ..engine import BodyState, LiquidSetup
+from ..solid_samples import fill_solid
 
 if TYPE_CHECKING:
     from ...passes import Passes
@@ -24,21 +25,18 @@ ROOM = 1024
 
 def sampled_boundaries(setup: LiquidSetup) -> list[Sampled]:
     """Samples of every boundary; of fixed ones only what liquid can meet (moving ones are sampled whole)."""
-    margin = 2.0 * setup.spacing
-    return [
-        sample_surface(
-            b.mesh,
-            setup.spacing,
-            closed=b.closed,
-            seed=setup.seed + k,
-            **(
-                {"lower": np.asarray(setup.lower) - margin, "upper": np.asarray(setup.upper) + margin}
-                if _stays(b)
-                else {"lower": None, "upper": None}
-            ),
-        )
-        for k, b in enumerate(setup.boundaries)
-    ]
+    return [_sampled(setup, k) for k in range(len(setup.boundaries))]
+
+
+def _sampled(setup: LiquidSetup, row: int) -> Sampled:
+    boundary, margin = setup.boundaries[row], 2.0 * setup.spacing
+    box: dict[str, Any] = {"lower": None, "upper": None}
+    if _stays(boundary):
+        box = {"lower": np.asarray(setup.lower) - margin, "upper": np.asarray(setup.upper) + margin}
+    if not boundary.closed or boundary.deforming:
+        return sample_surface(boundary.mesh, setup.spacing, closed=boundary.closed, seed=setup.seed + row, **box)
+    place, volume = fill_solid(boundary.mesh, setup.spacing, **box)
+    return Sampled(place, volume, np.zeros(len(place), dtype=np.int32), np.zeros((len(place), 3)))
 
 
 class Samples:
@@ -138,7 +136,7 @@ class Coupling:
         self._room = room
         self.pairs = Pairs()  # another one, so that no graph goes on with the arrays of the last
         self.pairs.particle, self.pairs.body = (wp.zeros(room, dtype=wp.int32, device=self.device) for _ in range(2))
-        self.pairs.slope = wp.zeros(room, dtype=wp.vec3, device=self.device)
+        self.pairs.slope, self.pairs.borne = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))
         self.pairs.drag = wp.zeros(room, dtype=wp.float32, device=self.device)
         self.pair_force, self.pair_return = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))
         self.key, self.order = (wp.zeros(2 * room, dtype=wp.int32, device=self.device) for _ in range(2))
@@ -195,7 +193,7 @@ class Coupling:
         self.moving.v.assign(speed)
         return position, rotation
 
-    def meet(self, work: Work, x: Any, volume: Any, h: float, n: int) -> None:
+    def meet(self, work: Work, x: Any, volume: Any, lift: Any, surfaces: Any, h: float, n: int) -> None:
         """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
         from . import boundary_kernels as kernels
         from . import grid_kernels, reaction_kernels
@@ -213,7 +211,7 @@ class Coupling:
                 self._make_room(int(1.5 * self.total))
                 self.pairs.start, self.pairs.touched = w.start, w.touched
         if self.total:
-            inputs = [x, fixed, moving, self.bodies, h, self.pairs, w.fill, w.lean, w.own]
+            inputs = [x, fixed, moving, self.bodies, surfaces, self.setup.spacing, h, lift, self.pairs, w.fill, w.lean, w.own]
             run("fill_pairs", kernels.fill_pairs, n, inputs)()
             run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order])()
             wp.utils.radix_sort_pairs(self.key, self.order, self.total)
@@ -249,11 +247,12 @@ class Coupling:
         else:
             w.moving.zero_()
 
-    def reaction(self, p: Any) -> list[Callable[[], None]]:
-        """Passes of one iteration: how the pressure accelerates bodies, and what that takes away from D."""
+    def reaction(self, p: Any, *, moves: bool) -> list[Callable[[], None]]:
+        """Passes of one iteration: how the pressure accelerates bodies, and what that takes away from D; none where it moves none."""
         from . import reaction_kernels as kernels
 
-        if not (self.total and self.reacts):
+        self.taken = self._work.none
+        if not (moves and self.total and self.reacts):
             return []
         w, s, run = self._work, self.bodies, self.passes
         self.taken = w.moving
@@ -308,6 +307,15 @@ class Coupling:
             self.count,
             [self.parts, self.bodies, self.force, self.torque, self._work.settings, int(moves), *sums],
         )()
+
+    def bear(self, v: Any) -> None:
+        """Let pressure go on behind walls and bodies as before them; both sides are booked."""
+        from . import boundary_kernels as kernels
+
+        w = self._work
+        inputs = [self._volume, w.lightness, self.pairs, w.settings, w.borne, v, self.pair_force, self.pair_return]
+        self.passes("bear", kernels.bear, self._n, inputs)()
+        self.rubbed()
 
     def rub(self, v: Any) -> None:
         """Work out the friction forces of all pairs at velocities v."""

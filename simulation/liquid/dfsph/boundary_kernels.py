@@ -8,13 +8,16 @@ therefore stands for all its samples in both solves.
 
 import warp as wp
 
-from .domain_kernels import MIRROR
-from .shape_kernels import cell_of, slope, weight, wrapped
+from .domain_kernels import MIRROR, behind, side
+from .shape_kernels import cell_of, half_space, plane_weight, slope, weight, wrapped
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 2})  # 27 cells
 
-__all__ = ["BODIES_NEAR", "Bodies", "Pairs", "Samples", "arrange", "count_pairs", "fill_pairs", "list_pairs", "place"]
+__all__ = ["BODIES_NEAR", "Bodies", "Pairs", "Samples", "Surfaces", "arrange", "bear", "count_pairs", "fill_pairs", "list_pairs", "place"]
 
+LAYER = wp.constant(wp.float32(0.1497))
+"""Fill that a plane of samples gives at a spacing, where liquid at rest keeps to it: of sheets and bodies that deform, the fill goes
+with its square, so that its gradient there is that of a mirror image."""
 BODIES_NEAR = 8
 """Bodies that one particle can touch at once."""
 DRAG = wp.constant(wp.float32(4.7))
@@ -101,16 +104,19 @@ class Pairs:
     particle: wp.array(dtype=wp.int32)
     body: wp.array(dtype=wp.int32)
     slope: wp.array(dtype=wp.vec3)
+    borne: wp.array(dtype=wp.vec3)
     drag: wp.array(dtype=wp.float32)
 
 
 @wp.func
-def gathered(s: Samples, xi: wp.vec3, h: wp.float32, body: wp.int32):
-    """Of one body near a place: sums of V W, V grad W, drag, and V v_s . grad W of its samples' own velocities."""
+def gathered(s: Samples, xi: wp.vec3, h: wp.float32, body: wp.int32, lift: wp.vec3):
+    """Of one body near a place: sums of V W, drag, and V v_s . grad W of its samples' own velocities; of V grad W; of V (r . lift)
+    grad W, which makes the gradient of a linear field whole."""
     w = wp.float32(0.0)
     g = wp.vec3(0.0, 0.0, 0.0)
     c = wp.float32(0.0)
     own = wp.float32(0.0)
+    m = wp.vec3(0.0, 0.0, 0.0)
     if s.count > 0:
         at_cell = cell_of(xi, s.low, s.inverse)
         for dz in range(-1, 2):
@@ -128,8 +134,53 @@ def gathered(s: Samples, xi: wp.vec3, h: wp.float32, body: wp.int32):
                                 w += s.volume[j] * weight(q, h)
                                 g += part * way
                                 c -= DRAG * part * d2 / (d2 + 0.01 * h * h)
+                                m -= (part * wp.dot(way, lift)) * way
                                 own += part * wp.dot(way, s.v[j])
-    return wp.vec4(w, c, own, 0.0), g
+    return wp.vec4(w, c, own, 0.0), g, m
+
+
+@wp.struct
+class Surfaces:
+    """Surfaces of the bodies in their own frames, and where those are."""
+
+    mesh: wp.array(dtype=wp.uint64)
+    kind: wp.array(dtype=wp.int32)
+    rotation: wp.array(dtype=wp.mat33)
+    position: wp.array(dtype=wp.vec3)
+
+
+@wp.func
+def mirrored(
+    w: wp.float32, g: wp.vec3, m: wp.vec3, surfaces: Surfaces, body: wp.int32, xi: wp.vec3, spacing: wp.float32, h: wp.float32
+):
+    """Fill by a solid, its gradient, and its part of the lift: the integrals w, g, m times what a plane's mirror image has over a
+    plane's integral.
+
+    A plane then acts as a side of the domain, an edge or a corner by its share of it.
+    """
+    turn = surfaces.rotation[body]
+    at = wp.transpose(turn) * (xi - surfaces.position[body])
+    near = wp.mesh_query_point_sign_normal(surfaces.mesh[body], at, h)
+    if not near.result:
+        return wp.vec4(0.0, 0.0, 0.0, 0.0), wp.vec3(0.0, 0.0, 0.0)
+    away = turn * (at - wp.mesh_eval_position(surfaces.mesh[body], near.face, near.u, near.v))
+    gap = wp.length(away)
+    d = near.sign * gap
+    if d >= spacing:
+        return wp.vec4(0.0, 0.0, 0.0, 0.0), wp.vec3(0.0, 0.0, 0.0)
+    image = side(wp.max(d, 0.0), spacing, h)
+    plane = half_space(d / h)
+    share = image[0] / plane
+    f = share * g
+    part = behind(wp.max(d, 0.0), spacing, h)
+    whole = wp.max(d, 0.0) * plane_weight(wp.max(d, 0.0) / h, h) + plane
+    borne = (part[1] / plane) * m
+    if gap > 1.0e-6 * spacing:
+        borne += ((part[0] / whole - part[1] / plane) * wp.dot(m, away) / (gap * gap)) * away
+    if d > 1.0e-6 * spacing:
+        change = (image[1] + share * plane_weight(d / h, h)) / plane
+        f += (w * change / gap) * away
+    return wp.vec4(f[0], f[1], f[2], share * w), borne
 
 
 @wp.kernel
@@ -139,7 +190,10 @@ def fill_pairs(
     fixed: Samples,
     moving: Samples,
     bodies: Bodies,
+    surfaces: Surfaces,
+    spacing: wp.float32,
     h: wp.float32,
+    lift: wp.array(dtype=wp.vec3),
     pairs: Pairs,
     fill: wp.array(dtype=wp.float32),
     lean: wp.array(dtype=wp.vec3),
@@ -160,21 +214,31 @@ def fill_pairs(
     mine = wp.float32(0.0)
     for k in range(n):
         body = known[k]
-        one, g = gathered(fixed, xi, h, body)
-        two, g2 = gathered(moving, xi, h, body)
+        one, g, m = gathered(fixed, xi, h, body, lift[i])
+        two, g2, m2 = gathered(moving, xi, h, body, lift[i])
         sums = one + two
-        slant = g + g2
+        w = sums[0]
+        share = w / LAYER
+        slant = MIRROR * share * (g + g2)
+        own_slope = MIRROR * share
+        w = share * w
+        borne = wp.vec3(0.0, 0.0, 0.0)
+        if surfaces.kind[body] == 1 or surfaces.kind[body] == 2:
+            seen_as, borne = mirrored(sums[0], g + g2, m + m2, surfaces, body, xi, spacing, h)
+            slant = wp.vec3(seen_as[0], seen_as[1], seen_as[2])
+            w = seen_as[3]
         at = pairs.start[i] + k
         pairs.particle[at] = i
         pairs.body[at] = body
-        pairs.slope[at] = MIRROR * slant
+        pairs.slope[at] = slant
+        pairs.borne[at] = borne
         pairs.drag[at] = sums[1] * bodies.friction[body]
-        total += sums[0]
+        total += w
         way += slant
-        mine += sums[2]
+        mine += own_slope * sums[2]
     fill[i] = fill[i] + total
-    lean[i] = lean[i] + MIRROR * way
-    own[i] = MIRROR * mine
+    lean[i] = lean[i] + way
+    own[i] = mine
 
 
 @wp.kernel
@@ -221,3 +285,35 @@ def arrange(
     out.v[i] = v[j]
     out.volume[i] = volume[j]
     out.body[i] = body[j]
+
+
+@wp.kernel
+def bear(
+    first: wp.int32,
+    volume: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    settings: wp.array(dtype=wp.float32),
+    borne: wp.array(dtype=wp.vec3),
+    v: wp.array(dtype=wp.vec3),
+    force: wp.array(dtype=wp.vec3),
+    back: wp.array(dtype=wp.vec3),
+):
+    """Pressure goes on behind walls with the gradient that bears liquid at rest: what this gives a particle.
+
+    Without it the pressure of a liquid at rest bends within a spacing of a wall, and bodies feel too large a volume. `borne` is the part
+    of the domain's sides, and then of all.
+    """
+    i = first + wp.tid()
+    total = wp.vec3(0.0, 0.0, 0.0)
+    if lightness[i] > 0.0:
+        total = borne[i]
+    for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
+        f = wp.vec3(0.0, 0.0, 0.0)
+        if lightness[i] > 0.0:
+            f = (volume[i] / lightness[i]) * pairs.borne[k]
+            total += pairs.borne[k]
+        force[k] = -f
+        back[k] = f
+    borne[i] = total
+    v[i] = v[i] + settings[0] * total

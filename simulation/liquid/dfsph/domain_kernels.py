@@ -7,7 +7,7 @@ from .shape_kernels import plane_weight, weight
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["MIRROR", "walls"]
+__all__ = ["MIRROR", "behind", "side", "walls"]
 
 MIRROR = wp.constant(wp.float32(2.0))
 """A wall answers a particle with its mirror image: equal pressure, opposite velocity. Both count the gradient twice."""
@@ -25,6 +25,20 @@ def side(d: wp.float32, spacing: wp.float32, h: wp.float32):
             w += spacing * plane_weight(q, h)
             g -= MIRROR * spacing * 6.2831853 * wp.max(z, 0.1 * spacing) * weight(q, h)
     return wp.vec2(w, g)
+
+
+@wp.func
+def behind(d: wp.float32, spacing: wp.float32, h: wp.float32):
+    """What layers behind a plane at distance d give to the gradient of a field that is linear across it, and along it; 1 all around."""
+    across = wp.float32(0.0)
+    along = wp.float32(0.0)
+    for k in range(4):
+        z = wp.max(2.0 * d, 0.0) + wp.float32(k) * spacing
+        q = z / h
+        if q < 1.0:
+            across += spacing * 6.2831853 * z * z * weight(q, h)
+            along += spacing * plane_weight(q, h)
+    return wp.vec2(across, along)
 
 
 @wp.func
@@ -59,24 +73,31 @@ def walls(
     h: wp.float32,
     fill: wp.array(dtype=wp.float32),
     lean: wp.array(dtype=wp.vec3),
-    wall: wp.array(dtype=wp.vec3),
+    lift: wp.array(dtype=wp.vec3),
+    borne: wp.array(dtype=wp.vec3),
 ):
-    """Add the closed sides of the domain to fill and gradients; `wall` is their share."""
+    """Add the closed sides of the domain to fill and gradients; `borne` is their part of the lift."""
     i = first + wp.tid()
     xi = x[i]
     w = wp.float32(0.0)
     g = wp.vec3(0.0, 0.0, 0.0)
+    mine = wp.vec3(0.0, 0.0, 0.0)
     for a in range(3):
-        d = xi[a] - low[a]
-        if low_closed[a] > 0.0 and d < 1.5 * spacing:
-            one = side(d, spacing, h)
-            w += one[0]
-            g[a] = g[a] + one[1]
-        d = high[a] - xi[a]
-        if high_closed[a] > 0.0 and d < 1.5 * spacing:
-            one = side(d, spacing, h)
-            w += one[0]
-            g[a] = g[a] - one[1]
+        for end in range(2):
+            d = xi[a] - low[a]
+            closed = low_closed[a]
+            way = wp.float32(1.0)
+            if end == 1:
+                d = high[a] - xi[a]
+                closed = high_closed[a]
+                way = -1.0
+            if closed > 0.0 and d < spacing:
+                one = side(d, spacing, h)
+                w += one[0]
+                g[a] = g[a] + way * one[1]
+                part = behind(d, spacing, h)
+                mine += part[1] * lift[i]
+                mine[a] = mine[a] + (part[0] - part[1]) * lift[i][a]
     far = wp.float32(1.0e3) * spacing
     away = wp.vec3(far, far, far)
     sign = wp.vec3(1.0, 1.0, 1.0)
@@ -95,4 +116,4 @@ def walls(
             g[b] = g[b] - sign[b] * both[2]
     fill[i] = fill[i] + w
     lean[i] = lean[i] + g
-    wall[i] = g
+    borne[i] = mine

@@ -13,6 +13,7 @@ from ...passes import Pass, Passes
 from ..engine import BodyState, LiquidSetup, Particles, StepReport
 from ..zones import Zones
 from .bodies import Coupling, sampled_boundaries
+from .dissipation import Dissipation
 from .flow import Mouth, outflow_boxes, reasons
 from .keep_out import KeepOut
 from .pressure import RELAXATION, Solved, solve
@@ -32,6 +33,9 @@ CELLS_PER_PARTICLE = 8
 LEAST_CELLS = 1 << 16
 
 
+PRESSED = 0.5
+"""Pressure from which on walls bear a particle in full, in units of the weight of one spacing of liquid: what one on the floor under
+another one has; drops and films on a wall have less and slide."""
 PACKING_EVERY = 5
 """Steps between two looks at how the particles are packed."""
 PACKING_SAMPLES = 2000
@@ -75,11 +79,13 @@ class Dfsph:
         self._sides = [wp.vec3(*lower), wp.vec3(*upper), wp.vec3(*closed[0::2]), wp.vec3(*closed[1::2])]
         self._density = wp.array([f.density for f in setup.fluids], dtype=wp.float32, device=self.device)
         self._gravity = wp.vec3(*(float(g) for g in setup.gravity))
+        self._pressed = max(PRESSED * float(np.linalg.norm(setup.gravity)) * setup.spacing, 1e-9)
         self._boxes = outflow_boxes(setup, self.origin, self.device)
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
         self.keep_out = KeepOut(setup, self.origin, self.passes)
         self.tension = Tension(setup, self.passes)
         self.viscosity = Viscosity(setup, self._density, self.passes)
+        self.dissipation = Dissipation(setup, self.passes)
         self.zones = Zones(setup, self.origin, self.device)
         self._host = np.zeros(SETTINGS, dtype=np.float32)
         self._work: Work | None = None
@@ -133,32 +139,35 @@ class Dfsph:
         dt = min(limit, stable)
         w, n = self.work, self.store.count
         self._host[10] = self.full
-        self._host[:8] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.5 * stable)
+        self._host[:8] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.0)
         w.settings.assign(self._host)
         if n == 0:
             self.time += dt
             self.steps += 1
             return StepReport(dt, *self.coupling.wrenches(), added, {}, (0, 0), 0, (0.0, 0.0))
         self.coupling.begin(bodies, self._grid)
+        self.keep_out.place(self.coupling)
         self._sort(w)
         self._neighbours(w)
         s, run = self.store.now, self.passes
         if self.steps % PACKING_EVERY == 0:
             self._measure_packing(w)
-        self.coupling.meet(w, s.x, s.volume, self.h, n)
-        spread = self._solve(w, density=False)
+        self.coupling.meet(w, s.x, s.volume, w.lift, self.keep_out.surfaces, self.h, n)
         launch, pull = (lambda k, many, of: run("zones", k, many, of)()), [s.x, s.volume, w.lightness, s.v]
         driven = self.zones.pull(launch, "pull_particles", n, pull, self.time, dt)
         run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
         self.tension.apply(w, s, self.coupling, self._grid, self._sides, self.h, n)
         self.coupling.advance()
+        self.coupling.bear(s.v)
         thin = self.viscosity.apply(
             w, s, self.coupling, self.h, n, dt, tolerance=self.settings.viscosity_error, most=self.settings.iterations
         )
         self.viscosity.conduct(w, s, self.h, n, dt)
+        self.dissipation.apply(w, s, n, dt)
+        spread = self._solve(w, density=False)
         pressed = self._solve(w, density=True)
         self.keep_out.apply(w, s, self.coupling, n)
-        run("travel", kernels.travel, n, [s.v, w.settings, s.x])()
+        run("travel", kernels.travel, n, [w.way, w.settings, s.x])()
         margin = self.setup.spacing
         run(
             "leave",
@@ -180,9 +189,8 @@ class Dfsph:
         solved = solve(
             self.passes,
             w,
-            s.pressure if density else s.push,
-            s.v,
-            s.volume,
+            s.push if density else s.pressure,
+            s,
             count=self.store.count,
             density=density,
             settings=self._host,
@@ -215,7 +223,7 @@ class Dfsph:
         from . import domain_kernels, grid_kernels, step_kernels
 
         s, n, run = self.store.now, self.store.count, self.passes
-        run("lighten", step_kernels.lighten, n, [s.fluid, s.held, self._density, w.settings, w.lightness])()
+        run("lighten", step_kernels.lighten, n, [s.fluid, s.held, self._density, w.settings, s.pressure, self._gravity, self._pressed, w.lightness, w.lift])()
         while True:
             lists = [w.room, *w.lists, w.fill, w.lean, w.stiffness]
             run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
@@ -225,7 +233,7 @@ class Dfsph:
             if most <= w.room:
                 break
             w.grow(8 * (-(-(most + 4) // 8)))
-        walls = [s.x, *self._sides, self.setup.spacing, self.h, w.fill, w.lean, w.wall]
+        walls = [s.x, *self._sides, self.setup.spacing, self.h, w.fill, w.lean, w.lift, w.borne]
         run("walls", domain_kernels.walls, n, walls)()
 
     def _let_in(self) -> dict[str, float]:
@@ -247,7 +255,7 @@ class Dfsph:
                         "pressure": np.zeros(n),
                         "push": np.zeros(n),
                         "held": np.full(n, held),
-                    }
+                                }
                 )
                 self.next_identity += n
                 self.layers[k] += 1

@@ -24,6 +24,8 @@ class KeepOut:
     """Meshes of all boundaries on a device. Those that deform are passed over: their particles alone hold the liquid."""
 
     def __init__(self, setup: LiquidSetup, origin: F64, passes: Passes) -> None:
+        from .boundary_kernels import Surfaces
+
         wp = warp()
         self.spacing, self.passes = setup.spacing, passes
         self._meshes: list[Any] = []
@@ -39,27 +41,33 @@ class KeepOut:
             )
             self._meshes.append(made)
             ids.append(made.id)
-        self.ids = wp.array(np.array(ids or [0], dtype=np.uint64), dtype=wp.uint64, device=passes.device)
-        self.kinds = wp.array(np.array(kinds or [PASSED], dtype=np.int32), dtype=wp.int32, device=passes.device)
-        self._fixed = np.array([b.motion == "static" for b in setup.boundaries], dtype=bool)
         size = max(1, len(ids))
-        self._rotation = wp.zeros(size, dtype=wp.mat33, device=passes.device)
-        self._position = wp.zeros(size, dtype=wp.vec3, device=passes.device)
+        self.surfaces = s = Surfaces()
+        s.mesh = wp.array(np.array(ids or [0], dtype=np.uint64), dtype=wp.uint64, device=passes.device)
+        s.kind = wp.array(np.array(kinds or [PASSED], dtype=np.int32), dtype=wp.int32, device=passes.device)
+        s.rotation = wp.zeros(size, dtype=wp.mat33, device=passes.device)
+        s.position = wp.zeros(size, dtype=wp.vec3, device=passes.device)
+        self._fixed = np.array([b.motion == "static" for b in setup.boundaries], dtype=bool)
 
-    def apply(self, w: Work, s: Any, coupling: Coupling, n: int) -> None:
-        """Change the velocities of the end of the step so that no way of it leads through a surface; book what that gives."""
-        from . import keep_out_kernels as kernels
-
-        if not coupling.total:
+    def place(self, coupling: Coupling) -> None:
+        """Carry the surfaces to where the bodies are at the start of a step."""
+        if not coupling.count:
             return
         rotation, position = (one.copy() for one in coupling.placed)
         rotation[self._fixed] = np.eye(3, dtype=np.float32)
         position[self._fixed] = 0.0
-        self._rotation.assign(rotation)
-        self._position.assign(position)
+        self.surfaces.rotation.assign(rotation)
+        self.surfaces.position.assign(position)
+
+    def apply(self, w: Work, s: Any, coupling: Coupling, n: int) -> None:
+        """Turn the ways of the step aside so that none leads through a surface, and velocities with them; book what that gives."""
+        from . import keep_out_kernels as kernels
+
+        if not coupling.total:
+            return
         inputs = [
-            s.x, w.lightness, s.volume, w.settings, self.spacing, coupling.pairs, coupling.bodies, self._rotation, self._position,
-            self.ids, self.kinds, s.v, coupling.pair_force, coupling.pair_return,
+            s.x, w.lightness, s.volume, w.settings, self.spacing, coupling.pairs, coupling.bodies, self.surfaces,
+            s.v, w.way, coupling.pair_force, coupling.pair_return,
         ]  # fmt: skip
         self.passes("keep_out", kernels.keep_out, n, inputs)()
         coupling.rubbed()

@@ -3,7 +3,7 @@
 
 import warp as wp
 
-from .boundary_kernels import Bodies, Pairs
+from .boundary_kernels import Bodies, Pairs, Surfaces
 
 wp.set_module_options({"enable_backward": False})
 
@@ -49,6 +49,12 @@ def first_face(mesh: wp.uint64, start: wp.vec3, way: wp.vec3, play: wp.float32, 
     return wp.vec4(0.0, 0.0, 0.0, 0.0)
 
 
+@wp.func
+def turned(v: wp.vec3, u: wp.vec3, n: wp.vec3):
+    """A velocity that no longer goes against n, seen from what moves with u."""
+    return v - wp.min(wp.dot(v - u, n), 0.0) * n
+
+
 @wp.kernel
 def keep_out(
     first: wp.int32,
@@ -59,18 +65,15 @@ def keep_out(
     spacing: wp.float32,
     pairs: Pairs,
     bodies: Bodies,
-    rotation: wp.array(dtype=wp.mat33),
-    position: wp.array(dtype=wp.vec3),
-    mesh: wp.array(dtype=wp.uint64),
-    kind: wp.array(dtype=wp.int32),
+    surfaces: Surfaces,
     v: wp.array(dtype=wp.vec3),
+    way: wp.array(dtype=wp.vec3),
     force: wp.array(dtype=wp.vec3),
     back: wp.array(dtype=wp.vec3),
 ):
-    """Take from each particle the part of its velocity that would carry it into a body; what that gives the body.
+    """Turn the way of each particle (its velocity of travel) aside where it leads into a body, and its velocity; what that gives.
 
-    `kind` of a boundary: 0 it is passed over, 1 closed and at rest, 2 closed and moving, 3 a sheet. The way is seen from the
-    body, as it moves at the end of the step.
+    The way is seen from the body, as it moves at the end of the step.
     """
     i = first + wp.tid()
     dt = settings[0]
@@ -86,42 +89,48 @@ def keep_out(
             blocked = wp.int32(0)
             for k in range(begin, begin + count):
                 b = pairs.body[k]
-                if kind[b] != 0:
+                kind = surfaces.kind[b]
+                if kind != 0:
                     u = bodies.velocity[b] + wp.cross(bodies.spin[b], x[i] - bodies.center[b])
-                    inverse = wp.transpose(rotation[b])
-                    start = inverse * (x[i] - position[b])
+                    rotation = surfaces.rotation[b]
+                    inverse = wp.transpose(rotation)
+                    mesh = surfaces.mesh[b]
+                    start = inverse * (x[i] - surfaces.position[b])
                     old = v[i]
-                    if kind[b] == 2 and turn == 0:
-                        near = wp.mesh_query_point_sign_normal(mesh[b], start, spacing)
+                    if kind == 2 and turn == 0:
+                        near = wp.mesh_query_point_sign_normal(mesh, start, spacing)
                         if near.result and near.sign < 0.0:
-                            out = wp.mesh_eval_position(mesh[b], near.face, near.u, near.v) - start
+                            out = wp.mesh_eval_position(mesh, near.face, near.u, near.v) - start
                             depth = wp.length(out)
                             if depth > 1.0e-9:
-                                n = rotation[b] * (out / depth)
+                                n = rotation * (out / depth)
                                 wanted = wp.min(depth + play, MOST_OUT * spacing) / dt
-                                v[i] = v[i] + wp.max(wanted - wp.dot(v[i] - u, n), 0.0) * n
+                                way[i] = way[i] + wp.max(wanted - wp.dot(way[i] - u, n), 0.0) * n
+                                v[i] = turned(v[i], u, n)
                                 blocked = 1
                     sheet = wp.int32(0)
-                    if kind[b] == 3:
+                    if kind == 3:
                         sheet = 1
-                    met = first_face(mesh[b], start, inverse * ((v[i] - u) * dt), play, sheet)
+                    met = first_face(mesh, start, inverse * ((way[i] - u) * dt), play, sheet)
                     if met[3] > 0.0:
                         blocked = 1
                         if turn == BOUNCES - 1:
                             v[i] = u
+                            way[i] = u
                         else:
-                            n = rotation[b] * wp.vec3(met[0], met[1], met[2])
-                            v[i] = v[i] - wp.min(wp.dot(v[i] - u, n), 0.0) * n
-                    way = inverse * ((v[i] - u) * dt)
-                    near = wp.mesh_query_point_no_sign(mesh[b], start + way, SHELL * spacing)
+                            n = rotation * wp.vec3(met[0], met[1], met[2])
+                            v[i] = turned(v[i], u, n)
+                            way[i] = turned(way[i], u, n)
+                    ahead = inverse * ((way[i] - u) * dt)
+                    near = wp.mesh_query_point_no_sign(mesh, start + ahead, SHELL * spacing)
                     if near.result:
-                        away = start + way - wp.mesh_eval_position(mesh[b], near.face, near.u, near.v)
+                        away = start + ahead - wp.mesh_eval_position(mesh, near.face, near.u, near.v)
                         gap = wp.length(away)
                         if gap > 1.0e-9:
-                            n = rotation[b] * (away / gap)
-                            inward = wp.min(wp.dot(v[i] - u, n), 0.0)
-                            if inward < 0.0:
-                                v[i] = v[i] - inward * n
+                            n = rotation * (away / gap)
+                            if wp.dot(way[i] - u, n) < 0.0:
+                                v[i] = turned(v[i], u, n)
+                                way[i] = turned(way[i], u, n)
                                 blocked = 1
                     change = v[i] - old
                     force[k] = force[k] - (mass / dt) * change

@@ -1,4 +1,4 @@
-"""The two pressure solves of a step: one set of kernels, two right sides."""
+"""The two pressure solves of a step, of velocities and of places: one set of kernels, two right sides."""
 
 from __future__ import annotations
 
@@ -37,8 +37,7 @@ def solve(
     passes: Passes,
     work: Work,
     p: Any,
-    v: Any,
-    volume: Any,
+    s: Any,
     *,
     count: int,
     density: bool,
@@ -48,16 +47,18 @@ def solve(
     coupling: Coupling,
     relaxation: float,
 ) -> Solved:
-    """Raise p >= 0 [Pa] until nothing is compressed, and change v by it; p starts where the last step ended.
+    """Raise p >= 0 [Pa] until nothing is compressed; p starts where the last step ended.
+
+    The velocity solve changes v and moves bodies; the density solve writes the velocity of travel into `work.way` and leaves v and
+    bodies as they are.
 
     Args:
         passes: prepared kernels.
         work: arrays of the step; `settings` and neighbours are filled in.
         p: pressure of this solve.
-        v: velocities.
-        volume: of the particles [m^3].
+        s: particles.
         count: particles.
-        density: the constant-density solve; else the divergence-free one.
+        density: the constant-density solve of places; else the divergence-free one of velocities.
         settings: host values of `work.settings`.
         tolerance: mean error at which to stop.
         most: iterations at most.
@@ -66,7 +67,7 @@ def solve(
     """
     w, name = work, "density" if density else "divergence"
     coupling.moving_walls()
-    passes(name + "rates", kernels.rates, count, [v, w.lean, *w.lists, w.moving, w.rate])()
+    passes(name + "rates", kernels.rates, count, [s.v, w.lean, *w.lists, w.moving, w.rate])()
     passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b])()
     passes(name + "begin", kernels.begin, count, [p, w.y])()
     settings[2:6] = (0.0, 1.0, 0.0, relaxation)
@@ -74,7 +75,7 @@ def solve(
     w.settings.assign(settings)
     passes.fold("asked", kernels.asked, count, [w.b, w.partial])()
     passes.close("before", kernels.judge, count, [w.partial, w.settings, 1, w.going])()
-    reaction = coupling.reaction(w.y)
+    reaction = coupling.reaction(w.y, moves=not density)
     chain: list[Callable[[], None]] = [
         passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.a]),
         *reaction,
@@ -89,7 +90,7 @@ def solve(
                 coupling.taken,
                 w.stiffness,
                 w.b,
-                volume,
+                s.volume,
                 w.settings,
                 p,
                 w.y,
@@ -103,7 +104,10 @@ def solve(
     ]
     passes.chain(name, chain, going=w.going)()
     passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *w.lists, w.a])()
-    coupling.book(p)
-    passes(name + "end", kernels.end, count, [w.a, w.settings, v])()
+    if density:
+        passes("shift", kernels.shift, count, [s.v, w.a, w.settings, w.way])()
+    else:
+        coupling.book(p)
+        passes("end", kernels.end, count, [w.a, w.settings, s.v])()
     found = w.settings.numpy()
     return Solved(int(found[14]), float(found[4]), found[15] == 0.0, min(RELAXATION, RECOVERY * float(found[5])))

@@ -3,7 +3,7 @@
 
 import warp as wp
 
-__all__ = ["cell", "cell_of", "plane_weight", "slope", "weight"]
+__all__ = ["cell", "cell_of", "half_space", "plane_weight", "slope", "weight"]
 
 SIGMA = wp.constant(wp.float32(2.546479089470325))
 """8/pi: normalises the cubic spline in three dimensions."""
@@ -45,6 +45,19 @@ def plane_weight(q: wp.float32, h: wp.float32):
         q2 = q * q
         part = 0.0875 - (6.0 * q2 * q2 * (0.2 * q - 0.25) + 0.5 * q2)
     return 16.0 * part / h
+
+
+@wp.func
+def half_space(q: wp.float32):
+    """Integral of W over a half space at distance q h; 1/2 from q = 0 down."""
+    u = wp.clamp(1.0 - q, 0.0, 1.0)
+    u5 = u * u * u * u * u
+    part = u5 * (0.1 - 0.06666667 * u)
+    if q < 0.5:
+        p = wp.max(q, 0.0)
+        p3 = p * p * p
+        part = 0.03125 - 0.0875 * p + p3 * (0.16666667 + p * p * (0.2 * p - 0.3))
+    return 16.0 * part
 
 
 @wp.func

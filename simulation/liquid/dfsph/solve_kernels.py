@@ -1,6 +1,9 @@
 # mypy: ignore-errors
 """Warp kernels of the two pressure solves: accelerated projected gradient on p >= 0, no compression where p > 0.
 
+The first solve changes velocities so that nothing is compressed further, the second one places, so that what is too full is not
+(as a separate projection of density: Kugelstadt et al. 2019; Losasso et al. 2008): errors of places never become motion.
+
 Discrete divergence D v = sum_j V_j (v_i - v_j) . grad W_ij + walls, pressure acceleration a = -(1/rho) (p_i S_i + sum_j p_j V_j grad W_ij)
 with S_i = sum_j V_j grad W_ij + walls. Weighted by volume, -D a is a symmetric positive matrix A of p, so both solves are one
 convex problem with bounds (a linear complementarity problem): r = b - A p <= 0, p >= 0, p r = 0.
@@ -14,7 +17,7 @@ from .list_kernels import KINDS, neighbour, toward
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["Sums", "Totals", "accelerate", "asked", "begin", "end", "gather", "judge", "rates", "relax", "source"]
+__all__ = ["Sums", "Totals", "accelerate", "asked", "begin", "end", "gather", "judge", "rates", "relax", "shift", "source"]
 
 DT = wp.constant(0)
 COUNT = wp.constant(1)
@@ -26,19 +29,19 @@ OPEN = wp.constant(8)
 ASKED = wp.constant(9)
 FULL = wp.constant(10)
 FRESH = wp.constant(11)
-MEND = wp.constant(7)
 TOLERANCE = wp.constant(12)
 MOST = wp.constant(13)
 DONE = wp.constant(14)
 MET = wp.constant(15)
-"""Places in `settings`: step, particles, momentum of the solve and its counter, mean error, relaxation; (6 is the time;) shortest
-time in which compression is taken back, so that a very short step does not throw particles; residual that is left, and what was asked;
+"""Places in `settings`: step, particles, momentum of the solve and its counter, mean error, relaxation; (6 is the time;) residual that is left, and what was asked;
 fill of liquid at rest; whether no iteration has been made; mean error to stop at, iterations at most, how many were made,
 and whether they met what was asked."""
 RESIDUAL = wp.constant(wp.float32(0.2))
 """Share of the compression asked away that may be left: keeps tall columns from sagging, whose bottom alone is compressed."""
 SMALL = wp.constant(wp.float32(0.02))
 """Share of the tolerance below which that does not matter."""
+SLACK = wp.constant(wp.float32(0.05))
+"""Fill that may be lacking in what counts as full: to close a gap of a hundredth in one step would be noise, not flow."""
 MOST_MENDED = wp.constant(wp.float32(0.02))
 """Compression that one step takes back at most: more would throw particles past each other."""
 Sums = wp.types.vector(length=5, dtype=wp.float32)
@@ -78,16 +81,16 @@ def source(
     density_solve: wp.int32,
     b: wp.array(dtype=wp.float32),
 ):
-    """Right side [1/s^2]: what the fill would be beyond 1 after dt, over dt^2; the divergence solve leaves compression alone.
+    """Right side [1/s^2]: what the fill would be beyond 1 after dt, over dt^2; the velocity solve leaves compression alone.
 
-    Both let what is not full fill up, and no more.
+    Both let what is not full fill up; the velocity solve takes what is nearly full for full.
     """
     i = first + wp.tid()
     dt = settings[DT]
     over = fill[i] / settings[FULL] - 1.0
-    part = wp.min(over, 0.0)
-    if density_solve != 0 and over > 0.0:
-        part = wp.min(over, MOST_MENDED) * dt / wp.max(dt, settings[MEND])
+    part = wp.min(over + SLACK, 0.0)
+    if density_solve != 0:
+        part = wp.min(over, MOST_MENDED)
     b[i] = (part / dt + rate[i]) / dt
 
 
@@ -193,6 +196,19 @@ def end(
     """Velocity after the pressure of the solve."""
     i = first + wp.tid()
     v[i] = v[i] + settings[DT] * a[i]
+
+
+@wp.kernel
+def shift(
+    first: wp.int32,
+    v: wp.array(dtype=wp.vec3),
+    a: wp.array(dtype=wp.vec3),
+    settings: wp.array(dtype=wp.float32),
+    way: wp.array(dtype=wp.vec3),
+):
+    """Velocity of travel: a particle's own, and what the second solve asks of its place."""
+    i = first + wp.tid()
+    way[i] = v[i] + settings[DT] * a[i]
 
 
 @wp.kernel

@@ -38,14 +38,20 @@ def lighten(
     held: wp.array(dtype=wp.float32),
     density: wp.array(dtype=wp.float32),
     settings: wp.array(dtype=wp.float32),
+    pressure: wp.array(dtype=wp.float32),
+    gravity: wp.vec3,
+    pressed: wp.float32,
     lightness: wp.array(dtype=wp.float32),
+    lift: wp.array(dtype=wp.vec3),
 ):
-    """1/density of each particle; 0 while an inflow still holds it."""
+    """1/density of each particle; 0 while an inflow still holds it. Its lift: what bears it up at rest, from a pressure of `pressed`
+    over its density on [m^2/s^2] in full."""
     i = first + wp.tid()
     one = 1.0 / density[fluid[i]]
     if settings[TIME] < held[i]:
         one = 0.0
     lightness[i] = one
+    lift[i] = -wp.min(pressure[i] * one / pressed, 1.0) * gravity
 
 
 @wp.kernel

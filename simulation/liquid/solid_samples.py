@@ -25,9 +25,7 @@ CHUNK = 1 << 21
 """Cells judged at once."""
 
 
-def fill_solid(
-    mesh: TriangleMesh, spacing: float, *, lower: F64 | None = None, upper: F64 | None = None
-) -> tuple[F64, F64]:
+def fill_solid(mesh: TriangleMesh, spacing: float, *, lower: F64 | None = None, upper: F64 | None = None) -> tuple[F64, F64]:
     """Centres (n, 3) [m] and volumes (n,) [m^3] of the filled parts of cells within DEPTH of the surface, in the mesh's frame.
 
     Args:

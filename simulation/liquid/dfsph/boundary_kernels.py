@@ -13,7 +13,19 @@ from .shape_kernels import cell_of, half_space, plane_weight, slope, weight, wra
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 2})  # 27 cells
 
-__all__ = ["BODIES_NEAR", "Bodies", "Pairs", "Samples", "Surfaces", "arrange", "bear", "count_pairs", "fill_pairs", "list_pairs", "place"]
+__all__ = [
+    "BODIES_NEAR",
+    "Bodies",
+    "Pairs",
+    "Samples",
+    "Surfaces",
+    "arrange",
+    "bear",
+    "count_pairs",
+    "fill_pairs",
+    "list_pairs",
+    "place",
+]
 
 LAYER = wp.constant(wp.float32(0.1497))
 """Fill that a plane of samples gives at a spacing, where liquid at rest keeps to it: of sheets and bodies that deform, the fill goes

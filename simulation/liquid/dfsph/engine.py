@@ -223,7 +223,12 @@ class Dfsph:
         from . import domain_kernels, grid_kernels, step_kernels
 
         s, n, run = self.store.now, self.store.count, self.passes
-        run("lighten", step_kernels.lighten, n, [s.fluid, s.held, self._density, w.settings, s.pressure, self._gravity, self._pressed, w.lightness, w.lift])()
+        run(
+            "lighten",
+            step_kernels.lighten,
+            n,
+            [s.fluid, s.held, self._density, w.settings, s.pressure, self._gravity, self._pressed, w.lightness, w.lift],
+        )()
         while True:
             lists = [w.room, *w.lists, w.fill, w.lean, w.stiffness]
             run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
@@ -255,7 +260,7 @@ class Dfsph:
                         "pressure": np.zeros(n),
                         "push": np.zeros(n),
                         "held": np.full(n, held),
-                                }
+                    }
                 )
                 self.next_identity += n
                 self.layers[k] += 1

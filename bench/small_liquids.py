@@ -168,7 +168,7 @@ def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True,
             "solvers": {
                 "rigid": {"engine": "mujoco", "members": members},
                 "water": {"engine": engine, "members": ["water"], "settings": {
-                    "domain": {"center": [0, 0, 0.3], "size": [length, width, 0.6], "sides": ["closed"] * 5 + ["open"]}}},
+                    "domain": {"center": [0, 0, 0.25], "size": [length, width + 2 * wall, 0.7], "sides": ["closed"] * 5 + ["open"]}}},
             },
             "drivers": {"sea": waves},
             "couplings": {

@@ -45,6 +45,8 @@ MOST = 12
 """Windows along one zone."""
 ENTERS = 0.17
 """Waves that enter the domain at less than 10 degrees from a side are not judged there."""
+LEAST_WATER = 0.3
+"""Share of a window that is water; what solids take of it is left out of account."""
 STRETCHES = np.exp(np.linspace(np.log(0.5), np.log(2.0), 141))
 
 
@@ -89,7 +91,12 @@ class Waves:
             return {claim: Finding("not_applicable", f"{text}: judged on the bake") for claim in self.claims}
         centers, _ = self.windows[name]
         measured = np.array(self.heights[name])[used]
-        fits = [_fit(sea, center, time[used], series) for center, series in zip(centers, measured.T, strict=True)]
+        full = measured.mean(axis=0) / driver.depth
+        if not (full > LEAST_WATER).any():
+            raise EvidenceError(f"there is no water where waves {name!r} leave their zone; declare level and depth as they are")
+        wet = np.flatnonzero(full > LEAST_WATER)
+        centers = centers[wet]
+        fits = [_fit(sea, centers[k], time[used], measured[:, w] / full[w]) for k, w in enumerate(wet)]
         gain, stretch, share = (float(np.median([f[k] for f in fits])) for k in range(3))
         evidence = {
             "driver": name,

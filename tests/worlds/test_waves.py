@@ -118,7 +118,7 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str]] = {
     "waves along the side": ([(f"{SEA}/direction", 88)], "into the domain from none of -x"),
     "another level": ([(f"{SEA}/level", 0.5)], "declared at 0.5 m, the liquid's top at frame 0 is 0.3 m"),
     "a low ceiling": (
-        [("/simulation/solvers/water/settings/domain/size/2", 0.32), ("/simulation/solvers/water/settings/domain/center/2", 0.16)],
+        [("/simulation/solvers/water/settings/domain/size/2", 0.42), ("/simulation/solvers/water/settings/domain/center/2", 0.11)],
         "the domain ends at 0.32 m"),
     "a bed below": ([(f"{SEA}/depth", 2)], "the bed of waves 'sea' is at -1.7 m"),
     "a start before all": ([(f"{SEA}/start", -9)], "before the preroll"),

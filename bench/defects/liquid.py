@@ -427,7 +427,7 @@ SUITE = Suite(
             "a surface that breathes by less than the bound",
             lambda rng, m: _with_surface(scenes.pool(rng), lambda k: m * SPACING * (k % 2)),
             1e-3,
-            0.05,
+            0.025,
             "spacings",
         ),
     ),

@@ -1,13 +1,16 @@
 """Write `docs/accuracy.md` from the figures of `worldagent bench defects` (the last line of its standard output, as a file).
 
 python docs/generate_accuracy.py FIGURES.json [LATER.json ...]
+python docs/generate_accuracy.py --add LATER.json [...]
 
-Later runs of some checks (`--only`) replace what earlier files say of them; the page names every run.
+Later runs of some checks (`--only`) replace what earlier files say of them; the page names every run. With `--add` the page as it
+stands is the earliest of them.
 """
 
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -28,19 +31,53 @@ Intervals: 95 %, Clopper and Pearson (1934).
 """
 
 
-def joined(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Figures of several runs, of each check the latest, with the totals over them."""
-    checks: dict[str, Any] = {}
+def joined(runs: list[dict[str, Any]], page: str = "") -> dict[str, Any]:
+    """Figures of several runs, of each check the latest, with the totals over them; `page` is what an earlier page says."""
+    checks: dict[str, Any] = _told(page)
     for run in runs:
         checks = {**checks, **run["checks"]}
     total = {k: sum(f[k] for f in checks.values()) for k in ("broken", "detected", "clean", "false_alarms")}
     return {
         "checks": checks,
-        "accepted": next((r["accepted"] for r in reversed(runs) if r.get("accepted")), None),
+        "accepted": next((r["accepted"] for r in reversed(runs) if r.get("accepted")), _accepted(page)),
         "detection_95": clopper_pearson(total["detected"], total["broken"]),
         "false_alarm_95": clopper_pearson(total["false_alarms"], total["clean"]),
-        "runs": [_run(r, None if r is runs[0] and len(runs) == 1 else r["checks"]) for r in runs],
+        "runs": [
+            *re.findall(r"^Run.*$", page, re.MULTILINE),
+            *(_run(r, None if len(runs) == 1 and not page else r["checks"]) for r in runs),
+        ],
     }
+
+
+def _told(page: str) -> dict[str, Any]:
+    """Figures of every check that a page holds."""
+    checks: dict[str, Any] = {}
+    tables = page.partition("## Smallest defect found")
+    for cells in _cells(tables[0], 7):
+        ours, sound = map(int, cells[1].split(" / "))
+        (detected, broken), (alarms, clean) = ([int(n) for n in cells[k].split(" of ")] for k in (2, 4))
+        checks[cells[0]] = {
+            "mechanisms": {"broken": ours, "clean": sound}, "broken": broken, "detected": detected, "clean": clean,
+            "false_alarms": alarms, "detection_95": clopper_pearson(detected, broken), "false_alarm_95": clopper_pearson(alarms, clean),
+            "median_ms": float(cells[6]), "missed": [], "smallest_detected": {},
+        }  # fmt: skip
+    for check, mechanism, magnitude, seed in re.findall(r"^- (\w+): (.+) at (\S+), seed (\d+)$", tables[0], re.MULTILINE):
+        checks[check]["missed"].append({"mechanism": mechanism, "magnitude": float(magnitude), "seed": int(seed)})
+    for check, mechanism, found, bound, unit in _cells(tables[2], 5):
+        least = None if found == "not found" else float(found)
+        checks[check]["smallest_detected"][mechanism] = {"magnitude": least, "bound": float(bound), "unit": unit}
+    return checks
+
+
+def _cells(text: str, count: int) -> list[list[str]]:
+    """Rows of the tables of a page without their heads, and without totals."""
+    rows = [[c.strip() for c in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+    return [r for r in rows if len(r) == count and r[0] not in ("check", "all") and not r[0].startswith("---")]
+
+
+def _accepted(page: str) -> dict[str, int] | None:
+    found = re.search(r"judged anew: (\d+) worlds, (\d+) checks of\s+them, (\d+) refused", page)
+    return dict(zip(("worlds", "checks", "false_alarms"), map(int, found.groups()), strict=True)) if found else None
 
 
 def _run(figures: dict[str, Any], checks: Iterable[str] | None) -> str:
@@ -100,5 +137,7 @@ def page(figures: dict[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    found = [json.loads(Path(name).read_text().strip().splitlines()[-1]) for name in sys.argv[1:]]
-    (Path(__file__).parent / "accuracy.md").write_text(page(joined(found)))
+    target = Path(__file__).parent / "accuracy.md"
+    add = sys.argv[1:2] == ["--add"]
+    found = [json.loads(Path(name).read_text().strip().splitlines()[-1]) for name in sys.argv[1 + add :]]
+    target.write_text(page(joined(found, target.read_text() if add else "")))

@@ -20,7 +20,16 @@ from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact
 from ..worlds.requirements import Correction, Row, Status
-from ..worlds.spec import DetachDriver, ForceDriver, InflowDriver, MotorDriver, OutflowDriver, PathDriver, ReleaseDriver
+from ..worlds.spec import (
+    DetachDriver,
+    ForceDriver,
+    InflowDriver,
+    MotorDriver,
+    OutflowDriver,
+    PathDriver,
+    ReleaseDriver,
+    WavesDriver,
+)
 from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
 from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row
@@ -82,6 +91,8 @@ def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str
         return driver.time, (driver.entity,)
     if isinstance(driver, ForceDriver | InflowDriver):
         return driver.start, (driver.entity,)
+    if isinstance(driver, WavesDriver):
+        return max(0.0, driver.start), (driver.entity,)
     if isinstance(driver, OutflowDriver):
         return 0.0, (driver.entity,)
     if isinstance(driver, PathDriver):

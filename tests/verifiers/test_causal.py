@@ -297,3 +297,15 @@ def test_a_slow_creep_is_a_motion(tmp_path: Path) -> None:
     touches = [Touch(k, "a", "b", 0.05) for k in range(13, N)]
     beats = {"first": moves("a", 0.0002), "last": moves("b", 0.0015, causes=["first"])}
     assert scene(tmp_path, tracks, touches, [Event(0.51, "a", "b")], beats).status == "pass"
+
+
+def test_waves_act_from_their_start_or_from_frame_0() -> None:
+    from types import SimpleNamespace
+
+    from worldagent.bench.small_liquids import sea_spec
+    from worldagent.verifiers.causal import driver_start
+    from worldagent.worlds.patch import parse_spec
+
+    for start, wanted in ((0.5, 0.5), (-1.0, 0.0)):
+        spec = parse_spec({**sea_spec(start=start), "prompt": "A crate bobs in the waves of the sea."})
+        assert driver_start(SimpleNamespace(spec=spec), "sea") == (wanted, ("water",))  # type: ignore[arg-type]

@@ -169,8 +169,8 @@ def find_halves(
 
 @wp.kernel
 def cut_faces(
-    first: wp.int32, near: wp.array(dtype=vec6i), distance: wp.array(dtype=float), owner: wp.array(dtype=wp.int32),
-    halves: wp.array(dtype=vec6), opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i),
+    first: wp.int32, near: wp.array(dtype=vec6i), owner: wp.array(dtype=wp.vec4i), halves: wp.array(dtype=vec6),
+    opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i),
 ):  # fmt: skip
     """Reduce open shares by solids; owner of each face's solid part.
 
@@ -188,35 +188,7 @@ def cut_faces(
             part = 0.5 * (part + halves[o][2 * axis + 1])
         share[axis] = part
         if part < 1.0:
-            best = float(FAR)
-            w = int(-1)
-            p = near[c][1]
-            q = near[c][3]
-            if axis == 0:
-                p = near[c][5]
-            if axis == 1:
-                q = near[c][5]
-            r = int(-1)
-            if p >= 0:
-                if axis == 0:
-                    r = near[p][3]
-                elif axis == 1:
-                    r = near[p][5]
-                else:
-                    r = near[p][3]
-            for s in range(4):
-                n = c
-                if s == 1:
-                    n = p
-                if s == 2:
-                    n = q
-                if s == 3:
-                    n = r
-                if n >= 0:
-                    if distance[n] < best:
-                        best = distance[n]
-                        w = owner[n]
-            who[axis] = w
+            who[axis] = owner[c][1 + axis]
     opening[c] = wp.cw_mul(opening[c], share)
     face_owner[c] = who
 
@@ -234,17 +206,26 @@ def rise(near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), c: int):
 
 
 @wp.kernel
-def close_thin(first: wp.int32, near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3)):
-    """Faces across a thin wall are closed: the nearest surfaces of their two cells do not look the same way."""
+def close_thin(
+    first: wp.int32, near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
+    thin: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Faces across a thin wall are closed: the nearest surfaces of their two cells do not look the same way.
+
+    `thin` holds their share that was open, half a cell of liquid before a wall that lies on the face.
+    """
     c = first + wp.tid()
     share = opening[c]
+    mark = wp.vec3()
     for axis in range(3):
         o = near[c][2 * axis]
         if o >= 0 and share[axis] < 1.0:
             if solid[c] < 0.0 or solid[o] < 0.0:
                 if wp.dot(rise(near, solid, c), rise(near, solid, o)) < ALIKE:
+                    mark[axis] = share[axis]
                     share[axis] = 0.0
     opening[c] = share
+    thin[c] = mark
 
 
 @wp.kernel

@@ -129,15 +129,43 @@ def moving_distance(moving: Moving, m: int, x: wp.vec3):
     return d0 * (1.0 - fz) + d1 * fz + out * moving.step[m]
 
 
+@wp.func
+def owner_at(found: wp.vec2, mesh_owner: wp.array(dtype=wp.int32), sheet_owner: wp.array(dtype=wp.int32)):
+    """Owner of the face that `mesh_distance` found."""
+    face = int(found[1])
+    who = int(-1)
+    if face >= 0:
+        who = mesh_owner[face]
+    if face <= -2:
+        who = sheet_owner[-2 - face]
+    return who
+
+
+@wp.func
+def face_slot(s: int):
+    """Place in a cell's owners of one of its eight points: the corner (0), centres of the lower faces (1 to 3), none (-1)."""
+    slot = int(-1)
+    if s == 0:
+        slot = 0
+    if s == 3:
+        slot = 1
+    if s == 5:
+        slot = 2
+    if s == 6:
+        slot = 3
+    return slot
+
+
 @wp.kernel
 def corner_distances(
     first: wp.int32, grid: Columns, before: Columns, reuse: int, mesh: wp.uint64, sheet: wp.uint64,
     mesh_owner: wp.array(dtype=wp.int32), sheet_owner: wp.array(dtype=wp.int32), fixed_before: wp.array(dtype=vec8),
-    fixed_owner_before: wp.array(dtype=wp.int32), moving: Moving, fixed: wp.array(dtype=vec8),
-    fixed_owner: wp.array(dtype=wp.int32), points: wp.array(dtype=vec8), distance: wp.array(dtype=float),
-    owner: wp.array(dtype=wp.int32),
+    fixed_owner_before: wp.array(dtype=wp.vec4i), moving: Moving, fixed: wp.array(dtype=vec8),
+    fixed_owner: wp.array(dtype=wp.vec4i), points: wp.array(dtype=vec8), distance: wp.array(dtype=float),
+    owner: wp.array(dtype=wp.vec4i),
 ):  # fmt: skip
-    """Distance to the nearest solid at a cell's corner and at the seven points half a cell beyond it; the corner's owner.
+    """Distance to the nearest solid at a cell's corner and at the seven points half a cell beyond it; whose solid is nearest to the corner and to the
+    centres of the cell's three lower faces.
 
     Distances to fixed solids are kept from step to step.
     """
@@ -147,7 +175,7 @@ def corner_distances(
     d = vec8()
     for s in range(8):
         d[s] = float(FAR)
-    who = int(-1)
+    who = wp.vec4i(-1, -1, -1, -1)
     if mesh != wp.uint64(0) or sheet != wp.uint64(0):
         known = int(-1)
         if reuse == 1:
@@ -157,17 +185,17 @@ def corner_distances(
             who = fixed_owner_before[known]
         else:
             found = mesh_distance(mesh, sheet, x, SHELL)
-            face = int(found[1])
-            if face >= 0:
-                who = mesh_owner[face]
-            if face <= -2:
-                who = sheet_owner[-2 - face]
+            one = owner_at(found, mesh_owner, sheet_owner)
+            who = wp.vec4i(one, one, one, one)
             for s in range(8):
                 d[s] = found[0]
                 if s > 0 and wp.abs(found[0]) < REACH:
                     y = x + 0.5 * wp.vec3(float(s // 4), float((s // 2) % 2), float(s % 2))
                     more = mesh_distance(mesh, sheet, y, SHELL)
                     d[s] = more[0]
+                    slot = face_slot(s)
+                    if slot > 0:
+                        who[slot] = owner_at(more, mesh_owner, sheet_owner)
     fixed[c] = d
     fixed_owner[c] = who
     for m in range(moving.count):
@@ -175,13 +203,15 @@ def corner_distances(
         high = moving.box_high[m]
         if x[0] > low[0] and x[1] > low[1] and x[2] > low[2] and x[0] < high[0] and x[1] < high[1] and x[2] < high[2]:
             e = moving_distance(moving, m, x)
-            if e < d[0]:
-                who = moving.row[m]
             for s in range(8):
                 f = float(e)
                 if s > 0 and wp.abs(e) < REACH:
                     y = x + 0.5 * wp.vec3(float(s // 4), float((s // 2) % 2), float(s % 2))
                     f = moving_distance(moving, m, y)
+                if f < d[s]:
+                    slot = face_slot(s)
+                    if slot >= 0:
+                        who[slot] = moving.row[m]
                 d[s] = wp.min(d[s], f)
     points[c] = d
     distance[c] = d[0]
@@ -226,7 +256,7 @@ def corner_distance(grid: Columns, distance: wp.array(dtype=float), x: wp.vec3):
 
 @wp.kernel
 def push_out(
-    first: wp.int32, grid: Columns, distance: wp.array(dtype=float), owner: wp.array(dtype=wp.int32), walls: Walls,
+    first: wp.int32, grid: Columns, distance: wp.array(dtype=float), owner: wp.array(dtype=wp.vec4i), walls: Walls,
     cells_per_speed: float, lower: wp.vec3, upper: wp.vec3, sides: vec6i, position: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Particles inside solids go to the nearest point outside, where the solid will be at the end of the step."""
@@ -236,7 +266,7 @@ def push_out(
     c = cell_at(grid, int(wp.floor(x[0])), int(wp.floor(x[1])), int(wp.floor(x[2])))
     if c >= 0:
         if distance[c] < 4.0:
-            shift = cells_per_speed * wall_speed(walls, owner[c], x)
+            shift = cells_per_speed * wall_speed(walls, owner[c][0], x)
             moved = int(0)
             for _turn in range(2):
                 g = corner_distance(grid, distance, x - shift)

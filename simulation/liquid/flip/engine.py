@@ -124,10 +124,7 @@ class Flip:
         self._cut(grid, half)
         solver = self._build_rows(grid)
         fine, run = solver.levels[0], self.run
-        near, cell = grid.near, run.array("cell", fine.rows, warp().int32)
-        exchange = Exchange(
-            run, self.solids, bodies, fine, grid.columns, [near, cell, *self._faces(grid, "opening"), self._owners(grid)], mouths
-        )
+        exchange = Exchange(run, self.solids, bodies, fine, grid.columns, self._shut(grid, fine), mouths)
         exchange.mass = self._density * self._cell**3
         exchange.start(run.array("pressure_right", fine.rows, warp().float32), dt)
         pressed = self._press(solver, exchange)
@@ -228,18 +225,18 @@ class Flip:
             before.column = grid.columns.column
             for name in ("fixed", "fixed_owner"):
                 run.swap(name, name + "/before")
-            owner, owner_before = run.array("fixed_owner", total, wp.int32), run.array("fixed_owner/before", 1, wp.int32)
+            owner, owner_before = run.array("fixed_owner", total, wp.vec4i), run.array("fixed_owner/before", 1, wp.vec4i)
             fixed, points = (run.array(name, total, distances.vec8) for name in ("fixed", "points"))
             fixed_before = run.array("fixed/before", 1, distances.vec8)
             halves = run.array("halves", total, cuts.vec6)
             assert self.solids.fixed is not None
-            distance, nearest = self._of(grid, "distance")[0], run.array("owner", total, wp.int32)
+            distance, nearest = self._of(grid, "distance")[0], run.array("owner", total, wp.vec4i)
             inputs = [grid.columns, before, self.solids.reuse, *self.solids.fixed, fixed_before, owner_before, self.solids.moving]
             run(distances.corner_distances, total, [*inputs, fixed, owner, points, distance, nearest], grain=256)
             self.solids.reuse = 1
             run(cuts.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
-            run(cuts.cut_faces, total, [grid.near, distance, nearest, halves, opening, self._owners(grid)])
-            run(cuts.close_thin, total, [grid.near, solid, opening])
+            run(cuts.cut_faces, total, [grid.near, nearest, halves, opening, self._owners(grid)])
+            run(cuts.close_thin, total, [grid.near, solid, opening, run.array("thin", total, wp.vec3)])
             run(cuts.near_solid, total, [grid.columns, solid, halves, spread])
         if self.settings.roughness > 0.0:
             self._rub(grid)
@@ -262,9 +259,18 @@ class Flip:
         (phi,) = self._of(grid, "phi")
         run(cells.find_surface, total, [grid.columns, *self._of(grid, "density", "spread"), *self._box, phi, red, wet])
         if self.solids.count:
-            inputs = [grid.columns, grid.near, *self._of(grid, "solid"), *self._faces(grid, "opening"), wet, phi, red]
+            inputs = [
+                grid.columns,
+                grid.near,
+                *self._of(grid, "solid"),
+                *self._faces(grid, "opening"),
+                self._owners(grid),
+                wet,
+                phi,
+                red,
+            ]
             phi, hidden = self.run.array("phi2", total, wp.float32), run.array("wet2", total + 1, wp.int32)
-            run(cells.find_hidden, total, [*inputs, hidden, phi])
+            run(cells.find_hidden, total, [*inputs, hidden, phi, run.array("inside", total, wp.int32)])
             run.swap("phi", "phi2")
             run(cells.close_buried, total, [grid.near, phi, *self._faces(grid, "opening")])
             wet = hidden
@@ -276,6 +282,15 @@ class Flip:
         run(cells.measure, many, [total, run.block, phi, *self._of(grid, "room"), sums], grain=16)
         self.volume = float(run.read(sums, many).sum()) * self._cell**3
         return multigrid.Solver(run, multigrid.hierarchy(run, level))
+
+    def _shut(self, grid: Grid, level: multigrid.Level) -> Any:
+        """What closes the faces of the liquid's cells."""
+        wp, run = warp(), self.run
+        shut = walls.Shut()
+        shut.near, shut.row, shut.cell = grid.near, level.row, run.array("cell", level.rows, wp.int32)
+        shut.opening, shut.owner, shut.solids = self._faces(grid, "opening")[0], self._owners(grid), int(self.solids.count > 0)
+        shut.inside, shut.thin = run.array("inside", grid.cells, wp.int32), run.array("thin", grid.cells, wp.vec3)
+        return shut
 
     def _press(self, solver: multigrid.Solver, exchange: Exchange) -> multigrid.Solution:
         wp, run, rows = warp(), self.run, solver.rows
@@ -343,7 +358,7 @@ class Flip:
         if self.solids.count:
             many = -(-total // run.block)
             sums = run.array("momentum/sums", many, walls.vec6d)
-            state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening")]
+            state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening", "thin")]
             speeds = self._faces(grid, "kicked" if viscous else "new", "new2")
             run(walls.momentum, many, [total, run.block, *state, *speeds, sums], grain=16)
             change = run.read(sums, many).sum(axis=0) * self._density * self._cell**3
@@ -368,7 +383,7 @@ class Flip:
         how = [ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
         run(transfer.advance, n, [*fields, *how, markers.position, markers.velocity, markers.affine, left])
         if self.solids.count:
-            state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.int32), exchange.walls]
+            state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.vec4i), exchange.walls]
             run(distances.push_out, n, [*state, way, *self._box, self._sides, markers.position])
 
     def particles(self) -> Particles:

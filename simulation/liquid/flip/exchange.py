@@ -21,19 +21,19 @@ BLOCK = 256
 
 
 class Exchange:
-    """One step's exchange. `share` arguments are the grid's `near`, `cell`, `opening` and `face_owner` arrays."""
+    """One step's exchange."""
 
     def __init__(
-        self, run: Runner, solids: Solids, bodies: BodyState, level: Level, grid: Any, shared: list[Any], mouths: F64
+        self, run: Runner, solids: Solids, bodies: BodyState, level: Level, grid: Any, shut: kernels.Shut, mouths: F64
     ) -> None:
         self.run, self.solids, self.bodies = run, solids, bodies
-        self._grid, self._near, self._cell, self._opening, self._owner = grid, *shared
+        self._grid, self._shut = grid, shut
         self.mouths = mouths
         self.mass = 0.0
         """Of a full cell [kg]."""
         wp, rows = warp(), level.rows
         flag, before = run.array("touch/flag", rows + 1, wp.int32), run.array("touch/before", rows + 1, wp.int32)
-        run(kernels.touching, rows, [self._near, self._cell, self._opening, flag])
+        run(kernels.touching, rows, [shut, flag])
         flag[rows : rows + 1].zero_()
         self._count = run.scan(flag, before, rows + 1)
         self._touched = run.array("touch/rows", self._count, wp.int32)
@@ -49,15 +49,14 @@ class Exchange:
             return np.zeros((many, 6))
         sums = run.array("wrench/sums", many * blocks, kernels.vec6d)
         who = run.upload("wrench/owners", np.array(owners, np.int32), wp.int32)
-        inputs = [self._grid, self._near, self._cell, self._touched, self._count, BLOCK, blocks, who, self._opening, self._owner]
-        run(kernels.wrench, many * blocks, [*inputs, walls, q, sums], grain=4)
+        inputs = [self._grid, self._shut, self._touched, self._count, BLOCK, blocks, who, walls, q, sums]
+        run(kernels.wrench, many * blocks, inputs, grain=4)
         found = run.read(sums, many * blocks).reshape(many, blocks, 6).sum(axis=1)
         found[:, 3:] *= self.solids._cell
         return np.asarray(found)
 
     def _push(self, target: Any, walls: Any, scale: float) -> None:
-        shared = [self._grid, self._near, self._cell, self._touched, self._opening, self._owner]
-        self.run(kernels.push_rows, self._count, [*shared, walls, target, scale], grain=1024)
+        self.run(kernels.push_rows, self._count, [self._grid, self._shut, self._touched, walls, target, scale], grain=1024)
 
     def start(self, right: Any, dt: float) -> None:
         """Add the flux of walls that move by themselves to the right side."""

@@ -127,17 +127,23 @@ def find_surface(
 @wp.kernel
 def find_hidden(
     first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
-    wet: wp.array(dtype=wp.int32), phi: wp.array(dtype=float), red_out: wp.array(dtype=wp.int32),
-    wet_out: wp.array(dtype=wp.int32), phi_out: wp.array(dtype=float),
+    face_owner: wp.array(dtype=wp.vec3i), wet: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
+    red_out: wp.array(dtype=wp.int32), wet_out: wp.array(dtype=wp.int32), phi_out: wp.array(dtype=float),
+    inside: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """Cells whose centre lies in a solid continue the liquid beside them: they carry the pressure of cut faces."""
+    """Cells whose centre lies in a solid continue the liquid beside them: they carry the pressure of cut faces.
+
+    `inside` is the owner of the solid that they lie in, of the face that is most open; -2 elsewhere.
+    """
     c = first + wp.tid()
     d = phi[c]
     w = wet[c]
+    who = int(-2)
     if solid[c] < 0.0:
         n = near[c]
         total = float(0.0)
         count = float(0.0)
+        widest = float(0.0)
         for side in range(6):
             m = n[side]
             if m >= 0:
@@ -147,6 +153,9 @@ def find_hidden(
                 if opening[face][side // 2] >= LEAST_OPEN and solid[m] >= 0.0:
                     total += phi[m]
                     count += 1.0
+                    if opening[face][side // 2] > widest:
+                        widest = opening[face][side // 2]
+                        who = face_owner[face][side // 2]
         w = 0
         d = float(BURIED)
         if count > 0.0:
@@ -155,6 +164,7 @@ def find_hidden(
                 w = 1
     at = place_of(grid, c)
     wet_out[c] = w
+    inside[c] = who
     phi_out[c] = d
     red_out[c] = w * (1 - ((at[0] + at[1] + at[2]) & 1))
 

@@ -1,0 +1,60 @@
+"""Forces of the grid liquid on walls, thick and thin, and how it slides along them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from worldagent.simulation.liquid.engine import Boundary, LiquidSetup
+from worldagent.simulation.liquid.flip.engine import Flip
+from worldagent.tests.simulation.liquid.flip_setup import advance, block, no_bodies, tank
+from worldagent.worlds.built import TriangleMesh
+
+from .test_flip import G, box_mesh, one_body
+
+SIDE = 0.2
+"""Of the water in the basin, a cube [m]."""
+
+
+def basin(cell: float, thickness: float) -> LiquidSetup:
+    """A cube of water in a box of five slabs [cells thick], each a boundary of its own: floor, -x, +x, -y, +y."""
+    strong = thickness * cell
+    outer, middle = SIDE + 2 * strong, SIDE / 2 + strong / 2
+    parts = [((outer, outer, strong), (0.0, 0.0, -strong / 2))]
+    parts += [((strong, outer, 0.3), (s * middle, 0.0, 0.15)) for s in (-1, 1)]
+    parts += [((SIDE, strong, 0.3), (0.0, s * middle, 0.15)) for s in (-1, 1)]
+    shift = np.array([0.3, 0.3, 0.1])
+    walls = tuple(
+        Boundary(f"wall{n}", TriangleMesh(box_mesh(size).vertices + np.array(at) + shift, box_mesh(size).faces), "static")
+        for n, (size, at) in enumerate(parts)
+    )
+    low = shift - np.array([SIDE / 2, SIDE / 2, 0.0])
+    water = block(tuple(low), tuple(low + SIDE), cell / 2)
+    return LiquidSetup(**{**vars(tank((0.6, 0.6, 0.45), water, cell / 2, boundaries=walls)), "spacing": cell})
+
+
+@pytest.mark.parametrize("thickness", [1.2, 3.0])
+def test_each_wall_of_a_basin_feels_the_weight_of_the_water_beside_it(thickness: float) -> None:
+    """8 cells of depth; the floor carries it all, each side half as much."""
+    engine = Flip(basin(0.025, thickness))
+    advance(engine, 0.1, no_bodies(5))
+    reports = advance(engine, 0.1, no_bodies(5))
+    force = sum(r.impulse[:, :3] for r in reports) / sum(r.dt for r in reports)
+    weight = 1000 * G * SIDE**3
+    out = np.array([[0, 0, -1], [-0.5, 0, 0], [0.5, 0, 0], [0, -0.5, 0], [0, 0.5, 0]])
+    assert force == pytest.approx(weight * out, abs=0.01 * weight)
+    felt = sum(r.reaction[:, :3] for r in reports) / sum(r.dt for r in reports)
+    assert felt == pytest.approx(-force, abs=0.01 * weight)
+
+
+@pytest.mark.parametrize("solid", [True, False], ids=["bed", "side of the domain"])
+def test_water_slides_along_a_smooth_bed_without_loss(solid: bool) -> None:
+    """A block of 4 cells of depth that runs and spreads for half a second; the cells inside the bed once held a quarter of its momentum."""
+    cell = 1 / 16
+    bed = Boundary("bed", box_mesh((6.0, 2.0, 0.25)), "static")
+    floor = 0.125 if solid else 0.0
+    water = block((0.5, 0, floor), (1.5, 0.5, floor + 0.25), cell)
+    velocity = np.tile([1.0, 0.0, 0.0], (len(water), 1))
+    engine = Flip(tank((4.0, 0.5, 0.5), water, cell, velocity=velocity, boundaries=(bed,) if solid else ()))
+    advance(engine, 0.5, one_body(np.array([2.0, 0.25, 0.0])) if solid else None)
+    found = engine.particles()
+    assert (found.volume * found.velocity[:, 0]).sum() / found.volume.sum() == pytest.approx(1.0, abs=0.02)

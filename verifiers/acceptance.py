@@ -187,7 +187,7 @@ def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
     if felt:
         return {
             "what": f"surface tension of the liquid {name!r} by attractions between its particles, over four spacings",
-            "effect": f"right within about 10 % for drops from {5 * spacing:.2g} m radius on; every wall is met at 90 degrees",
+            "effect": f"right within about 10 % for drops from {5 * spacing:.2g} m radius on; every wall is met at about 90 to 105 degrees",
         }
     return {
         "what": f"surface tension of the liquid {name!r} not simulated: at {spacing:g} m gravity leaves nothing to it",

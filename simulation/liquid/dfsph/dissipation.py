@@ -41,6 +41,6 @@ class Dissipation:
             self._known = wp.zeros(self._room, dtype=wp.float32, device=run.device)
         lists = [*w.lists, self._tensor, self._known]
         run("shear", kernels.shear, n, [s.x, s.v, *lists])()
-        signals = [self.signal, MOST * self.spacing / dt]
+        signals = [self.signal, float(MOST * self.spacing / dt)]
         run("damp", kernels.damp, n, [s.x, s.v, w.lightness, *lists, *signals, w.settings, w.way])()
         wp.copy(s.v, w.way, count=n)

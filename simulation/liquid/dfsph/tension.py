@@ -29,7 +29,7 @@ CALIBRATION = 0.74
 """Measured: drops of 5 to 8 spacings radius then swing at Lamb's frequency within 10 %. Sharp surfaces of an even liquid would
 have 1 (Fowler 1937, less the pull of the pressure's own kernel)."""
 WETTING = 2.3
-"""Measured: drops then stand on walls at about 90 degrees (1 + cos(contact angle) were there liquid up to the wall)."""
+"""Measured: drops then stand on closed sides at about 90 degrees, on bodies at about 105 (1 + cos(contact angle) were there liquid up to the wall)."""
 INNER = 2.75
 """Measured: pressure that the attraction makes inside the liquid, in tension / spacing."""
 CAPILLARY = 0.2

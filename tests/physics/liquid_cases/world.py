@@ -224,7 +224,7 @@ def advance(
     reports: list[StepReport] = []
     passed = 0.0
     while passed < seconds * (1 - 1e-9):
-        report = engine.step(min(seconds - passed, longest), still(bodies))
+        report = engine.step(float(min(seconds - passed, longest)), still(bodies))
         passed += report.dt
         for body, impulse in zip(bodies, report.impulse, strict=True):
             if isinstance(body, Body):

@@ -127,10 +127,11 @@ def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True,
     side = 0.12
     members = ["bed", *(["crate"] if crate else [])]
     wall, high = 0.06, 0.42
-    slab = (length, width + 2 * wall, 0.1)
+    long = length + 0.4
+    slab = (long, width + 2 * wall, 0.1)
     flume = {
         "bottom": _box(slab, (0, 0, -0.05)),
-        **{n: _box((length, wall, high), (0, y * (width + wall) / 2, high / 2)) for n, y in (("front", -1), ("back", 1))},
+        **{n: _box((long, wall, high), (0, y * (width + wall) / 2, high / 2)) for n, y in (("front", -1), ("back", 1))},
     }
     waves = {
         "kind": "waves", "entity": "water", "height": 0.07, "period": 0.8, "level": depth, "depth": depth, "zone": 1.0, "rise": 0.8, **sea,

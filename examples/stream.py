@@ -284,11 +284,11 @@ class Ranger(Agent):
         bank = _numbers((place[:2] + 5.0 * along + (0.5 * self.course.width + 4.0) * side).tolist())
         (ground,) = await self.heights([bank])
         shots = {
-            "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "footbridge"], "covers": [*beats],
+            "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "leaf_0"], "covers": [*beats],
                     "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 2.6]), "target": _numbers([*place[:2], place[2] + 0.4]), "fov_deg": 50}}},
         }  # fmt: skip
         self.say(f"bank at {bank}, {ground:.2f} m; the log starts {0.5 * drift:.1f} m above the bridge at {speed:.2f} m/s")
-        relations = {f"carries_{n}": {"kind": "supports", "a": "river", "b": n} for n in floats}
+        relations = {f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats}
         relations["set"] = {
             "kind": "fastened", "a": "footbridge", "b": "ground", "max_depth": 1.5, "reason": "the feet of the bridge stand in the banks"
         }  # fmt: skip

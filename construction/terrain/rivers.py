@@ -57,7 +57,7 @@ class Course:
     speeds: F64
     """Discharge over area of the section (n,) [m/s]."""
     width: float
-    """Of the water where it is widest [m]."""
+    """Twice the largest distance of its water from the course [m]."""
 
 
 @dataclass(frozen=True)
@@ -188,5 +188,6 @@ def river_courses(land: SavedLandscape, body: WaterBody) -> list[Course]:
                 continue
             speeds = [min(reach.discharge[k] / s.area, np.sqrt(GRAVITY * s.area / s.width)) for k, s in wet]
             points = np.array([[*reach.line[k], s.level] for k, s in wet])
-            found.append(Course(reach.number, points, np.array(speeds), max(s.width for _, s in wet)))
+            far = max(float(np.linalg.norm(s.points - reach.line[k], axis=1).max()) for k, s in wet)
+            found.append(Course(reach.number, points, np.array(speeds), 2.0 * far))
     return found

@@ -185,13 +185,15 @@ def _particles(
     volume: list[F64] = []
     fluid: list[I32] = []
     taken = [s for s in solids if s.solid.closed]
+    # Markers of a grid as fine as they will be: split cells of shallow water would be crowded.
+    parts = round(getattr(instance.settings, "particles_per_cell", 1) ** (1 / 3))
     for number, member in enumerate(instance.members):
         contract = spec.entities[member]
         pose = pose_of(contract.pose)
         blocked = whole = 0.0
         for part in built[member].parts:
             own = PlacedSolid(f"{member}/{part.part}", Solid.from_mesh(part.render, closed=True), pose)
-            filling = fill(own, taken, spacing)
+            filling = fill(own, taken, spacing / parts)
             whole, blocked = whole + abs(own.solid.volume), blocked + filling.blocked * abs(own.solid.volume)
             taken = [*taken, own]
             position.append(filling.position)

@@ -90,6 +90,6 @@ def test_a_river_runs_with_discharge_over_area() -> None:
     flow = 5 * (0.6 + 0.4 * ((x + 59) / 118))
     assert course.speeds == pytest.approx(flow / (1.5 * 3.75), rel=0.02)
     assert course.points[:, 2] == pytest.approx(-FALL * x - 0.5, abs=0.02)
-    assert course.width == pytest.approx(7.5, rel=0.03)
+    assert course.width == pytest.approx(2 * (3.75 + 1.0), rel=0.03), "the course of cells lies a metre beside the channel"
     (flood,) = river_courses(Land(), cut(Land()))
     assert flood.speeds == pytest.approx(np.sqrt(9.81 * 0.75), rel=0.02)

@@ -27,10 +27,12 @@ from typing import Any
 from ..geometry.launch import cores, load, warp
 from .team import team
 
-__all__ = ["Chain", "Pass", "Passes"]
+__all__ = ["ALONE", "Chain", "Pass", "Passes"]
 
 SMALLEST = 256
 """Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
+ALONE = 1 << 60
+"""For kernels with tiles: on a CPU all threads share Warp's one pointer to the memory of tiles (1.19, x86-64), so these run in one."""
 SLICES = 2
 """Slices of one thread: others take the rest where it is held up."""
 BLOCK, FOLDED = 256, 8
@@ -144,7 +146,7 @@ class Passes:
     def fold(self, name: str, kernel: Any, total: int, inputs: Sequence[Any]) -> Pass:
         """A pass that folds `total` elements into `parts(total)` (see the module's text)."""
         threads = self.parts(total) * self.width
-        return self(name, kernel, threads, [self.span, self.width, total, *inputs], smallest=1)
+        return self(name, kernel, threads, [self.span, self.width, total, *inputs], smallest=ALONE)
 
     def close(self, name: str, kernel: Any, total: int, inputs: Sequence[Any]) -> Pass:
         """A pass of one block over the partial results of `total` elements; its kernel takes (first, width, parts, ...)."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
+from ...passes import ALONE
 from ..boundary import Sampled, sample_surface
 from ..engine import BodyState, LiquidSetup
 from ..solid_samples import fill_solid
@@ -223,6 +224,7 @@ class Coupling:
                 reaction_kernels.reach,
                 self.count * self.lanes,
                 [self.lanes, self.width, x, volume, self.pairs, self.order, self.spans, self.bodies, self.reach],
+                smallest=ALONE,
             )()
         run(
             "finish",
@@ -274,6 +276,7 @@ class Coupling:
                     self.force,
                     self.torque,
                 ],
+                smallest=ALONE,
             ),
             run(
                 "react",
@@ -293,9 +296,15 @@ class Coupling:
         w, s, run = self._work, self.bodies, self.passes
         lists = [self.pairs, self.order, self.spans, s.center, self.force, self.torque]
         lanes = self.count * self.lanes
-        run("ledger", kernels.ledger_lanes, lanes, [self.lanes, self.width, self._x, self._volume, w.lightness, p, *lists])()
+        run(
+            "ledger",
+            kernels.ledger_lanes,
+            lanes,
+            [self.lanes, self.width, self._x, self._volume, w.lightness, p, *lists],
+            smallest=ALONE,
+        )()
         self._account(self.reaction_sum, moves=False)
-        run("book", kernels.wrench_lanes, lanes, [self.lanes, self.width, self._x, self._volume, p, *lists])()
+        run("book", kernels.wrench_lanes, lanes, [self.lanes, self.width, self._x, self._volume, p, *lists], smallest=ALONE)()
         self._account(self.impulse, moves=True)
 
     def _account(self, sums: list[Any], *, moves: bool) -> None:
@@ -336,7 +345,7 @@ class Coupling:
         lists = [self.pairs, self.order, self.spans, self.bodies.center, self.force, self.torque]
         for name, value, sums in (("back", self.pair_return, self.reaction_sum), ("rubbed", self.pair_force, self.impulse)):
             inputs = [self.lanes, self.width, self._x, value, *lists]
-            self.passes(name, kernels.force_lanes, self.count * self.lanes, inputs)()
+            self.passes(name, kernels.force_lanes, self.count * self.lanes, inputs, smallest=ALONE)()
             self._account(sums, moves=name == "rubbed")
 
     def advance(self) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["pack", "unpack"]
 
-FORMAT = 1
+FORMAT = 2
 
 
 def pack(engine: Dfsph) -> bytes:
@@ -25,6 +25,7 @@ def pack(engine: Dfsph) -> bytes:
     counters: dict[str, Any] = {
         "time": np.float64(engine.time),
         "speed": np.float64(engine.speed),
+        "pressed": np.float64(engine.pressed),
         "full": np.float64(engine.full),
         "relaxation": np.array(engine.relaxation, dtype=np.float64),
         "steps": np.int64(engine.steps),
@@ -53,6 +54,7 @@ def unpack(engine: Dfsph, state: bytes) -> None:
         raise EvidenceError(f"the checkpoint of a liquid cannot be read ({error}); start from frame 0") from error
     engine.store.replace(columns)
     engine.time, engine.speed = float(found["time"]), float(found["speed"])
+    engine.pressed = float(found["pressed"])
     engine.steps, engine.lost = int(found["steps"]), int(found["lost"])
     engine.next_identity = int(found["next_identity"])
     engine.full = float(found["full"])

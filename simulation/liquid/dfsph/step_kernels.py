@@ -16,11 +16,11 @@ OPEN = wp.constant(1)
 LOST = wp.constant(2)
 
 
-Tally = wp.types.vector(length=5, dtype=wp.float64)
+Tally = wp.types.vector(length=6, dtype=wp.float64)
 
 
 @wp.func
-def together(mean: wp.float64, worst: wp.float64, fast: wp.float64, wrong: wp.float64, leavers: wp.float64):
+def together(mean: wp.float64, worst: wp.float64, fast: wp.float64, wrong: wp.float64, leavers: wp.float64, pushed: wp.float64):
     """What the threads of a block have of a census."""
     return Tally(
         wp.tile_sum(wp.tile(mean))[0],
@@ -28,6 +28,7 @@ def together(mean: wp.float64, worst: wp.float64, fast: wp.float64, wrong: wp.fl
         wp.tile_max(wp.tile(fast))[0],
         wp.tile_max(wp.tile(wrong))[0],
         wp.tile_sum(wp.tile(leavers))[0],
+        wp.tile_sum(wp.tile(pushed))[0],
     )
 
 
@@ -134,12 +135,14 @@ def census(
     total: wp.int32,
     x: wp.array(dtype=wp.vec3),
     v: wp.array(dtype=wp.vec3),
+    p: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
     fill: wp.array(dtype=wp.float32),
     leaving: wp.array(dtype=wp.int32),
     settings: wp.array(dtype=wp.float32),
     out: wp.array(dtype=Tally),
 ):
-    """Sum and largest of compression, largest squared speed, a particle that is not finite or -1, and leavers."""
+    """Sum and largest of compression, largest squared speed, a particle that is not finite or -1, leavers, sum of (pressure / density)^2."""
     t = first + wp.tid()
     start = (t / width) * span * width + t % width
     mean = wp.float64(0.0)
@@ -147,6 +150,7 @@ def census(
     fast = wp.float64(0.0)
     wrong = wp.float64(-1.0)
     leavers = wp.float64(0.0)
+    pushed = wp.float64(0.0)
     for i in range(start, wp.min(start + span * width, total), width):
         over = wp.max(fill[i] / settings[FULL] - 1.0, 0.0)
         mean += wp.float64(over)
@@ -155,9 +159,11 @@ def census(
         fast = wp.max(fast, wp.float64(v2))
         if not (wp.isfinite(v2) and wp.isfinite(wp.dot(x[i], x[i])) and wp.isfinite(fill[i])):
             wrong = wp.float64(i)
+        push = wp.float64(p[i] * lightness[i])
+        pushed += push * push
         if leaving[i] != 0:
             leavers += wp.float64(1.0)
-    found = together(mean, worst, fast, wrong, leavers)
+    found = together(mean, worst, fast, wrong, leavers, pushed)
     if t % width == 0:
         out[t / width] = found
 
@@ -171,6 +177,7 @@ def close_census(first: wp.int32, width: wp.int32, parts: wp.int32, partial: wp.
     fast = wp.float64(0.0)
     wrong = wp.float64(-1.0)
     leavers = wp.float64(0.0)
+    pushed = wp.float64(0.0)
     for k in range(t, parts, width):
         one = partial[k]
         mean += one[0]
@@ -178,7 +185,8 @@ def close_census(first: wp.int32, width: wp.int32, parts: wp.int32, partial: wp.
         fast = wp.max(fast, one[2])
         wrong = wp.max(wrong, one[3])
         leavers += one[4]
-    found = together(mean, worst, fast, wrong, leavers)
+        pushed += one[5]
+    found = together(mean, worst, fast, wrong, leavers, pushed)
     if t == 0:
         out[0] = found
 

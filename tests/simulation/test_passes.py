@@ -22,7 +22,7 @@ def _summed(values: np.ndarray, monkeypatch: pytest.MonkeyPatch, cores: int) -> 
     made = passes.sum("test", given, n, room, result)
     for one in made:
         one()
-    assert all(len(one.launches) == 1 for one in made)  # tiles are not shared by threads
+    assert all(len(one.launches) <= 1 for one in made)  # tiles are not shared by threads
     return np.array(result.numpy())
 
 

@@ -8,7 +8,7 @@ therefore stands for all its samples in both solves.
 
 import warp as wp
 
-from .domain_kernels import MIRROR, behind, side
+from .domain_kernels import MIRROR, behind, edge, side
 from .shape_kernels import cell_of, half_space, plane_weight, slope, weight, wrapped
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 2})  # 27 cells
@@ -33,6 +33,8 @@ with its square, so that its gradient there is that of a mirror image."""
 MOVING = wp.constant(2)
 """Kind of closed bodies that move. Along their surfaces pressure does not go on behind them: held bodies ten spacings wide then feel
 1.01 to 1.02 of what they displace, else 0.96 to 0.98. Along walls at rest it does, which keeps the pressure beside them linear."""
+FAINT = wp.constant(wp.float32(0.01))
+"""Gradient of the fill by a solid along its nearest surface, in units of 1/h, below which nothing else of it is near."""
 BODIES_NEAR = 8
 """Bodies that one particle can touch at once."""
 DRAG = wp.constant(wp.float32(4.7))
@@ -165,13 +167,97 @@ class Surfaces:
 
 
 @wp.func
+def wall_along(mesh: wp.uint64, at: wp.vec3, way: wp.vec3, h: wp.float32):
+    """Outward normal of the face that a way from outside meets, and the distance of its plane; a distance of h where it meets none."""
+    found = wp.vec4(0.0, 0.0, 0.0, h)
+    length = wp.length(way)
+    if length * h > FAINT:
+        hit = wp.mesh_query_ray(mesh, at, way / length, 2.0 * h)
+        if hit.result:
+            slant = -wp.dot(hit.normal, way) / length
+            if slant > 0.0 and hit.t * slant < h:
+                found = wp.vec4(hit.normal[0], hit.normal[1], hit.normal[2], hit.t * slant)
+    return found
+
+
+@wp.func
+def second_wall(d: wp.float32, n: wp.vec3, e: wp.float32, m: wp.vec3, spacing: wp.float32, h: wp.float32):
+    """Fill and its gradient by a wall at distance e, less what it has in common with one at distance d."""
+    one = side(e, spacing, h)
+    both = edge(d, e, spacing, h)
+    f = (one[1] - both[2]) * m - both[1] * n
+    return wp.vec4(f[0], f[1], f[2], one[0] - both[0])
+
+
+@wp.func
+def lifted(d: wp.float32, n: wp.vec3, lift: wp.vec3, fixed: wp.float32, spacing: wp.float32, h: wp.float32):
+    """What a plane wall bears of the lift; along itself where it is fixed."""
+    part = behind(d, spacing, h)
+    along = fixed * part[1]
+    return along * lift + ((part[0] - along) * wp.dot(lift, n)) * n
+
+
+@wp.func
+def cornered(
+    g: wp.vec3,
+    d: wp.float32,
+    n: wp.vec3,
+    lift: wp.vec3,
+    fixed: wp.float32,
+    mesh: wp.uint64,
+    at: wp.vec3,
+    turn: wp.mat33,
+    spacing: wp.float32,
+    h: wp.float32,
+):
+    """Where walls of one solid meet around the liquid: fill, gradient and lift of all of them as of sides of the domain, and by how
+    much the second turns away from the nearest, 0 if there is none.
+
+    What the solid's gradient has along the nearest wall leads to the second, and what it has along both to a third.
+    """
+    f = wp.vec4(0.0, 0.0, 0.0, 0.0)
+    borne = wp.vec3(0.0, 0.0, 0.0)
+    share = wp.float32(0.0)
+    inverse = wp.transpose(turn)
+    rest = g - wp.dot(g, n) * n
+    two = wall_along(mesh, at, inverse * rest, h)
+    e = two[3]
+    if e < h:
+        m = turn * wp.vec3(two[0], two[1], two[2])
+        share = wp.clamp(1.0 - wp.dot(n, m), 0.0, 1.0)
+        one = side(d, spacing, h)
+        f = wp.vec4(one[1] * n[0], one[1] * n[1], one[1] * n[2], one[0]) + second_wall(d, n, e, m, spacing, h)
+        borne = lifted(d, n, lift, fixed, spacing, h) + lifted(e, m, lift, fixed, spacing, h)
+        rest = rest - wp.dot(rest, m) * m
+        three = wall_along(mesh, at, inverse * (rest - wp.dot(rest, n) * n), h)
+        c = three[3]
+        if c < h:
+            k = turn * wp.vec3(three[0], three[1], three[2])
+            both = edge(e, c, spacing, h)
+            f += second_wall(d, n, c, k, spacing, h)
+            less = both[1] * m + both[2] * k
+            f -= wp.vec4(less[0], less[1], less[2], both[0])
+            borne += lifted(c, k, lift, fixed, spacing, h)
+    return f, borne, share
+
+
+@wp.func
 def mirrored(
-    w: wp.float32, g: wp.vec3, m: wp.vec3, surfaces: Surfaces, body: wp.int32, xi: wp.vec3, spacing: wp.float32, h: wp.float32
+    w: wp.float32,
+    g: wp.vec3,
+    m: wp.vec3,
+    lift: wp.vec3,
+    surfaces: Surfaces,
+    body: wp.int32,
+    xi: wp.vec3,
+    spacing: wp.float32,
+    h: wp.float32,
 ):
     """Fill by a solid, its gradient, and its part of the lift: the integrals w, g, m times what a plane's mirror image has over a
     plane's integral.
 
-    A plane then acts as a side of the domain, an edge or a corner by its share of it.
+    A plane then acts as a side of the domain, an edge or a corner by its share of it, and walls that meet around the liquid as the sides
+    of a domain do.
     """
     turn = surfaces.rotation[body]
     at = wp.transpose(turn) * (xi - surfaces.position[body])
@@ -198,6 +284,12 @@ def mirrored(
     if d > 1.0e-6 * spacing:
         change = (image[1] + share * plane_weight(d / h, h)) / plane
         f += (w * change / gap) * away
+        fixed = wp.float32(1.0)
+        if surfaces.kind[body] == MOVING:
+            fixed = 0.0
+        walls, held, turned = cornered(g, d, away / gap, lift, fixed, surfaces.mesh[body], at, turn, spacing, h)
+        single = wp.vec4(f[0], f[1], f[2], share * w)
+        return (1.0 - turned) * single + turned * walls, (1.0 - turned) * borne + turned * held
     return wp.vec4(f[0], f[1], f[2], share * w), borne
 
 
@@ -242,7 +334,7 @@ def fill_pairs(
         w = share * w
         borne = wp.vec3(0.0, 0.0, 0.0)
         if surfaces.kind[body] == 1 or surfaces.kind[body] == 2:
-            seen_as, borne = mirrored(sums[0], g + g2, m + m2, surfaces, body, xi, spacing, h)
+            seen_as, borne = mirrored(sums[0], g + g2, m + m2, lift[i], surfaces, body, xi, spacing, h)
             slant = wp.vec3(seen_as[0], seen_as[1], seen_as[2])
             w = seen_as[3]
         at = pairs.start[i] + k

@@ -101,10 +101,13 @@ def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
     bad = [r for r in [*rows, *crossed] if r.status != "pass"]
     failing = list(dict.fromkeys([*broken, *(n for r in bad for n in r.entities)]))
     worst = min((d for (a, b), d in surfaces.first.items() if surfaces.allowed_depth(a, b) == 0.0), default=None)
-    unverified = not names or bool(surfaces.missing) or any(r.status == "unverified" for r in bad)
+    liquid_only = not names and bool(surfaces.candidate.liquids)
+    unverified = not (names or liquid_only) or bool(surfaces.missing) or any(r.status == "unverified" for r in bad)
     failed = bool(broken) or any(r.status == "fail" for r in bad)
     if broken:
         text = f"the pose of {broken[0]!r} is not finite at frame 0"
+    elif liquid_only:
+        text = "the scene has liquids alone, and no solid that could overlap another"
     elif not names:
         text = "the scene has no entity to inspect"
     elif surfaces.missing:
@@ -117,7 +120,7 @@ def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
         id="interpenetration:scene",
         check="interpenetration",
         predicate="every pair of entities is inspected and none overlaps at frame 0",
-        status="fail" if failed else "unverified" if unverified else "pass",
+        status="fail" if failed else "unverified" if unverified else "not_applicable" if liquid_only else "pass",
         explanation=text,
         measured=float(len(bad) + len(broken)),
         bound=0.0,

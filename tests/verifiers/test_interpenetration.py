@@ -12,6 +12,7 @@ from worldagent.bench.small_worlds import ball, box, build_all, entity, ground, 
 from worldagent.verifiers import interpenetration
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, Extrusion, Fastened, Mesh, Part, Rope, Wedge, WorldSpec
+from worldagent.worlds.spec.entities import LiquidPhysics
 
 
 def rows_of(tmp_path, entities, **more) -> dict[str, Row]:
@@ -140,6 +141,11 @@ def test_far_pairs_have_no_row_and_an_empty_scene_does_not_pass(tmp_path):
     assert set(rows) == {"interpenetration:scene"}
     assert rows["interpenetration:scene"].status == "pass"
     assert rows_of(tmp_path, {})["interpenetration:scene"].status == "unverified"
+
+
+def test_liquids_alone_cannot_overlap(tmp_path):
+    water = box(1, 1, 1, at=(0, 0, 0.5)).model_copy(update={"physics": LiquidPhysics(resolution=0.1)})
+    assert rows_of(tmp_path, {"water": water})["interpenetration:scene"].status == "not_applicable"
 
 
 def test_missing_geometry_leaves_the_scene_unverified_but_finds_the_rest(tmp_path):

@@ -140,6 +140,14 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
                 "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved",
             }
         )
+        found.append(
+            {
+                "what": f"the drawn surface of {name!r} is moved by up to {0.15 * spacing:g} m so that it holds the particles' volume",
+                "effect": "where particles lie unevenly the level is right and single ripples are not",
+            }
+        )
+        if instance.engine == "dfsph":
+            found += _particles(name, spacing)
         found.append(_tension(spec, name, spacing))
         for member in instance.members:
             physics = spec.entities[member].physics
@@ -167,6 +175,20 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
                 }
             )
     return found
+
+
+def _particles(name: str, spacing: float) -> list[dict[str, str]]:
+    """What the particle engine adds and leaves out by its method."""
+    return [
+        {
+            "what": f"numerical dissipation of motion of {name!r} smaller than a particle's surroundings, about {2 * spacing:g} m",
+            "effect": f"eddies and ripples of that size die out; waves in water {10 * spacing:g} m deep lose over half their height in three periods",
+        },
+        {
+            "what": f"walls bear particles of {name!r} beside them along themselves too, at most 0.15 of the outermost ones' weight",
+            "effect": "floor and sides of one tank share its weight otherwise than they should; their sum is exact",
+        },
+    ]
 
 
 def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:

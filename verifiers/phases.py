@@ -5,7 +5,7 @@
 - activation: the first frame at which a driver acts or a body is faster than the scene's start speed.
 - first contact: the first new contact after activation between entities that did not touch before. Where there is none
   and the specification asks for none (no contact predicate, no `interacts` relation, no cause between different
-  subjects), it does not apply.
+  bodies), it does not apply.
 - peak response: frame of the largest kinetic energy from the first contact on; from activation where no contact applies.
 - early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
   frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
@@ -108,10 +108,19 @@ def find_phases(candidate: Candidate) -> Phases:
 
 
 def _asks_for_contact(candidate: Candidate) -> bool:
-    """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats."""
+    """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats.
+
+    What a liquid passes on needs no contact of bodies.
+    """
     spec = candidate.spec
     beats, relations = spec.story.beats, spec.graph.relations.values()
-    passed_on = any(beats[c].subject != b.subject for b in beats.values() for c in b.causes if c in beats)
+    solid = {n for n, e in spec.entities.items() if e.physics.category != "liquid"}
+    passed_on = any(
+        {beats[c].subject, b.subject} <= solid and beats[c].subject != b.subject
+        for b in beats.values()
+        for c in b.causes
+        if c in beats
+    )
     if not beats or passed_on or any(r.kind == "interacts" for r in relations):
         return True
     carried = {(r.b, r.a) for r in relations if r.kind == "supports" and (r.frames is None or r.frames[0] == 0)}

@@ -148,8 +148,7 @@ def _spread(parts: Sequence[WetPart], reach: tuple[F64, F64], size: float) -> tu
     for number, corner, outward, own in kept:
         count = np.maximum(np.ceil(own / size**2), 1).astype(np.intp)
         face = np.repeat(np.arange(len(own)), count)
-        k = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
-        points = np.einsum("nk,nkx->nx", _within(k, count[face]), corner[face])
+        points = np.einsum("nk,nkx->nx", _within(np.arange(len(face))), corner[face])
         inside = np.ones(len(points), dtype=bool)
         pose = parts[number].place(0) if parts[number].still else None
         if pose is not None:
@@ -167,15 +166,14 @@ def _spread(parts: Sequence[WetPart], reach: tuple[F64, F64], size: float) -> tu
     }, size  # fmt: skip
 
 
-def _within(k: NDArray[np.intp], count: NDArray[np.intp]) -> F64:
-    """Barycentric weights of the k-th of `count` points spread evenly over a triangle, shape (n, 3).
+def _within(k: NDArray[np.intp]) -> F64:
+    """Barycentric weights of points spread evenly over triangles, shape (n, 3): the additive recurrence of the plastic number, folded.
 
-    The additive recurrence of the plastic number, folded; a single point is the middle.
+    The sequence runs on from one triangle to the next, else slender ones side by side would have theirs in rows.
     """
     u, v = (0.5 + k * 0.7548776662466927) % 1.0, (0.5 + k * 0.5698402909980532) % 1.0
     over = u + v > 1.0
     u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
-    u, v = np.where(count == 1, 1 / 3, u), np.where(count == 1, 1 / 3, v)
     return np.stack([1.0 - u - v, u, v], axis=1)
 
 

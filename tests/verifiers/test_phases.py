@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
-from worldagent.verifiers.phases import check, find_phases
+from worldagent.verifiers.phases import _asks_for_contact, check, find_phases
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import And, Contact, Displacement, RestsOn
-from worldagent.worlds.spec import Beat, Interacts, ReleaseDriver
+from worldagent.worlds.spec import Beat, Interacts, LiquidPhysics, ReleaseDriver
 
 FPS = 24
 G = 9.81
@@ -133,6 +133,22 @@ def test_first_contact_applies_as_soon_as_anything_asks_for_it(tmp_path: Path) -
         (row,) = check(swung(tmp_path / name, predicate, **more))
         assert (row.status, row.bound) == ("fail", 5.0)
         assert row.evidence["missing"][0] == "first_contact"
+
+
+def test_what_a_liquid_passes_on_needs_no_contact_of_bodies(tmp_path: Path) -> None:
+    candidate = swung(tmp_path, Displacement(entity="ball", axis=(1, 0, 0), min=0.1))
+    spec, beat = candidate.spec, candidate.spec.story.beats["fly"]
+    water = spec.entities["floor"].model_copy(update={"physics": LiquidPhysics(resolution=0.1)})
+    for cause, asked in {"water": False, "floor": True}.items():
+        beats = {
+            "before": beat.model_copy(update={"subject": cause}),
+            "fly": beat.model_copy(update={"causes": ["before"]}),
+        }
+        told = {
+            "entities": {**spec.entities, "water": water},
+            "story": spec.story.model_copy(update={"beats": beats}),
+        }
+        assert _asks_for_contact(dataclasses.replace(candidate, spec=spec.model_copy(update=told))) is asked
 
 
 def test_bodies_in_touch_from_the_start_are_no_first_contact(tmp_path: Path) -> None:

@@ -6,12 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.liquid_worlds import Flow, pool_in_tank
+from worldagent.simulation.liquid.wet import WetPart, _spread
 from worldagent.simulation.surfaces import map_wet_solids
 from worldagent.tools.bundles import _beside
 from worldagent.tools.wetness import wetness
 from worldagent.verifiers.predicates import evaluate
+from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.errors import EvidenceError, RefusedError
@@ -126,3 +129,16 @@ def test_what_was_wet_can_be_asked_for(tmp_path: Path) -> None:
     assert tank["deepest_m"] == pytest.approx(SIZE[2], abs=0.01)
     assert tank["ever_wet_m2"] == tank["wet_now_m2"] == pytest.approx(tank["film_m2"])
     assert (tank["first_wet_s"], tank["last_wet_s"]) == (0.0, 0.125)
+
+
+def test_places_on_slender_triangles_leave_no_gaps() -> None:
+    """A log has long triangles along it: no place of its surface is farther than three texels from one of the map."""
+    turn = np.linspace(0, 2 * np.pi, 65)[:-1]
+    ring = 0.3 * np.column_stack([np.cos(turn), np.sin(turn)])
+    ends = [np.column_stack([ring, np.full(64, z)]) for z in (0.0, 3.2)]
+    k, after = np.arange(64), (np.arange(64) + 1) % 64
+    faces = np.concatenate([np.column_stack([k, after, after + 64]), np.column_stack([k, after + 64, k + 64])])
+    mesh = TriangleMesh(np.concatenate(ends), faces)
+    texels, size = _spread([WetPart(("log", "body", "body"), mesh, lambda _: None, False)], (np.zeros(3), np.ones(3)), 0.06)
+    along = np.array([[0.3 * np.cos(a), 0.3 * np.sin(a), z] for a in turn[::4] for z in np.linspace(0, 3.2, 60)])
+    assert cKDTree(texels["texel/position"]).query(along)[0].max() < 3 * size

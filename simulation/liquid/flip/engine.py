@@ -242,6 +242,7 @@ class Flip:
             self._rub(grid)
         if self.sources.mouths:
             inputs = [grid.columns, len(self.sources.mouths), self.solids.count, *self.sources.shape(), mouths]
+            inputs += [grid.near, *box, int(self.solids.count > 0), solid]
             run(walls.open_mouths, total, [*inputs, opening, self._owners(grid)])
 
     def _rub(self, grid: Grid) -> None:

@@ -44,15 +44,30 @@ def face_center(at: wp.vec3i, axis: int):
 @wp.kernel
 def open_mouths(
     first: wp.int32, grid: Columns, count: int, base: int, center: wp.array(dtype=wp.vec3), rotation: wp.array(dtype=wp.mat33),
-    half: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i),
+    half: wp.array(dtype=wp.vec3), near: wp.array(dtype=vec6i), lower: wp.vec3, upper: wp.vec3, solids: int,
+    solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i),
 ):  # fmt: skip
-    """Faces in the mouth of an inflow have its speed. The third component of `half` is 1 for a disc, -1 for one that is shut."""
+    """Faces in the mouth of an inflow have its speed, those of the domain's closed sides too where no solid is behind them.
+
+    The third component of `half` is 1 for a disc, -1 for one that is shut.
+    """
     c = first + wp.tid()
     at = place_of(grid, c)
     share = opening[c]
     who = face_owner[c]
     for axis in range(3):
         x = face_center(at, axis)
+        free = share[axis] > LEAST
+        k = float(at[axis])
+        inner = int(-1)
+        if k <= lower[axis] and k + 1.0 > lower[axis]:
+            inner = c
+        elif k >= upper[axis] and k - 1.0 < upper[axis]:
+            inner = near[c][2 * axis]
+        if inner >= 0:
+            free = solids == 0
+            if solids == 1:
+                free = solid[inner] >= 0.0
         for m in range(count):
             h = half[m]
             if h[2] >= 0.0:
@@ -60,7 +75,7 @@ def open_mouths(
                 inside = wp.abs(y[0]) <= h[0] and wp.abs(y[1]) <= h[1]
                 if h[2] > 0.5:
                     inside = (y[0] / h[0]) * (y[0] / h[0]) + (y[1] / h[1]) * (y[1] / h[1]) <= 1.0
-                if inside and y[2] >= -1.0 and y[2] <= 0.51 and share[axis] > LEAST:
+                if inside and y[2] >= -1.0 and y[2] <= 0.51 and free:
                     share[axis] = 0.0
                     who[axis] = base + m
     opening[c] = share
@@ -279,6 +294,9 @@ def constrain(
         if (k <= lower[axis] and sides[2 * axis] == 0) or (k >= upper[axis] and sides[2 * axis + 1] == 0):
             u[axis] = 0.0
             d[axis] = 0.0
+            if face_owner[c][axis] >= 0:
+                u[axis] = wall_speed(walls, face_owner[c][axis], face_center(at, axis))[axis]
+                d[axis] = u[axis]
         elif solids == 1 and opening[c][axis] < LEAST and near[c][2 * axis] >= 0:
             o = near[c][2 * axis]
             normal = wp.vec3()

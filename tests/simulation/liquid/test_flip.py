@@ -88,6 +88,26 @@ def test_inflow_equals_outflow_and_storage_to_the_last_particle() -> None:
     assert len(set(particles.identity)) == len(particles.identity)
 
 
+def test_a_mouth_in_a_closed_side_feeds_an_even_flow() -> None:
+    """Law: water that flows along a channel at the speed of its mouth goes on so, as deep, and no more comes in than the mouth gives."""
+    cell, deep, speed = 1 / 16, 0.5, 1.0
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    mouth = Inflow("side", 0, np.array([0.0, 0.125, 0.5 * deep]), turn, (0.5 * deep, 0.125), False, speed)
+    water = block((0, 0, 0), (2.0, 0.25, deep), cell)
+    setup = tank(
+        (2.0, 0.25, 0.75), water, cell, sides=("closed", "open", "closed", "closed", "closed", "closed"), inflows=(mouth,),
+        velocity=np.tile([speed, 0.0, 0.0], (len(water), 1)),
+    )  # fmt: skip
+    engine = Flip(setup)
+    reports = advance(engine, 0.25)
+    assert sum(r.added["side"] for r in reports) == pytest.approx(1000.0 * 0.25 * deep * speed * 0.25, rel=0.15)
+    found = engine.particles()
+    near = found.position[:, 0] < 0.25
+    assert found.velocity[near, 0].mean() == pytest.approx(speed, rel=0.02)
+    assert found.velocity[near, 2].mean() == pytest.approx(0.0, abs=0.05)
+    assert found.volume[near].sum() == pytest.approx(0.25 * 0.25 * deep, rel=0.05)
+
+
 def test_an_inflow_outside_the_domain_is_refused() -> None:
     inflow = Inflow("jet", 0, np.array([5.0, 0.25, 0.4]), np.eye(3), (0.1, 0.1), True, 1.0)
     engine = Flip(tank((1.0, 0.5, 0.75), block((0, 0, 0), (1.0, 0.5, 0.25), CELL), CELL, inflows=(inflow,)))

@@ -30,14 +30,16 @@ EXTENT = (320.0, 128.0)
 """Of the landscape x, y [m]."""
 DISCHARGE = 1.2
 """Of the stream where it comes in, mean [m^3/s]."""
-BRIDGE_AT = -20.0
-"""Where the bridge stands along x [m]."""
-CLEARANCE = 1.0
+BRIDGE_AT = 26.0
+"""Where the bridge stands along x [m]: the stream runs straight there."""
+CLEARANCE = 0.8
 """Of the bridge over the water [m]."""
 DECK = (2.0, 0.35)
 """Width and thickness of the bridge's deck [m]."""
 WALL = 0.3
 """Thickness of its parapets [m]: walls that the water's cells see."""
+PARAPET = 0.4
+"""Their height [m]: the air of the water's domain goes on over them."""
 GROUND_CELL = 0.55
 """Of the ground [m]: finer than the bed, and few enough corners of the water for the specification."""
 LOG = (0.3, 3.2)
@@ -45,7 +47,7 @@ LOG = (0.3, 3.2)
 LOG_DENSITY, LEAF_DENSITY = 600.0, 500.0
 LEAF = (0.8, 0.56, 0.12)
 """A butterbur's: length, width, thickness [m]. Thinner ones fall through the water's cells."""
-LEAVES = ((-3.2, 0.9), (-2.4, -1.0), (2.6, 0.5), (3.4, -0.8), (4.4, 0.6), (-4.4, -0.2))
+LEAVES = ((2.6, 0.5), (3.4, -0.8), (-2.6, -1.0), (-3.2, 0.9), (4.4, 0.6), (-4.4, -0.2))
 """Along and across the stream from the log [m]."""
 
 
@@ -228,8 +230,8 @@ class Ranger(Agent):
                 "pose": {"position": _numbers([0, side * (half - 0.6), 0.5 * low])},
             }
             parts[f"parapet_{n}"] = {
-                "shape": {"kind": "box", "size": [WALL, 2 * half, 0.55]},
-                "pose": {"position": _numbers([side * 0.5 * (DECK[0] - WALL), 0, DECK[1] + 0.275])},
+                "shape": {"kind": "box", "size": [WALL, 2 * half, PARAPET]},
+                "pose": {"position": _numbers([side * 0.5 * (DECK[0] - WALL), 0, DECK[1] + 0.5 * PARAPET])},
             }
         high = max(p["pose"]["position"][2] + 0.5 * p["shape"]["size"][2] for p in parts.values())
         low = min(p["pose"]["position"][2] - 0.5 * p["shape"]["size"][2] for p in parts.values())
@@ -279,13 +281,13 @@ class Ranger(Agent):
             "leaves_drift": beat("all leaves are carried on", bodies, leaves[0],
                                  {"kind": "count", "entities": leaves, "predicate": moved, "min": len(leaves)}, "flows"),
         }  # fmt: skip
-        back, _, _ = self.course.at(bridge + 13.0)
+        back, _, _ = self.course.at(bridge + 7.5)
         side = np.array([-along[1], along[0]])
         bank = _numbers((place[:2] + 5.0 * along + (0.5 * self.course.width + 4.0) * side).tolist())
         (ground,) = await self.heights([bank])
         shots = {
             "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "leaf_0"], "covers": [*beats],
-                    "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 2.6]), "target": _numbers([*place[:2], place[2] + 0.4]), "fov_deg": 50}}},
+                    "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 2.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
         }  # fmt: skip
         self.say(f"bank at {bank}, {ground:.2f} m; the log starts {0.5 * drift:.1f} m above the bridge at {speed:.2f} m/s")
         relations = {f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats}
@@ -365,13 +367,13 @@ def options_of(argv: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line; `--full` is a reach of more than 200 m for 20 s."""
     parser = argparse.ArgumentParser(prog="stream", description=PROMPT)
     parser.add_argument("--out", default="demo-out", help="workspace of the world")
-    parser.add_argument("--full", action="store_true", help="230 m of the valley for 20 s instead of 28 m for 1.25 s")
-    parser.add_argument("--spacing", type=float, default=0.25, help="cell of the liquid [m]")
+    parser.add_argument("--full", action="store_true", help="230 m of the valley for 20 s instead of 16 m for 0.8 s")
+    parser.add_argument("--spacing", type=float, default=0.22, help="cell of the liquid [m]")
     parser.add_argument("--no-render", action="store_true")
     options = parser.parse_args(argv)
     options.fps = 12
-    options.size, options.center = ((230.0, 52.0), (0.0, 0.0)) if options.full else ((28.0, 28.0), (BRIDGE_AT, -8.0))
-    options.seconds, options.told, options.leaves = (20.0, 5.0, 6) if options.full else (1.25, 1.25, 3)
+    options.size, options.center = ((230.0, 52.0), (0.0, 0.0)) if options.full else ((16.0, 13.0), (BRIDGE_AT, 7.2))
+    options.seconds, options.told, options.leaves = (20.0, 5.0, 6) if options.full else (10 / 12, 10 / 12, 3)
     return options
 
 

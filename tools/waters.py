@@ -17,8 +17,12 @@ ABOVE = 2.0
 """Air over the highest water in a domain [m], at least; also a fifth of its depth."""
 MANY = 100_000
 """Own choice: with more particles, or with rivers, the water runs on a grid."""
+RIM = 2.0
+"""Ground beyond the sides of a domain, in spacings, at least."""
+LEAST_ROWS = 3
+"""Of the ground's heights that a domain spans."""
 DRAIN = 2.0
-"""Length along the flow of the box in which a river leaves, in spacings."""
+"""Length along the flow of the box in which a river leaves, in spacings, besides its width: no film stays behind it."""
 OVER = 0.5
 """How far that box reaches beyond the water, beside, below and above it, in its depths."""
 
@@ -49,6 +53,8 @@ def water_operations(
     Raises:
         InputError: the ground holds no water, or the entity is something else.
     """
+    import math
+
     import numpy as np
 
     from ..construction.terrain.rivers import river_courses, river_gates
@@ -61,11 +67,17 @@ def water_operations(
         raise InputError(f"entity {liquid!r} exists and is no liquid; choose another id")
     ground = np.load(folder.assets / file, allow_pickle=False)
     x, y = (c + np.linspace(-s / 2, s / 2, n) for c, s, n in zip(center, size, ground.shape[::-1], strict=True))
-    body = water_body(land, x, y, ground)
-    courses, gates = river_courses(land, body), river_gates(land, body, inset=2 * spacing)
-    count = body.volume / spacing**3
+    # Beyond the domain the ground goes on: where both end together, liquid slips down the ground's side.
+    inner = [slice(k, -k) for k in (math.ceil(RIM * spacing / float(a[1] - a[0])) for a in (x, y))]
+    if min(len(x[inner[0]]), len(y[inner[1]])) < LEAST_ROWS:
+        raise InputError(
+            f"a ground of {size[0]:g} x {size[1]:g} m is too small for a liquid of spacing {spacing:g} m; cut more of it"
+        )
+    body = water_body(land, x[inner[0]], y[inner[1]], ground[inner[1], inner[0]])
+    courses, count = river_courses(land, body), body.volume / spacing**3
     owner = next((k for k, s in spec.simulation.liquid.items() if liquid in s.members), None)
     engine = spec.simulation.liquid[owner].engine if owner is not None else "flip" if courses or count > MANY else "dfsph"
+    gates = river_gates(land, body, inset=2 * spacing, flush=engine == "flip")
     fits = [g for g in gates if not g.enters or min(g.size) >= LEAST_MOUTH[engine] * spacing]
     operations = [*_material(spec), *_entity(spec, body, courses, liquid, center, spacing)]
     operations += _instance(body, gates, liquid, owner, engine, spacing)
@@ -81,7 +93,7 @@ def water_operations(
     told = {
         "entity": liquid,
         "volume_m3": round(body.volume, 3),
-        "deepest_m": round(float(np.nanmax(body.level - ground)), 3),
+        "deepest_m": round(float(np.nanmax(body.level - body.ground)), 3),
         "particles": round(count),
         "engine": engine,
         "inflows": [_told(g) for g in fits if g.enters],
@@ -195,8 +207,10 @@ def _mouth(gate: Gate, liquid: str, spacing: float) -> dict[str, Any]:
 
 def _drain(gate: Gate, liquid: str, spacing: float) -> dict[str, Any]:
     width, deep = gate.size
-    size = [round(v, 6) for v in (width + 2 * OVER * deep, (1 + 2 * OVER) * deep, DRAIN * spacing)]
-    return {"kind": "outflow", "entity": liquid, "pose": _pose(gate, gate.center), "size": size}
+    size = [round(v, 6) for v in (width + 2 * OVER * deep, (1 + 2 * OVER) * deep, DRAIN * spacing + width)]
+    x, y, z = gate.center
+    center = (x + 0.5 * width * gate.direction[0], y + 0.5 * width * gate.direction[1], z)
+    return {"kind": "outflow", "entity": liquid, "pose": _pose(gate, center), "size": size}
 
 
 def _add(path: str, value: Any) -> dict[str, Any]:

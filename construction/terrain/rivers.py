@@ -23,8 +23,8 @@ __all__ = ["BED_ROUGHNESS", "Course", "Gate", "river_courses", "river_gates"]
 
 BED_ROUGHNESS = 6.8 * GRAIN_M / 30.0
 """Roughness length of the beds [m]: a thirtieth of the roughness height, which is 6.8 D_50 (Clifford et al. 1992)."""
-CLEAR = 0.9
-"""Share of the deepest place of a section that an opening keeps to: its banks stay free."""
+CLEAR = (0.5, 0.6, 0.7, 0.8, 0.9)
+"""Shares of the deepest place of a section that openings reach down to; the largest is taken. Banks stay free."""
 INSET = 0.96
 """Size of an opening over that of the rectangle that fits."""
 GRAVITY = 9.81
@@ -92,10 +92,19 @@ class _Section:
     def width(self) -> float:
         return len(self.depth) * self.step
 
+    def speed(self, discharge: float) -> float:
+        """Of the flow, at most that of waves on the mean depth [m/s]."""
+        return min(discharge / self.area, float(np.sqrt(GRAVITY * self.area / self.width)))
+
+    def whole(self) -> tuple[F64, float, float, float]:
+        """Middle, width, bottom and top of the rectangle around it."""
+        return self.points.mean(axis=0), self.width, self.level - float(self.depth.max()), self.level
+
     def opening(self) -> tuple[F64, float, float, float]:
-        """Middle, width, bottom and top of the rectangle between those places that are nearly as deep as the deepest."""
+        """Middle, width, bottom and top of the largest rectangle that is clear of the banks."""
         middle = int(self.depth.argmax())
-        first, last = _run(self.depth >= CLEAR * self.depth[middle], middle)
+        runs = [_run(self.depth >= share * self.depth[middle], middle) for share in CLEAR]
+        first, last = max(runs, key=lambda run: (run[1] - run[0]) * float(self.depth[run[0] : run[1] + 1].min()))
         bottom = self.level - float(self.depth[first : last + 1].min())
         return 0.5 * (self.points[first] + self.points[last]), (last - first) * self.step, bottom, self.level
 
@@ -133,6 +142,20 @@ class _Sections:
         self._ground = RegularGridInterpolator((body.y, body.x), body.ground)
         self._level = RegularGridInterpolator((body.y, body.x), body.level)
 
+    def at_side(self, reach: _Reach, k: int) -> tuple[F64, F64]:
+        """Where a course that comes in before its point `k` crosses a side of the rectangle, and the way in, square to that side."""
+        before, after = reach.line[k - 1], reach.line[k]
+        step = after - before
+        limit = np.where(step > 0, self.low, self.high)
+        outside = (before < self.low) | (before > self.high)
+        share = np.where(outside, (limit - before) / np.where(step == 0, 1.0, step), 0.0)
+        axis = int(np.argmax(share))
+        place = before + share[axis] * step
+        place[axis] = limit[axis]
+        along = np.zeros(2)
+        along[axis] = np.sign(step[axis])
+        return place, along
+
     def at(self, place: F64, along: F64, width: float) -> _Section | None:
         """The section at a point of a course; None where it is dry."""
         step = 0.05 * min(width, self.cell)
@@ -150,28 +173,33 @@ class _Sections:
         return _Section(points[first : last + 1], depth[first : last + 1], float(level[middle]), step)
 
 
-def river_gates(land: SavedLandscape, body: WaterBody, *, inset: float) -> list[Gate]:
-    """Openings across the rivers that come into the rectangle or leave it, `inset` [m] inside it."""
+def river_gates(land: SavedLandscape, body: WaterBody, *, inset: float, flush: bool = False) -> list[Gate]:
+    """Openings across the rivers that come into the rectangle or leave it.
+
+    Args:
+        land: the landscape.
+        body: water of the rectangle.
+        inset: how far inside the rectangle they are [m].
+        flush: those that enter lie in the rectangle's side instead, square to it.
+    """
     sections, found = _Sections(body, land.cell), []
     for reach in _reaches(land):
+        ends: list[tuple[int, bool]] = []
         for first, last in reach.runs(sections.low + inset, sections.high - inset):
-            ends = [(first, True)] * (first > 0) + [(last, False)] * (last < len(reach.line) - 1)
-            for k, enters in ends:
-                along = reach.along[k]
-                section = sections.at(reach.line[k], along, float(reach.width[k]))
-                if section is None:
-                    continue
-                if enters:
-                    middle, width, bottom, top = section.opening()
-                    size = (INSET * width, INSET * (top - bottom))
-                else:
-                    middle, width, bottom = section.points.mean(axis=0), section.width, section.level - float(section.depth.max())
-                    top = section.level
-                    size = (width, top - bottom)
-                if min(size) > 0:
-                    center = (float(middle[0]), float(middle[1]), 0.5 * (top + bottom))
-                    way = (float(along[0]), float(along[1]))
-                    found.append(Gate(reach.number, enters, center, way, size, float(reach.discharge[k])))
+            ends += [(first, True)] * (first > 0 and not flush) + [(last, False)] * (last < len(reach.line) - 1)
+        if flush:
+            ends += [(first, True) for first, _ in reach.runs(sections.low, sections.high) if first > 0]
+        for k, enters in ends:
+            place, along = sections.at_side(reach, k) if enters and flush else (reach.line[k], reach.along[k])
+            section = sections.at(place, along, float(reach.width[k]))
+            if section is None:
+                continue
+            middle, width, bottom, top = section.opening() if enters else section.whole()
+            size = (INSET * width, INSET * (top - bottom)) if enters else (width, top - bottom)
+            if min(size) > 0:
+                center = (float(middle[0]), float(middle[1]), 0.5 * (top + bottom))
+                flow = float(reach.discharge[k])
+                found.append(Gate(reach.number, enters, center, (float(along[0]), float(along[1])), size, flow))
     return found
 
 
@@ -186,7 +214,7 @@ def river_courses(land: SavedLandscape, body: WaterBody) -> list[Course]:
             wet = [(k, s) for k, s in cut if s is not None]
             if len(wet) < 2:
                 continue
-            speeds = [min(reach.discharge[k] / s.area, np.sqrt(GRAVITY * s.area / s.width)) for k, s in wet]
+            speeds = [s.speed(float(reach.discharge[k])) for k, s in wet]
             points = np.array([[*reach.line[k], s.level] for k, s in wet])
             far = max(float(np.linalg.norm(s.points - reach.line[k], axis=1).max()) for k, s in wet)
             found.append(Course(reach.number, points, np.array(speeds), 2.0 * far))

@@ -43,7 +43,9 @@ def test_the_long_reach_agrees_with_the_mask_of_hydrology_within_one_cell(tmp_pa
     have = np.zeros(grid.shape, dtype=bool)
     have[grid.indices(setup.position[:, 0], setup.position[:, 1])] = True
     east, north = grid.axes()
-    inside = (np.abs(east) < SIZE[0] / 2)[None] & (np.abs(north) < SIZE[1] / 2)[:, None]
+    low, high = setup.lower, setup.upper
+    assert (high[:2] - low[:2] > np.array(SIZE) - 8 * SPACING).all()
+    inside = ((east > low[0]) & (east < high[0]))[None] & ((north > low[1]) & (north < high[1]))[:, None]
     wet = land.raw("wet").astype(bool) & inside
     near = np.ones((3, 3), dtype=bool)
     assert wet.sum() > 1500

@@ -147,7 +147,7 @@ def _floating_height(radius: float, ratio: float) -> float:
     return 0.5 * (low + high)
 
 
-def _numbers(values: Sequence[float]) -> list[float]:
+def _numbers(values: Sequence[float] | np.ndarray) -> list[float]:
     return [round(float(v), 5) for v in values]
 
 
@@ -290,7 +290,9 @@ class Ranger(Agent):
                     "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 2.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
         }  # fmt: skip
         self.say(f"bank at {bank}, {ground:.2f} m; the log starts {0.5 * drift:.1f} m above the bridge at {speed:.2f} m/s")
-        relations = {f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats}
+        relations: dict[str, dict[str, Any]] = {
+            f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats
+        }
         relations["set"] = {
             "kind": "fastened", "a": "footbridge", "b": "ground", "max_depth": 1.5, "reason": "the feet of the bridge stand in the banks"
         }  # fmt: skip
@@ -310,7 +312,7 @@ class Ranger(Agent):
     async def rigid_instance(self) -> str:
         """The instance that moves bodies; build_terrain made it with the ground."""
         solvers = (await self.spec())["simulation"]["solvers"]
-        return next(n for n, s in solvers.items() if s["engine"] == "mujoco")
+        return str(next(n for n, s in solvers.items() if s["engine"] == "mujoco"))
 
     async def accepted(self) -> bool:
         """From the specification to the verdict; what fails is said."""

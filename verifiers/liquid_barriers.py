@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.inside import contains
 from ..geometry.launch import launch, warp
 from ..worlds.arrays import F64
 from .liquid_samples import triangles_by_parts
@@ -104,6 +105,15 @@ class Barrier:
         launch(beside, len(points), [_vectors(points), *self.ways, found], device="cpu")
         result: F64 = found.numpy()
         return result
+
+    def deeper(self, points: F64, others: F64) -> NDArray[np.bool_]:
+        """Where the other point lies inside a part and the point itself does not."""
+        found = np.zeros(len(points), dtype=bool)
+        for piece in self.pieces if len(points) else ():
+            if piece.solid_through:
+                own, other = ((piece.local(x, 0) if self.world else x) for x in (points, others))
+                found |= contains(piece.solid, other) & ~contains(piece.solid, own)
+        return found
 
     def blocked(self, start: F64, end: F64) -> NDArray[np.bool_]:
         """Which straight ways lead through closed cubes."""

@@ -95,6 +95,8 @@ class Leaks:
             known = ~np.isnan(ends[:, 0])
             rows, ends = keep[known], ends[known]
             led = barrier.blocked(start[rows], ends)
+            # Beside a sloping bed that cube may lie in the solid; what is outside of it has not gone there.
+            led[led] = ~barrier.deeper(here[rows[led]], ends[led])
             self._judge(number, barrier, frame.index, start[rows[led]], ends[led], frame.identity[rows[led]])
 
     def _judge(self, number: int, barrier: Barrier, index: int, start: F64, end: F64, identity: NDArray[np.int64]) -> None:

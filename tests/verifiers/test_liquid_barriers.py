@@ -1,0 +1,21 @@
+"""Sides of surfaces: what lies beside a solid is not in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from worldagent.bench.liquid_worlds import pool_in_tank
+from worldagent.verifiers.liquid_barriers import still_barrier
+from worldagent.verifiers.liquid_frames import Liquid
+
+
+def test_a_point_outside_is_told_from_one_inside_a_part(tmp_path: Path) -> None:
+    candidate = pool_in_tank(size=(0.4, 0.3, 0.16), spacing=0.04, wall=0.08, frames=2).candidate(tmp_path)
+    liquid = Liquid(candidate, "water", candidate.caches["water"])
+    liquid.extent = (np.array([-0.2, -0.2, 0.0]), np.array([0.2, 0.2, 0.16]))
+    barrier = still_barrier(liquid)
+    assert barrier is not None
+    over, under, lower = np.array([0.0, 0.0, 0.001]), np.array([0.0, 0.0, -0.03]), np.array([0.0, 0.0, -0.04])
+    found = barrier.deeper(np.array([over, under, under, over]), np.array([under, over, lower, over]))
+    assert found.tolist() == [True, False, False, False]

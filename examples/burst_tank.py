@@ -81,7 +81,7 @@ def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> d
     """The specification, its liquid resolved by `spacing` [m]."""
     frames = round(seconds * FPS)
     length, width = STREET
-    wet = (TANK - 0.01, width - 0.01, DEPTH)
+    wet = (TANK - 0.001, width - 0.001, DEPTH)
     crates = {name: _crate(x, y) for name, (x, y) in CRATES.items()}
     gate_at = (-GATE / 2, 0, HIGH / 2 + 1e-3)
     up = (gate_at[0], 0, gate_at[2] + HIGH)

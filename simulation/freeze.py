@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..worlds.built import BuiltEntity
-from ..worlds.canonical import digest_of, source_digest
+from ..worlds.canonical import digest_of, source_digest, spec_digest
 from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.provenance import motion_slice
 from ..worlds.spec import WorldSpec
@@ -54,6 +54,7 @@ def open_freeze(
         "freeze": freeze,
         "revision": revision,
         "spec": spec.model_dump(mode="json", exclude_none=True),
+        "spec_digest": spec_digest(spec),
         "built": {name: [files[name], built[name].digest()] for name in sorted(built)},
         "versions": engine_versions(),
         "source": solver_source(),

@@ -15,6 +15,7 @@ import numpy as np
 from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
+from .canonical import spec_digest
 from .coarsening import coarsened, read_overrides
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
@@ -228,6 +229,8 @@ def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "fu
         spec, files = parse_spec(record["spec"]), {k: (str(f), str(d)) for k, (f, d) in record["built"].items()}
     except (SpecError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise EvidenceError(f"candidate.json of {root.name!r} is damaged ({error}); call probe_sim again") from error
+    if record.get("spec_digest", told := spec_digest(spec)) != told:
+        raise EvidenceError(f"the specification in candidate.json of {root.name!r} is damaged; call probe_sim again")
     built = {}
     for entity, (file, digest) in files.items():
         built[entity] = load_built(safe_join(folder.root, file))

@@ -123,7 +123,7 @@ def test_work_that_does_not_fit_on_the_disk_is_refused_with_its_estimate(
     usage = namedtuple("usage", ("total", "used", "free"))  # noqa: PYI024
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage(10**9, 10**9 - 1000, 1000))
     monkeypatch.setattr("worldagent.tools.jobs.require_acceptance", lambda *_: {})
-    monkeypatch.setattr("worldagent.worlds.ledger.Ledger.freeze", lambda *_: {"passed": True})
+    monkeypatch.setattr("worldagent.worlds.ledger.Ledger.freeze", lambda *_: {"passed": True, "detail": {}})
     monkeypatch.setattr("worldagent.tools.measurements.is_whole", lambda *_: False)
     answer = portal.call(connected.call_tool, tool, {"world": "w", **({"kind": "final"} if tool == "render_shot" else {})})
     assert answer.is_error

@@ -20,8 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from ..simulation.boundaries import BodyState
 from ..simulation.liquid.dfsph import Dfsph, DfsphSettings
-from ..simulation.liquid.engine import BodyState, Fluid, LiquidSetup
+from ..simulation.liquid.engine import Fluid, LiquidSetup
 from .liquid_dambreak_world import dambreak_figures, dambreak_spec
 
 __all__ = ["run"]

@@ -23,7 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from ..simulation.liquid.engine import BodyState, Fluid, LiquidSetup
+from ..simulation.boundaries import BodyState
+from ..simulation.liquid.engine import Fluid, LiquidSetup
 from ..simulation.liquid.flip.engine import Flip
 from ..simulation.liquid.flip.settings import FlipSettings
 

@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from ..geometry.launch import chosen_device, warp
+from ..simulation.boundaries import BodyState, Boundary
 from ..simulation.liquid.dfsph import Dfsph, DfsphSettings
-from ..simulation.liquid.engine import BodyState, Boundary, Fluid, LiquidSetup
+from ..simulation.liquid.engine import Fluid, LiquidSetup
 from ..simulation.passes import Chain, Pass
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh

@@ -1,32 +1,28 @@
-"""States of the bodies that a liquid meets: at rest, read from a cache, or of a running rigid instance."""
+"""States of the bodies that an instance meets: at rest, or read from a cache."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..worlds.arrays import F64, RigidPose, rotation_matrix
 from ..worlds.cache import Cache
 from ..worlds.errors import EvidenceError
-from .liquid.engine import BodyState
-
-if TYPE_CHECKING:
-    from .liquid.scene import LiquidScene
+from .boundaries import BodyState, Surround
 
 __all__ = ["CacheMotion", "resting"]
 
 
-def resting(scene: LiquidScene) -> BodyState:
+def resting(surround: Surround) -> BodyState:
     """All boundaries at rest at their places of frame 0, none of them reacting."""
-    rotation = np.array([rotation_matrix(p.quaternion) for p in scene.start]).reshape(-1, 3, 3)
-    position = np.array([p.position for p in scene.start]).reshape(-1, 3)
-    return _fixed(position, rotation, _centers(scene, position, rotation))
+    rotation = np.array([rotation_matrix(p.quaternion) for p in surround.start]).reshape(-1, 3, 3)
+    position = np.array([p.position for p in surround.start]).reshape(-1, 3)
+    return _fixed(position, rotation, _centers(surround, position, rotation))
 
 
-def _centers(scene: LiquidScene, position: F64, rotation: F64) -> F64:
-    local = np.array([b.center for b in scene.bodies]).reshape(-1, 3)
+def _centers(surround: Surround, position: F64, rotation: F64) -> F64:
+    local = np.array([b.center for b in surround.bodies]).reshape(-1, 3)
     return np.asarray(position + np.einsum("nij,nj->ni", rotation, local))
 
 
@@ -42,7 +38,7 @@ class CacheMotion:
     Velocities are those of that path, so that positions and velocities agree; no body reacts (a one-way coupling).
 
     Args:
-        scene: the liquid whose boundaries move.
+        surround: the boundaries that move.
         caches: of rigid instances, by id.
         fps: of the caches.
 
@@ -50,11 +46,11 @@ class CacheMotion:
         EvidenceError: a moving boundary is in no cache.
     """
 
-    def __init__(self, scene: LiquidScene, caches: Mapping[str, Cache], fps: int) -> None:
-        self._scene, self._fps = scene, fps
-        self._resting = resting(scene)
+    def __init__(self, surround: Surround, caches: Mapping[str, Cache], fps: int) -> None:
+        self._surround, self._fps = surround, fps
+        self._resting = resting(surround)
         self._rows: list[tuple[int, Cache, int]] = []
-        for row, boundary in enumerate(scene.setup.boundaries):
+        for row, boundary in enumerate(surround.boundaries):
             if boundary.motion == "static":
                 continue
             entity, body = boundary.name.split("/", 1)
@@ -92,7 +88,7 @@ class CacheMotion:
             first, last = (Rotation.from_quat(p.quaternion[[1, 2, 3, 0]]) for p in (a, b))
             turn = (last * first.inv()).as_rotvec()
             now = Rotation.from_rotvec(share * turn) * first
-            local = self._scene.bodies[row].center
+            local = self._surround.bodies[row].center
             ends = [p.position + r.apply(local) for p, r in ((a, first), (b, last))]
             rotation[row] = now.as_matrix()
             center[row] = ends[0] + share * (ends[1] - ends[0])

@@ -9,7 +9,10 @@ from typing import Any, Literal, Protocol
 from ..worlds.arrays import F64
 from ..worlds.cache import CacheIndex
 
-__all__ = ["Channel", "Exchange", "Intervention", "Port", "Solver"]
+__all__ = ["SHORTEST", "Channel", "Exchange", "Intervention", "Port", "Solver"]
+
+SHORTEST = 1e-9
+"""[s] Times this close are equal."""
 
 PortKind = Literal["motion", "wrench", "pressure", "heat", "mass"]
 

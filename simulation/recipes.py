@@ -1,4 +1,4 @@
-"""Hash of everything that decides a liquid's motion, so that its cache outlives edits that do not reach it (R115, R116)."""
+"""Hash of everything that decides an instance's motion, so that its cache outlives edits that do not reach it (R115, R116)."""
 
 from __future__ import annotations
 
@@ -11,24 +11,30 @@ import numpy as np
 from ..worlds.canonical import digest_of
 from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.provenance import liquid_slice, motion_slice
-from .liquid.scene import MARGIN, meets_domain
+from .boundaries import meets_domain
+from .liquid.scene import MARGIN
 
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
     from ..worlds.spec import WorldSpec
 
-__all__ = ["coupled_recipe", "liquid_recipe"]
+__all__ = ["alone_recipe", "coupled_recipe"]
 
 
 def coupled_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity]) -> str:
-    """Recipe of liquids that step with bodies: everything that decides any motion."""
+    """Recipe of instances that step with bodies: everything that decides any motion."""
     from .freeze import engine_versions, solver_source
 
     return digest_of(motion_slice(spec), {n: b.digest() for n, b in built.items()}, solver_source(), engine_versions())
 
 
-def liquid_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
+def alone_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
+    """Recipe of an instance that reads the bodies' motion."""
+    return _liquid_recipe(spec, built, name, caches) if name in spec.simulation.liquid else coupled_recipe(spec, built)
+
+
+def _liquid_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
     """Recipe of a liquid that reads the bodies' motion: itself, the solids that meet its domain, and the paths of moving ones."""
     from .freeze import engine_versions, solver_source
 

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ..worlds.audit import audit
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.liquid_audit import coupled_groups
+from ..worlds.instances import coupled_groups, membership_problems
 from .protocol import Intervention, Solver
+from .recipes import alone_recipe, coupled_recipe
 
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
     from ..worlds.spec import WorldSpec
-    from .coupling import CoupledRun
+    from .coupling import CoupledRun, Partner
     from .rigid import SolverRigid
 
 __all__ = ["Run", "groups_of", "make_run", "reads"]
+
+PARTNERS = {
+    "dfsph": (".liquid.solver", "SolverLiquid"),
+    "flip": (".liquid.solver", "SolverLiquid"),
+}
+"""Module and class of the solver of each engine but the rigid one: a `coupling.Partner`, made from (spec, built, name, *, caches of
+the instances that it reads or None where a coupling tells it the bodies, intervention, recipe). Loaded when needed: they compile kernels."""
 
 
 def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
@@ -29,8 +38,8 @@ def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
 
 
 def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Instances whose caches an instance reads while it runs: a liquid without two-way coupling reads the bodies' motion."""
-    if name not in spec.simulation.liquid or any(name in g for g in coupled_groups(spec)):
+    """Instances whose caches an instance reads while it runs: one without two-way coupling reads the bodies' motion."""
+    if name in spec.simulation.rigid or any(name in g for g in coupled_groups(spec)):
         return ()
     return tuple(spec.simulation.rigid)
 
@@ -85,34 +94,42 @@ def make_run(
         EvidenceError: what the group reads has no cache.
     """
     plan = spec.simulation
-    kinds = {"rigid" if n in plan.rigid else "liquid": () for n in names}
-    for name in names:
-        wanted = "rigid" if name in plan.rigid else "liquid"
-        others = [m for m in plan.solvers[name].members if spec.entities[m].physics.category != wanted]
-        if others:
-            raise InputError(
-                f"members {others[:5]} of solver {name!r} are not {wanted}; engine {plan.solvers[name].engine!r} moves {wanted} ones only"
-            )
-    if "liquid" not in kinds:
+    wrong = membership_problems(spec)
+    if wrong:
+        raise InputError(wrong[0].text)
+    partners = [n for n in names if n not in plan.rigid]
+    if not partners:
         return Run({n: _rigid(spec, built, n, intervention) for n in names})
-    from .liquid.solver import SolverLiquid
-    from .recipes import coupled_recipe, liquid_recipe
-
     if len(names) == 1:
         name = names[0]
         read = {n: (caches or {}).get(n) for n in reads(spec, name)}
         missing = sorted(n for n, c in read.items() if c is None)
         if missing:
-            raise EvidenceError(f"the liquid {name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
+            raise EvidenceError(f"{name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
         have = {n: c for n, c in read.items() if c is not None}
-        recipe = liquid_recipe(spec, built, name, have)
-        return Run({name: SolverLiquid(spec, built, name, caches=have, intervention=intervention, recipe=recipe)})
+        recipe = alone_recipe(spec, built, name, have)
+        return Run({name: _partner(spec, built, name, intervention, recipe, have)})
     from .coupling import CoupledRun
 
     recipe = coupled_recipe(spec, built)
     first = _rigid(spec, built, names[0], intervention, coupled=True)
-    liquids = [SolverLiquid(spec, built, n, intervention=intervention, recipe=recipe) for n in names[1:]]
-    return Run({names[0]: first, **{liquid.name: liquid for liquid in liquids}}, CoupledRun(first, liquids))
+    others = {n: _partner(spec, built, n, intervention, recipe) for n in partners}
+    return Run({names[0]: first, **others}, CoupledRun(first, list(others.values())))
+
+
+def _partner(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    name: str,
+    intervention: Intervention | None,
+    recipe: str,
+    caches: Mapping[str, Cache] | None = None,
+) -> Partner:
+    module, solver = PARTNERS[spec.simulation.solvers[name].engine]
+    made: Partner = getattr(import_module(module, __package__), solver)(
+        spec, built, name, caches=caches, intervention=intervention, recipe=recipe
+    )
+    return made
 
 
 def _rigid(

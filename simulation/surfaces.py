@@ -14,7 +14,8 @@ from ..worlds.liquid_surface import LiquidSurface
 from ..worlds.liquid_wet import WetMap
 from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.spec import WorldSpec
-from .liquid.scene import MARGIN, meets_domain
+from .boundaries import meets_domain
+from .liquid.scene import MARGIN
 from .liquid.surface import default_settings, mesh_surfaces
 from .liquid.wet import WetPart, map_wet
 

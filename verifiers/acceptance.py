@@ -21,7 +21,7 @@ from ..worlds.clauses import clauses_of
 from ..worlds.environment import environment
 from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
-from ..worlds.liquid_audit import coupled_groups
+from ..worlds.instances import coupled_groups
 from ..worlds.liquids import spacing_of
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes

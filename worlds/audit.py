@@ -14,12 +14,14 @@ from .canonical import digest_of
 from .clauses import clauses_of
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
 from .groups import group_of
-from .liquid_audit import coupled_groups, coupling_problems, liquid_problems
+from .instances import bake_order, coupling_problems, instance_for, membership_problems
+from .liquid_audit import liquid_problems
 from .liquids import declares_heat
 from .predicates import PREDICATES, entities_of
 from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
 from .requirements import Correction, Row
 from .spec import (
+    MOVED,
     DetachDriver,
     MotorDriver,
     PathDriver,
@@ -179,7 +181,7 @@ class _Audit:
 
     def ownership(self) -> None:
         """R27: every motion has a declared owner; every collider is in a solver."""
-        plan, problems = self.spec.simulation, []
+        plan, problems = self.spec.simulation, membership_problems(self.spec)
         member_of: dict[str, list[str]] = {}
         for name, instance in plan.solvers.items():
             for member in instance.members:
@@ -189,8 +191,7 @@ class _Audit:
             place = f"/entities/{name}"
             owners = member_of.get(name, [])
             if not owners:
-                liquid = entity.physics.category == "liquid"
-                where = next(iter(plan.liquid if liquid else plan.rigid), "liquid" if liquid else "rigid")
+                where = instance_for(self.spec, entity.physics.category)
                 problems.append(
                     Problem(
                         f"/simulation/solvers/{where}/members",
@@ -246,14 +247,14 @@ class _Audit:
     def categories(self) -> None:
         """Engines exist for the categories used."""
         for name, entity in self.spec.entities.items():
-            if entity.physics.category not in ("rigid", "liquid"):
+            if entity.physics.category not in MOVED:
                 self.add(
                     f"engine:{name}",
                     f"an engine of this build simulates category {entity.physics.category!r}",
                     [
                         Problem(
                             f"/entities/{name}/physics",
-                            f"no engine for {entity.physics.category!r} in this build; rigid and liquid are available",
+                            f"no engine for {entity.physics.category!r} in this build; there are engines for {', '.join(MOVED)}",
                         )
                     ],
                     entity=name,
@@ -323,7 +324,7 @@ class _Audit:
         if plan.liquid or any(e.physics.category == "liquid" for e in self.spec.entities.values()):
             text = "liquids are members of a liquid instance that resolves them, and its domain holds them"
             self.add("liquids", text, liquid_problems(self.spec), group="physical")
-        if plan.couplings or (plan.order and plan.liquid):
+        if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):
             self.add(
                 "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
             )
@@ -473,21 +474,6 @@ class _Audit:
         return coverage
 
 
-def _bake_order(spec: WorldSpec) -> tuple[str, ...]:
-    """Declared order, then the rest so that sources come before their targets; what steps together stands together."""
-    order = list(dict.fromkeys(s for s in spec.simulation.order if s in spec.simulation.solvers))
-    rest = [s for s in spec.simulation.solvers if s not in order]
-    rest.sort(key=lambda s: s in spec.simulation.liquid)  # liquids read the motion of bodies; equal ones keep their order
-    before = {c.target: c.source for c in spec.simulation.couplings.values() if c.direction == "one_way"}
-    while rest:
-        ready = next((s for s in rest if before.get(s) not in rest), rest[0])
-        rest.remove(ready)
-        order.append(ready)
-    groups = {name: group for group in coupled_groups(spec) for name in group}
-    together = [sorted(groups.get(s, {s}), key=order.index) for s in order]
-    return tuple(dict.fromkeys(name for group in together for name in group))
-
-
 def audit(spec: WorldSpec) -> AuditReport:
     """Audit a validated specification."""
     work = _Audit(spec)
@@ -509,4 +495,4 @@ def audit(spec: WorldSpec) -> AuditReport:
             if r.kind in ("supports", "interacts", "contains", "fastened")
         }
     )
-    return AuditReport(tuple(work.rows), _bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses)
+    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses)

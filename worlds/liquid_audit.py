@@ -1,4 +1,4 @@
-"""Rows of the audit about liquids: membership, resolution, domain, openings, couplings (R57, R58, R66)."""
+"""Rows of the audit about liquids: resolution, domain, openings (R57, R58)."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .liquids import LEAST_MOUTH, LEAST_SPACINGS, domain_box, inflows_of, initia
 from .wave_audit import wave_problems
 
 if TYPE_CHECKING:
-    from .spec import Coupling, LiquidInstance, WorldSpec
+    from .spec import LiquidInstance, WorldSpec
 
-__all__ = ["coupled_groups", "coupling_problems", "liquid_problems"]
+__all__ = ["liquid_problems"]
 
 
 def liquid_problems(spec: WorldSpec) -> list[Problem]:
     """What is wrong with liquids, their instances and their drivers."""
-    found = [*_memberships(spec)]
+    found = [*_entities(spec)]
     for name, instance in spec.simulation.liquid.items():
         found += _instance(spec, name, instance)
         if np.isfinite(spacing_of(spec, name)):
@@ -29,19 +29,7 @@ def liquid_problems(spec: WorldSpec) -> list[Problem]:
     return found
 
 
-def _memberships(spec: WorldSpec) -> Iterator[Problem]:
-    plan = spec.simulation
-    for name, instance in plan.solvers.items():
-        wanted = "liquid" if name in plan.liquid else "rigid"
-        for k, member in enumerate(instance.members):
-            entity = spec.entities.get(member)
-            if entity is not None and entity.physics.category != wanted:
-                yield Problem(
-                    f"/simulation/solvers/{name}/members/{k}",
-                    f"{member!r} is {entity.physics.category}, which engine {instance.engine!r} does not move; take it out. Solids are "
-                    "boundaries of a liquid without being its members",
-                    {"op": "remove", "path": f"/simulation/solvers/{name}/members/{k}"},
-                )
+def _entities(spec: WorldSpec) -> Iterator[Problem]:
     for name, entity in spec.entities.items():
         if entity.physics.category != "liquid":
             continue
@@ -130,62 +118,3 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
 
 def _box(low: F64, high: F64) -> str:
     return f"[{', '.join(f'{v:.4g}' for v in low)}] to [{', '.join(f'{v:.4g}' for v in high)}] m"
-
-
-def coupling_problems(spec: WorldSpec) -> list[Problem]:
-    """Couplings that no engine of this build carries out."""
-    return [p for key, c in spec.simulation.couplings.items() for p in _coupling(spec, key, c)] + [*_orders(spec)]
-
-
-def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
-    plan, place = spec.simulation, f"/simulation/couplings/{key}"
-    kinds = {n: "rigid" if n in plan.rigid else "liquid" for n in plan.solvers}
-    source, target = kinds.get(coupling.source), kinds.get(coupling.target)
-    if source is None or target is None:
-        return  # the references row says so
-    if {source, target} != {"rigid", "liquid"}:
-        yield Problem(place, f"coupling {key!r} joins two {source} instances; this build couples a rigid with a liquid one")
-    elif coupling.direction == "one_way" and source != "rigid":
-        text = f"coupling {key!r}: one_way goes from the rigid to the liquid instance; swap source and target, or make it two_way"
-        yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "two_way"})
-    wrong = sorted(set(coupling.variables) - {"motion", "wrench", "pressure"})
-    if wrong:
-        yield Problem(
-            f"{place}/variables", f"coupling {key!r}: {', '.join(wrong)} is exchanged by no engine of this build; take it out"
-        )
-    wanted = {"motion"} | ({"wrench"} if coupling.direction == "two_way" else set())
-    missing = sorted(wanted - {v.replace("pressure", "wrench") for v in coupling.variables})
-    if missing:
-        yield Problem(f"{place}/variables", f"coupling {key!r} is {coupling.direction}; it exchanges {', '.join(missing)} too")
-
-
-def _orders(spec: WorldSpec) -> Iterator[Problem]:
-    plan = spec.simulation
-    first = [s for s in plan.order if s in plan.solvers]
-    for k, name in enumerate(first):
-        late = [r for r in first[k + 1 :] if r in plan.rigid and not _share_group(spec, r, name)] if name in plan.liquid else []
-        if late:
-            yield Problem(
-                "/simulation/order", f"the liquid {name!r} comes before {late[0]!r}, whose motion it reads; put it after"
-            )
-    for group in coupled_groups(spec):
-        if sum(n in plan.rigid for n in group) > 1:
-            yield Problem(
-                "/simulation/couplings",
-                f"instances {sorted(group)} are coupled two-way; one rigid instance per group is possible",
-            )
-
-
-def _share_group(spec: WorldSpec, a: str, b: str) -> bool:
-    return any({a, b} <= g for g in coupled_groups(spec))
-
-
-def coupled_groups(spec: WorldSpec) -> list[frozenset[str]]:
-    """Sets of instances that step together because of two-way couplings."""
-    groups: list[frozenset[str]] = []
-    for coupling in spec.simulation.couplings.values():
-        pair = {coupling.source, coupling.target} & set(spec.simulation.solvers)
-        if coupling.direction == "two_way" and len(pair) == 2:
-            met = [g for g in groups if g & pair]
-            groups = [g for g in groups if not g & pair] + [frozenset(pair).union(*met)]
-    return groups

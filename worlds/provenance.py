@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .canonical import digest_of
-from .liquid_audit import coupled_groups
+from .instances import coupled_groups
 from .liquids import domain_box, initial_box, spacing_of
 from .requirements import Row
 from .spec import Fastened, RigidPhysics, WorldSpec

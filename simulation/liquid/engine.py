@@ -12,12 +12,10 @@ from typing import Literal, Protocol
 import numpy as np
 
 from ...worlds.arrays import F64, I32
-from ...worlds.built import TriangleMesh
 from ...worlds.waves import Sea
+from ..boundaries import BodyState, Boundary
 
 __all__ = [
-    "BodyState",
-    "Boundary",
     "Engine",
     "Fluid",
     "Inflow",
@@ -52,23 +50,6 @@ class Fluid:
     """[J/(kg K)]"""
     activation: float = 0.0
     """Of viscosity, E/R [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)) (Arrhenius)."""
-
-
-@dataclass(frozen=True)
-class Boundary:
-    """The surface of one rigid body (or of fixed ground) that liquid can meet."""
-
-    name: str
-    """`entity/body`; its place in `LiquidSetup.boundaries` is its row in `BodyState` and in wrenches."""
-    mesh: TriangleMesh
-    """In the body's frame, outward faces. A height field comes as its closed solid."""
-    motion: Literal["static", "kinematic", "dynamic"]
-    closed: bool = True
-    """False: a sheet, wet from both sides."""
-    friction: float = 0.0
-    """Viscosity felt at the wall in units of the liquid's: 0 free slip, 1 no slip."""
-    deforming: bool = False
-    """Its vertices move by themselves (cloth, elastic bodies); rows of `BodyState.vertices` replace the mesh's."""
 
 
 @dataclass(frozen=True)
@@ -140,30 +121,6 @@ class LiquidSetup:
     waves: tuple[WaveZones, ...] = ()
     device: str = "cpu"
     seed: int = 0
-
-
-@dataclass
-class BodyState:
-    """State of the boundaries' bodies at one time, one row per boundary."""
-
-    position: F64
-    """Frame origin (b, 3) [m]."""
-    rotation: F64
-    """(b, 3, 3), body to world."""
-    center: F64
-    """Centre of mass, world (b, 3): wrenches and velocities refer to it."""
-    velocity: F64
-    """Of the centre of mass (b, 3) [m/s]."""
-    angular_velocity: F64
-    """World axes (b, 3) [rad/s]."""
-    inverse_mass: F64
-    """(b,) [1/kg]; 0 where the body does not react."""
-    inverse_inertia: F64
-    """(b, 3, 3) world axes [1/(kg m^2)]; 0 where it does not react."""
-    acceleration: F64
-    """Linear acceleration (b, 3) from everything but the liquid (gravity, contacts, drivers) [m/s^2]."""
-    vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
-    """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
 
 
 @dataclass(frozen=True)

@@ -5,27 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...geometry.heightfields import ground_solid
 from ...geometry.solids import Solid
-from ...worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matrix
-from ...worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
+from ...worlds.arrays import F64, I32, pose_of, rotation_matrix
+from ...worlds.built import BuiltEntity
 from ...worlds.errors import InputError
 from ...worlds.liquids import domain_box, spacing_of
 from ...worlds.provenance import DOMAIN_MARGIN
 from ...worlds.waves import sea_of, waves_of
+from ..boundaries import Surround, surround_of
 from .currents import start_velocity
-from .engine import SIDES, Boundary, Fluid, Inflow, LiquidSetup, Outflow, WaveZones
+from .engine import SIDES, Fluid, Inflow, LiquidSetup, Outflow, WaveZones
 from .filling import PlacedSolid, fill
 from .resolved import require_resolved
 
 if TYPE_CHECKING:
-    from ...worlds.spec import Entity, LiquidInstance, LiquidPhysics, WorldSpec
+    from ...worlds.spec import LiquidInstance, LiquidPhysics, WorldSpec
 
-__all__ = ["LiquidScene", "build_scene", "meets_domain"]
+__all__ = ["MARGIN", "LiquidScene", "build_scene"]
 
 MARGIN = DOMAIN_MARGIN
 MOST_BLOCKED = 0.5
@@ -37,10 +37,8 @@ class LiquidScene:
     """A set-up liquid and the names behind its rows."""
 
     setup: LiquidSetup
-    bodies: tuple[BuiltBody, ...]
-    """Mass properties per boundary."""
-    start: tuple[RigidPose, ...]
-    """Pose of each boundary's body at frame 0."""
+    surround: Surround
+    """Its boundaries are the setup's."""
 
 
 def build_scene(
@@ -54,7 +52,12 @@ def build_scene(
     instance, plan = spec.simulation.liquid[name], spec.simulation
     spacing = spacing_of(spec, name)
     low, high = domain_box(instance)
-    boundaries, bodies, start, solids = _boundaries(spec, built, instance, spacing)
+    friction = float(getattr(instance.settings, "wall_friction", 0.0))
+    surround = surround_of(spec, built, (low, high), MARGIN * spacing, friction=friction)
+    solids = [
+        PlacedSolid(surround.boundaries[row].name, Solid.from_mesh(mesh, closed=True), surround.start[row])
+        for row, mesh in surround.parts
+    ]
     position, velocity, fluid, volume = _particles(spec, built, instance, solids, spacing)
     setup = LiquidSetup(
         spacing=spacing,
@@ -67,7 +70,7 @@ def build_scene(
         velocity=velocity,
         fluid=fluid,
         volume=volume,
-        boundaries=boundaries,
+        boundaries=surround.boundaries,
         inflows=tuple(i for i in _inflows(spec, instance) if i.name not in without),
         outflows=tuple(_outflows(spec, instance)),
         waves=tuple(w for w in _waves(spec, name, spacing) if w.name not in without),
@@ -75,8 +78,8 @@ def build_scene(
         seed=plan.seed,
     )
     assert len(setup.sides) == len(SIDES)
-    require_resolved(setup, solids, {b.name: b.motion for b in boundaries}, instance.engine)
-    return LiquidScene(setup, bodies, start)
+    require_resolved(setup, solids, {b.name: b.motion for b in surround.boundaries}, instance.engine)
+    return LiquidScene(setup, surround)
 
 
 def _fluid(spec: WorldSpec, member: str) -> Fluid:
@@ -92,86 +95,6 @@ def _fluid(spec: WorldSpec, member: str) -> Fluid:
         heat_capacity=physics.heat_capacity,
         activation=physics.activation,
     )
-
-
-# ---------------------------------------------------------------- boundaries
-
-
-def meets_domain(entity: Entity, built: BuiltEntity, box: tuple[F64, F64], margin: float) -> bool:
-    """Whether a solid at its place at frame 0 reaches into a domain; what moves may always come there."""
-    if entity.motion != "static":
-        return True
-    base = pose_of(entity.pose)
-    for part in built.parts:
-        pose = compose(base, next(b.pose for b in built.bodies if b.name == part.body))
-        points = pose.apply(part.render.vertices)
-        if (points.max(axis=0) >= box[0] - margin).all() and (points.min(axis=0) <= box[1] + margin).all():
-            return True
-    return False
-
-
-def _boundaries(
-    spec: WorldSpec, built: Mapping[str, BuiltEntity], instance: LiquidInstance, spacing: float
-) -> tuple[tuple[Boundary, ...], tuple[BuiltBody, ...], tuple[RigidPose, ...], list[PlacedSolid]]:
-    box, margin = domain_box(instance), MARGIN * spacing
-    friction = float(getattr(instance.settings, "wall_friction", 0.0))
-    made: list[tuple[Boundary, BuiltBody, RigidPose]] = []
-    solids: list[PlacedSolid] = []
-    for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
-        contract = spec.entities[entity]
-        if not meets_domain(contract, built[entity], box, margin):
-            continue
-        for body in built[entity].bodies:
-            pose = compose(pose_of(contract.pose), body.pose)
-            parts = [p for p in built[entity].parts_of(body.name) if p.collision]
-            near = [_near(p, pose, box, margin) for p in parts] if contract.motion == "static" else [p.render for p in parts]
-            meshes = [m for m in near if m is not None]
-            if not meshes:
-                continue
-            motion: Literal["static", "kinematic", "dynamic"] = contract.motion
-            closed = all(p.closed for p in parts)
-            boundary = Boundary(f"{entity}/{body.name}", _joined(meshes), motion, closed, friction)
-            made.append((boundary, body, pose))
-            solids += [PlacedSolid(boundary.name, Solid.from_mesh(m, closed=True), pose) for m in meshes]
-    return tuple(m[0] for m in made), tuple(m[1] for m in made), tuple(m[2] for m in made), solids
-
-
-def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:
-    offsets = np.cumsum([0, *(len(m.vertices) for m in meshes)])
-    faces = [m.faces + offset for m, offset in zip(meshes, offsets, strict=False)]
-    return TriangleMesh(np.concatenate([m.vertices for m in meshes]), np.concatenate(faces).astype(np.int32))
-
-
-def _near(part: BuiltPart, pose: RigidPose, box: tuple[F64, F64], margin: float) -> TriangleMesh | None:
-    """The part of a static surface that a domain can feel: None beyond it; of a height field, the ground around it."""
-    points = pose.apply(part.render.vertices)
-    if (points.max(axis=0) < box[0] - margin).any() or (points.min(axis=0) > box[1] + margin).any():
-        return None
-    piece = part.collision[0]
-    if piece.kind != "heightfield" or len(part.collision) != 1:
-        return part.render
-    rows, cols = piece.points.shape
-    half_x, half_y, base = piece.params
-    corners = np.array(
-        [[x, y, z] for x in (box[0][0], box[1][0]) for y in (box[0][1], box[1][1]) for z in (box[0][2], box[1][2])]
-    )
-    local = compose(pose, piece.pose).inverse().apply(corners)
-    pad = margin * math.sqrt(2.0)
-    columns = _span(local[:, 0], half_x, cols, pad)
-    lines = _span(local[:, 1], half_y, rows, pad)
-    x, y = np.linspace(-half_x, half_x, cols)[columns], np.linspace(-half_y, half_y, rows)[lines]
-    heights = piece.points[lines, columns]
-    ground = ground_solid(heights, (float(np.ptp(x)), float(np.ptp(y))), base)
-    shifted = ground.vertices + np.array([x.mean(), y.mean(), 0.0])
-    return TriangleMesh(piece.pose.apply(shifted), ground.faces)
-
-
-def _span(values: F64, half: float, count: int, pad: float) -> slice:
-    """Samples of an axis of a height field that cover values, at least two."""
-    scale = (count - 1) / (2 * half)
-    first = int(np.clip(math.floor((float(values.min()) - pad + half) * scale), 0, count - 2))
-    last = int(np.clip(math.ceil((float(values.max()) + pad + half) * scale), first + 1, count - 1))
-    return slice(first, last + 1)
 
 
 # ---------------------------------------------------------------- particles

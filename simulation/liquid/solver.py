@@ -15,8 +15,9 @@ from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import EngineError, InputError
 from ...worlds.liquids import declares_heat
-from ..protocol import Channel, Intervention, Port
-from .engine import BodyState, Engine, LiquidSetup, StepReport
+from ..boundaries import BodyState, Surround
+from ..protocol import SHORTEST, Channel, Intervention, Port
+from .engine import Engine, LiquidSetup, StepReport
 from .scene import LiquidScene, build_scene
 
 if TYPE_CHECKING:
@@ -50,8 +51,6 @@ DOMAIN = "domain"
 """Name under which engines report what left through open sides."""
 DRIVEN = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
 """Records of what zones of waves gave."""
-SHORTEST = 1e-9
-"""[s] Times this close are equal."""
 
 
 class BodyMotion(Protocol):
@@ -133,9 +132,14 @@ class SolverLiquid:
         if self._caches:
             from ..bodies import CacheMotion
 
-            self.motion = CacheMotion(self.scene, self._caches, self.spec.simulation.fps)
+            self.motion = CacheMotion(self.surround, self._caches, self.spec.simulation.fps)
         self._start_ledger()
         self._begin_tally()
+
+    @property
+    def surround(self) -> Surround:
+        """The bodies that it meets."""
+        return self.scene.surround
 
     def start_frames(self) -> None:
         """The present state is frame 0: ledgers of flows start here."""
@@ -166,7 +170,7 @@ class SolverLiquid:
         """All boundaries at rest at their places of frame 0."""
         from ..bodies import resting
 
-        return resting(self.scene)
+        return resting(self.surround)
 
     def held(self, time: float) -> bool:
         """Whether an intervention keeps this liquid where it is at `time` [s]."""

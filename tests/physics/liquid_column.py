@@ -1,8 +1,9 @@
 """Small liquids for tests: lattices of particles in boxes, and bodies moved by hand."""
 
 import numpy as np
+from worldagent.simulation.boundaries import BodyState
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
-from worldagent.simulation.liquid.engine import BodyState, Fluid, LiquidSetup
+from worldagent.simulation.liquid.engine import Fluid, LiquidSetup
 
 G = 9.81
 WATER = Fluid("water", 1000.0, 1e-3)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.simulation.liquid.engine import BodyState, Boundary, Fluid, LiquidSetup
+from worldagent.simulation.boundaries import BodyState, Boundary
+from worldagent.simulation.liquid.engine import Fluid, LiquidSetup
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.flip.settings import FlipSettings
 from worldagent.tests.simulation.liquid.flip_setup import advance, block, no_bodies, tank

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.simulation.liquid.engine import Boundary, LiquidSetup
+from worldagent.simulation.boundaries import Boundary
+from worldagent.simulation.liquid.engine import LiquidSetup
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.tests.simulation.liquid.flip_setup import advance, block, no_bodies, tank
 from worldagent.worlds.built import TriangleMesh

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from worldagent.bench import small_liquids
 from worldagent.construction.build import build_entity
-from worldagent.simulation.liquid.engine import BodyState, Engine
+from worldagent.simulation.boundaries import BodyState
+from worldagent.simulation.liquid.engine import Engine
 from worldagent.simulation.liquid.scene import LiquidScene, build_scene
 from worldagent.worlds.spec import WorldSpec
 
@@ -41,7 +42,7 @@ def engine_of(name: str, scene: LiquidScene) -> Engine:
 
 def resting(scene: LiquidScene) -> BodyState:
     count = len(scene.setup.boundaries)
-    place = np.array([p.position for p in scene.start])
+    place = np.array([p.position for p in scene.surround.start])
     none = np.zeros((count, 3))
     return BodyState(place, np.tile(np.eye(3), (count, 1, 1)), place, none, none, np.zeros(count), np.zeros((count, 3, 3)), none)
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
-from worldagent.simulation.liquid.engine import Boundary, Fluid, Inflow, Outflow
+from worldagent.simulation.liquid.engine import Fluid, Inflow, Outflow
 from worldagent.tests.physics.liquid_column import G, bodies, liquid, momentum, run
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.errors import EngineError, EvidenceError

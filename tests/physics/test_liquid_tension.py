@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 from scipy.spatial.transform import Rotation
+from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph
-from worldagent.simulation.liquid.engine import Boundary, Fluid, LiquidSetup, Particles
+from worldagent.simulation.liquid.engine import Fluid, LiquidSetup, Particles
 from worldagent.tests.physics.liquid_cases.world import OPEN, advance, box_mesh, lattice, liquid, make, momentum, still
 from worldagent.worlds.arrays import F64
 

@@ -14,6 +14,7 @@ from .liquids import (
 )
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, StemField, Wedge
 from .simulation import (
+    MOVED,
     BallJoint,
     ContactPair,
     Coupling,
@@ -60,6 +61,7 @@ from .story import (
 from .world import SPEC_VERSION, AreaLight, Clause, Look, WorldSpec, prompt_digest
 
 __all__ = [
+    "MOVED",
     "SPEC_VERSION",
     "Adjacent",
     "Appearance",

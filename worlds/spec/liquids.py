@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -89,6 +89,7 @@ class DfsphInstance(SpecModel):
     Rigid entities of other instances are its boundaries where they reach into the domain.
     """
 
+    moves: ClassVar[tuple[str, ...]] = ("liquid",)
     engine: Literal["dfsph"] = "dfsph"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)]
     settings: DfsphSettings
@@ -97,6 +98,7 @@ class DfsphInstance(SpecModel):
 class FlipInstance(SpecModel):
     """A running grid liquid and the liquid entities that it moves."""
 
+    moves: ClassVar[tuple[str, ...]] = ("liquid",)
     engine: Literal["flip"] = "flip"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)]
     settings: FlipSettings

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import Field, model_validator
 
@@ -21,6 +21,7 @@ from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, W
 from .shapes import Pose
 
 __all__ = [
+    "MOVED",
     "BallJoint",
     "ContactPair",
     "Coupling",
@@ -69,6 +70,7 @@ class RigidSettings(SpecModel):
 class RigidInstance(SpecModel):
     """A running rigid engine and the entities it moves or collides with."""
 
+    moves: ClassVar[tuple[str, ...]] = ("rigid",)
     engine: Literal["mujoco"]
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=20000)]
     settings: RigidSettings = RigidSettings()
@@ -76,6 +78,8 @@ class RigidInstance(SpecModel):
 
 SolverInstance = Annotated[RigidInstance | DfsphInstance | FlipInstance, Field(discriminator="engine")]
 LiquidInstance = DfsphInstance | FlipInstance
+MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(SolverInstance)[0]) for c in i.moves))
+"""Categories that some engine of this build moves."""
 
 
 class _Joint(SpecModel):

@@ -9,9 +9,10 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
+from ...boundaries import BodyState
 from ...passes import ALONE
 from ..boundary import Sampled, sample_surface
-from ..engine import BodyState, LiquidSetup
+from ..engine import LiquidSetup
 from ..solid_samples import fill_solid
 
 if TYPE_CHECKING:

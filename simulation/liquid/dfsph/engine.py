@@ -9,8 +9,9 @@ import numpy as np
 from ....geometry.launch import chosen_device, warp
 from ....worlds.arrays import F64
 from ....worlds.errors import EngineError
+from ...boundaries import BodyState
 from ...passes import Pass, Passes
-from ..engine import BodyState, LiquidSetup, Particles, StepReport
+from ..engine import LiquidSetup, Particles, StepReport
 from ..zones import Zones
 from .bodies import Coupling, sampled_boundaries
 from .dissipation import Dissipation

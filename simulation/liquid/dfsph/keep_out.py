@@ -8,7 +8,8 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
-from ..engine import Boundary, LiquidSetup
+from ...boundaries import Boundary
+from ..engine import LiquidSetup
 
 if TYPE_CHECKING:
     from ...passes import Passes

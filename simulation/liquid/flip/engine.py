@@ -12,7 +12,8 @@ import numpy as np
 from ....geometry.launch import chosen_device, warp
 from ....worlds.arrays import F64
 from ....worlds.errors import EngineError, EvidenceError, LimitError
-from ..engine import BodyState, LiquidSetup, Particles, StepReport
+from ...boundaries import BodyState
+from ..engine import LiquidSetup, Particles, StepReport
 from ..zones import Zones
 from . import column_kernels as columns
 from . import cut_kernels as cuts

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
-from ..engine import BodyState
+from ...boundaries import BodyState
 from . import solid_kernels as kernels
 from .multigrid import Level
 from .run import Runner

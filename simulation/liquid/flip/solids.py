@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import InputError
-from ..engine import BodyState, Boundary, LiquidSetup
+from ...boundaries import BodyState, Boundary
+from ..engine import LiquidSetup
 from . import distance_kernels as kernels
 from .run import Runner
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from worldagent.simulation.liquid.engine import Boundary, LiquidSetup, StepReport
+from worldagent.simulation.boundaries import Boundary
+from worldagent.simulation.liquid.engine import LiquidSetup, StepReport
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.built import TriangleMesh
 

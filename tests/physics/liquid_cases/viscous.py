@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from worldagent.simulation.liquid.engine import Boundary, Fluid
+from worldagent.simulation.boundaries import Boundary
+from worldagent.simulation.liquid.engine import Fluid
 from worldagent.worlds.arrays import F64
 
 from .world import Body, EngineName, Figure, advance, below, box_mesh, lattice, liquid, make

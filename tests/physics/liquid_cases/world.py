@@ -10,9 +10,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from worldagent.geometry.solids import Solid
+from worldagent.simulation.boundaries import BodyState, Boundary
 from worldagent.simulation.liquid.dfsph.engine import Dfsph
 from worldagent.simulation.liquid.dfsph.settings import DfsphSettings
-from worldagent.simulation.liquid.engine import BodyState, Boundary, Engine, Fluid, LiquidSetup, StepReport
+from worldagent.simulation.liquid.engine import Engine, Fluid, LiquidSetup, StepReport
 from worldagent.simulation.liquid.filling import PlacedSolid, fill
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.flip.settings import FlipSettings

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from worldagent.simulation.liquid.engine import BodyState, Boundary, Engine, Fluid, LiquidSetup, StepReport
+from worldagent.simulation.boundaries import BodyState, Boundary
+from worldagent.simulation.liquid.engine import Engine, Fluid, LiquidSetup, StepReport
 from worldagent.worlds.arrays import F64
 
 WATER = Fluid("water", 1000.0, 1e-3)

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from worldagent.simulation.boundaries import BodyState
 from worldagent.simulation.liquid.dfsph import Dfsph, store
-from worldagent.simulation.liquid.engine import BodyState, Fluid, LiquidSetup
+from worldagent.simulation.liquid.engine import Fluid, LiquidSetup
 
 SPACING = 0.05
 NONE = BodyState(

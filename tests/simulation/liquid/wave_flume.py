@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from worldagent.simulation.liquid.engine import BodyState, Fluid, LiquidSetup, WaveZones
+from worldagent.simulation.boundaries import BodyState
+from worldagent.simulation.liquid.engine import Fluid, LiquidSetup, WaveZones
 from worldagent.worlds.spec import WavesDriver
 from worldagent.worlds.waves import Sea, sea_of, wavelength
 

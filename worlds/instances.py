@@ -1,0 +1,113 @@
+"""Which engine moves what, and which instances step together or after one another (R27, R66)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .gate import Problem
+
+if TYPE_CHECKING:
+    from .spec import Coupling, WorldSpec
+
+__all__ = ["bake_order", "coupled_groups", "coupling_problems", "instance_for", "membership_problems"]
+
+
+def instance_for(spec: WorldSpec, category: str) -> str:
+    """Id of the first instance whose engine moves a category; of one that would have to be made, the category."""
+    return next((n for n, i in spec.simulation.solvers.items() if category in i.moves), category)
+
+
+def membership_problems(spec: WorldSpec) -> list[Problem]:
+    """Members that their instance's engine does not move."""
+    found = []
+    for name, instance in spec.simulation.solvers.items():
+        for k, member in enumerate(instance.members):
+            entity = spec.entities.get(member)
+            if entity is not None and entity.physics.category not in instance.moves:
+                place = f"/simulation/solvers/{name}/members/{k}"
+                text = (
+                    f"{member!r} is {entity.physics.category}, which engine {instance.engine!r} does not move; take it out. "
+                    "Solids are boundaries of liquids, cloth and grains without being their members"
+                )
+                found.append(Problem(place, text, {"op": "remove", "path": place}))
+    return found
+
+
+def bake_order(spec: WorldSpec) -> tuple[str, ...]:
+    """Declared order, then the rest so that sources come before their targets; what steps together stands together."""
+    order = list(dict.fromkeys(s for s in spec.simulation.order if s in spec.simulation.solvers))
+    rest = [s for s in spec.simulation.solvers if s not in order]
+    rest.sort(key=lambda s: s not in spec.simulation.rigid)  # the others read the motion of bodies; equal ones keep their order
+    before = {c.target: c.source for c in spec.simulation.couplings.values() if c.direction == "one_way"}
+    while rest:
+        ready = next((s for s in rest if before.get(s) not in rest), rest[0])
+        rest.remove(ready)
+        order.append(ready)
+    groups = {name: group for group in coupled_groups(spec) for name in group}
+    together = [sorted(groups.get(s, {s}), key=order.index) for s in order]
+    return tuple(dict.fromkeys(name for group in together for name in group))
+
+
+def coupling_problems(spec: WorldSpec) -> list[Problem]:
+    """Couplings that no engine of this build carries out."""
+    return [p for key, c in spec.simulation.couplings.items() for p in _coupling(spec, key, c)] + [*_orders(spec)]
+
+
+def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
+    plan, place = spec.simulation, f"/simulation/couplings/{key}"
+    if coupling.source not in plan.solvers or coupling.target not in plan.solvers:
+        return  # the references row says so
+    source, target = (plan.solvers[n].moves[0] for n in (coupling.source, coupling.target))
+    if (source == "rigid") == (target == "rigid"):
+        pair = f"two {source} instances" if source == target else f"a {source} and a {target} instance"
+        text = f"coupling {key!r} joins {pair}; this build couples a rigid one with one of another kind"
+        yield Problem(place, text)
+    elif coupling.direction == "one_way" and source != "rigid":
+        text = (
+            f"coupling {key!r}: one_way goes from the rigid to the {source} instance; swap source and target, or make it two_way"
+        )
+        yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "two_way"})
+    wrong = sorted(set(coupling.variables) - {"motion", "wrench", "pressure"})
+    if wrong:
+        yield Problem(
+            f"{place}/variables", f"coupling {key!r}: {', '.join(wrong)} is exchanged by no engine of this build; take it out"
+        )
+    wanted = {"motion"} | ({"wrench"} if coupling.direction == "two_way" else set())
+    missing = sorted(wanted - {v.replace("pressure", "wrench") for v in coupling.variables})
+    if missing:
+        yield Problem(f"{place}/variables", f"coupling {key!r} is {coupling.direction}; it exchanges {', '.join(missing)} too")
+
+
+def _orders(spec: WorldSpec) -> Iterator[Problem]:
+    plan = spec.simulation
+    first = [s for s in plan.order if s in plan.solvers]
+    for k, name in enumerate(first):
+        late = (
+            [r for r in first[k + 1 :] if r in plan.rigid and not _share_group(spec, r, name)] if name not in plan.rigid else []
+        )
+        if late:
+            yield Problem(
+                "/simulation/order", f"the instance {name!r} comes before {late[0]!r}, whose motion it reads; put it after"
+            )
+    for group in coupled_groups(spec):
+        if sum(n in plan.rigid for n in group) > 1:
+            yield Problem(
+                "/simulation/couplings",
+                f"instances {sorted(group)} are coupled two-way; one rigid instance per group is possible",
+            )
+
+
+def _share_group(spec: WorldSpec, a: str, b: str) -> bool:
+    return any({a, b} <= g for g in coupled_groups(spec))
+
+
+def coupled_groups(spec: WorldSpec) -> list[frozenset[str]]:
+    """Sets of instances that step together because of two-way couplings."""
+    groups: list[frozenset[str]] = []
+    for coupling in spec.simulation.couplings.values():
+        pair = {coupling.source, coupling.target} & set(spec.simulation.solvers)
+        if coupling.direction == "two_way" and len(pair) == 2:
+            met = [g for g in groups if g & pair]
+            groups = [g for g in groups if not g & pair] + [frozenset(pair).union(*met)]
+    return groups

@@ -53,7 +53,7 @@ def test_a_liquid_without_coupling_comes_after_the_bodies_that_it_reads() -> Non
 BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "a liquid in a rigid instance": ([("/simulation/solvers/rigid/members/-", "water")], "ownership", "take it out"),
     "a solid in a liquid instance": ([(f"{WATER}/members/-", "crate")], "ownership", "does not move"),
-    "a static liquid": ([("/entities/water/motion", "static")], "ownership", "liquids are dynamic"),
+    "a static liquid": ([("/entities/water/motion", "static")], "liquids", "liquids are dynamic"),
     "no instance": ([(WATER, None), ("/simulation/couplings", {})], "ownership", "'water' .* is in no solver"),
     "a coarse resolution": ([("/entities/water/physics/resolution", 0.1)], "liquids", "0.2 m thin, less than 3 spacings"),
     "two resolutions": (

@@ -140,6 +140,12 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
                 "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved",
             }
         )
+        found.append(
+            {
+                "what": f"the drawn surface of {name!r} is moved by up to {0.15 * spacing:g} m so that it holds the particles' volume",
+                "effect": "where particles lie unevenly the level is right and single ripples are not",
+            }
+        )
         if instance.engine == "dfsph":
             found += _particles(name, spacing)
         found.append(_tension(spec, name, spacing))

@@ -27,6 +27,11 @@ __all__ = ["SurfaceSettings", "default_settings", "mesh_surfaces", "surface_fram
 
 SMALLEST = 8.0
 """Separate pieces of surface and cavities of fewer particle volumes are left out: particles do not resolve them."""
+ROUGH = 0.15
+"""Spacings by which a surface of particles at rest may lie off where their volume has it: a lattice's face is flat, that of flowed
+liquid is not, and the colour field sees the difference (measured 0.11 in still water, whose centre of mass stays within 0.2 %)."""
+NEARLY = 1e-3
+"""Share of the volume that one step may miss."""
 BARE = 0.4
 """Distance from walls within which there is no foam."""
 Walls = Callable[[int], Sequence[TriangleMesh]]
@@ -110,6 +115,36 @@ def _pieces(mesh: surface_mesh.SurfaceMesh, least: float) -> tuple[surface_mesh.
     return small, int((volume[kept] > 0).sum())
 
 
+def _filled(
+    mesh: surface_mesh.SurfaceMesh, held: float, settings: SurfaceSettings, walls: Sequence[TriangleMesh], origin: F64
+) -> F64:
+    """Vertices of a surface laid onto walls, whose free part is moved by so much that it holds `held` [m^3], up to `ROUGH`."""
+    normals, share = surface_mesh.vertex_normals(mesh.vertices, mesh.faces)
+    laid = _laid(mesh.vertices, normals, settings, walls, origin)
+    open_air = (laid == mesh.vertices).all(axis=1)
+    free = float(share[open_air].sum())
+    volume = surface_mesh.closed_volume(laid, mesh.faces)
+    lacking, rough = held - volume, ROUGH * settings.spacing
+    known = bool(walls) or any(settings.closed)
+    if not known or free <= 0.0 or lacking == 0.0:
+        return laid
+    # What lies on walls stays there, or a gap of air would show below the liquid.
+    out = open_air[:, None] * normals
+    way = float(np.clip(lacking / free, -rough, rough))
+    gained = surface_mesh.closed_volume(laid + way * out, mesh.faces) - volume
+    if abs(gained - lacking) >= NEARLY * held and gained * lacking > 0.0:
+        way = float(np.clip(way * lacking / gained, -rough, rough))
+    return np.asarray(laid + way * out)
+
+
+def _laid(vertices: F64, normals: F64, settings: SurfaceSettings, walls: Sequence[TriangleMesh], origin: F64) -> F64:
+    """Vertices laid onto closed sides of the domain and walls, all relative to `origin`."""
+    if settings.lower is not None and settings.upper is not None:
+        lower, upper = np.array(settings.lower) - origin, np.array(settings.upper) - origin
+        vertices = fit_to_sides(vertices, normals, lower, upper, settings.closed, settings.spacing)
+    return fit_to_walls(vertices, normals, walls, settings.spacing) if walls else vertices
+
+
 def _meshes(
     data: dict[str, Any], position: F64, liquid: NDArray[np.bool_], settings: SurfaceSettings, walls: Sequence[TriangleMesh]
 ) -> tuple[dict[str, Any], dict[str, float]]:
@@ -127,12 +162,8 @@ def _meshes(
         mesh, pieces = _pieces(mesh, SMALLEST * spacing**3)
         if not len(mesh.faces):
             continue
-        vertices, normals = mesh.vertices, surface_mesh.vertex_normals(mesh.vertices, mesh.faces)[0]
-        if settings.lower is not None and settings.upper is not None:
-            lower, upper = np.array(settings.lower) - origin, np.array(settings.upper) - origin
-            vertices = fit_to_sides(vertices, normals, lower, upper, settings.closed, spacing)
-        if walls:
-            vertices = fit_to_walls(vertices, normals, [TriangleMesh(w.vertices - origin, w.faces) for w in walls], spacing)
+        held = float(data["particle/volume"][own].sum(dtype=np.float64))
+        vertices = _filled(mesh, held, settings, [TriangleMesh(w.vertices - origin, w.faces) for w in walls], origin)
         parts.append((int(fluid), surface_mesh.SurfaceMesh(vertices, mesh.faces, mesh.velocity, mesh.temperature)))
         records["surface_volume"] += surface_mesh.closed_volume(vertices, mesh.faces)
         records["surface_area"] += surface_mesh.area(vertices, mesh.faces)

@@ -275,18 +275,16 @@ def mirrored(
     f = share * g
     part = behind(wp.max(d, 0.0), spacing, h)
     whole = wp.max(d, 0.0) * plane_weight(wp.max(d, 0.0) / h, h) + plane
-    along = part[1] / plane
+    fixed = wp.float32(1.0)
     if surfaces.kind[body] == MOVING:
-        along = 0.0
+        fixed = 0.0
+    along = fixed * part[1] / plane
     borne = along * m
     if gap > 1.0e-6 * spacing:
         borne += ((part[0] / whole - along) * wp.dot(m, away) / (gap * gap)) * away
     if d > 1.0e-6 * spacing:
         change = (image[1] + share * plane_weight(d / h, h)) / plane
         f += (w * change / gap) * away
-        fixed = wp.float32(1.0)
-        if surfaces.kind[body] == MOVING:
-            fixed = 0.0
         walls, held, turned = cornered(g, d, away / gap, lift, fixed, surfaces.mesh[body], at, turn, spacing, h)
         single = wp.vec4(f[0], f[1], f[2], share * w)
         return (1.0 - turned) * single + turned * walls, (1.0 - turned) * borne + turned * held
@@ -412,7 +410,7 @@ def bear(
     """Pressure goes on behind walls with the gradient that bears liquid at rest: what this gives a particle.
 
     Without it the pressure of a liquid at rest bends within a spacing of a wall, and bodies feel too large a volume. `borne` is the part
-    of the domain's sides, and then of all.
+    of the domain's sides.
     """
     i = first + wp.tid()
     total = wp.vec3(0.0, 0.0, 0.0)
@@ -425,5 +423,4 @@ def bear(
             total += pairs.borne[k]
         force[k] = -f
         back[k] = f
-    borne[i] = total
     v[i] = v[i] + settings[0] * total

@@ -69,6 +69,23 @@ def test_a_pool_at_rest_has_the_volume_of_its_particles_within_a_percent_and_a_l
     assert trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).is_watertight
 
 
+def test_a_ragged_face_is_drawn_where_the_volume_has_it_and_lost_volume_is_not_made_up() -> None:
+    """Law: volume of rest. A surface offset of 0.15 spacings at most is mended, so a pool pressed together by a fifth is drawn smaller."""
+    still = lattice(16, 16, 6)
+    top = still[:, 2] > 5 * S
+    ragged = still - top[:, None] * np.array([0.0, 0.0, 0.2 * S]) * (np.arange(len(still)) // 6 % 2)[:, None]
+    low, high = (0.0, 0.0, 0.0), (16 * S, 16 * S, 10 * S)
+    walls = SurfaceSettings(
+        S, lower=tuple(np.add(low, [10, -4, 0.5])), upper=tuple(np.add(high, [10, -4, 0.5])), closed=(True,) * 5 + (False,)
+    )
+    ratio = []
+    for place in (still, ragged, still * [1, 1, 0.8]):
+        found, _ = surface_frame(channels(place), walls, dt=1 / 24)
+        ratio.append(float(found["record/surface_volume"]) / (len(still) * S**3))
+    assert ratio[:2] == pytest.approx([1.0, 1.0], abs=2e-3)
+    assert ratio[2] < 0.9
+
+
 @pytest.mark.parametrize("radius", [4, 6, 10])
 def test_a_ball_of_particles_keeps_volume_and_area_of_a_ball_although_it_is_smoothed(radius: int) -> None:
     grid = lattice(24, 24, 24) - 12 * S

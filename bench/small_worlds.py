@@ -101,7 +101,7 @@ def entity(
     return Entity(
         role="test object",
         motion=motion,
-        physics=RigidPhysics(linear_velocity=tuple(velocity)),
+        physics=more.pop("physics", None) or RigidPhysics(linear_velocity=tuple(velocity)),
         dimensions=Dimensions(size=tuple(float(s) for s in size), tolerance=tolerance),
         pose=pose(at, euler=euler),
         material="wood",

@@ -8,7 +8,8 @@ doi:10.1145/258694.258723.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +71,16 @@ class IdCaster:
         faces = [np.asarray(m.faces, dtype=np.int64).reshape(-1, 3) + s for m, s in zip(meshes, starts, strict=False)]
         self._faces = np.concatenate([empty.astype(np.int64), *faces])
         self._owner = np.repeat(np.arange(self._count), [len(f) for f in faces])
+
+    def reshaped(self, shapes: Mapping[int, F64]) -> IdCaster:
+        """A caster at the same instances, of which some have other vertices, as many as before, shape (n, 3)."""
+        if not shapes:
+            return self
+        made = copy(self)
+        made._vertices = self._vertices.copy()
+        for i, vertices in shapes.items():
+            made._vertices[self._vertex_start[i] : self._vertex_start[i + 1]] = vertices
+        return made
 
     def cast(
         self,

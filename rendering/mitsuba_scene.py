@@ -18,6 +18,7 @@ from .liquid import liquids_of
 from .liquid_light import liquid_integrator
 from .liquid_shapes import liquid_shapes
 from .scenery import cut_from, landscapes_of, scenery_shapes
+from .soft_parts import SoftPart, soft_part
 from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
 from .variant import load_mitsuba
@@ -58,6 +59,8 @@ class _Batch:
     surface: Surface
     links: tuple[tuple[int, tuple[Link, ...]], ...] = ()
     """Of wetted parts in the order of their vertices: how many, and whence their film; empty where nothing gets wet."""
+    soft: tuple[SoftPart, ...] = ()
+    """Parts that deform."""
 
     def film(self, wetness: Wetness, frame: int, known: dict[str, F64]) -> F32:
         """Share of the film of a liquid at every vertex, shape (v,)."""
@@ -72,6 +75,9 @@ class _Batch:
         local = self.surface.positions * shown[self.owner, None]
         positions = np.einsum("nij,nj->ni", turns[self.owner], local) + shifts[self.owner]
         normals = np.einsum("nij,nj->ni", turns[self.owner], self.surface.normals)
+        for part in self.soft:
+            if active(candidate, part.entity, frame):
+                positions[part.rows], normals[part.rows] = part.placed(candidate, frame)
         return positions.astype(np.float32), normals.astype(np.float32)
 
 
@@ -107,7 +113,7 @@ def _batches(
                 frame=part_frame(candidate, entity, part),
                 key=f"{entity}/{part.part}",
             )
-            wets = entity in wet and look.transmission < PANE
+            wets = entity in wet and look.transmission < PANE and entity not in candidate.deforming
             for layer, surface in layers.items():
                 fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
                 found.setdefault((part.material, layer, changing, wets), []).append((entity, part, fine))
@@ -118,7 +124,9 @@ def _batches(
         owner = np.concatenate([np.full(len(s.positions), index[entity, part.body]) for entity, part, s in pieces])
         name = f"{'moving' if key[2] else 'static'}-{key[0]}-{key[1]}{'-wet' if key[3] else ''}"
         links = [(len(s.positions), tuple(wetness.links(e, p.body, p.part, s))) for e, p, s in pieces] if key[3] else []
-        batches[key] = _Batch(name, bodies, owner, _joined([s for *_, s in pieces]), tuple(links))
+        starts = np.cumsum([0, *(len(s.positions) for *_, s in pieces)])
+        soft = [soft_part(e, p, s, int(k)) for (e, p, s), k in zip(pieces, starts, strict=False) if e in candidate.deforming]
+        batches[key] = _Batch(name, bodies, owner, _joined([s for *_, s in pieces]), tuple(links), tuple(soft))
     return batches
 
 

@@ -151,7 +151,7 @@ def _drawing(
     }
     for k, name in enumerate(names):
         placed = [wet[name]] if name in wet else [
-            TriangleMesh(candidate.pose(name, frame, p.body).apply(p.render.vertices), p.render.faces)
+            TriangleMesh(candidate.surface(name, p.part, frame), p.render.faces)
             for p in candidate.built[name].parts
         ]  # fmt: skip
         meshes += placed if cut is None else [_behind(mesh, towards, cut) for mesh in placed]

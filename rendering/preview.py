@@ -49,6 +49,7 @@ class PreviewRenderer:
         liquid = [one.entity for one in self._layer.liquids]
         self.entities = sorted([*solid, *liquid])
         self._caster = IdCaster([part.render for _, part in self.parts])
+        self._soft = [k for k, (name, _) in enumerate(self.parts) if name in candidate.deforming]
         index = {name: k for k, name in enumerate(self.entities)}
         self._entity_of = np.array([index[name] for name in [*(n for n, _ in self.parts), *liquid]], dtype=np.int32)
         looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
@@ -57,6 +58,11 @@ class PreviewRenderer:
         self._panes = [k for k, look in enumerate(looks) if look.transmission >= PANE]
         self._stems = [k for k, (name, part) in enumerate(self.parts) if is_stems(candidate, name, part.part)]
         self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
+
+    def _shaped(self, frame: int) -> IdCaster:
+        """The caster with deforming parts in the shape of a frame."""
+        parts = self.parts
+        return self._caster.reshaped({k: self.candidate.shape(parts[k][0], parts[k][1].part, frame) for k in self._soft})
 
     def cast(self, frame: int, camera: Camera) -> IdImage:
         """Ids of parts and after them of liquids, depth and normals; entities that do not exist at the frame are left out."""
@@ -73,7 +79,7 @@ class PreviewRenderer:
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         left_out = {*(() if panes else self._panes), *(() if stems else self._stems)}
         shown = [k for k, (name, _) in enumerate(self.parts) if k not in left_out and active(self.candidate, name, frame)]
-        return self._caster.cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
+        return self._shaped(frame).cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
 
     def mask(self, frame: int, camera: Camera, entity: str) -> Any:
         """Pixels that an entity would cover if nothing stood before it, shape (height, width)."""
@@ -81,7 +87,7 @@ class PreviewRenderer:
             return self._layer.cast(frame, camera, entity).ids >= 0
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         own = [k for k, (name, _) in enumerate(self.parts) if name == entity]
-        return self._caster.cast(camera, poses, only=own).ids >= 0
+        return self._shaped(frame).cast(camera, poses, only=own).ids >= 0
 
     def entity_ids(self, image: IdImage) -> Any:
         """Index into `entities` per pixel, -1 where nothing is; shape (height, width)."""

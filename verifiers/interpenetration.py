@@ -212,7 +212,8 @@ def _apart(surfaces: Surfaces, mover: str, other: str, frame: int, offset: F64) 
         moved = RigidPose(pose.position + offset, pose.quaternion)
         for j in surfaces.parts_of[other]:
             two = surfaces.parts[j]
-            if not apart(one.solid, moved, two.solid, surfaces.track(other, two.body).at(frame), gap=MARGIN):
+            solids = surfaces.shapes.solid(i, frame), surfaces.shapes.solid(j, frame)
+            if not apart(solids[0], moved, solids[1], surfaces.track(other, two.body).at(frame), gap=MARGIN):
                 return False
     return True
 

@@ -111,6 +111,9 @@ def centers(candidate: Candidate, entity: str) -> F64:
 
 def _body_channel(candidate: Candidate, entity: str, body: str, channel: str) -> F64:
     """`velocity` or `angular_velocity` of one body, shape (frames, 3)."""
+    if entity in candidate.deforming:
+        soft = candidate.deforming[entity]
+        return np.stack([soft.velocity(k) if channel == "velocity" else soft.spin(k) for k in range(candidate.frame_count)])
     place = candidate.cache_row(entity, body)
     if place is not None:
         cache, row = place
@@ -156,6 +159,9 @@ def fastest_points(candidate: Candidate, entity: str) -> F64:
     The speed is convex in the point, so its maximum over a body lies at a vertex.
     """
     require_motion(candidate, entity)
+    if entity in candidate.deforming:
+        soft = candidate.deforming[entity]
+        return np.array([np.linalg.norm(soft.velocities(k), axis=1).max() for k in range(candidate.frame_count)])
     built = candidate.entity(entity)
     speeds = []
     for body in built.bodies:

@@ -188,6 +188,8 @@ def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()
         a, b = surfaces.parts[i], surfaces.parts[j]
         if (a.entity, b.entity) in known or (b.entity, a.entity) in known or not _concerns(surfaces, a, b):
             continue
+        if {i, j} & surfaces.shapes.soft:
+            continue  # no rigid motion joins two shapes: `elastic` rows bound what deforming bodies travel per step
         meet = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= 0.0).all(axis=1))
         case = _case(search, i, j, meet)
         if case is not None:

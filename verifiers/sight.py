@@ -65,6 +65,8 @@ class Seen:
 
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 """Of liquids, whose meshes are in the world."""
+HELD_SHAPES = 16
+"""Frames whose deformed solids are kept."""
 HELD_FACES = 4_000_000
 """Frames whose liquids have so many faces together are kept."""
 
@@ -96,6 +98,8 @@ class Sight:
         self.width = max(16, round(PIXELS_HIGH * look.width / look.height))
         instances: list[tuple[str, str]] = []
         meshes, glass = [], []
+        self._soft: dict[int, tuple[str, ...]] = {}
+        self._shaped: dict[int, _Scene] = {}
         for name in candidate.solids:
             built = candidate.entity(name)
             for body in built.bodies:
@@ -104,6 +108,8 @@ class Sight:
                     if parts:
                         instances.append((name, body.name))
                         meshes.append(_joined([p.render for p in parts]))
+                        if name in candidate.deforming:
+                            self._soft[len(meshes) - 1] = tuple(p.part for p in parts)
                         glass.append(clear)
         self._solid = _Scene(instances, meshes, glass)
         self._scenes: dict[int, _Scene] = {}
@@ -130,17 +136,32 @@ class Sight:
             EvidenceError: a liquid has no readable shape.
         """
         liquids = self.candidate.liquids
-        if not self._flows(entity):
-            return self._solid
         at = min(frame, self.candidate.last_frame)
+        if not self._flows(entity):
+            return self._at(at)
         if at not in self._scenes:
             meshes = {n: liquid_outline(self.candidate, n, at) for n in liquids}
             there = [n for n in liquids if len(meshes[n].faces)]
             clear = [self._clear(self.candidate.spec.entities[n].material) for n in there]
             while self._scenes and sum(len(m.faces) for s in self._scenes.values() for m in s.meshes) > HELD_FACES:
                 self._scenes.pop(next(iter(self._scenes)))
-            self._scenes[at] = self._solid.joined([(n, "") for n in there], [meshes[n] for n in there], clear)
+            self._scenes[at] = self._at(at).joined([(n, "") for n in there], [meshes[n] for n in there], clear)
         return self._scenes[at]
+
+    def _at(self, frame: int) -> _Scene:
+        """The solids at a frame: deforming ones have another shape at every one."""
+        if not self._soft:
+            return self._solid
+        if frame not in self._shaped:
+            while len(self._shaped) >= HELD_SHAPES:
+                self._shaped.pop(next(iter(self._shaped)))
+            meshes = list(self._solid.meshes)
+            for k, parts in self._soft.items():
+                entity = self._solid.instances[k][0]
+                shapes = [self.candidate.shape(entity, part, frame) for part in parts]
+                meshes[k] = TriangleMesh(np.concatenate(shapes), meshes[k].faces)
+            self._shaped[frame] = _Scene(self._solid.instances, meshes, self._solid.glass.tolist())
+        return self._shaped[frame]
 
     def camera(self, shot_id: str, frame: int, *, shot: Shot | None = None) -> Camera:
         """Camera of a shot at a frame; the target moves with the followed entity's centre of mass.
@@ -189,7 +210,8 @@ class Sight:
         if key not in self._seen:
             camera, poses = self.camera(shot_id, frame), self.poses(frame, entity)
             # Where nothing moves, one look does for many frames.
-            flowing = [float(min(frame, self.candidate.last_frame))] if self._flows(entity) else []
+            changing = self._flows(entity) or bool(self._soft)
+            flowing = [float(min(frame, self.candidate.last_frame))] if changing else []
             view = np.concatenate(
                 [flowing, camera.position, camera.target, [camera.fov_deg], *(np.concatenate(p) for p in poses)]
             )

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import (
-    Forest,
     Meetings,
     Solid,
     aabb_of,
@@ -32,6 +31,7 @@ from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.spec import Fastened, Rope
+from .shapes import Shapes
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -135,7 +135,9 @@ class Surfaces:
         found = []
         for part in built.parts:
             try:
-                solid = self._solid(part.render, closed=part.closed)
+                soft = entity in self.candidate.deforming
+                shape = TriangleMesh(self.candidate.shape(entity, part.part, 0), part.render.faces) if soft else part.render
+                solid = self._solid(shape, closed=part.closed)
             except InputError as error:
                 raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
             found.append(PartSurface(entity, part.part, part.body, solid, float(part.deviation[0])))
@@ -184,7 +186,8 @@ class Surfaces:
         """
         key = (entity, body)
         if key not in self._tracks:
-            if self.candidate.cache_row(entity, body) is None and self.candidate.stage != "static" and not self.is_static(entity):
+            held = self.candidate.cache_row(entity, body) is not None or entity in self.candidate.deforming
+            if not held and self.candidate.stage != "static" and not self.is_static(entity):
                 raise EvidenceError(
                     f"no cache holds the motion of {entity}/{body}; list {entity!r} as a member of a solver and bake"
                 )
@@ -295,15 +298,23 @@ class Surfaces:
         return {pair: series for pair, series in found.items() if series.min() <= self.reach}
 
     @cached_property
-    def _forest(self) -> Forest:
-        """Trees of all parts; those that share their mesh share one."""
-        return Forest(list({id(p.solid): p.solid for p in self.parts}.values()))
+    def shapes(self) -> Shapes:
+        """Shapes of the parts at the frames: those of deforming ones change."""
+        return Shapes(self.candidate, self.parts)
 
-    @cached_property
-    def _place(self) -> list[int]:
-        """Index of every part's solid in `_forest`."""
-        known = {key: k for k, key in enumerate({id(p.solid): None for p in self.parts})}
-        return [known[id(p.solid)] for p in self.parts]
+    def _clearances(
+        self, asked: list[tuple[int, int, NDArray[np.intp]]], *, shift: F64 | None = None, tolerance: float = 0.0
+    ) -> F64:
+        """Clearance of pairs of parts (i, j, frames), one after the other [m], the first of each moved by `shift` [m]."""
+        sides = [[(i, frames) for i, _, frames in asked], [(j, frames) for _, j, frames in asked]]
+        forest, places = self.shapes.forest([*sides[0], *sides[1]])
+        poses = []
+        for side, move in zip(sides, (shift, None), strict=True):
+            tracks = [self._track_of(part).take(frames) for part, frames in side]
+            position = np.concatenate([t.position for t in tracks])
+            poses.append((position if move is None else position + move, np.concatenate([t.quaternion for t in tracks])))
+        pairs = places.reshape(2, -1).T
+        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, tolerance=tolerance).distance
 
     def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
         """World boxes that hold all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
@@ -315,6 +326,9 @@ class Surfaces:
         lost = frames[None] >= np.array([self.broken.get(p.entity, self.frames) for p in parts])[:, None]
         positions[lost], quaternions[lost] = 0.0, (1.0, 0.0, 0.0, 0.0)
         low, high = turned_boxes(center, half, radius, positions, quaternions)
+        for i in self.shapes.soft:
+            some = turned_boxes(*self.shapes.boxes(i, frames), positions[i][:, None], quaternions[i][:, None])
+            low[i], high[i] = some[0][:, 0], some[1][:, 0]
         low[lost], high[lost] = NOWHERE, -NOWHERE
         return low, high
 
@@ -335,16 +349,7 @@ class Surfaces:
         found: dict[Pair, F64],
     ) -> None:
         """Measure pairs of parts (i, j, places in `frames`) and enter the least of each pair of entities into `found`."""
-        pairs = np.repeat(
-            [(self._place[i], self._place[j]) for i, j, _ in group],
-            [len(near) for *_, near in group],
-            axis=0,
-        )
-        poses = []
-        for side in ([i for i, _, _ in group], [j for _, j, _ in group]):
-            tracks = [self._track_of(part).take(frames[near]) for part, (_, _, near) in zip(side, group, strict=True)]
-            poses.append((np.concatenate([t.position for t in tracks]), np.concatenate([t.quaternion for t in tracks])))
-        values = clearance_batch(self._forest, pairs, *poses, skip_above=self.reach).distance
+        values = self._clearances([(i, j, frames[near]) for i, j, near in group])
         start = 0
         for i, j, near in group:
             pair = (self.parts[i].entity, self.parts[j].entity)
@@ -389,10 +394,8 @@ class Surfaces:
         for rows, move in ((self.parts_of[a], shift), (self.parts_of[b], np.zeros(3))):
             poses = [self.track(self.parts[i].entity, self.parts[i].body).at(frame) for i in rows]
             poses = [RigidPose(p.position + move, p.quaternion) for p in poses]
-            boxes = [
-                aabb_of(self.parts[i].solid.vertices, p.position[None], p.quaternion[None])
-                for i, p in zip(rows, poses, strict=True)
-            ]
+            shapes = [self.shapes.solid(i, frame).vertices for i in rows]
+            boxes = [aabb_of(v, p.position[None], p.quaternion[None]) for v, p in zip(shapes, poses, strict=True)]
             placed.append((rows, poses, np.concatenate([x[0] for x in boxes]), np.concatenate([x[1] for x in boxes])))
         (rows_a, poses_a, low_a, high_a), (rows_b, poses_b, low_b, high_b) = placed
         apart = np.maximum(np.maximum(low_a[:, None] - high_b, low_b - high_a[:, None]), 0.0)
@@ -403,7 +406,8 @@ class Surfaces:
             if best is not None and bound[i, j] > max(best.distance, 0.0):
                 break
             one, two = self.parts[rows_a[i]], self.parts[rows_b[j]]
-            found = signed_clearance(one.solid, poses_a[i], two.solid, poses_b[j])
+            solids = self.shapes.solid(rows_a[i], frame), self.shapes.solid(rows_b[j], frame)
+            found = signed_clearance(solids[0], poses_a[i], solids[1], poses_b[j])
             if best is None or found.distance < best.distance:
                 best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
         assert best is not None
@@ -452,13 +456,8 @@ class Surfaces:
         pairs = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
         if not pairs:
             return np.full(len(frames), np.inf)
-        asked = np.repeat([(self._place[j], self._place[i]) for i, j in sorted(pairs)], len(frames), axis=0)
-        carried = [self._track_of(j).take(frames) for _, j in sorted(pairs)]
-        carrying = [self._track_of(i).take(frames) for i, _ in sorted(pairs)]
-        there = np.concatenate([t.position + offset for t in carried]), np.concatenate([t.quaternion for t in carried])
-        other = np.concatenate([t.position for t in carrying]), np.concatenate([t.quaternion for t in carrying])
         tolerance = MOVED_SHARE * SUPPORT_SLOPE * self.contact_gap(below, above)
-        values = clearance_batch(self._forest, asked, there, other, skip_above=self.reach, tolerance=tolerance).distance
+        values = self._clearances([(j, i, frames) for i, j in sorted(pairs)], shift=offset, tolerance=tolerance)
         return np.asarray(values.reshape(len(pairs), len(frames)).min(axis=0))
 
     @cached_property

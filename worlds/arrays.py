@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from .spec.shapes import Pose
 
-__all__ = ["F64", "I32", "I64", "RigidPose", "compose", "euler_to_quaternion", "pose_of", "quaternion_product", "rotation_matrix"]
+__all__ = [
+    "F64",
+    "I32",
+    "I64",
+    "RigidPose",
+    "compose",
+    "euler_to_quaternion",
+    "pose_of",
+    "quaternion_of",
+    "quaternion_product",
+    "rotation_matrix",
+]
 
 F64: TypeAlias = NDArray[np.float64]
 I32: TypeAlias = NDArray[np.int32]
@@ -43,6 +54,24 @@ def rotation_matrix(quaternion: F64) -> F64:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def quaternion_of(rotation: F64) -> F64:
+    """Unit quaternion of a rotation matrix (3, 3); w >= 0.
+
+    The eigenvector to the largest eigenvalue of a symmetric matrix (I. Bar-Itzhack, J. Guidance 23 (2000) 1085): no branches.
+    """
+    m = rotation
+    k = np.array(
+        [
+            [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+            [0.0, m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
+            [0.0, 0.0, m[1, 1] - m[0, 0] - m[2, 2], m[1, 2] + m[2, 1]],
+            [0.0, 0.0, 0.0, m[2, 2] - m[0, 0] - m[1, 1]],
+        ]
+    )
+    found = np.linalg.eigh(np.triu(k) + np.triu(k, 1).T)[1][:, -1]
+    return np.asarray(found if found[0] >= 0 else -found)
 
 
 def quaternion_product(a: F64, b: F64) -> F64:

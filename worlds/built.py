@@ -21,6 +21,7 @@ from .arrays import F64, I32, RigidPose
 from .cache import DAMAGE, read_array
 from .errors import EvidenceError
 from .folder import write_atomically
+from .simulation_mesh import SimulationMesh, mesh_arrays, mesh_from
 
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
 
@@ -63,6 +64,8 @@ class BuiltPart:
     """[m] (largest distance of the collision surface outside the visible one, and of the visible outside it)."""
     smooth: bool
     """Whether the renderer should interpolate normals."""
+    simulation: SimulationMesh | None = None
+    """Of a part that deforms: what its solver moves."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +132,9 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
                 "smooth": part.smooth,
             }
         )
+        if part.simulation is not None:
+            arrays |= mesh_arrays(part.simulation, f"p{i}/s")
+            parts[-1]["deforms"] = True
     bodies = [
         {
             "name": b.name,
@@ -184,6 +190,7 @@ def load_built(path: Path) -> BuiltEntity:
                     closed=p["closed"],
                     deviation=(p["deviation"][0], p["deviation"][1]),
                     smooth=p["smooth"],
+                    simulation=mesh_from(array, f"p{i}/s") if p.get("deforms") else None,
                 )
                 for i, p in enumerate(meta["parts"])
             )

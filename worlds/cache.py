@@ -26,6 +26,14 @@ Channels written by a rigid instance (n bodies in the order of `CacheIndex.bodie
 | `exchange/impulse` | f8 (n, 6) | of a two-way coupling: what the engine integrated of the liquids' wrenches over the frame, about the centres of mass [N s, N m s] |
 | `record/<quantity>` | f8 () | quantities of `worlds/records.py` |
 
+Channels written by an instance with deforming members (v vertices of the simulation meshes of all parts in
+`CacheIndex.deformables`, in that order):
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `vertex/position` | f8 (v, 3) | world [m] |
+| `vertex/velocity` | f4 (v, 3) | world [m/s] |
+
 Channels written by a liquid instance (n particles; b boundaries in the order of `CacheIndex.colliders`, `entity/body`; k inflows and
 outflows in the order of `CacheIndex.drivers`; `CacheIndex.bodies` are the liquid entities):
 
@@ -101,6 +109,10 @@ class CacheIndex:
     settings: str
     """Of a liquid: hash of everything that decides its motion, so that another candidate may take its frames over; else empty."""
     versions: dict[str, str]
+    deformables: tuple[str, ...] = ()
+    """`entity/part` of every deforming part, in the order of their vertices in the channels `vertex/*`."""
+    vertices: tuple[int, ...] = ()
+    """How many vertices each of them has."""
 
 
 def write_container(path: Path, channels: Mapping[str, Any]) -> str:
@@ -217,8 +229,8 @@ class Cache:
         """
         try:
             data = json.loads((self.folder / "index.json").read_text())
-            for name in ("bodies", "colliders", "joints", "drivers"):
-                data[name] = tuple(data[name])
+            for name in ("bodies", "colliders", "joints", "drivers", "deformables", "vertices"):
+                data[name] = tuple(data.get(name, ()))
             return CacheIndex(**data)
         except DAMAGE as error:
             raise EvidenceError(f"cache {self.folder.name!r} has no readable index.json ({error}); bake again") from error

@@ -17,6 +17,7 @@ from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .canonical import spec_digest
 from .coarsening import coarsened, read_overrides
+from .deforming import Deforming, deforming_of
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
 from .liquid_surface import LiquidSurface
@@ -70,13 +71,27 @@ class Candidate:
         return [c for category in quantity.of for c in of[category].values()]
 
     @cached_property
+    def deforming(self) -> dict[str, Deforming]:
+        """Entities whose deformation a cache holds; empty at the static stage, where they have their rest shape.
+
+        Raises:
+            EvidenceError: a cache does not belong to what is built.
+        """
+        return deforming_of(self.built, {n: c for n, c in self.caches.items() if n not in self.liquid_caches})
+
+    @cached_property
+    def deformables(self) -> tuple[str, ...]:
+        """Entities that are meant to deform."""
+        return tuple(n for n, e in self.spec.entities.items() if e.physics.category in ("elastic", "cloth"))
+
+    @cached_property
     def frame_count(self) -> int:
         """Frames that can be inspected: 1 at the static stage."""
         return min((c.index.frames for c in self.caches.values()), default=1)
 
     @cached_property
     def solids(self) -> tuple[str, ...]:
-        """Entities with a surface of their own: rigid bodies and static things. Liquids, gases and grains have none."""
+        """Entities with a surface of their own, which may deform. Liquids, gases and grains have none."""
         return tuple(n for n, e in self.spec.entities.items() if e.physics.category not in ("liquid", "gas", "particles"))
 
     @cached_property
@@ -125,14 +140,19 @@ class Candidate:
             raise EvidenceError(f"entity {entity!r} is not built; call place_object") from None
 
     def pose(self, entity: str, frame: int, body: str = "body") -> RigidPose:
-        """Pose of a body frame in the world at `frame`."""
+        """Pose of a body frame in the world at `frame`; of a deforming body, the best rigid fit."""
+        if entity in self.deforming:
+            return self.deforming[entity].pose(frame)
         place = self.cache_row(entity, body)
         if place is not None:
             return place[0].pose(place[1], frame)
         return compose(pose_of(self.spec.entities[entity].pose), self.body(entity, body).pose)
 
     def track(self, entity: str, body: str = "body") -> tuple[F64, F64]:
-        """Positions (frames, 3) and quaternions (frames, 4) of a body frame over all frames."""
+        """Positions (frames, 3) and quaternions (frames, 4) of a body frame over all frames; see `pose`."""
+        if entity in self.deforming:
+            fits = [self.deforming[entity].pose(k) for k in range(self.frame_count)]
+            return np.stack([p.position for p in fits]), np.stack([p.quaternion for p in fits])
         place = self.cache_row(entity, body)
         if place is not None:
             cache, row = place
@@ -167,12 +187,31 @@ class Candidate:
 
     def moves(self, entity: str) -> bool:
         """Whether any body of the entity is in a cache."""
-        return any((entity, b.name) in self._rows for b in self.entity(entity).bodies)
+        return entity in self.deforming or any((entity, b.name) in self._rows for b in self.entity(entity).bodies)
+
+    def surface(self, entity: str, part: str, frame: int) -> F64:
+        """Visible vertices of a part in the world, shape (r, 3): moved with its body, or bound to its simulation mesh.
+
+        Raises:
+            EvidenceError: the entity is not built, or has no such part.
+        """
+        for own in self.entity(entity).parts:
+            if own.part == part:
+                if entity in self.deforming:
+                    return self.deforming[entity].surface(own, frame)
+                return self.pose(entity, frame, own.body).apply(own.render.vertices)
+        raise EvidenceError(f"entity {entity!r} has no part {part!r}")
+
+    def shape(self, entity: str, part: str, frame: int) -> F64:
+        """Visible vertices of a part in its body's frame, shape (r, 3); `pose` puts them where `surface` has them."""
+        own = next(p for p in self.entity(entity).parts if p.part == part)
+        if entity not in self.deforming:
+            return own.render.vertices
+        return self.pose(entity, frame, own.body).inverse().apply(self.surface(entity, part, frame))
 
     def vertices(self, entity: str, frame: int) -> F64:
         """Visible vertices of all parts in the world, shape (n, 3)."""
-        built = self.entity(entity)
-        return np.concatenate([self.pose(entity, frame, p.body).apply(p.render.vertices) for p in built.parts])
+        return np.concatenate([self.surface(entity, p.part, frame) for p in self.entity(entity).parts])
 
     def recipe(self, check: str, entities: Iterable[str] = (), extra: Any = None) -> str:
         """Hash of what a row is derived from, for `Row.recipe`.

@@ -52,9 +52,23 @@ def _clearance(surfaces: Surfaces, a: str, b: str, frames: NDArray[np.intp], ski
         for j in surfaces.parts_of[b]:
             one, two = surfaces.parts[i], surfaces.parts[j]
             tracks: list[Track] = [surfaces.track(p.entity, p.body).take(frames[good]) for p in (one, two)]
-            values = clearance_series(one.solid, tracks[0], two.solid, tracks[1], skip_above=skip_above)
+            values = _series(surfaces, (i, j), tracks, frames[good], skip_above)
             result[good] = np.minimum(result[good], values)
     return result
+
+
+def _series(surfaces: Surfaces, parts: tuple[int, int], tracks: list[Track], frames: NDArray[np.intp], skip_above: float) -> F64:
+    """Clearance of two parts at some frames [m]; deforming ones have another shape at each."""
+    shapes = surfaces.shapes
+    if not shapes.soft & set(parts):
+        one, two = (surfaces.parts[k].solid for k in parts)
+        return clearance_series(one, tracks[0], two, tracks[1], skip_above=skip_above)
+    found = np.empty(len(frames))
+    for place, frame in enumerate(frames.tolist()):
+        one, two = (shapes.solid(k, frame) for k in parts)
+        at = np.array([place])
+        found[place] = clearance_series(one, tracks[0].take(at), two, tracks[1].take(at), skip_above=skip_above)[0]
+    return found
 
 
 def _still(scope: Scope, entity: str) -> Truth:

@@ -16,7 +16,8 @@ from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, CacheIndex
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError, InputError
-from ..worlds.spec import WorldSpec
+from ..worlds.fields import acting_on
+from ..worlds.spec import FieldDriver, WorldSpec
 from .probe import positions_of
 from .protocol import Intervention, Solver
 from .runs import Run, groups_of, make_run, reads
@@ -95,7 +96,8 @@ def _concerned(spec: WorldSpec, name: str, done: Intervention) -> bool:
     members = set(plan.solvers[name].members)
     drivers = [plan.drivers[d] for d in done.without if d in plan.drivers]
     joints = [plan.joints[d.joint].child for d in drivers if hasattr(d, "joint") and d.joint in plan.joints]
-    driven = {*(getattr(d, "entity", None) for d in drivers), *joints}
+    blown = {e for d in drivers if isinstance(d, FieldDriver) for e in acting_on(spec, d)}
+    driven = {*(getattr(d, "entity", None) for d in drivers), *joints, *blown}
     parted = any(set(pair) <= members or (name in plan.liquid and set(pair) & members) for pair in done.apart)
     return bool(members & (driven | done.held)) or parted
 

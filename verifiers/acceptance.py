@@ -28,6 +28,7 @@ from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec, prompt_digest
 from .bundle import event_list
+from .field_ledger import field_lines
 from .ground_stems import plant_lines
 
 __all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
@@ -263,6 +264,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "motion or force put in by hand, counted as driver work",
             }
         )
+    found += field_lines(spec)
     for name, coupling in spec.simulation.couplings.items():
         if coupling.direction == "one_way":
             found.append(

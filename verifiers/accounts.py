@@ -49,7 +49,7 @@ def account_of(candidate: Candidate) -> Account:
         kinetic=join([b.kinetic for b in books], count),
         potential=join([b.potential for b in books], count),
         elastic=np.sum([(b.elastic + stored(b))[:count] for b in books], axis=0),
-        work=np.sum([(b.record("driver_work") + b.liquid.work)[:count] for b in books], axis=0),
+        work=np.sum([(b.record("driver_work") + b.outside.work)[:count] for b in books], axis=0),
         momentum=join([b.momentum for b in books], count),
         angular_momentum=join([b.angular_momentum for b in books], count),
         sources={n: join([b.sources[n] for b in books], count - 1) for n in names},

@@ -18,10 +18,12 @@ import numpy as np
 
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
+from ..worlds.fields import acting_on
 from ..worlds.predicates import Contact
 from ..worlds.requirements import Correction, Row, Status
 from ..worlds.spec import (
     DetachDriver,
+    FieldDriver,
     ForceDriver,
     InflowDriver,
     MotorDriver,
@@ -91,6 +93,8 @@ def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str
         return driver.time, (driver.entity,)
     if isinstance(driver, ForceDriver | InflowDriver):
         return driver.start, (driver.entity,)
+    if isinstance(driver, FieldDriver):
+        return driver.start, acting_on(candidate.spec, driver)
     if isinstance(driver, WavesDriver):
         return max(0.0, driver.start), (driver.entity,)
     if isinstance(driver, OutflowDriver):

@@ -31,6 +31,7 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
 from . import motion
+from .field_ledger import blown_at
 from .liquid_links import liquid_motion, liquid_pushes, stirred
 
 if TYPE_CHECKING:
@@ -401,6 +402,8 @@ class Chains:
                 lasted = max(0.0, min(driver.end, frame / self._fps) - max(driver.start, begin))
                 if lasted > 0:
                     reach.others[name] = reach.others.get(name, 0.0) + lasted * float(np.linalg.norm(driver.force))
+        for name, impulse in blown_at(self.candidate, self.names[subject], frame).items():
+            reach.others[name] = reach.others.get(name, 0.0) + impulse
 
     def _episode(self, one: int, to: int, frame: int) -> int:
         """Frame before the contact that lasts at `frame` began."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
     from .ledgers import Books
 
-__all__ = ["CHANNEL", "Exchanged", "both_ways", "exchange_steps", "exchanged", "partners"]
+__all__ = ["CHANNEL", "Exchanged", "account", "both_ways", "exchange_steps", "exchanged", "nothing", "partners"]
 
 CHANNEL = "exchange/impulse"
 """Linear and angular impulse about each body's centre of mass over the frame [N s], [N m s], shape (n, 6)."""
@@ -36,11 +36,21 @@ class Exchanged:
     angular: F64
     """Angular impulse about the entity's centre of mass [N m s], shape (F - 1, E, 3)."""
     wet: NDArray[np.bool_]
-    """Whether a liquid pushed the entity in the interval, shape (F - 1, E)."""
+    """Whether it pushed the entity in the interval, shape (F - 1, E)."""
     work: F64
     """Done on all free bodies since frame 0 [J], shape (F,)."""
     doubt: F64
     """Uncertainty of that work, summed since frame 0 [J], shape (F,)."""
+
+    def plus(self, other: Exchanged) -> Exchanged:
+        """Both together."""
+        return Exchanged(
+            self.linear + other.linear,
+            self.angular + other.angular,
+            self.wet | other.wet,
+            self.work + other.work,
+            self.doubt + other.doubt,
+        )
 
 
 def partners(spec: WorldSpec, solver: str) -> tuple[str, ...]:
@@ -79,16 +89,25 @@ def exchanged(books: Books) -> Exchanged:
     Raises:
         EvidenceError: one is, and the cache has no record of it.
     """
-    shape = (books.frames - 1, len(books.entities), 3)
     if not both_ways(books.candidate.spec, books.cache.index.solver):
-        none = np.zeros(books.frames)
-        return Exchanged(np.zeros(shape), np.zeros(shape), np.zeros(shape[:2], dtype=bool), none, none)
+        return nothing(books)
     given: F64 = np.asarray(books.cache.series(CHANNEL), dtype=np.float64)
     if given.shape != (books.frames, len(books.owner), 6):
         raise EvidenceError(f"channel {CHANNEL!r} has shape {given.shape}, not {(books.frames, len(books.owner), 6)}; bake again")
     if not np.isfinite(given).all():
         raise EvidenceError(f"channel {CHANNEL!r} is not finite; see numerical:finite")
-    linear, angular = given[1:, :, :3], given[1:, :, 3:]
+    return account(books, given[1:])
+
+
+def nothing(books: Books) -> Exchanged:
+    """Of what is not there."""
+    shape, none = (books.frames - 1, len(books.entities), 3), np.zeros(books.frames)
+    return Exchanged(np.zeros(shape), np.zeros(shape), np.zeros(shape[:2], dtype=bool), none, none)
+
+
+def account(books: Books, given: F64) -> Exchanged:
+    """Impulses and work of impulses on bodies [N s, N m s], shape (F - 1, n, 6)."""
+    linear, angular = given[:, :, :3], given[:, :, 3:]
     arm = 0.5 * (
         (books.body_centers - books.centers[:, books.owner])[:-1] + (books.body_centers - books.centers[:, books.owner])[1:]
     )
@@ -101,7 +120,7 @@ def exchanged(books: Books) -> Exchanged:
     return Exchanged(
         books.per_entity(linear),
         books.per_entity(angular + np.cross(arm, linear)),
-        books.per_entity(np.abs(given[1:]).sum(axis=2)) > 0.0,
+        books.per_entity(np.abs(given).sum(axis=2)) > 0.0,
         np.concatenate([[0.0], np.cumsum(work)]),
         np.concatenate([[0.0], np.cumsum(doubt)]),
     )

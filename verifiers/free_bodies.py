@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..worlds.arrays import F64
+from ..worlds.arrays import F64, pose_of
+from ..worlds.fields import fields_of
 from ..worlds.requirements import Correction
 from ..worlds.spec import ForceDriver, ReleaseDriver, RigidPhysics
 from . import motion
@@ -136,6 +137,16 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
             share = -float(np.dot(driver.force, weight) / np.dot(weight, weight))
             if share >= LIFT:
                 return f"is carried by driver {name!r} with {share:.3g} of its weight", {"driver": name}
+    fields = fields_of(spec, entity)
+    if fields:
+        center = np.array([pose_of(spec.entities[entity].pose).position])
+        share = -float(np.dot(fields.acceleration(center, 0.0)[0], spec.simulation.gravity)) / float(
+            np.dot(spec.simulation.gravity, spec.simulation.gravity)
+        )
+        if share >= LIFT:
+            return f"is carried by fields {', '.join(fields.names)} with {share:.3g} of its weight", {
+                "fields": list(fields.names)
+            }
     physics = spec.entities[entity].physics
     if isinstance(physics, RigidPhysics):
         speed = float(np.linalg.norm(physics.linear_velocity))

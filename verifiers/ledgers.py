@@ -20,6 +20,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver, RigidPhysics
 from .assemblies import assemblies_of, joined
 from .exchanged import Exchanged, exchanged
+from .field_ledger import blown
 from .springs import Spring, springs_of
 
 if TYPE_CHECKING:
@@ -311,9 +312,19 @@ class Books:
         return exchanged(self)
 
     @cached_property
+    def fields(self) -> Exchanged:
+        """What force fields gave."""
+        return blown(self)
+
+    @cached_property
+    def outside(self) -> Exchanged:
+        """What liquids and force fields gave together."""
+        return self.liquid.plus(self.fields)
+
+    @cached_property
     def known_impulse(self) -> F64:
-        """Gravity, drivers, drag, springs and liquids together [N s], shape (F - 1, E, 3)."""
-        return self.gravity_impulse + self.driver_wrench[0] + self.drag_impulse + self.spring_impulse[0] + self.liquid.linear
+        """Gravity, drivers, drag, springs, liquids and fields together [N s], shape (F - 1, E, 3)."""
+        return self.gravity_impulse + self.driver_wrench[0] + self.drag_impulse + self.spring_impulse[0] + self.outside.linear
 
     @cached_property
     def residual(self) -> F64:
@@ -371,6 +382,7 @@ class Books:
             "drag": self.drag_impulse,
             "springs": self.spring_impulse[0],
             **({"liquids": self.liquid.linear} if self.liquid.wet.any() else {}),
+            **({"fields": self.fields.linear} if self.fields.wet.any() else {}),
             "contacts, joints": self.residual,
         }
 

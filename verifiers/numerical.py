@@ -16,6 +16,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
 from . import liquid, motion
 from .exchanged import both_ways
+from .field_ledger import feels_fields
 from .findings import Finding, again, halve, separate
 from .ledgers import books_of
 from .numerical_state import SPIKE, counters, events, frozen, resting, spike
@@ -316,9 +317,9 @@ def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     plan = candidate.spec.simulation
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies) * float(np.linalg.norm(plan.gravity))
-    if both_ways(candidate.spec, solver):
-        liquid = books_of(candidate, cache).liquid
-        work = work + liquid.work + liquid.doubt
+    if both_ways(candidate.spec, solver) or feels_fields(candidate.spec, solver):
+        outside = books_of(candidate, cache).outside
+        work = work + outside.work + outside.doubt
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         gain = np.diff(kinetic + potential - work, prepend=(kinetic + potential - work)[0])
         speed = np.linalg.norm(cache.series("velocity"), axis=2)

@@ -2,7 +2,7 @@
 
 - `category:rigid:bodies:<solver>` and `:mass:`: number and mass of moving bodies stay what construction built.
 - `category:rigid:joints:<solver>`: no joint comes apart by more than `JOINT_GAP` or `JOINT_SHARE` of the body.
-- `category:rigid:energy:<solver>`: kinetic + potential energy - work of drivers and liquids never grows over any interval by
+- `category:rigid:energy:<solver>`: kinetic + potential energy - work of drivers, liquids and fields never grows over any interval by
   more than `limits.energy_growth` of the energy that is in play: the largest kinetic energy plus the range of the
   potential energy. Contacts, friction and damping only take energy away, so a growth has no source.
 - `category:rigid:escape:<solver>`: no body leaves a cube `ESCAPE` times the scene's largest extent, unless a
@@ -25,7 +25,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
 from ..worlds.requirements import Row
 from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
-from . import motion, rigid_books, rigid_contacts, rigid_laws
+from . import field_ledger, motion, rigid_books, rigid_contacts, rigid_laws
 from .ledgers import books_of
 from .rigid_joints import openings
 from .rigid_rows import rigid_row
@@ -80,6 +80,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         "contacts": rigid_contacts.contacts,
         "friction": rigid_contacts.friction,
         "restitution": rigid_contacts.restitution,
+        "fields": field_ledger.fields,
     }
     rows = []
     for name, function in checks.items():
@@ -106,11 +107,12 @@ PREDICATES = {
     "bodies": "number of moving bodies is constant and as built",
     "mass": "mass of moving bodies is constant and as built",
     "joints": f"largest joint gap <= max({JOINT_GAP:g} m, {JOINT_SHARE:g} of the smallest jointed body)",
-    "energy": "mechanical energy less the work of drivers and liquids never grows by more than limits.energy_growth of the energy in play",
+    "energy": "mechanical energy less the work of drivers, liquids and fields never grows by more than limits.energy_growth of the energy in play",
     "escape": f"every body stays within {ESCAPE:g} scene sizes",
     **rigid_books.PREDICATES,
     **rigid_laws.PREDICATES,
     **rigid_contacts.PREDICATES,
+    **field_ledger.PREDICATES,
 }
 
 
@@ -263,8 +265,8 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
     plan = candidate.spec.simulation
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in _free(candidate, cache)) * float(np.linalg.norm(plan.gravity))
-    liquid = books_of(candidate, cache).liquid
-    given = work + liquid.work + liquid.doubt
+    outside = books_of(candidate, cache).outside
+    given = work + outside.work + outside.doubt
     energy = kinetic + potential - given
     scale = energy_scale(kinetic, potential, weight)
     bound = plan.limits.energy_growth

@@ -224,7 +224,8 @@ def _uneven(books: Books) -> F64:
     force = np.linalg.norm(books.driver_wrench[0], axis=2)
     weight = books.mass * float(np.linalg.norm(books.gravity)) * books.duration
     liquid = np.linalg.norm(books.liquid.linear, axis=2) + np.where(books.liquid.wet, UNSTEADY * weight, 0.0)
-    result: F64 = drag + spring + liquid + np.where(books.switching, force, 0.0)
+    field = np.linalg.norm(books.fields.linear, axis=2)
+    result: F64 = drag + spring + liquid + field + np.where(books.switching, force, 0.0)
     return result
 
 
@@ -264,13 +265,13 @@ def _flights(books: Books) -> Flags:
         & ~books.touched
         & ~books.dozing
         & ~books.switching
-        & ~books.liquid.wet
+        & ~books.outside.wet
     )
 
 
 def _in_contact(books: Books) -> tuple[F64, Flags]:
     """Change of angular momentum beyond the logged impulses times the reach, over the least inertia [rad/s]."""
-    angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.liquid.angular, axis=2)
+    angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.outside.angular, axis=2)
     torques = np.where(books.dozing | books.switching, np.linalg.norm(books.driver_wrench[1], axis=2), 0.0)
     lever = books.reach + books.rolling
     allowed = books.contact_budget * lever * (1 + ROUNDING) + _unlogged(books) * lever + torques

@@ -12,6 +12,8 @@ from typing import Any
 
 from .canonical import digest_of
 from .clauses import clauses_of
+from .field_audit import field_problems
+from .fields import acting_on, field_drivers
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
 from .groups import group_of
 from .instances import bake_order, coupling_problems, instance_for, membership_problems
@@ -23,6 +25,7 @@ from .requirements import Correction, Row
 from .spec import (
     MOVED,
     DetachDriver,
+    FieldDriver,
     MotorDriver,
     PathDriver,
     Supports,
@@ -283,7 +286,10 @@ class _Audit:
             driver = plan.drivers.get(beat.owner)
             if members is not None and beat.subject not in members:
                 problems.append(Problem(f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
-            if driver is not None and getattr(driver, "entity", beat.subject) != beat.subject:
+            acts_on = acting_on(self.spec, driver) if isinstance(driver, FieldDriver) else None
+            if (acts_on is not None and beat.subject not in acts_on) or (
+                driver is not None and getattr(driver, "entity", beat.subject) != beat.subject
+            ):
                 problems.append(Problem(f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
             for cause in beat.causes:
                 if cause in beats and beats[cause].frames[0] > beat.frames[1]:
@@ -324,6 +330,8 @@ class _Audit:
         if plan.liquid or any(e.physics.category == "liquid" for e in self.spec.entities.values()):
             text = "liquids are members of a liquid instance that resolves them, and its domain holds them"
             self.add("liquids", text, liquid_problems(self.spec), group="physical")
+        if field_drivers(self.spec):
+            self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
         if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):
             self.add(
                 "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"

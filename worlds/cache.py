@@ -24,6 +24,7 @@ Channels written by a rigid instance (n bodies in the order of `CacheIndex.bodie
 | `event/impulse` | f8 (e,) | normal impulse within the frame, from the event on [N s] |
 | `driver/active` | u1 (d,) | driver acted during the frame, in the order of `CacheIndex.drivers` |
 | `exchange/impulse` | f8 (n, 6) | of a two-way coupling: what the engine integrated of the liquids' wrenches over the frame, about the centres of mass [N s, N m s] |
+| `field/impulse` | f8 (n, 3) | of force fields over the frame, at the centres of mass [N s]; only where one acts on a body |
 | `record/<quantity>` | f8 () | quantities of `worlds/records.py` |
 
 Channels written by an instance with deforming members (v vertices of the simulation meshes of all parts in

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...worlds.arrays import F64, pose_of, rotation_matrix
 from ...worlds.errors import InputError
-from ...worlds.spec import DetachDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, RigidPhysics, WorldSpec
+from ...worlds.fields import acting_on
+from ...worlds.spec import DetachDriver, FieldDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, RigidPhysics, WorldSpec
 from ..protocol import Intervention
 from .holds import Holds
 from .model import RigidModel
@@ -89,6 +90,7 @@ class Drivers:
             n
             for n, d in plan.drivers.items()
             if (getattr(d, "entity", None) in members)
+            or (isinstance(d, FieldDriver) and not members.isdisjoint(acting_on(spec, d)))
             or (getattr(d, "joint", None) in plan.joints and plan.joints[d.joint].child in members)  # type: ignore[union-attr]
         )
         self._drivers = {n: plan.drivers[n] for n in self.names}
@@ -177,6 +179,8 @@ class Drivers:
                 times |= {driver.start, driver.end}
             elif isinstance(driver, DetachDriver):
                 times.add(driver.time)
+            elif isinstance(driver, FieldDriver):
+                times |= {driver.start, driver.start + driver.rise, np.inf if driver.end is None else driver.end}
         return sorted(t for t in times if start + _SLACK < t < end - _SLACK)
 
     def switches_at(self, time: float) -> bool:
@@ -309,6 +313,7 @@ class Drivers:
             elif isinstance(driver, PathDriver):
                 times = [k.time for k in driver.keys.values()]
                 flags.append(min(times) < end and max(times) > start)
-            elif isinstance(driver, ForceDriver | MotorDriver):
-                flags.append(driver.start < end - _SLACK and driver.end > start + _SLACK)
+            elif isinstance(driver, ForceDriver | MotorDriver | FieldDriver):
+                until = np.inf if driver.end is None else driver.end
+                flags.append(driver.start < end - _SLACK and until > start + _SLACK)
         return np.array(flags, dtype=np.uint8)

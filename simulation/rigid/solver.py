@@ -20,6 +20,7 @@ from ...worlds.spec import RigidSettings, WorldSpec
 from ..protocol import Channel, Intervention, Port
 from .contact_law import rest_speed, set_contact_law
 from .drivers import Drivers
+from .fields import FieldForces
 from .gyration import Gyration
 from .holds import FIXED
 from .model import RigidModel, build_model
@@ -58,6 +59,7 @@ CHANNELS = (
     Channel("driver/active", "u1", "1", ("drivers",), "frame"),
 )
 EXCHANGED = Channel("exchange/impulse", "f8", "N s, N m s", ("bodies", "6"), "body")
+FIELDS = Channel("field/impulse", "f8", "N s", ("bodies", "3"), "body")
 
 
 class SolverRigid:
@@ -122,6 +124,7 @@ class SolverRigid:
         self._saved = mujoco.MjData(self.model)
         self.drivers = Drivers(self.spec, self.rigid, frozenset(self.members), self._intervention)
         self.work = DriverWork(self.model, self.rigid.actuator_of, self.drivers)
+        self.fields = FieldForces(self.spec, self.rigid, self.built, self._intervention.without)
         self.gyration = Gyration(self.model)
         self.monitor = ContactMonitor(self.rigid)
         kinematic = np.array([b.split("/", 1)[0] in self.drivers.kinematic for b in self.rigid.bodies], dtype=bool)
@@ -144,6 +147,7 @@ class SolverRigid:
         self._work = 0.0
         self.restore(self._bytes(), 0)
         self.ledger.begin()
+        self.fields.begin()
         self._finish_frame(0, self.settings.step)
 
     def _adopt_contacts(self, time: float) -> None:
@@ -193,6 +197,7 @@ class SolverRigid:
         first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
         gyration, ropes, watch = self.gyration.apply, self.drivers.has_ropes, self.ledger.watch
+        fields, held = self.fields, self.drivers.held(start) if self.fields else frozenset()
         working = self.work.begin(data, velocities(model, data), self._outside())
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
         for k in range(count):
@@ -202,6 +207,8 @@ class SolverRigid:
                 self.drivers.slacken(data)
             first(model, data)
             watch(data)
+            if fields:
+                fields.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
             contact_law(data, dt, slowest)
             # The stages of `mj_step2`, so that forces are read before the integration.
@@ -215,8 +222,13 @@ class SolverRigid:
             if working:
                 self.work.after_step(data, dt)
             if self._wrench is not None:
-                # Of what the engine integrated, less what drivers pushed: counted here, not taken from who gave it.
-                self._received += dt * ((data.xfrc_applied - self.work.pushes)[self.rigid.body_ids] + self._absorbed)
+                # Of what the engine integrated, less what drivers and fields pushed: counted here, not taken from who gave it.
+                pushed = data.xfrc_applied - self.work.pushes
+                if fields:
+                    pushed[self.rigid.body_ids, :3] -= fields.present
+                self._received += dt * (pushed[self.rigid.body_ids] + self._absorbed)
+        if fields:
+            fields.end(data)
         if authored:
             self.drivers.follow_paths(data, count, dt)
         self._settle_kinematics()
@@ -261,6 +273,7 @@ class SolverRigid:
         self.time = self.frame * self._frame_time
         self._before = None
         self._received[:] = 0.0
+        self.fields.begin()
 
     def step_to(self, end: float, wrench: F64 | None = None, *, start: float | None = None) -> None:
         """Step on to `end` [s] under a constant wrench on the moving bodies.
@@ -429,6 +442,7 @@ class SolverRigid:
             "joint": data.qpos[self.rigid.joint_qpos].copy() if self.rigid.joints else np.zeros(0),
             "driver/active": self.drivers.active(start, self.frame * self._frame_time),
             **({"exchange/impulse": self._received.copy()} if self._coupled else {}),
+            **({"field/impulse": self.fields.impulse.copy()} if self.fields else {}),
             **self.monitor.arrays(),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
@@ -439,7 +453,7 @@ class SolverRigid:
 
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
-        return (*CHANNELS, EXCHANGED) if self._coupled else CHANNELS
+        return (*CHANNELS, *((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
 
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""

@@ -2,6 +2,7 @@
 
 from ..vocabulary import Ref, SpecModel
 from .entities import Appearance, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
+from .fields import FieldDriver
 from .liquids import (
     DfsphInstance,
     DfsphSettings,
@@ -88,6 +89,7 @@ __all__ = [
     "Entity",
     "Extrusion",
     "Fastened",
+    "FieldDriver",
     "FlipInstance",
     "FlipSettings",
     "ForceDriver",

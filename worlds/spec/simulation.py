@@ -17,6 +17,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .fields import FieldDriver
 from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from .shapes import Pose
 
@@ -198,7 +199,15 @@ class DetachDriver(SpecModel):
 
 
 Driver = Annotated[
-    ReleaseDriver | PathDriver | ForceDriver | MotorDriver | DetachDriver | InflowDriver | OutflowDriver | WavesDriver,
+    ReleaseDriver
+    | PathDriver
+    | ForceDriver
+    | MotorDriver
+    | DetachDriver
+    | FieldDriver
+    | InflowDriver
+    | OutflowDriver
+    | WavesDriver,
     Field(discriminator="kind"),
 ]
 

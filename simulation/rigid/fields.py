@@ -1,0 +1,97 @@
+"""Force fields on rigid bodies: drag of the area they show to the flow, and accelerations, at their centres of mass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.built import BuiltEntity
+from ...worlds.fields import Fields, area_vectors, drag_force, fields_of, projected_area
+from ...worlds.spec import WorldSpec
+from .model import RigidModel
+
+__all__ = ["FieldForces"]
+
+
+class FieldForces:
+    """Forces of all fields on the bodies of one instance, and the impulses that they gave.
+
+    Attributes:
+        impulse: since `begin`, in the order of `rigid.bodies` [N s], shape (n, 3).
+        present: forces that are applied now [N], shape (n, 3).
+    """
+
+    def __init__(self, spec: WorldSpec, rigid: RigidModel, built: Mapping[str, BuiltEntity], without: frozenset[str]) -> None:
+        self.rigid = rigid
+        self.impulse: F64 = np.zeros((len(rigid.bodies), 3))
+        owners = [b.split("/", 1) for b in rigid.bodies]
+        by_fields: dict[tuple[str, ...], tuple[Fields, list[int]]] = {}
+        for row, (entity, _) in enumerate(owners):
+            fields = fields_of(spec, entity, without)
+            if fields:
+                by_fields.setdefault(fields.names, (fields, []))[1].append(row)
+        self._sets = [(fields, np.array(rows, dtype=np.int64)) for fields, rows in by_fields.values()]
+        vectors, owner = [np.zeros((0, 3))], [np.zeros(0, dtype=np.int64)]
+        for row, (entity, body) in enumerate(owners):
+            if any(row in rows and fields.has_medium for fields, rows in self._sets):
+                parts = built[entity].parts_of(body)
+                if parts:
+                    found = area_vectors(np.concatenate([p.render.vertices for p in parts]))
+                    vectors.append(found)
+                    owner.append(np.full(len(found), row))
+        self._vectors, self._owner = np.concatenate(vectors), np.concatenate(owner)
+        self._mass = rigid.model.body_mass[rigid.body_ids]
+        self._entities = [entity for entity, _ in owners]
+        self.present: F64 = np.zeros((len(owners), 3))
+
+    def __bool__(self) -> bool:
+        return bool(self._sets)
+
+    def begin(self) -> None:
+        """Count impulses anew."""
+        self.impulse[:] = 0.0
+
+    def forces(self, data: Any, time: float, dt: float) -> F64:
+        """Forces on the bodies in the present state at `time` [s], as they act over a step of `dt` [N], shape (n, 3).
+
+        Drag is divided by one plus the share of the speed that it would take within the step, so that it never turns a body round.
+        """
+        ids = self.rigid.body_ids
+        center = data.xipos[ids]
+        spin = data.cvel[ids, :3]
+        velocity = data.cvel[ids, 3:] + np.cross(spin, center - data.subtree_com[self.rigid.model.body_rootid[ids]])
+        total: F64 = np.zeros((len(ids), 3))
+        for fields, rows in self._sets:
+            total[rows] += self._mass[rows, None] * fields.acceleration(center[rows], time)
+            if not fields.has_medium:
+                continue
+            medium = fields.medium(center[rows], time)
+            flow = np.zeros_like(center)
+            flow[rows] = medium.velocity - velocity[rows]
+            area = projected_area(self._vectors, self._owner, data.xmat[ids].reshape(-1, 3, 3), flow)[rows]
+            push = drag_force(medium, area, velocity[rows])
+            speed = np.maximum(np.linalg.norm(flow[rows], axis=1), 1e-12)
+            rate = np.linalg.norm(push, axis=1) / (speed * np.maximum(self._mass[rows], 1e-12))
+            total[rows] += push / (1.0 + dt * rate)[:, None]
+        return total
+
+    def apply(self, data: Any, time: float, dt: float, held: frozenset[str]) -> None:
+        """Add the forces of this step to what is applied to the bodies, in place of those of the last step.
+
+        Bodies that are held, or asleep, feel none.
+        """
+        ids = self.rigid.body_ids
+        found = self.forces(data, time, dt)
+        found[[e in held for e in self._entities]] = 0.0
+        data.xfrc_applied[ids, :3] += found - self.present
+        self.present = found
+        awake = data.body_awake[ids] != 0
+        self.impulse += dt * found * awake[:, None]
+
+    def end(self, data: Any) -> None:
+        """Take the forces of the last step away."""
+        data.xfrc_applied[self.rigid.body_ids, :3] -= self.present
+        self.present = np.zeros_like(self.present)

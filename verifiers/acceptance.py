@@ -183,7 +183,7 @@ def _particles(name: str, spacing: float) -> list[dict[str, str]]:
     return [
         {
             "what": f"numerical dissipation of motion of {name!r} smaller than a particle's surroundings, about {2 * spacing:g} m",
-            "effect": f"eddies and ripples of that size die out; waves in water {10 * spacing:g} m deep lose over half their height in three periods",
+            "effect": f"eddies and ripples of that size die out; waves in water {10 * spacing:g} m deep lose some two fifths of their height in three periods",
         },
         {
             "what": f"walls bear particles of {name!r} beside them along themselves too, at most 0.15 of the outermost ones' weight",

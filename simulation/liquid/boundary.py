@@ -1,7 +1,7 @@
-"""Samples that stand for the surface of a body in a particle liquid (Akinci et al. 2012).
+"""Samples that stand for sheets and deforming bodies in a particle liquid (Akinci et al. 2012); rigid solids are `solid_samples`.
 
-Liquid keeps some distance from samples, so they lie inside the surface: the liquid then ends at the surface itself, and a body
-displaces its own volume. In parts thinner than twice that depth they lie in the middle, and the body displaces as if it were
+Liquid keeps some distance from samples, so those of closed bodies lie inside the surface: the liquid then ends at the surface
+itself, and a body displaces its own volume. In parts thinner than twice that depth they lie in the middle, and the body displaces as if it were
 that thick. Sheets carry their samples on themselves.
 """
 
@@ -24,7 +24,7 @@ LAYERS = 2
 CANDIDATES = 6.0
 """Candidates per square of the least distance."""
 INSET = 0.55
-"""Depth of the samples in spacings, by measurement: a held box then feels the weight of the liquid that it displaces."""
+"""Depth of the samples of closed bodies in spacings, by measurement: the liquid then ends at their surface."""
 PLANE_SHARE = 0.711
 """Measured on a large plane: the volumes of its samples then sum to area times spacing, as those of a lattice plane do (0.7006)."""
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from worldagent.simulation.liquid import surface_mesh
 from worldagent.simulation.liquid.engine import Engine, Particles, StepReport
-from worldagent.simulation.liquid.wall_fit import fit_to_sides, fit_to_walls
+from worldagent.simulation.liquid.surface import SurfaceSettings, surface_frame
 
 from .world import CLOSED, OPEN, WALL, EngineName, Figure, G, advance, below, lattice, level, liquid, make, near, tank_walls
 
@@ -15,15 +14,21 @@ __all__ = ["hydrostatics", "settling", "still_water", "surface_volume"]
 def surface_volume(engine: Engine, upper: tuple[float, float, float], name: EngineName, *, boxes: bool = False) -> float:
     """Volume inside the surface as the product meshes it, laid onto the walls of a tank [0, upper] [m^3]."""
     p = engine.particles()
+    n = len(p.position)
     spacing = float(np.cbrt(np.median(p.volume)))
     wide = {"support": 3.0, "threshold": 0.64} if name == "flip" else {}
-    mesh = surface_mesh.reconstruct(p.position, p.velocity, p.temperature, spacing, **wide)
-    normals = surface_mesh.vertex_normals(mesh.vertices, mesh.faces)[0]
-    if boxes:
-        vertices = fit_to_walls(mesh.vertices, normals, [w.mesh for w in tank_walls(upper)], spacing)
-    else:
-        vertices = fit_to_sides(mesh.vertices, normals, np.zeros(3), np.array(upper), (True,) * 5 + (False,), spacing)
-    return surface_mesh.closed_volume(vertices, mesh.faces)
+    sides = {} if boxes else {"lower": (0.0, 0.0, 0.0), "upper": upper, "closed": (True,) * 5 + (False,)}
+    data = {
+        "origin": np.zeros(3),
+        "particle/position": p.position.astype(np.float32),
+        "particle/velocity": p.velocity.astype(np.float32),
+        "particle/id": p.identity,
+        "particle/fluid": np.zeros(n, dtype=np.int32),
+        "particle/volume": p.volume.astype(np.float32),
+    }
+    settings = SurfaceSettings(spacing, **wide, **sides)  # type: ignore[arg-type]
+    found, _ = surface_frame(data, settings, dt=1 / 24, walls=[w.mesh for w in tank_walls(upper)] if boxes else ())
+    return float(found["record/surface_volume"])
 
 
 def _tank(engine: EngineName, cells: int, depth: float, walls: str) -> tuple[Engine, tuple[float, float, float], tuple]:

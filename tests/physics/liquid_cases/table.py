@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from . import dams, floating, obstacle, still, viscous
+from . import dams, floating, obstacle, sloshing, still, viscous
 from .world import EngineName, Figure
 
 __all__ = ["CASES", "Case", "rows"]
@@ -28,6 +28,7 @@ CASES: dict[str, Case] = {
     "still-water": Case(still.still_water, (8, 16)),
     "still-water-boxes": Case(partial(still.still_water, walls="boxes"), (8, 16)),
     "settling": Case(still.settling, (24, 40)),
+    "standing-wave": Case(sloshing.standing_wave, (10, 20)),
     "martin-moyce": Case(dams.martin_moyce, (8, 16)),
     "martin-moyce-far": Case(partial(dams.martin_moyce, far=True), (8, 16)),
     "martin-moyce-square": Case(partial(dams.martin_moyce, ratio=1), (8, 16)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BodyState", "Boundary", "Surround", "meets_domain", "surround_of"]
 
+HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+
 
 @dataclass(frozen=True)
 class Boundary:
@@ -26,7 +28,8 @@ class Boundary:
     name: str
     """`entity/body`; its place in `Surround.boundaries` is its row in `BodyState` and in wrenches."""
     mesh: TriangleMesh
-    """In the body's frame, outward faces. A height field comes as its closed solid."""
+    """Outward faces; in the body's frame, of static ones in the world's: the pose of those is the identity, always. A height field comes
+    as its closed solid."""
     motion: Literal["static", "kinematic", "dynamic"]
     closed: bool = True
     """False: a sheet, met from both sides."""
@@ -66,11 +69,11 @@ class Surround:
 
     boundaries: tuple[Boundary, ...]
     bodies: tuple[BuiltBody, ...]
-    """Mass properties per boundary."""
+    """Mass properties per boundary; of static ones in the world's frame."""
     start: tuple[RigidPose, ...]
-    """Pose of each boundary's body at frame 0."""
+    """Pose of each boundary's body at frame 0; the identity of static ones."""
     parts: tuple[tuple[int, TriangleMesh], ...] = ()
-    """Single surfaces that the boundaries are made of: (row, mesh in the body's frame)."""
+    """Single surfaces that the boundaries are made of: (row, mesh in the frame of the boundary's)."""
 
 
 def meets_domain(entity: Entity, built: BuiltEntity, box: tuple[F64, F64], margin: float) -> bool:
@@ -118,6 +121,9 @@ def surround_of(
             meshes = [m for m in near if m is not None]
             if not meshes:
                 continue
+            if contract.motion == "static":
+                meshes = [TriangleMesh(pose.apply(m.vertices), m.faces) for m in meshes]
+                body, pose = replace(body, center=pose.apply(body.center[None])[0]), HERE
             rough = max(spec.materials[p.material].friction for p in parts) if friction is None else friction
             closed = all(p.closed for p in parts)
             surfaces += [(len(boundaries), m) for m in meshes]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
+from ....worlds.errors import InputError
 from ...boundaries import BodyState
 from ...passes import ALONE
 from ..boundary import Sampled, sample_surface
@@ -153,6 +154,7 @@ class Coupling:
         rotation = np.asarray(state.rotation, dtype=float)
         if self.fixed.count and not self.fixed._sorted:
             wp = warp()
+            self._require_placed(state)
             here = wp.zeros(self.count, dtype=wp.mat33, device=self.device)
             here.assign(np.tile(np.eye(3, dtype=np.float32), (self.count, 1, 1)))
             self.fixed.arrange(self.passes, "fixed", here, wp.zeros(self.count, dtype=wp.vec3, device=self.device), grid)
@@ -173,6 +175,12 @@ class Coupling:
         self.reacts = bool((mobile & moving).any())
         self._ledger.zero_()
         self.moving.arrange(self.passes, "moving", self.rotation, self.position, grid)
+
+    def _require_placed(self, state: BodyState) -> None:
+        for row in self._fixed_rows:
+            if not (np.allclose(state.rotation[row], np.eye(3)) and np.allclose(state.position[row], 0.0)):
+                name = self.setup.boundaries[row].name
+                raise InputError(f"the static boundary {name!r} comes with a pose; give its mesh in the world's frame")
 
     def _deformed(self, state: BodyState, position: F64, rotation: F64) -> tuple[F64, F64]:
         """Samples of bodies whose vertices move by themselves: in the world's frame, with velocities of their own."""

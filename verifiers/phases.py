@@ -9,6 +9,8 @@
 - peak response: frame of the largest kinetic energy from the first contact on; from activation where no contact applies.
 - early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
   frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
+
+Where no rigid body can move, what counts is the matter of the other instances: their largest speed and kinetic energy as recorded.
 """
 
 from __future__ import annotations
@@ -23,13 +25,14 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import is_invariant
 from ..worlds.requirements import Correction, Row
-from ..worlds.spec import RigidPhysics
 from . import motion
 from .causal import driver_start
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
+    from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
+    from ..worlds.spec import Entity
 
 __all__ = ["FALLING", "PHASES", "SETTLED", "START_SPEED", "Phases", "check", "find_phases"]
 
@@ -78,10 +81,12 @@ def find_phases(candidate: Candidate) -> Phases:
     Raises:
         EvidenceError: nothing is simulated, or a channel is missing.
     """
-    if not candidate.rigid_caches:
+    if not candidate.caches:
         raise EvidenceError("no simulated frames: probe first")
     last = candidate.last_frame
-    names = sorted({b.split("/", 1)[0] for c in candidate.rigid_caches.values() for b in c.index.bodies})
+    names = sorted({b.split("/", 1)[0] for c in candidate.rigid_caches.values() for b in c.index.bodies}) or list(
+        _matter(candidate)
+    )
     threshold = _start_speed(candidate)
     notes, who = {}, {}
     activation, starter, how = _activation(candidate, names, threshold)
@@ -148,7 +153,16 @@ def _start_speed(candidate: Candidate) -> float:
     return max(SMALL, START_SPEED * min(1.0, float(np.sqrt(gravity * extent))))
 
 
+def _matter(candidate: Candidate) -> dict[str, Cache]:
+    """Instance of each entity that is no rigid body and moves by an engine."""
+    others = [c for n, c in candidate.caches.items() if n not in candidate.spec.simulation.rigid]
+    return {member: cache for cache in others for member in candidate.spec.simulation.solvers[cache.index.solver].members}
+
+
 def _speeds(candidate: Candidate, name: str) -> F64:
+    matter = _matter(candidate).get(name)
+    if matter is not None:
+        return np.asarray(matter.series("record/max_speed")[: candidate.frame_count])
     return motion.fastest_points(candidate, name)[: candidate.frame_count]
 
 
@@ -189,8 +203,13 @@ def _preroll(
 def _sent(candidate: Candidate, name: str) -> bool:
     """Whether the specification gives the entity a velocity at frame 0 or a driver."""
     entity = candidate.spec.entities[name]
-    thrown = isinstance(entity.physics, RigidPhysics) and any((*entity.physics.linear_velocity, *entity.physics.angular_velocity))
-    return thrown or any(name in driver_start(candidate, d)[1] for d in candidate.spec.simulation.drivers)
+    return _thrown(entity) or any(name in driver_start(candidate, d)[1] for d in candidate.spec.simulation.drivers)
+
+
+def _thrown(entity: Entity) -> bool:
+    """Whether the specification gives it a velocity at frame 0."""
+    speeds = [getattr(entity.physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
+    return any(any(v) for v in speeds) or bool(getattr(entity.physics, "currents", None))
 
 
 def _first_contact(candidate: Candidate, activation: int, who: dict[str, str], notes: dict[str, str]) -> int | None:
@@ -220,6 +239,9 @@ def _kinetic(candidate: Candidate) -> F64:
     total = np.zeros(candidate.frame_count)
     for cache in candidate.rigid_caches.values():
         total += motion.kinetic_energy(candidate, cache)[: candidate.frame_count].sum(axis=1)
+    if not any(c.index.bodies for c in candidate.rigid_caches.values()):
+        for cache in {id(c): c for c in _matter(candidate).values()}.values():
+            total += cache.series("record/kinetic_energy")[: candidate.frame_count]
     if not np.isfinite(total).all():
         raise EvidenceError(f"kinetic energy is not finite at frame {int(np.argmax(~np.isfinite(total)))}")
     return total
@@ -301,10 +323,7 @@ def check(candidate: Candidate) -> list[Row]:
 def _meant_to_rest(candidate: Candidate) -> bool:
     """Whether the specification sets nothing in motion and asks for nothing but lasting states."""
     spec = candidate.spec
-    thrown = any(
-        isinstance(e.physics, RigidPhysics) and any((*e.physics.linear_velocity, *e.physics.angular_velocity))
-        for e in spec.entities.values()
-    )
+    thrown = any(_thrown(e) for e in spec.entities.values())
     return not thrown and not spec.simulation.drivers and all(is_invariant(b.predicate) for b in spec.story.beats.values())
 
 

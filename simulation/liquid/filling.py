@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...geometry.inside import contains
 from ...geometry.launch import launch, warp
 from ...geometry.solids import Solid
-from ...worlds.arrays import F64, RigidPose
+from ...worlds.arrays import F64, RigidPose, compose
 
 __all__ = ["Filling", "PlacedSolid", "fill"]
 
@@ -156,8 +156,20 @@ class Filling:
 def fill(own: PlacedSolid, solids: Sequence[PlacedSolid], spacing: float) -> Filling:
     """Particles inside `own` and outside `solids`, about `spacing` apart.
 
-    The lattice follows the sides of the volume's box and is stretched by less than half a cell over its length.
+    The lattice follows the sides of the volume's box and is stretched by less than half a cell over its length. Of a turned
+    volume it is the box in its own frame, where a lattice fits there.
     """
+    if abs(own.pose.quaternion[0]) < 1.0:
+        back = own.pose.inverse()
+        here = [PlacedSolid(s.name, s.solid, compose(back, s.pose)) for s in solids]
+        made, fits = _lattice(PlacedSolid(own.name, own.solid, compose(back, own.pose)), here, spacing)
+        if fits:
+            return Filling(own.pose.apply(made.position), made.volume, made.blocked)
+    return _lattice(own, solids, spacing)[0]
+
+
+def _lattice(own: PlacedSolid, solids: Sequence[PlacedSolid], spacing: float) -> tuple[Filling, bool]:
+    """A filling along the axes, and whether it is a lattice that fits; else it is relaxed."""
     low, high = own.box
     counts = np.maximum(1, np.round((high - low) / spacing)).astype(int)
     step = (high - low) / counts
@@ -179,11 +191,11 @@ def fill(own: PlacedSolid, solids: Sequence[PlacedSolid], spacing: float) -> Fil
     points = lattice[free]
     fits = abs(len(points) * cell - volume) <= 1e-6 * whole
     if fits and _snug(points, [own, *near], own, spacing):
-        return Filling(points, cell, blocked)
+        return Filling(points, cell, blocked), True
     wanted = max(1, round(volume / spacing**3)) if volume > 0 else 0
     points = _matched(lattice, free, own, near, wanted, spacing)
     points = _relax(points, own, near, spacing)
-    return Filling(points, volume / max(len(points), 1), blocked)
+    return Filling(points, volume / max(len(points), 1), blocked), False
 
 
 def _meets(a: tuple[F64, F64], b: tuple[F64, F64]) -> bool:

@@ -12,12 +12,13 @@ from ..geometry.solids import Solid
 from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matrix
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
 from ..worlds.canonical import digest_of, source_digest
-from ..worlds.errors import InputError
+from ..worlds.errors import InputError, LimitError
 from ..worlds.provenance import geometry_slice
-from ..worlds.spec import Entity, Part, RigidPhysics, Rope, WorldSpec
+from ..worlds.spec import ElasticPhysics, Entity, Part, RigidPhysics, Rope, WorldSpec
 from .imports import mesh_digest
 from .primitives import ShapeGeometry, build_shape
 from .ropes import rope_segments
+from .soft import soft_part
 
 __all__ = ["build_entity", "entity_recipe"]
 
@@ -181,4 +182,12 @@ def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
         body = _body("body", IDENTITY, masses, scale)
     except InputError as error:
         raise InputError(f"/entities/{name}: {error}") from error
-    return BuiltEntity(name, (body,), tuple(p for p, _ in made), recipe)
+    parts = [p for p, _ in made]
+    if isinstance(entity.physics, ElasticPhysics):
+        if len(parts) != 1:
+            raise InputError(f"/entities/{name}/parts: an elastic body has one part, not {len(parts)}; make the others entities")
+        try:
+            parts = [soft_part(parts[0], entity.physics)]
+        except (InputError, LimitError) as error:
+            raise type(error)(f"/entities/{name}: {error}") from error
+    return BuiltEntity(name, (body,), tuple(parts), recipe)

@@ -26,6 +26,7 @@ from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entitie
 from ..worlds.requirements import Row
 from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
 from . import field_ledger, motion, rigid_books, rigid_contacts, rigid_laws
+from .elastic_ledger import elastic_energies
 from .ledgers import books_of
 from .rigid_joints import openings
 from .rigid_rows import rigid_row
@@ -88,7 +89,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
             if cache is None:
                 raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
             if moves_nothing(candidate, solver, cache):
-                text = f"no member of {solver!r} moves"
+                text = f"no rigid member of {solver!r} moves"
                 rows.append(rigid_row(candidate, f"category:rigid:{name}:{solver}", "not_applicable", PREDICATES[name], text))
                 continue
             rows.append(function(candidate, solver, cache))
@@ -98,9 +99,9 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
 
 
 def moves_nothing(candidate: Candidate, solver: str, cache: Cache) -> bool:
-    """Whether an instance holds nothing but ground: by the plan, and by the index of its cache."""
-    members = candidate.spec.simulation.solvers[solver].members
-    return not cache.index.bodies and all(candidate.spec.entities[m].motion == "static" for m in members)
+    """Whether an instance holds no rigid body but ground: by the plan, and by the index of its cache."""
+    members = [candidate.spec.entities[m] for m in candidate.spec.simulation.solvers[solver].members]
+    return not cache.index.bodies and all(e.motion == "static" or e.physics.category == "elastic" for e in members)
 
 
 PREDICATES = {
@@ -263,6 +264,9 @@ def largest_growth(energy: F64) -> tuple[float, int, int]:
 
 def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
+    # Elastic members and rigid ones give energy to each other: both count.
+    moving, stored = elastic_energies(cache)
+    kinetic, potential = kinetic + moving, potential + stored
     plan = candidate.spec.simulation
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in _free(candidate, cache)) * float(np.linalg.norm(plan.gravity))
     outside = books_of(candidate, cache).outside
@@ -280,6 +284,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         text = f"energy is not finite at frame {frame}"
         return rigid_row(candidate, row_id, "fail", PREDICATES["energy"], text, frame=frame, corrections=(hint,))
     own_kinetic, own_potential = rigid_books.energies(books_of(candidate, cache))
+    own_kinetic, own_potential = own_kinetic + moving, own_potential + stored
     own = own_kinetic + own_potential - given
     own_scale = energy_scale(own_kinetic, own_potential, weight)
     if largest_growth(own)[0] / own_scale > largest_growth(energy)[0] / scale + ROUNDING:

@@ -12,6 +12,7 @@ from typing import Any
 
 from .canonical import digest_of
 from .clauses import clauses_of
+from .elastic_audit import elastic_problems
 from .field_audit import field_problems
 from .fields import acting_on, field_drivers
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
@@ -330,6 +331,9 @@ class _Audit:
         if plan.liquid or any(e.physics.category == "liquid" for e in self.spec.entities.values()):
             text = "liquids are members of a liquid instance that resolves them, and its domain holds them"
             self.add("liquids", text, liquid_problems(self.spec), group="physical")
+        if any(e.physics.category == "elastic" for e in self.spec.entities.values()):
+            text = "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells"
+            self.add("elastic", text, elastic_problems(self.spec), group="physical")
         if field_drivers(self.spec):
             self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
         if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):

@@ -67,7 +67,8 @@ class Candidate:
         """Caches of the instances that record a quantity."""
         liquids = self.liquid_caches
         surfaces = {n: LiquidSurface(c).files for n, c in liquids.items() if LiquidSurface(c).count() >= c.index.frames}
-        of = {"rigid": self.rigid_caches, "liquid": liquids, "surface": surfaces}
+        soft = {n: c for n, c in self.rigid_caches.items() if c.index.deformables}
+        of = {"rigid": self.rigid_caches, "elastic": soft, "liquid": liquids, "surface": surfaces}
         return [c for category in quantity.of for c in of[category].values()]
 
     @cached_property

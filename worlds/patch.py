@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any
@@ -266,6 +267,9 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
                 yield f"/entities/{key}/parts/{name} removed"
             elif part["collides"] and not now["parts"][name]["collides"]:
                 yield f"/entities/{key}/parts/{name} collides no more"
+        for bound in ("max_strain", "recovery"):
+            if bound in entity["physics"] and now["physics"].get(bound, math.inf) > entity["physics"][bound]:
+                yield f"/entities/{key}/physics/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"
         if now["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
             yield f"/entities/{key}/dimensions/tolerance widened"
         elif "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:

@@ -17,7 +17,7 @@ from .canonical import digest_of
 from .instances import coupled_groups
 from .liquids import domain_box, initial_box, spacing_of
 from .requirements import Row
-from .spec import Fastened, RigidPhysics, WorldSpec
+from .spec import ElasticPhysics, Fastened, RigidPhysics, WorldSpec
 
 __all__ = ["DOMAIN_MARGIN", "geometry_slice", "liquid_slice", "motion_slice", "recipes", "stale_artifacts", "stale_rows"]
 
@@ -39,6 +39,7 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
         "material": entity.material,
         "densities": {n: spec.materials[n].density for n in sorted(names) if n in spec.materials},
         "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
+        **({"resolution": entity.physics.resolution} if isinstance(entity.physics, ElasticPhysics) else {}),
     }
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "liquid", "surface"]
+Category = Literal["rigid", "elastic", "liquid", "surface"]
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,12 @@ class Quantity:
     meaning: str
     conserved: bool = False
     of: tuple[Category, ...] = ("rigid",)
-    """Instances of these categories write it; `surface`: it stands beside the surfaces of a liquid."""
+    """Instances of these categories write it; `elastic`: rigid ones with elastic members; `surface`: it stands beside the surfaces of a liquid."""
 
 
 _BOTH: tuple[Category, ...] = ("rigid", "liquid")
 _LIQUID: tuple[Category, ...] = ("liquid",)
+_ELASTIC: tuple[Category, ...] = ("elastic",)
 _SURFACE: tuple[Category, ...] = ("surface",)
 _ALL = (
     Quantity("kinetic_energy", "J", "sum over moving bodies or liquid", of=_BOTH),
@@ -47,6 +48,15 @@ _ALL = (
     Quantity("iterations_capped", "1", "steps that ended at the iteration cap", of=_BOTH),
     Quantity("overflows", "1", "engine warnings: full contact or constraint buffers, bad states"),
     Quantity("joint_error", "m", "largest gap of a welded, hinged or sliding joint"),
+    Quantity("strain_energy", "J", "stored in the deformation of elastic bodies", of=_ELASTIC),
+    Quantity("elastic_kinetic_energy", "J", "sum over the nodes of elastic bodies", of=_ELASTIC),
+    Quantity("elastic_potential_energy", "J", "gravity, against z = 0, of elastic bodies", of=_ELASTIC),
+    Quantity("elastic_momentum_x", "kg m/s", "sum over the nodes of elastic bodies", of=_ELASTIC),
+    Quantity("elastic_momentum_y", "kg m/s", "sum over the nodes of elastic bodies", of=_ELASTIC),
+    Quantity("elastic_momentum_z", "kg m/s", "sum over the nodes of elastic bodies", of=_ELASTIC),
+    Quantity(
+        "elastic_travel_per_step", "m", "farthest that a node of an elastic body went in one step of the frame", of=_ELASTIC
+    ),
     Quantity("surface_volume", "m^3", "inside the reconstructed surface of a liquid", of=_SURFACE),
     Quantity("surface_area", "m^2", "of that surface", of=_SURFACE),
     Quantity("surface_components", "1", "separate pieces of that surface, cavities not counted", of=_SURFACE),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,8 @@ class SimulationMesh:
     """Vertices that carry each visible vertex, shape (r, 4)."""
     weights: F64
     """Their weights, each row sums to 1, shape (r, 4)."""
+    cells: I32 = field(default_factory=lambda: np.zeros(3, dtype=np.int32))
+    """Cells of the lattice that carries it, along x, y, z of the body's frame, shape (3,); zeros where there is none."""
 
     def bound(self, positions: F64) -> F64:
         """Visible vertices where the simulation vertices are at `positions`, shape (..., n, 3) -> (..., r, 3) [m]."""

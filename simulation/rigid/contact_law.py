@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .sides import sides_of
 
 if TYPE_CHECKING:
     from .model import RigidModel
@@ -71,8 +72,8 @@ class ContactLaw:
 
     Args:
         model: the compiled model.
-        restitution: restitution per geom, shape (ngeom,).
-        colliders: collider per geom, shape (ngeom,).
+        restitution: restitution per side of a contact (geoms, then elastic bodies), shape (sides,).
+        colliders: collider per side, shape (sides,).
         pairs: restitution of pairs of colliders that have their own.
     """
 
@@ -120,7 +121,7 @@ class ContactLaw:
             data.efc_aref[rows] -= self._lift(rows, friction, sizes, data.efc_aref)
             return
         own = data.efc_aref[rows]
-        own[hit] = -(1.0 + self.restitution_of(contact.geom[live][hit])) * speed[hit] / dt
+        own[hit] = -(1.0 + self.restitution_of(sides_of(self.model, contact)[live][hit])) * speed[hit] / dt
         self._harden(data, rows[hit], sizes[hit])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)
@@ -167,7 +168,7 @@ def set_contact_law(rigid: RigidModel, steps: float, dt: float) -> None:
     model = rigid.model
     model.opt.timestep = dt
     k, b = contact_reference(steps, dt)
-    for target in (model.geom_solref, model.pair_solref):
+    for target in (model.geom_solref, model.pair_solref, model.flex_solref):
         target[:] = (-k, -b)
     omega = 1.0 / (JOINT_STEPS * dt)
     for target in (model.eq_solref, model.jnt_solref):

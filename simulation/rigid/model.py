@@ -29,13 +29,12 @@ from ...worlds.spec import (
     WeldJoint,
     WorldSpec,
 )
-from .contact_law import IMPEDANCE, ContactLaw, set_contact_law
+from .contact_law import ContactLaw, set_contact_law
+from .flex import SOLIMP, FlexBody, add_flex, is_soft, node_count
 from .holds import FIXED, MOVING
 
 __all__ = ["RigidModel", "build_model"]
 
-SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0)
-"""MuJoCo `solimp`: constant, so that a contact is the linear law of `contact_law`."""
 DENSE_LIMIT = 60
 """Degrees of freedom up to which the Jacobian is dense. 4.0.0 is said to have a wrong sparse Hessian (issue 3767); on
 contacts, joints, ropes and springs it agrees with the dense one to 1e-7 in equal iterations, which a test keeps watching.
@@ -62,13 +61,15 @@ class RigidModel:
     offsets: F64
     """Origin of MuJoCo's frame in the body's own frame [m], shape (n, 3)."""
     geom_collider: Any
-    """Collider index per geom, shape (ngeom,)."""
+    """Collider index per side of a contact (geoms, then elastic bodies), shape (sides,)."""
     joints: tuple[str, ...]
     joint_qpos: Any
     """qpos address per entry of `joints`."""
     law: ContactLaw
     excess: F64
-    """How far the visible surface reaches outside the collision shape, per geom [m], shape (ngeom,)."""
+    """How far the visible surface reaches outside the collision shape, per side of a contact [m], shape (sides,)."""
+    flexes: tuple[FlexBody, ...] = ()
+    """Elastic members, in the order of the engine."""
     exclude_of: dict[str, int] = field(default_factory=dict)
     """Exclusion per weld that a driver can open."""
     eq_of: dict[str, int] = field(default_factory=dict)
@@ -131,13 +132,15 @@ class _Builder:
         self.body_names: list[str] = []
         self.offsets: list[F64] = []
         self.joint_names: list[str] = []
+        self.flexes: list[FlexBody] = []
 
     def options(self, dof_estimate: int) -> None:
         mujoco, option = self.mj, self.out.option
         option.timestep = self.settings.step
         option.gravity = self.spec.simulation.gravity
-        # `discrete` solves the gyroscopic and contact terms implicitly and damps both; elastic members will need it.
-        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        # `discrete` solves the gyroscopic and contact terms implicitly and damps both; elastic members need it.
+        soft = any(is_soft(self.spec, name) for name in self.members)
+        option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE if soft else mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         dense = dof_estimate <= DENSE_LIMIT
         option.solver = mujoco.mjtSolver.mjSOL_NEWTON
@@ -147,7 +150,7 @@ class _Builder:
         option.impratio = self.settings.impratio
         option.sleep_tolerance = 10 * SLEEP_ACCELERATION * self.settings.step
         option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET) | int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
-        if self.settings.sleep:
+        if self.settings.sleep and not soft:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         if self.settings.speculative:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SPECULATIVE)
@@ -360,6 +363,8 @@ class _Builder:
 
     def _bodies_of(self, name: str) -> list[str]:
         """Names of an entity's bodies in the model."""
+        if is_soft(self.spec, name):
+            raise InputError(f"elastic body {name!r} cannot be left out of contacts with another; no engine setting does that")
         return [name] if self.spec.entities[name].generator is None else [f"{name}/{b.name}" for b in self.built[name].bodies]
 
     def drag(self) -> None:
@@ -441,9 +446,13 @@ def build_model(
     import mujoco
 
     builder = _Builder(spec, built, members, settings, frozenset(frozenset(pair) for pair in apart))
-    builder.options(6 * sum(len(built[m].bodies) for m in members if spec.entities[m].motion != "static"))
+    bodies = sum(len(built[m].bodies) for m in members if spec.entities[m].motion != "static")
+    builder.options(6 * bodies + 3 * sum(node_count(built[m]) for m in members))
     for name in members:
-        builder.entity(name)
+        if is_soft(spec, name):
+            builder.flexes.append(add_flex(builder, name))
+        else:
+            builder.entity(name)
     builder.links()
     builder.drag()
     bounces = builder.pairs()
@@ -455,7 +464,9 @@ def build_model(
     rank = {name: i for i, name in enumerate(colliders)}
     geom_names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, g) for g in range(model.ngeom)]
     body_ids = [model.body(n.removesuffix("/body")).id for n in builder.body_names]
-    geom_collider = np.array([rank[builder.geom_entity[g]] for g in geom_names], dtype=np.int64)
+    soft = [f.entity for f in builder.flexes]
+    geom_collider = np.array([rank[n] for n in (*(builder.geom_entity[g] for g in geom_names), *soft)], dtype=np.int64)
+    matter = [builder.geom_material[g] for g in geom_names] + [built[n].parts[0].material for n in soft]
     result = RigidModel(
         model=model,
         colliders=colliders,
@@ -467,11 +478,12 @@ def build_model(
         joint_qpos=np.array([model.joint(n).qposadr[0] for n in builder.joint_names], dtype=np.int64),
         law=ContactLaw(
             model,
-            np.array([spec.materials[builder.geom_material[g]].restitution for g in geom_names]),
+            np.array([spec.materials[m].restitution for m in matter]),
             geom_collider,
             {(rank[a], rank[b]): value for (a, b), value in bounces.items()},
         ),
-        excess=np.array([builder.geom_excess[g] for g in geom_names]),
+        excess=np.array([*(builder.geom_excess[g] for g in geom_names), *(0.0 for _ in soft)]),
+        flexes=tuple(builder.flexes),
     )
     for name in spec.simulation.joints:
         equality = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, name)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from .holds import FIXED
 from .model import RigidModel
+from .sides import sides_of
 
 __all__ = ["ContactMonitor"]
 
@@ -63,7 +64,8 @@ class ContactMonitor:
     def __init__(self, rigid: RigidModel) -> None:
         self.rigid = rigid
         self.count = len(rigid.colliders)
-        trees = rigid.model.body_treeid[rigid.model.geom_bodyid]
+        # Instances with elastic bodies do not sleep.
+        trees = np.append(rigid.model.body_treeid[rigid.model.geom_bodyid], np.full(rigid.model.nflex, -1))
         self._trees: list[NDArray[np.int64]] = []
         for collider in range(self.count):
             own = np.unique(trees[rigid.geom_collider == collider])
@@ -107,7 +109,7 @@ class ContactMonitor:
     def adopt(self, data: Any, time: float) -> None:
         """Take the contacts listed in `data` as having begun before `time` [s]."""
         if data.ncon:
-            for key in np.unique(self._keys(data.contact.geom)).tolist():
+            for key in np.unique(self._keys(sides_of(self.rigid.model, data.contact))).tolist():
                 self.seen[key] = time
 
     def _keys(self, geoms: Any) -> NDArray[np.int64]:
@@ -140,7 +142,7 @@ class ContactMonitor:
             steps, contact = self._steps, data.contact
             rows = contact.efc_address.copy()
             steps.rows.append(rows)
-            steps.geoms.append(contact.geom.copy())
+            steps.geoms.append(sides_of(self.rigid.model, contact).copy())
             steps.gaps.append(contact.dist.copy())
             steps.points.append(contact.pos.copy())
             steps.forces.append(data.efc_force[rows])
@@ -182,7 +184,8 @@ class ContactMonitor:
         geoms = np.concatenate(steps.geoms)
         keys = self._keys(geoms)
         live = rows >= 0
-        fixed = (self.rigid.model.geom_contype[geoms] == FIXED[0]).all(axis=1)
+        model = self.rigid.model
+        fixed = (np.append(model.geom_contype, model.flex_contype)[geoms] == FIXED[0]).all(axis=1)
         force = np.where(live & ~fixed, np.concatenate(steps.forces), 0.0)
         gaps = np.concatenate(steps.gaps)
         times, lengths = np.array(steps.times), np.array(steps.lengths)

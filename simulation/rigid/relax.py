@@ -9,7 +9,9 @@ import numpy as np
 from ...worlds.errors import EngineError
 from ...worlds.spec import RigidSettings
 from .contact_law import set_contact_law
+from .flex_relax import freeze_flexes, lift_flexes
 from .model import RigidModel
+from .sides import sides_of
 
 __all__ = ["open_skins"]
 
@@ -42,11 +44,12 @@ def open_skins(rigid: RigidModel, data: Any, settings: RigidSettings) -> float:
     def deepest() -> float:
         if not data.ncon:
             return 0.0
-        margin = model.geom_margin[data.contact.geom].sum(axis=1)
+        margin = np.append(model.geom_margin, model.flex_margin)[sides_of(model, data.contact)].sum(axis=1)
         return float((data.contact.dist / np.maximum(margin, 1e-9)).min()) - 1.0
 
     disable, enable = model.opt.disableflags, model.opt.enableflags
     margins, pair_margins = model.geom_margin.copy(), model.pair_margin.copy()
+    lifted, thaw = (lift_flexes(rigid, data), freeze_flexes(rigid)) if rigid.flexes else (0.0, None)
     bits = mujoco.mjtDisableBit
     model.opt.disableflags |= int(bits.mjDSBL_GRAVITY) | int(bits.mjDSBL_SPRING) | int(bits.mjDSBL_ACTUATION)
     model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
@@ -63,6 +66,8 @@ def open_skins(rigid: RigidModel, data: Any, settings: RigidSettings) -> float:
                 break
     model.opt.disableflags, model.opt.enableflags = disable, enable
     model.geom_margin[:], model.pair_margin[:] = margins, pair_margins
+    if thaw is not None:
+        thaw()
     set_contact_law(rigid, settings.contact_steps, settings.step)
     mujoco.mj_kinematics(model, data)
     moved = np.linalg.norm(data.xpos - before, axis=1)
@@ -70,4 +75,4 @@ def open_skins(rigid: RigidModel, data: Any, settings: RigidSettings) -> float:
         raise EngineError("opening the collision skins at frame 0 diverged; check interpenetration at frame 0")
     data.qacc_warmstart[:] = 0.0
     data.time = 0.0
-    return float(moved[rigid.body_ids].max(initial=0.0))
+    return max(lifted, float(moved[rigid.body_ids].max(initial=0.0)))

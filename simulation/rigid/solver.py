@@ -16,17 +16,19 @@ from ...worlds.arrays import F64
 from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import EngineError, InputError
-from ...worlds.spec import RigidSettings, WorldSpec
+from ...worlds.spec import ElasticPhysics, RigidSettings, WorldSpec
 from ..protocol import Channel, Intervention, Port
 from .contact_law import rest_speed, set_contact_law
 from .drivers import Drivers
 from .fields import FieldForces
+from .flex import SOFT_CHANNELS, Flexes
 from .gyration import Gyration
 from .holds import FIXED
 from .model import RigidModel, build_model
 from .monitor import ContactMonitor
 from .records import Ledger, velocities
 from .relax import open_skins
+from .sides import sides_of
 from .work import DriverWork
 
 __all__ = ["SolverRigid"]
@@ -126,6 +128,7 @@ class SolverRigid:
         self.work = DriverWork(self.model, self.rigid.actuator_of, self.drivers)
         self.fields = FieldForces(self.spec, self.rigid, self.built, self._intervention.without)
         self.gyration = Gyration(self.model)
+        self.flexes = Flexes(self.model, self.rigid.flexes) if self.rigid.flexes else None
         self.monitor = ContactMonitor(self.rigid)
         kinematic = np.array([b.split("/", 1)[0] in self.drivers.kinematic for b in self.rigid.bodies], dtype=bool)
         self.ledger = Ledger(self.model, self.rigid.body_ids, kinematic)
@@ -143,6 +146,8 @@ class SolverRigid:
         self.drivers.set_model(0.0)
         self._settle_kinematics()
         self.drivers.start_velocities(self.data)
+        if self.flexes is not None:
+            self.flexes.start(self.data)
         self._adopt_contacts(0.0)
         self._work = 0.0
         self.restore(self._bytes(), 0)
@@ -211,14 +216,20 @@ class SolverRigid:
                 fields.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
             contact_law(data, dt, slowest)
-            # The stages of `mj_step2`, so that forces are read before the integration.
-            mujoco.mj_fwdActuation(model, data)
-            mujoco.mj_fwdAcceleration(model, data)
-            mujoco.mj_fwdConstraint(model, data)
-            mujoco.mj_checkAcc(model, data)
-            watch_contacts(data, start + (k + 1) * dt, dt)
-            mujoco.mj_implicit(model, data)
-            watch_sleep(data, start + (k + 1) * dt)
+            if self.flexes is not None:
+                # Elastic members take the discrete integrator, which has no stage of its own; nothing sleeps beside them.
+                mujoco.mj_step2(model, data)
+                watch_contacts(data, start + (k + 1) * dt, dt)
+                self.flexes.watch(data, dt)
+            else:
+                # The stages of `mj_step2`, so that forces are read before the integration.
+                mujoco.mj_fwdActuation(model, data)
+                mujoco.mj_fwdAcceleration(model, data)
+                mujoco.mj_fwdConstraint(model, data)
+                mujoco.mj_checkAcc(model, data)
+                watch_contacts(data, start + (k + 1) * dt, dt)
+                mujoco.mj_implicit(model, data)
+                watch_sleep(data, start + (k + 1) * dt)
             if working:
                 self.work.after_step(data, dt)
             if self._wrench is not None:
@@ -269,6 +280,8 @@ class SolverRigid:
             self._work = self._work_before
         self.monitor.begin()
         self.ledger.begin()
+        if self.flexes is not None:
+            self.flexes.begin()
         self.refined, self._taken = level, 0
         self.time = self.frame * self._frame_time
         self._before = None
@@ -297,7 +310,8 @@ class SolverRigid:
         """Whether the frame may end like this; else it is to be attempted again with half the step."""
         self._joint_error = self.ledger.joint_error(self.data)
         last = self.refined == self.settings.refine or not np.isfinite(self.data.qpos).all()
-        return bool(last or self._nearest() >= 0.0)
+        slow = self.flexes is None or self.flexes.slow_enough
+        return bool(last or (slow and self._nearest() >= 0.0))
 
     def end_frame(self) -> None:
         """The frame that was begun is reached."""
@@ -321,6 +335,8 @@ class SolverRigid:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
+        if model.nflex:
+            mujoco.mj_flex(model, data)
         if model.ntendon:
             mujoco.mj_tendon(model, data)
 
@@ -340,14 +356,15 @@ class SolverRigid:
         data, model = self.data, self.model
         if not data.ncon:
             return np.inf
-        geoms = data.contact.geom.copy()
-        fixed = (model.geom_contype[geoms] == FIXED[0]).all(axis=1)
+        geoms = sides_of(model, data.contact).copy()
+        fixed = (np.append(model.geom_contype, model.flex_contype)[geoms] == FIXED[0]).all(axis=1)
         gaps = data.contact.dist - self.rigid.excess[geoms].sum(axis=1)
         close = np.unique(geoms[(gaps < GUARD) & ~fixed], axis=0)
         nearest, witness = np.inf, np.zeros(6)
         height_field = int(self._mj.mjtGeom.mjGEOM_HFIELD)
         for g, h in close.tolist():
-            if height_field in (model.geom_type[g], model.geom_type[h]):
+            # Of height fields and elastic bodies there is no more than what is listed.
+            if max(g, h) >= model.ngeom or height_field in (model.geom_type[g], model.geom_type[h]):
                 mine = (geoms == (g, h)).all(axis=1)
                 gap = float(gaps[mine].min())
             else:
@@ -444,6 +461,7 @@ class SolverRigid:
             **({"exchange/impulse": self._received.copy()} if self._coupled else {}),
             **({"field/impulse": self.fields.impulse.copy()} if self.fields else {}),
             **self.monitor.arrays(),
+            **({} if self.flexes is None else self.flexes.channels(data)),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
 
@@ -453,7 +471,8 @@ class SolverRigid:
 
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
-        return (*CHANNELS, *((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
+        soft = () if self.flexes is None else SOFT_CHANNELS
+        return (*CHANNELS, *soft, *((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
 
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""
@@ -468,6 +487,8 @@ class SolverRigid:
             drivers=self.drivers.names,
             settings="",
             versions={"mujoco": self._mj.__version__, "numpy": np.__version__},
+            deformables=tuple(f"{f.entity}/{f.part}" for f in self.rigid.flexes),
+            vertices=tuple(len(f.lattice.mesh.vertices) for f in self.rigid.flexes),
         )
 
     def ports(self) -> tuple[Port, ...]:
@@ -476,6 +497,7 @@ class SolverRigid:
             Port(entity, part.part, "wrench", "both")
             for entity in self.members
             if self.spec.entities[entity].motion == "dynamic"
+            and not isinstance(self.spec.entities[entity].physics, ElasticPhysics)
             for part in self.built[entity].parts
         )
 

@@ -1,6 +1,7 @@
 """Specification models. `WorldSpec` is the root."""
 
 from ..vocabulary import Ref, SpecModel
+from .elastic import ElasticPhysics, Pin
 from .entities import Appearance, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
 from .fields import FieldDriver
 from .liquids import (
@@ -86,6 +87,7 @@ __all__ = [
     "DfsphInstance",
     "DfsphSettings",
     "Dimensions",
+    "ElasticPhysics",
     "Entity",
     "Extrusion",
     "Fastened",
@@ -110,6 +112,7 @@ __all__ = [
     "PathDriver",
     "PathKey",
     "Perturbed",
+    "Pin",
     "Pose",
     "Ref",
     "Refined",

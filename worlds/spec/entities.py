@@ -17,6 +17,7 @@ from ..vocabulary import (
     Text,
     Vec3,
 )
+from .elastic import ElasticPhysics
 from .shapes import Pose, Shape
 
 __all__ = [
@@ -115,17 +116,6 @@ class RigidPhysics(SpecModel):
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
     angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
     linear_damping: NonNegative = Field(default=0.0, description="viscous drag on the body [N s/m]")
-
-
-class ElasticPhysics(SpecModel):
-    """Elastic body; rest shape is the entity's parts."""
-
-    category: Literal["elastic"] = "elastic"
-    young_modulus: Positive = Field(description="[Pa]")
-    poisson_ratio: float = Field(default=0.3, ge=0, lt=0.5)
-    damping: NonNegative = Field(default=0.0, description="Rayleigh stiffness damping [s]")
-    max_strain: Positive = Field(default=0.5, description="largest allowed principal strain")
-    recovery: Positive = Field(default=0.02, description="allowed residual deformation / size at rest")
 
 
 class ClothPhysics(SpecModel):

@@ -71,7 +71,7 @@ class RigidSettings(SpecModel):
 class RigidInstance(SpecModel):
     """A running rigid engine and the entities it moves or collides with."""
 
-    moves: ClassVar[tuple[str, ...]] = ("rigid",)
+    moves: ClassVar[tuple[str, ...]] = ("rigid", "elastic")
     engine: Literal["mujoco"]
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=20000)]
     settings: RigidSettings = RigidSettings()

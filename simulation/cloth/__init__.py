@@ -1,0 +1,1 @@
+"""Cloth: triangles with real stiffness, stepped explicitly, with contact that lets nothing through."""

@@ -1,0 +1,342 @@
+# mypy: ignore-errors
+"""Warp kernels of contacts: impulses that share a vertex's mass among its contacts, and planes that no displacement crosses."""
+
+import warp as wp
+
+from .near_kernels import on_segments, on_triangle
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["bound", "crowd", "meet", "move", "press", "tell", "yield_to"]
+
+SHARE = wp.constant(wp.float64(0.8))
+"""Of the way to the plane between two things that one step may take."""
+PUSH = wp.constant(wp.float64(0.1))
+"""Of an overlap of the contact shells that one step takes back."""
+FASTEST = wp.constant(wp.float64(0.2))
+"""[m/s] at most with which it does."""
+
+
+KEEP = wp.constant(wp.float64(0.05))
+"""Of the distance of contact: nearer than this nothing comes nearer still."""
+
+
+@wp.func
+def stands(c: wp.vec4d, kind: wp.vec2i):
+    """Whether a pair is the one of several with the same nearest points that counts: edges where they meet inside both, a triangle inside
+    itself or at edges and corners that it stands for."""
+    zero = wp.float64(0.0)
+    if kind[0] % 4 == 1 or kind[0] % 4 == 3:
+        return c[0] > zero and c[1] > zero and c[2] < zero and c[3] < zero
+    a = c[1] < zero
+    b = c[2] < zero
+    d = c[3] < zero
+    bit = wp.int32(0)
+    if a and b and d:
+        return True
+    if a and b:
+        bit = 8
+    elif b and d:
+        bit = 16
+    elif a and d:
+        bit = 32
+    elif a:
+        bit = 1
+    elif b:
+        bit = 2
+    else:
+        bit = 4
+    return (kind[1] & bit) != 0
+
+
+@wp.kernel
+def meet(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    radius: wp.array(dtype=wp.float64),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+    clock: wp.array(dtype=wp.float64),
+    share: wp.array(dtype=wp.vec4d),
+    normal: wp.array(dtype=wp.vec4d),
+    wanted: wp.array(dtype=wp.float64),
+    impulse: wp.array(dtype=wp.vec3d),
+):
+    """Nearest points of each pair: signed shares of its vertices, direction from the second to the first thing with their distance, and
+    the relative velocity along it that is wanted where they would come within their shells in this step (else -1e30)."""
+    p = first + wp.tid()
+    q = pairs[p]
+    x0 = x[q[0]]
+    x1 = x[q[1]]
+    x2 = x[q[2]]
+    x3 = x[q[3]]
+    one = wp.float64(1.0)
+    c = wp.vec4d()
+    if kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3:
+        s = on_segments(x0, x1, x2, x3)
+        c = wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
+    else:
+        w = on_triangle(x0, x1, x2, x3)
+        c = wp.vec4d(one, -w[0], -w[1], -w[2])
+    r = c[0] * x0 + c[1] * x1 + c[2] * x2 + c[3] * x3
+    d = wp.length(r)
+    n = r / wp.max(d, wp.float64(1.0e-30))
+    gap = d - radius[q[0]] - radius[q[2]]
+    dt = clock[0]
+    speed = wp.dot(n, c[0] * u[q[0]] + c[1] * u[q[1]] + c[2] * u[q[2]] + c[3] * u[q[3]])
+    aim = -gap / dt
+    if gap < wp.float64(0.0):
+        aim = wp.min(PUSH * aim, FASTEST)
+    if speed >= aim or not stands(c, kinds[p]):
+        aim = wp.float64(-1.0e30)
+    share[p] = c
+    normal[p] = wp.vec4d(n[0], n[1], n[2], d)
+    wanted[p] = aim
+    impulse[p] = wp.vec3d()
+
+
+@wp.kernel
+def crowd(
+    first: wp.int32,
+    start: wp.array(dtype=wp.int32),
+    items: wp.array(dtype=wp.int32),
+    wanted: wp.array(dtype=wp.float64),
+    inverse: wp.array(dtype=wp.float64),
+    split: wp.array(dtype=wp.float64),
+):
+    """Inverse mass of each vertex [1/kg] times the contacts that share it (mass splitting: Tonge et al. 2012,
+    doi:10.1145/2185520.2185601)."""
+    i = first + wp.tid()
+    n = wp.int32(0)
+    for k in range(start[i], start[i + 1]):
+        if wanted[items[k] / 4] > wp.float64(-1.0e29):
+            n += 1
+    split[i] = inverse[i] * wp.float64(n)
+
+
+@wp.kernel
+def press(
+    first: wp.int32,
+    u: wp.array(dtype=wp.vec3d),
+    split: wp.array(dtype=wp.float64),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+    friction: wp.array(dtype=wp.float64),
+    share: wp.array(dtype=wp.vec4d),
+    normal: wp.array(dtype=wp.vec4d),
+    wanted: wp.array(dtype=wp.float64),
+    impulse: wp.array(dtype=wp.vec3d),
+    change: wp.array(dtype=wp.vec3d),
+):
+    """Impulse of each contact on its first thing so far, and its change: the wanted relative velocity, then Coulomb's friction against
+    the one that is left across it."""
+    p = first + wp.tid()
+    zero = wp.float64(0.0)
+    if wanted[p] < wp.float64(-1.0e29):
+        change[p] = wp.vec3d()
+        return
+    q = pairs[p]
+    c = share[p]
+    n = wp.vec3d(normal[p][0], normal[p][1], normal[p][2])
+    ease = c[0] * c[0] * split[q[0]] + c[1] * c[1] * split[q[1]] + c[2] * c[2] * split[q[2]] + c[3] * c[3] * split[q[3]]
+    if ease <= zero:
+        change[p] = wp.vec3d()
+        return
+    rate = c[0] * u[q[0]] + c[1] * u[q[1]] + c[2] * u[q[2]] + c[3] * u[q[3]]
+    along = wp.dot(rate, n)
+    old = impulse[p]
+    before = wp.dot(old, n)
+    after = wp.max(before + (wanted[p] - along) / ease, zero)
+    across = (old - before * n) - (rate - along * n) / ease
+    most = friction[kinds[p][0] / 4] * after
+    if kinds[p][0] > 1:
+        most = friction[(kinds[p][0] - 2) / 4 + 1] * after
+    length = wp.length(across)
+    if length > most:
+        across = across * (most / length)
+    new = after * n + across
+    impulse[p] = new
+    change[p] = new - old
+
+
+@wp.kernel
+def yield_to(
+    first: wp.int32,
+    start: wp.array(dtype=wp.int32),
+    items: wp.array(dtype=wp.int32),
+    share: wp.array(dtype=wp.vec4d),
+    change: wp.array(dtype=wp.vec3d),
+    inverse: wp.array(dtype=wp.float64),
+    u: wp.array(dtype=wp.vec3d),
+):
+    """Velocity of each vertex after the changes of its contacts' impulses."""
+    i = first + wp.tid()
+    w = inverse[i]
+    if w == wp.float64(0.0):
+        return
+    sum = wp.vec3d()
+    for k in range(start[i], start[i + 1]):
+        item = items[k]
+        p = item / 4
+        sum += share[p][item - 4 * p] * change[p]
+    u[i] = u[i] + w * sum
+
+
+@wp.kernel
+def bound(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    inverse: wp.array(dtype=wp.float64),
+    radius: wp.array(dtype=wp.float64),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+    share: wp.array(dtype=wp.vec4d),
+    normal: wp.array(dtype=wp.vec4d),
+    clock: wp.array(dtype=wp.float64),
+    limit: wp.array(dtype=wp.vec4d),
+):
+    """Share of each vertex's displacement in this step after which it is still on its side of the plane between the pair, which moves
+    along with both (after `divide and truncate`, Chen et al. 2025). Below 0: how far [m] a solid carries the plane on over it."""
+    p = first + wp.tid()
+    q = pairs[p]
+    c = share[p]
+    n = wp.vec3d(normal[p][0], normal[p][1], normal[p][2])
+    d = normal[p][3]
+    dt = clock[0]
+    half = wp.float64(0.5)
+    one = wp.float64(1.0)
+    zero = wp.float64(0.0)
+    middle = zero
+    both = zero
+    for k in range(4):
+        middle += half * wp.abs(c[k]) * wp.dot(x[q[k]] - x[q[0]], n)
+        both += half * wp.abs(c[k]) * dt * wp.dot(u[q[k]], n)
+    edges = kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3
+    led = zero
+    solid = kinds[p][0] > 1
+    keep = KEEP * (radius[q[0]] + radius[q[2]])
+    free = SHARE * wp.float64(0.25) * wp.max(d - wp.float64(2.0) * keep, zero)
+    drift = wp.clamp(both, -free, free)
+    out = wp.vec4d(one, one, one, one)
+    if solid:
+        # The solid is the first thing where one of its vertices meets a triangle, else the second.
+        for k in range(4):
+            a = dt * wp.dot(u[q[k]], n)
+            if kinds[p][0] % 4 == 0:
+                if k == 0:
+                    led = wp.min(led, a)
+            elif k > 1 or (k == 1 and not edges):
+                led = wp.max(led, a)
+    for k in range(4):
+        if inverse[q[k]] > zero:
+            # Distance from the plane, and displacement away from it, on this vertex's side.
+            side = one
+            if k > 1 or (k == 1 and not edges):
+                side = -one
+            away = side * (wp.dot(x[q[k]] - x[q[0]], n) - middle)
+            rise = side * dt * wp.dot(u[q[k]], n)
+            if solid:
+                away = wp.max(away + half * d - keep, zero)
+                carried = side * led
+                if rise < carried - SHARE * away:
+                    if carried <= SHARE * away:
+                        out[k] = wp.clamp((carried - SHARE * away) / rise, zero, one)
+                    else:
+                        out[k] = -(carried - SHARE * away)
+            else:
+                least = side * drift - SHARE * wp.max(away - keep, zero)
+                if rise < least and rise < zero:
+                    out[k] = wp.clamp(least / rise, zero, one)
+    limit[p] = out
+
+
+@wp.kernel
+def move(
+    first: wp.int32,
+    clock: wp.array(dtype=wp.float64),
+    start: wp.array(dtype=wp.int32),
+    items: wp.array(dtype=wp.int32),
+    kinds: wp.array(dtype=wp.vec2i),
+    limit: wp.array(dtype=wp.vec4d),
+    normal: wp.array(dtype=wp.vec4d),
+    mass: wp.array(dtype=wp.float64),
+    inverse: wp.array(dtype=wp.float64),
+    anchor: wp.array(dtype=wp.vec3d),
+    drift: wp.array(dtype=wp.vec3d),
+    budget: wp.array(dtype=wp.float64),
+    u: wp.array(dtype=wp.vec3d),
+    x: wp.array(dtype=wp.vec3d),
+    v: wp.array(dtype=wp.vec3d),
+    held_back: wp.array(dtype=wp.vec3d),
+    over: wp.array(dtype=wp.int32),
+):
+    """Move with the velocity, as far as all planes allow and as far as the lists of pairs hold."""
+    i = first + wp.tid()
+    dt = clock[0]
+    old = x[i]
+    speed = u[i]
+    if inverse[i] > wp.float64(0.0):
+        part = wp.float64(1.0)
+        for k in range(start[i], start[i + 1]):
+            item = items[k]
+            p = item / 4
+            part = wp.min(part, limit[p][item - 4 * p])
+        if part < wp.float64(1.0):
+            speed = wp.max(part, wp.float64(0.0)) * speed
+            for k in range(start[i], start[i + 1]):
+                item = items[k]
+                p = item / 4
+                c = limit[p][item - 4 * p]
+                if c < wp.float64(0.0):
+                    side = wp.float64(1.0)
+                    if kinds[p][0] % 4 == 0:
+                        side = wp.float64(-1.0)
+                    speed += side * (-c / dt) * wp.vec3d(normal[p][0], normal[p][1], normal[p][2])
+            held_back[i] = held_back[i] + mass[i] * (speed - u[i])
+    new = old + dt * speed
+    moved = new - anchor[i]
+    gone = wp.length(moved - clock[2] * drift[0])
+    still = wp.length(moved)
+    if gone > budget[0] or still > budget[1]:
+        over[0] = 1
+        if gone > budget[2] or still > budget[3]:
+            over[1] = 1
+    v[i] = speed
+    x[i] = new
+
+
+@wp.kernel
+def tell(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3d),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+    share: wp.array(dtype=wp.vec4d),
+    impulse: wp.array(dtype=wp.vec3d),
+    center: wp.array(dtype=wp.vec3d),
+    velocity: wp.array(dtype=wp.vec3d),
+    clock: wp.array(dtype=wp.float64),
+    given: wp.array(dtype=wp.vec3d),
+    turned: wp.array(dtype=wp.vec3d),
+):
+    """Add what each contact with a solid gave to it, and about its centre of mass."""
+    p = first + wp.tid()
+    kind = kinds[p][0]
+    if kind < 2:
+        return
+    b = (kind - 2) / 4
+    q = pairs[p]
+    c = share[p]
+    own = impulse[p]
+    place = wp.vec3d()
+    if kind % 4 == 0:
+        place = x[q[0]]
+    else:
+        own = -own
+        for k in range(4):
+            if c[k] < wp.float64(0.0):
+                place -= c[k] * x[q[k]]
+    given[p] = given[p] + own
+    turned[p] = turned[p] + wp.cross(place - center[b] - clock[1] * velocity[b], own)

@@ -1,0 +1,285 @@
+"""Which vertices, edges and triangles are near each other, and the impulses between them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from ...geometry.launch import warp
+from ...worlds.arrays import F64, I32
+from ..passes import Pass, Passes
+from . import contact_kernels as contact
+from . import near_kernels as near
+
+__all__ = ["Contacts", "ownership"]
+
+FAR = 0.6
+"""Reach of the search within sheets, in shortest edges: in a flat sheet nothing but neighbours lies within."""
+SPARE = 0.6
+"""Share of what may be moved until the lists no longer hold, after which they are made anew."""
+FARTHEST = 2.5
+"""Most reach of the search for solids in shortest edges."""
+
+
+def ownership(faces: I32) -> I32:
+    """For each triangle bits of the vertices (1, 2, 4) and of the edges from vertex c to the next (8, 16, 32) that it stands for."""
+    owned = np.zeros(len(faces), dtype=np.int32)
+    flat = faces.ravel()
+    _, first = np.unique(flat, return_index=True)
+    np.bitwise_or.at(owned, first // 3, (1 << (first % 3)).astype(np.int32))
+    ends = np.sort(np.stack([flat, np.roll(faces, -1, axis=1).ravel()], axis=1), axis=1)
+    _, first = np.unique(ends[:, 0].astype(np.int64) * (int(flat.max(initial=0)) + 1) + ends[:, 1], return_index=True)
+    np.bitwise_or.at(owned, first // 3, (8 << (first % 3)).astype(np.int32))
+    return owned
+
+
+class _Surface:
+    """Triangles with their bounds and a tree over them."""
+
+    def __init__(self, faces: I32, device: str) -> None:
+        wp = warp()
+        self.count = len(faces)
+        self.faces = wp.array(np.ascontiguousarray(faces, dtype=np.int32), dtype=wp.vec3i, device=device)
+        self.owned = wp.array(ownership(faces), dtype=wp.int32, device=device)
+        self.lower = wp.zeros(self.count, dtype=wp.vec3, device=device)
+        self.upper = wp.zeros(self.count, dtype=wp.vec3, device=device)
+        self.tree: Any = None
+
+    def fit(self, passes: Passes, name: str, x: Any) -> None:
+        passes(name, near.boxes, self.count, [x, self.faces, self.lower, self.upper])()
+        if self.tree is None:
+            self.tree = warp().Bvh(self.lower, self.upper)
+        else:
+            self.tree.refit()
+
+
+class _Slots:
+    """Room for what each triangle finds."""
+
+    def __init__(self, count: int, room: int, device: str) -> None:
+        self.count, self.room, self.device = count, room, device
+        self._make()
+
+    def _make(self) -> None:
+        wp = warp()
+        self.found = wp.zeros(self.count, dtype=wp.int32, device=self.device)
+        self.pairs = wp.zeros(self.count * self.room, dtype=wp.vec4i, device=self.device)
+        self.kinds = wp.zeros(self.count * self.room, dtype=wp.vec2i, device=self.device)
+
+    def fits(self) -> bool:
+        """Whether all found room; if not there is more from now on."""
+        most = int(self.found.numpy().max(initial=0))
+        if most <= self.room:
+            return True
+        self.room = int(1.5 * most) + 1
+        self._make()
+        return False
+
+    def collect(self) -> tuple[I32, I32]:
+        """What was found: pairs (p, 4) and their kinds with what their triangles stand for (p, 2)."""
+        found = self.found.numpy()
+        which = np.flatnonzero(found)
+        count = found[which]
+        first = np.repeat(which * self.room - np.concatenate([[0], np.cumsum(count)[:-1]]), count) if len(which) else which
+        places = first + np.arange(len(first))
+        return self.pairs.numpy()[places], self.kinds.numpy()[places]
+
+
+class Contacts:
+    """Contacts of one run.
+
+    Args:
+        passes: where its kernels are kept.
+        state: arrays of the engine by name (x, u, v, inverse, mass, radius, clock).
+        faces: of the sheets.
+        sheet_vertices: how many vertices are the sheets'; the others are the solids'.
+        solid_faces: of all solids, among all vertices.
+        solid_body: row of each of those triangles.
+        holder: row of the body that holds each vertex, -1 for none.
+        friction: among sheets, then with each body.
+        shortest: edge of the sheets [m].
+        touch: largest distance of contact among sheets, and with solids [m].
+        self_collision: whether sheets meet themselves and each other.
+        iterations: rounds of impulses.
+    """
+
+    def __init__(
+        self,
+        passes: Passes,
+        state: dict[str, Any],
+        faces: I32,
+        sheet_vertices: int,
+        solid_faces: I32,
+        solid_body: I32,
+        holder: I32,
+        friction: F64,
+        *,
+        shortest: float,
+        touch: tuple[float, float],
+        self_collision: bool,
+        iterations: int,
+    ) -> None:
+        wp, device = warp(), passes.device
+        self.passes, self.state, self.n = passes, state, sheet_vertices
+        self.self_collision, self.iterations, self.touch, self.shortest = self_collision, iterations, touch, shortest
+        self.sheet = _Surface(faces, device)
+        self.solid = _Surface(solid_faces, device) if len(solid_faces) else None
+        self.active = self_collision or self.solid is not None
+        self.body_of = wp.array(solid_body.astype(np.int32), dtype=wp.int32, device=device)
+        self.holder = wp.array(holder.astype(np.int32), dtype=wp.int32, device=device)
+        self.friction = wp.array(friction, dtype=wp.float64, device=device)
+        self.bodies = len(friction) - 1
+        self._own = _Slots(self.sheet.count, 8, device)
+        self._others = _Slots(self.sheet.count, 16, device)
+        self.count, self._room = 0, 0
+        self._start = wp.zeros(sheet_vertices + 1, dtype=wp.int32, device=device)
+        self.split = wp.zeros(len(state["x"]), dtype=wp.float64, device=device)
+        self.anchor = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
+        self.drift = wp.zeros(1, dtype=wp.vec3d, device=device)
+        self.budget = wp.zeros(4, dtype=wp.float64, device=device)
+        self.reach = wp.zeros(2, dtype=wp.float64, device=device)
+        self.over = wp.zeros(2, dtype=wp.int32, device=device)
+        self.held_back = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
+        self.fresh = False
+        self.searches = 0
+        self._grow(256)
+
+    def _grow(self, count: int) -> None:
+        if count <= self._room:
+            return
+        wp, device = warp(), self.passes.device
+        self._room = room = int(1.5 * count)
+        self.pairs = wp.zeros(room, dtype=wp.vec4i, device=device)
+        self.kinds = wp.zeros(room, dtype=wp.vec2i, device=device)
+        self.share = wp.zeros(room, dtype=wp.vec4d, device=device)
+        self.normal = wp.zeros(room, dtype=wp.vec4d, device=device)
+        self.wanted = wp.zeros(room, dtype=wp.float64, device=device)
+        self.impulse = wp.zeros(room, dtype=wp.vec3d, device=device)
+        self.change = wp.zeros(room, dtype=wp.vec3d, device=device)
+        self.limit = wp.zeros(room, dtype=wp.vec4d, device=device)
+        self._items = wp.zeros(4 * room, dtype=wp.int32, device=device)
+        self.given = wp.zeros(room, dtype=wp.vec3d, device=device)
+        self.turned = wp.zeros(room, dtype=wp.vec3d, device=device)
+
+    # ------------------------------------------------------------------ search
+
+    def margins(self, speed: float, drift: float) -> tuple[float, float]:
+        """How far vertices may move until the lists of sheets and of solids no longer hold [m].
+
+        Args:
+            speed: fastest of the sheets' vertices against their mean velocity [m/s].
+            drift: that mean velocity [m/s].
+        """
+        own = 0.5 * (FAR * self.shortest - self.touch[0])
+        most = 0.5 * (FARTHEST * self.shortest - self.touch[1])
+        return own, min(max(own * (1.0 + drift / max(speed, 1e-3)), own), most)
+
+    def search(self, speed: float, drift: F64) -> None:
+        """Look for all pairs anew."""
+        wp = warp()
+        own, others = self.margins(speed, float(np.linalg.norm(drift)))
+        reach = np.array([self.touch[0] + 2 * own, self.touch[1] + 2 * others])
+        self.reach.assign(reach)
+        self.budget.assign(
+            np.array([SPARE * own if self.self_collision else 1e9, SPARE * others if self.solid else 1e9, own if self.self_collision else 1e9, others if self.solid else 1e9])
+        )  # fmt: skip
+        self.drift.assign(np.asarray(drift, dtype=np.float64).reshape(1, 3))
+        self.solid_margin = SPARE * others
+        x = self.state["x"]
+        wp.copy(self.anchor, x, count=self.n)
+        self.over.zero_()
+        s, found = self.sheet, []
+        s.fit(self.passes, "boxes", x)
+        while self.self_collision:
+            o = self._own
+            self.passes(
+                "near_self", near.near_self, s.count,
+                [s.tree.id, x, s.faces, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
+            )()  # fmt: skip
+            if o.fits():
+                found.append(o.collect())
+                break
+        if self.solid is not None:
+            solid, o = self.solid, self._others
+            solid.fit(self.passes, "solid_boxes", x)
+            while True:
+                o = self._others
+                self.passes(
+                    "near_solids", near.near_solids, s.count,
+                    [solid.tree.id, x, s.faces, s.owned, self.holder, s.lower, s.upper, solid.faces, solid.owned, self.body_of,
+                     self.reach, o.room, o.found, o.pairs, o.kinds],
+                )()  # fmt: skip
+                if o.fits():
+                    found.append(o.collect())
+                    break
+        self._take(found)
+        self.fresh = True
+        self.searches += 1
+
+    def _take(self, found: list[tuple[I32, I32]]) -> None:
+        pairs = np.concatenate([f[0] for f in found]) if found else np.empty((0, 4), np.int32)
+        kinds = np.concatenate([f[1] for f in found]) if found else np.empty((0, 2), np.int32)
+        self.count = len(pairs)
+        self._grow(self.count)
+        if self.count == 0:
+            self._start.zero_()
+            return
+        flat = pairs.ravel()
+        inside = np.flatnonzero(flat < self.n).astype(np.int32)
+        order = csr_matrix((inside, (flat[inside], np.arange(len(inside)))), shape=(self.n, len(inside)))
+        self._start.assign(order.indptr.astype(np.int32))
+        self._fill(self._items, order.data.astype(np.int32))
+        self._fill(self.pairs, np.ascontiguousarray(pairs, dtype=np.int32))
+        self._fill(self.kinds, np.ascontiguousarray(kinds, dtype=np.int32))
+        self.host_kinds = kinds[:, 0]
+        self.given.zero_()
+        self.turned.zero_()
+
+    def _fill(self, array: Any, values: I32) -> None:
+        wp = warp()
+        wp.copy(array, wp.array(values, dtype=array.dtype, device="cpu"), count=len(values))
+
+    # ------------------------------------------------------------------ step
+
+    def steps(self) -> list[Pass]:
+        """Passes of one step from the velocities after all other forces to the places at its end."""
+        p, s, n, made = self.passes, self.state, self.n, []
+        if self.count:
+            count = self.count
+            made += [
+                p("meet", contact.meet, count, [s["x"], s["u"], s["radius"], self.pairs, self.kinds, s["clock"], self.share, self.normal, self.wanted, self.impulse]),
+                p("crowd", contact.crowd, n, [self._start, self._items, self.wanted, s["inverse"], self.split]),
+            ]  # fmt: skip
+            press = p("press", contact.press, count, [s["u"], self.split, self.pairs, self.kinds, self.friction, self.share, self.normal, self.wanted, self.impulse, self.change])  # fmt: skip
+            yields = p("yield", contact.yield_to, n, [self._start, self._items, self.share, self.change, s["inverse"], s["u"]])
+            made += [press, yields] * self.iterations
+            if self.solid is not None:
+                made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
+            made.append(p("bound", contact.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, s["clock"], self.limit]))  # fmt: skip
+        made.append(
+            p("move", contact.move, n, [s["clock"], self._start, self._items, self.kinds, self.limit, self.normal, s["mass"], s["inverse"],
+              self.anchor, self.drift, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
+        )  # fmt: skip
+        return made
+
+    def worn(self) -> tuple[bool, bool]:
+        """Whether the lists should be made anew, and whether they should have been before."""
+        over = self.over.numpy()
+        return bool(over[0]), bool(over[1])
+
+    def collect(self) -> F64:
+        """Impulses given to the bodies since the last call, (b, 6)."""
+        total = np.zeros((self.bodies, 6))
+        if self.count == 0 or self.solid is None:
+            return total
+        solid = np.flatnonzero(self.host_kinds > 1)
+        if len(solid):
+            rows = (self.host_kinds[solid] - 2) // 4
+            both = np.concatenate([self.given.numpy()[solid], self.turned.numpy()[solid]], axis=1)
+            for k in range(6):
+                total[:, k] = np.bincount(rows, weights=both[:, k], minlength=self.bodies)
+        self.given.zero_()
+        self.turned.zero_()
+        return total

@@ -1,0 +1,348 @@
+"""The cloth engine: explicit steps of sheets with real stiffness, contacts by impulses, and nothing that crosses."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...geometry.launch import chosen_device, warp
+from ...worlds.arrays import F64, I32
+from ...worlds.errors import EngineError
+from ..passes import Passes
+from . import force_kernels as forces
+from . import step_kernels as steps
+from .contacts import Contacts
+from .mesh import adjacency
+from .setup import ClothReport, ClothSetup
+from .stability import highest_frequency, longest_step
+
+if TYPE_CHECKING:
+    from ..boundaries import BodyState
+
+__all__ = ["Cloth"]
+
+SAFE = 0.9
+"""Share of the longest stable step that is taken: a sheet is stiffer where it is bent or squeezed."""
+CHUNK = 1e-9
+"""[s] Times this close are equal."""
+LOOK = 4
+"""Steps on a GPU between two looks at whether the lists of pairs still hold."""
+
+
+class Cloth:
+    """Sheets of one instance.
+
+    Args:
+        setup: what does not change.
+    """
+
+    def __init__(self, setup: ClothSetup) -> None:
+        self.setup = setup
+        self.device = chosen_device(setup.device)
+        self.passes = Passes(self.device)
+        offsets = np.cumsum([0, *(len(s.mass) for s in setup.sheets)])
+        self.n = int(offsets[-1])
+        self.faces = np.concatenate([s.faces + o for s, o in zip(setup.sheets, offsets, strict=False)]).astype(np.int32)
+        self.mass = np.concatenate([s.mass for s in setup.sheets])
+        hinges = np.concatenate([s.hinges + o for s, o in zip(setup.sheets, offsets, strict=False)]).astype(np.int32)
+        self._solids(setup)
+        self._lay(setup, hinges)
+        self._hold(setup)
+        beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
+        self.longest = min(SAFE * min(longest_step(highest_frequency(s), beta) for s in setup.sheets), setup.max_step)
+        self._clock_bodies()
+        self._contacts = self._make_contacts(setup)
+        self.time, self.steps_done = 0.0, 0
+        self._known = False
+
+    # ------------------------------------------------------------------ set up
+
+    def _solids(self, setup: ClothSetup) -> None:
+        """Vertices of the boundaries behind those of the sheets."""
+        at, vertices, faces, owner, rows = self.n, [], [], [], []
+        for row, boundary in enumerate(setup.boundaries):
+            mesh = boundary.mesh
+            vertices.append(np.asarray(mesh.vertices, dtype=np.float64))
+            faces.append(np.asarray(mesh.faces, dtype=np.int32) + at)
+            owner.append(np.full(len(mesh.faces), row, dtype=np.int32))
+            rows.append(np.full(len(mesh.vertices), row, dtype=np.int32))
+            at += len(mesh.vertices)
+        self.total = at
+        self.solid_place = np.concatenate(vertices) if vertices else np.empty((0, 3))
+        self.solid_faces = np.concatenate(faces) if faces else np.empty((0, 3), np.int32)
+        self.solid_body = np.concatenate(owner) if owner else np.empty(0, np.int32)
+        self.solid_row = np.concatenate(rows) if rows else np.empty(0, np.int32)
+
+    def _array(self, values: Any, kind: Any) -> Any:
+        return warp().array(np.ascontiguousarray(values), dtype=kind, device=self.device)
+
+    def _lay(self, setup: ClothSetup, hinges: I32) -> None:
+        wp, a, sheets = warp(), self._array, setup.sheets
+        n, total = self.n, self.total
+        position = np.concatenate([*(s.position for s in sheets), self.solid_place])
+        law = np.concatenate([np.column_stack([s.modulus[:, :3] * s.area[:, None], s.modulus[:, 3]]) for s in sheets])
+        corners, ends = adjacency(self.faces, n), adjacency(hinges, n)
+        radius = np.concatenate([*(np.full(len(s.mass), r) for s, r in zip(sheets, setup.shell, strict=True)), np.zeros(total - n)])
+        drag = np.concatenate([np.tile(d, (len(s.faces), 1)) for s, d in zip(sheets, setup.drag, strict=True)])
+        speed = np.zeros((total, 3))
+        if setup.velocity is not None:
+            speed[:n] = setup.velocity
+        self.blown = bool((drag > 0).any())
+        self.x, self.v, self.u = a(position, wp.vec3d), a(speed[:n], wp.vec3d), a(speed, wp.vec3d)
+        self.target = a(position, wp.vec3d)
+        self._mass, self._radius = a(self.mass, wp.float64), a(radius, wp.float64)
+        self._faces = a(self.faces, wp.vec3i)
+        self._rest = a(np.concatenate([s.inverse_rest for s in sheets]), wp.vec4d)
+        self._law = a(law, wp.vec4d)
+        self._force = wp.zeros(2 * len(self.faces), dtype=wp.vec3d, device=self.device)
+        self._hinges = a(hinges, wp.vec4i)
+        weight = np.concatenate([s.hinge_weight for s in sheets])
+        self._weight, self._weights = a(weight, wp.vec4d), a(weight.ravel(), wp.float64)
+        self._hinge_law = a(np.concatenate([s.hinge_law for s in sheets]), wp.vec3d)
+        self._pull = wp.zeros(max(len(hinges), 1), dtype=wp.vec3d, device=self.device)
+        self._corners = (a(corners.start, wp.int32), a(corners.items, wp.int32))
+        self._ends = (a(ends.start, wp.int32), a(ends.items, wp.int32))
+        self._drag = a(drag, wp.vec2d)
+        self._air = wp.zeros(len(self.faces), dtype=wp.vec3d, device=self.device)
+        self._blast = wp.zeros(len(self.faces), dtype=wp.vec3d, device=self.device)
+        self._pulled = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
+        self._acceleration = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
+        self._reaction = wp.zeros(n, dtype=wp.vec3d, device=self.device)
+        self.clock = wp.zeros(3, dtype=wp.float64, device=self.device)
+        self.host_hinges, self.host_weight = hinges, weight
+
+    def _hold(self, setup: ClothSetup) -> None:
+        """Who leads which vertices: held ones of the sheets and those of moving solids."""
+        wp, a = warp(), self._array
+        self.holder = np.full(self.n, -2, dtype=np.int32)
+        vertex, row, place = [], [], []
+        target = self.x.numpy().copy()
+        for hold in setup.holds:
+            self.holder[hold.vertices] = hold.boundary
+            if hold.boundary < 0:
+                target[hold.vertices] = hold.place
+            else:
+                vertex.append(hold.vertices)
+                row.append(np.full(len(hold.vertices), hold.boundary))
+                place.append(hold.place)
+        moving = [b.motion != "static" for b in setup.boundaries]
+        solid = np.flatnonzero(np.array(moving, dtype=bool)[self.solid_row]) if len(self.solid_row) else np.empty(0, int)
+        vertex.append(self.n + solid)
+        row.append(self.solid_row[solid])
+        place.append(self.solid_place[solid])
+        self.target.assign(target)
+        inverse = np.concatenate([np.where(self.holder == -2, 1.0 / self.mass, 0.0), np.zeros(self.total - self.n)])
+        self._inverse = a(inverse, wp.float64)
+        self.held = np.flatnonzero(self.holder != -2)
+        self._led = (
+            a(np.concatenate(vertex).astype(np.int32), wp.int32), a(np.concatenate(row).astype(np.int32), wp.int32),
+            a(np.concatenate(place).reshape(-1, 3), wp.vec3d),
+        )  # fmt: skip
+        self.led_count = sum(len(v) for v in vertex)
+
+    def _clock_bodies(self) -> None:
+        wp, count = warp(), max(len(self.setup.boundaries), 1)
+        self._rotation = wp.zeros(count, dtype=wp.mat33d, device=self.device)
+        self._origin, self._center, self._velocity, self._spin = (
+            wp.zeros(count, dtype=wp.vec3d, device=self.device) for _ in range(4)
+        )
+
+    def _make_contacts(self, setup: ClothSetup) -> Contacts:
+        state = {
+            "x": self.x, "u": self.u, "v": self.v, "inverse": self._inverse, "mass": self._mass, "radius": self._radius,
+            "clock": self.clock, "center": self._center, "velocity": self._velocity,
+        }  # fmt: skip
+        shell = max(setup.shell)
+        return Contacts(
+            self.passes, state, self.faces, self.n, self.solid_faces, self.solid_body, self.holder,
+            np.asarray(setup.friction, dtype=np.float64), shortest=min(float(s.edge_length.min()) for s in setup.sheets),
+            touch=(2 * shell, shell), self_collision=setup.self_collision, iterations=setup.iterations,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------------ step
+
+    def stable_dt(self) -> float:
+        """Longest time that one call of `step` takes [s]."""
+        return self.setup.exchange
+
+    def place_solids(self, bodies: BodyState) -> None:
+        """Put every solid's vertices where its body is."""
+        if self.total > self.n:
+            rotation, origin = bodies.rotation[self.solid_row], bodies.position[self.solid_row]
+            place = np.einsum("nij,nj->ni", rotation, self.solid_place) + origin
+            whole = self.x.numpy().copy() if self.device != "cpu" else self.x.numpy()
+            whole[self.n :] = place
+            if self.device != "cpu":
+                self.x.assign(whole)
+        self._known = True
+        self._contacts.fresh = False
+
+    def _take_bodies(self, bodies: BodyState) -> None:
+        if len(self.setup.boundaries) == 0:
+            return
+        self._rotation.assign(bodies.rotation)
+        self._origin.assign(bodies.position)
+        self._center.assign(bodies.center)
+        self._velocity.assign(bodies.velocity)
+        self._spin.assign(bodies.angular_velocity)
+
+    def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
+        """Go on for at most `limit` seconds, with bodies that go on as they move at its start.
+
+        Raises:
+            EngineError: a vertex moved further in one step than the search for contacts allows.
+        """
+        if not self._known:
+            self.place_solids(bodies)
+        chunks = max(1, math.ceil(limit / self.setup.exchange - 1e-6))
+        span = limit / chunks
+        contacts, n = self._contacts, self.n
+        self._take_bodies(bodies)
+        start, speed = self.x.numpy()[:n].copy(), self.v.numpy().copy()
+        push = self._blow(time, start)
+        drift = self.mass @ speed / self.mass.sum()
+        fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max()))
+        solid_speed = self._solid_speed(bodies)
+        own, others = contacts.margins(fastest, float(np.linalg.norm(drift)))
+        # What may still be moved between the search's soft and hard bounds must do for one step.
+        quick = fastest + float(np.linalg.norm(push, axis=1).max()) * span
+        whole = max(quick, 1e-9) if contacts.self_collision else 1e-9
+        dt = min(self.longest, 0.2 * own / whole, 0.3 * contacts.touch[1] / max(solid_speed, 1e-9))
+        count = max(1, math.ceil(span / dt - 1e-6))
+        dt = span / count
+        since = float(self.clock.numpy()[2]) if contacts.fresh else 0.0
+        self.clock.assign(np.array([dt, 0.0, since]))
+        total = np.zeros((len(self.setup.boundaries), 6))
+        passes = None
+        for k in range(count):
+            if contacts.active and (not contacts.fresh or (since + (k + 1) * dt) * solid_speed > contacts.solid_margin):
+                total += contacts.collect()
+                now = self.v.numpy()
+                drift = self.mass @ now / self.mass.sum()
+                contacts.search(float(np.sqrt(((now - drift) ** 2).sum(1).max())), drift)
+                since = -k * dt
+                self._clock_back()
+                passes = None
+            if passes is None:
+                passes = self._passes()
+            for one in passes:
+                one()
+            if contacts.active and (self.device == "cpu" or k % LOOK == LOOK - 1 or k == count - 1):
+                worn, broken = contacts.worn()
+                if broken:
+                    raise EngineError(
+                        f"cloth moved further in a step of {dt:g} s than contacts are looked for (fastest {quick:.3g} m/s); shorten max_step"
+                    )
+                contacts.fresh = not worn
+        total += contacts.collect()
+        self.steps_done += count
+        return self._report(span, bodies, start, speed, push, total, count)
+
+    def _clock_back(self) -> None:
+        clock = self.clock.numpy().copy()
+        clock[2] = 0.0
+        self.clock.assign(clock)
+
+    def _solid_speed(self, bodies: BodyState) -> float:
+        """Fastest point of any solid [m/s]."""
+        most = 0.0
+        for row, boundary in enumerate(self.setup.boundaries):
+            if boundary.motion == "static":
+                continue
+            arm = self.solid_place[self.solid_row == row] @ bodies.rotation[row].T + bodies.position[row] - bodies.center[row]
+            far = float(np.sqrt((arm**2).sum(1).max(initial=0.0)))
+            most = max(most, float(np.linalg.norm(bodies.velocity[row]) + far * np.linalg.norm(bodies.angular_velocity[row])))
+        return most
+
+    def _blow(self, time: float, x: F64) -> F64:
+        """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""
+        setup, p, n = self.setup, self.passes, self.n
+        if setup.acceleration is not None:
+            self._pulled.assign(setup.gravity + setup.acceleration(x, time))
+        if self.blown:
+            self._air.assign(setup.air(x[self.faces].mean(axis=1), time))
+            p("blow", steps.blow, len(self.faces), [self.x, self.v, self._faces, self._air, self._drag, self._blast])()
+            p("catch", steps.catch_air, n, [self._mass, *self._corners, self._blast, self._pulled, self._acceleration])()
+        elif setup.acceleration is not None:
+            warp().copy(self._acceleration, self._pulled)
+        return np.asarray(self._acceleration.numpy() - setup.gravity)
+
+    def _passes(self) -> list[Any]:
+        p, n = self.passes, self.n
+        made = [p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self._faces, self._rest, self._law, self._force])]
+        if len(self.host_hinges):
+            made.append(p("bending", forces.bending, len(self.host_hinges), [self.x, self.v, self._hinges, self._weight, self._hinge_law, self._pull]))  # fmt: skip
+        if self.led_count:
+            made.append(p("lead", steps.lead, self.led_count, [*self._led, self._rotation, self._origin, self._center, self._velocity, self._spin, self.clock, self.x, self.target, self.u]))  # fmt: skip
+        made.append(
+            p("fall", steps.fall, n, [self.x, self.v, self._mass, *self._corners, self._force, *self._ends, self._weights, self._pull,
+              self._acceleration, self._inverse, self.target, self.clock, self._reaction, self.u])
+        )  # fmt: skip
+        made += self._contacts.steps()
+        if self.led_count and self.total > self.n:
+            made.append(p("carry", steps.carry, self.total - n, [n, self.clock, self.u, self.x]))
+        made.append(p("tick", steps.tick, 1, [self.clock]))
+        return [p.chain("step", made)] if self.device != "cpu" else made
+
+    def _report(self, span: float, bodies: BodyState, start: F64, speed: F64, push: F64, total: F64, count: int) -> ClothReport:
+        x, n = self.x.numpy()[: self.n], self.n
+        if not np.isfinite(x).all():
+            raise EngineError("the cloth's coordinates are not finite; shorten max_step")
+        moved = x - start
+        given = self.mass[:, None] * push
+        air = np.array([*(given.sum(0) * span), float((given * moved).sum())])
+        reaction = np.zeros(4)
+        impulse = total.copy()
+        if len(self.held):
+            felt = self._reaction.numpy()[self.held]
+            reaction[:3] = -felt.sum(0)
+            reaction[3] = -float((felt * moved[self.held]).sum()) / span
+            for row in np.unique(self.holder[self.held]):
+                if row >= 0:
+                    own = self.holder[self.held] == row
+                    middle = bodies.center[row] + 0.5 * span * bodies.velocity[row]
+                    arm = 0.5 * (start + x)[self.held[own]] - middle
+                    impulse[row, :3] += felt[own].sum(0)
+                    impulse[row, 3:] += np.cross(arm, felt[own]).sum(0)
+            self._reaction.zero_()
+        back = self._contacts.held_back
+        lost = back.numpy()
+        cut = np.array([*lost.sum(0), float((lost != 0).any(axis=1).sum())])
+        if cut[3]:
+            back.zero_()
+        work = 0.0
+        if len(total):
+            work = -float((total[:, :3] * bodies.velocity).sum() + (total[:, 3:] * bodies.angular_velocity).sum())
+        return ClothReport(span, impulse, -impulse, count, air, reaction, cut, work, self._contacts.count)
+
+    # ------------------------------------------------------------------ state
+
+    def vertices(self) -> tuple[F64, F64]:
+        """Places and velocities of all sheets' vertices, (n, 3) each, copied."""
+        return self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
+
+    def checkpoint(self) -> bytes:
+        """The full state of the sheets."""
+        x, v = self.vertices()
+        return np.concatenate([x, v]).astype("<f8").tobytes()
+
+    def restore(self, state: bytes) -> None:
+        """Continue from a checkpoint; solids come with the next step.
+
+        Raises:
+            EngineError: the bytes are of another cloth.
+        """
+        values = np.frombuffer(state, dtype="<f8")
+        if len(values) != 6 * self.n:
+            raise EngineError("checkpoint belongs to another cloth; delete the candidate's checkpoints and bake again")
+        both = values.reshape(2, self.n, 3)
+        whole = self.x.numpy().copy()
+        whole[: self.n] = both[0]
+        self.x.assign(whole)
+        self.v.assign(both[1])
+        self._known = False
+        self._contacts.fresh = False
+        self._reaction.zero_()
+        self._contacts.held_back.zero_()

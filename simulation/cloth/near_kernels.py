@@ -1,0 +1,243 @@
+# mypy: ignore-errors
+"""Warp kernels that find what comes near: vertices and triangles, edges and edges, of sheets and of solids."""
+
+import warp as wp
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["boxes", "near_self", "near_solids", "on_segments", "on_triangle"]
+
+
+@wp.func
+def on_triangle(p: wp.vec3d, a: wp.vec3d, b: wp.vec3d, c: wp.vec3d):
+    """Barycentric place of the point of a triangle that is nearest to p (Ericson 2005, Real-Time Collision Detection, 5.1.5)."""
+    zero = wp.float64(0.0)
+    one = wp.float64(1.0)
+    ab = b - a
+    ac = c - a
+    ap = p - a
+    d1 = wp.dot(ab, ap)
+    d2 = wp.dot(ac, ap)
+    if d1 <= zero and d2 <= zero:
+        return wp.vec3d(one, zero, zero)
+    bp = p - b
+    d3 = wp.dot(ab, bp)
+    d4 = wp.dot(ac, bp)
+    if d3 >= zero and d4 <= d3:
+        return wp.vec3d(zero, one, zero)
+    vc = d1 * d4 - d3 * d2
+    if vc <= zero and d1 >= zero and d3 <= zero:
+        s = d1 / (d1 - d3)
+        return wp.vec3d(one - s, s, zero)
+    cp = p - c
+    d5 = wp.dot(ab, cp)
+    d6 = wp.dot(ac, cp)
+    if d6 >= zero and d5 <= d6:
+        return wp.vec3d(zero, zero, one)
+    vb = d5 * d2 - d1 * d6
+    if vb <= zero and d2 >= zero and d6 <= zero:
+        s = d2 / (d2 - d6)
+        return wp.vec3d(one - s, zero, s)
+    va = d3 * d6 - d5 * d4
+    if va <= zero and d4 - d3 >= zero and d5 - d6 >= zero:
+        s = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        return wp.vec3d(zero, one - s, s)
+    down = va + vb + vc
+    return wp.vec3d(va / down, vb / down, vc / down)
+
+
+@wp.func
+def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
+    """Places along two segments at which they are nearest (Ericson 2005, 5.1.9)."""
+    zero = wp.float64(0.0)
+    one = wp.float64(1.0)
+    d = p1 - p0
+    e = q1 - q0
+    r = p0 - q0
+    a = wp.dot(d, d)
+    b = wp.dot(d, e)
+    c = wp.dot(d, r)
+    f = wp.dot(e, r)
+    g = wp.dot(e, e)
+    down = a * g - b * b
+    s = zero
+    if down > wp.float64(1.0e-12) * a * g:
+        s = wp.clamp((b * f - c * g) / down, zero, one)
+    t = (b * s + f) / g
+    if t < zero:
+        t = zero
+        s = wp.clamp(-c / a, zero, one)
+    elif t > one:
+        t = one
+        s = wp.clamp((b - c) / a, zero, one)
+    return wp.vec2d(s, t)
+
+
+@wp.kernel
+def boxes(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3d),
+    faces: wp.array(dtype=wp.vec3i),
+    lower: wp.array(dtype=wp.vec3),
+    upper: wp.array(dtype=wp.vec3),
+):
+    """Bounds of triangles, widened by more than float32 leaves out."""
+    t = first + wp.tid()
+    f = faces[t]
+    a = wp.vec3(x[f[0]])
+    b = wp.vec3(x[f[1]])
+    c = wp.vec3(x[f[2]])
+    low = wp.min(wp.min(a, b), c)
+    high = wp.max(wp.max(a, b), c)
+    reach = 1.0e-6 * (wp.max(wp.abs(low)) + wp.max(wp.abs(high)))
+    lower[t] = low - wp.vec3(reach, reach, reach)
+    upper[t] = high + wp.vec3(reach, reach, reach)
+
+
+@wp.func
+def put(
+    slot: wp.int32,
+    room: wp.int32,
+    t: wp.int32,
+    pair: wp.vec4i,
+    kind: wp.int32,
+    owned: wp.int32,
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+):
+    """Keep a pair if there is room, with its kind and what its triangle stands for; the next slot."""
+    if slot < room:
+        pairs[t * room + slot] = pair
+        kinds[t * room + slot] = wp.vec2i(kind, owned)
+    return slot + 1
+
+
+@wp.func
+def touch_triangle(x: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, reach: wp.float64):
+    """Whether vertex i is within reach of a triangle."""
+    p = x[i]
+    a = x[f[0]]
+    b = x[f[1]]
+    c = x[f[2]]
+    w = on_triangle(p, a, b, c)
+    r = p - w[0] * a - w[1] * b - w[2] * c
+    return wp.dot(r, r) < reach * reach
+
+
+@wp.func
+def touch_edges(x: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, reach: wp.float64):
+    """Whether two edges are within reach of each other."""
+    a = x[e[0]]
+    b = x[e[1]]
+    c = x[g[0]]
+    d = x[g[1]]
+    apart = wp.float64(0.5) * (a + b - c - d)
+    far = wp.float64(0.5) * (wp.length(b - a) + wp.length(d - c)) + reach
+    if wp.dot(apart, apart) > far * far:
+        return False
+    s = on_segments(a, b, c, d)
+    r = a + s[0] * (b - a) - c - s[1] * (d - c)
+    return wp.dot(r, r) < reach * reach
+
+
+@wp.kernel
+def near_self(
+    first: wp.int32,
+    bvh: wp.uint64,
+    x: wp.array(dtype=wp.vec3d),
+    faces: wp.array(dtype=wp.vec3i),
+    owned: wp.array(dtype=wp.int32),
+    lower: wp.array(dtype=wp.vec3),
+    upper: wp.array(dtype=wp.vec3),
+    reach: wp.array(dtype=wp.float64),
+    room: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+):
+    """Pairs of a sheet with itself or another: this triangle's own vertices and edges with other triangles and their own edges.
+
+    `owned` holds bits: 1, 2, 4 for vertices 0, 1, 2 and 8, 16, 32 for the edges that start there."""
+    t = first + wp.tid()
+    f = faces[t]
+    mine = owned[t]
+    far = reach[0]
+    wide = float(far)
+    slot = wp.int32(0)
+    k = wp.int32(0)
+    query = wp.bvh_query_aabb(bvh, lower[t] - wp.vec3(wide, wide, wide), upper[t] + wp.vec3(wide, wide, wide))
+    while wp.bvh_query_next(query, k):
+        if k != t:
+            g = faces[k]
+            others = owned[k]
+            for c in range(3):
+                i = f[c]
+                if (mine & (1 << c)) != 0 and i != g[0] and i != g[1] and i != g[2]:
+                    if touch_triangle(x, i, g, far):
+                        slot = put(slot, room, t, wp.vec4i(i, g[0], g[1], g[2]), 0, others, pairs, kinds)
+            if t < k:
+                for c in range(3):
+                    if (mine & (8 << c)) != 0:
+                        e = wp.vec2i(f[c], f[(c + 1) % 3])
+                        for d in range(3):
+                            if (others & (8 << d)) != 0:
+                                o = wp.vec2i(g[d], g[(d + 1) % 3])
+                                if e[0] != o[0] and e[0] != o[1] and e[1] != o[0] and e[1] != o[1]:
+                                    if touch_edges(x, e, o, far):
+                                        slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 1, 0, pairs, kinds)
+    count[t] = slot
+
+
+@wp.func
+def tied(holder: wp.array(dtype=wp.int32), f: wp.vec3i, body: wp.int32):
+    """Whether a triangle hangs on a body."""
+    return holder[f[0]] == body or holder[f[1]] == body or holder[f[2]] == body
+
+
+@wp.kernel
+def near_solids(
+    first: wp.int32,
+    bvh: wp.uint64,
+    x: wp.array(dtype=wp.vec3d),
+    faces: wp.array(dtype=wp.vec3i),
+    owned: wp.array(dtype=wp.int32),
+    holder: wp.array(dtype=wp.int32),
+    lower: wp.array(dtype=wp.vec3),
+    upper: wp.array(dtype=wp.vec3),
+    solid_faces: wp.array(dtype=wp.vec3i),
+    solid_owned: wp.array(dtype=wp.int32),
+    solid_body: wp.array(dtype=wp.int32),
+    reach: wp.array(dtype=wp.float64),
+    room: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+):
+    """Pairs of a sheet's triangle with solids' triangles; the sheet's vertices come first. Kinds: 2 + 4 * body a vertex of the sheet,
+    3 + 4 * body two edges, 4 + 4 * body a vertex of the solid."""
+    t = first + wp.tid()
+    f = faces[t]
+    mine = owned[t]
+    far = reach[1]
+    wide = float(far)
+    slot = wp.int32(0)
+    k = wp.int32(0)
+    query = wp.bvh_query_aabb(bvh, lower[t] - wp.vec3(wide, wide, wide), upper[t] + wp.vec3(wide, wide, wide))
+    while wp.bvh_query_next(query, k):
+        g = solid_faces[k]
+        body = solid_body[k]
+        if not tied(holder, f, body):
+            others = solid_owned[k]
+            for c in range(3):
+                if (mine & (1 << c)) != 0 and touch_triangle(x, f[c], g, far):
+                    slot = put(slot, room, t, wp.vec4i(f[c], g[0], g[1], g[2]), 4 * body + 2, others, pairs, kinds)
+                if (others & (1 << c)) != 0 and touch_triangle(x, g[c], f, far):
+                    slot = put(slot, room, t, wp.vec4i(g[c], f[0], f[1], f[2]), 4 * body + 4, mine, pairs, kinds)
+                if (mine & (8 << c)) != 0:
+                    e = wp.vec2i(f[c], f[(c + 1) % 3])
+                    for d in range(3):
+                        if (others & (8 << d)) != 0:
+                            o = wp.vec2i(g[d], g[(d + 1) % 3])
+                            if touch_edges(x, e, o, far):
+                                slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 4 * body + 3, 0, pairs, kinds)
+    count[t] = slot

@@ -1,0 +1,90 @@
+"""What the cloth engine is given and what it answers: plain arrays, so that it knows nothing of worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...worlds.arrays import F64, I32
+from .mesh import Sheet
+
+if TYPE_CHECKING:
+    from ..boundaries import Boundary
+
+__all__ = ["Air", "ClothReport", "ClothSetup", "Hold", "still_air"]
+
+Air = Callable[[F64, float], F64]
+"""Velocity of the air [m/s] at points (n, 3) and a time [s]."""
+
+
+def still_air(points: F64, time: float) -> F64:
+    """Air at rest."""
+    del time
+    return np.zeros_like(points)
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Vertices that go where something takes them."""
+
+    vertices: I32
+    """(k,) among all sheets' vertices."""
+    boundary: int
+    """Row of the body that leads them; -1: they stay where they are."""
+    place: F64
+    """(k, 3): in the body's frame, or in the world [m]."""
+
+
+@dataclass(frozen=True)
+class ClothSetup:
+    """Everything that does not change during a run. Vertices of all sheets stand one after the other."""
+
+    sheets: tuple[Sheet, ...]
+    shell: tuple[float, ...]
+    """Of each sheet: half the distance at which two of its layers touch [m]."""
+    drag: tuple[tuple[float, float], ...]
+    """Of each sheet: coefficients of the air across it and along it, times the air's density [kg/m^3]."""
+    friction: tuple[float, ...]
+    """Among the sheets, then with each boundary."""
+    gravity: F64
+    boundaries: tuple[Boundary, ...] = ()
+    holds: tuple[Hold, ...] = ()
+    velocity: F64 | None = None
+    """At the start, (n, 3) [m/s]; default: at rest."""
+    air: Air = still_air
+    acceleration: Air | None = None
+    """Of force fields, at vertices [m/s^2]."""
+    self_collision: bool = True
+    max_step: float = 1e-3
+    """Longest step [s]."""
+    exchange: float = 1e-3
+    """Longest time over which air and bodies are taken as they were [s]."""
+    iterations: int = 2
+    """Rounds of contact impulses in a step."""
+    device: str = "cpu"
+
+
+@dataclass
+class ClothReport:
+    """What one call did."""
+
+    dt: float
+    """[s]"""
+    impulse: F64
+    """Given by the cloth to each boundary, linear and angular about its centre of mass (b, 6) [N s, N m s]."""
+    reaction: F64
+    """Momentum that the cloth itself changed by through each boundary, measured on its vertices (b, 6)."""
+    steps: int
+    air: F64 = field(default_factory=lambda: np.zeros(4))
+    """Momentum [N s] and energy [J] that air and force fields gave, (4,)."""
+    held: F64 = field(default_factory=lambda: np.zeros(4))
+    """Momentum and energy that what holds vertices in place gave, (4,)."""
+    cut: F64 = field(default_factory=lambda: np.zeros(4))
+    """Momentum that was lost where displacements were cut short, and how many vertices that were, (4,)."""
+    work: float = 0.0
+    """Energy that moving boundaries gave [J]."""
+    contacts: int = 0
+    """Pairs that were looked at in the last step."""

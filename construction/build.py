@@ -18,6 +18,7 @@ from ..worlds.spec import ElasticPhysics, Entity, Part, RigidPhysics, Rope, Worl
 from .imports import mesh_digest
 from .primitives import ShapeGeometry, build_shape
 from .ropes import rope_segments
+from .sheets import build_cloth
 from .soft import soft_part
 
 __all__ = ["build_entity", "entity_recipe"]
@@ -170,6 +171,8 @@ def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
     """
     entity = spec.entities[name]
     recipe = entity_recipe(spec, name, assets)
+    if entity.physics.category == "cloth":
+        return build_cloth(spec, name, entity, assets, recipe)
     if entity.generator is not None:
         bodies, parts = _build_rope(spec, name, entity, entity.generator, assets)
         return BuiltEntity(name, tuple(bodies), tuple(parts), recipe)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..worlds.arrays import F64, RigidPose
+from ..worlds.arrays import F64, I32, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
 from ..worlds.folder import safe_join
@@ -19,7 +19,7 @@ from ..worlds.spec import HeightField, Mesh
 from .file_worker import LARGEST
 from .outside import arrays_of, decomposed, file_digest
 
-__all__ = ["load_heights", "load_mesh", "mesh_digest"]
+__all__ = ["load_heights", "load_mesh", "load_surface", "mesh_digest"]
 
 MAX_HEIGHT_BYTES = 8 * HEIGHT_ROWS**2 + 4096
 FLAT = 1e-15
@@ -86,6 +86,27 @@ def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ..
     if shape.collision == "hull" or solid.is_convex:
         return mesh, (_piece(_hull(solid)),)
     return mesh, tuple(map(_piece, decomposed({"vertices": mesh.vertices, "faces": mesh.faces})))
+
+
+def load_surface(shape: Mesh, assets: Path) -> tuple[F64, I32]:
+    """Vertices and faces of a mesh that need not be closed, equal vertices merged and unused ones left out.
+
+    Raises:
+        InputError: the file is missing or cannot be read, or no triangle is left.
+        LimitError: the file or the mesh is too large.
+    """
+    import trimesh
+
+    vertices, faces = _triangles(shape, assets)
+    check_cap("mesh_triangles", len(faces), what="this mesh")
+    vertices = vertices * shape.scale
+    if np.abs(vertices).max(initial=0.0) > LARGEST:
+        raise InputError(f"mesh reaches to {np.abs(vertices).max():.3g} m, at most {LARGEST:g} m; lengths are in m, check scale")
+    mesh = trimesh.Trimesh(vertices, faces, process=True)
+    if not len(mesh.faces):
+        raise InputError("mesh has no triangles")
+    mesh.remove_unreferenced_vertices()
+    return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int32)
 
 
 def _triangles(shape: Mesh, assets: Path) -> tuple[F64, npt.NDArray[np.int64]]:

@@ -24,6 +24,7 @@ __all__ = ["Run", "groups_of", "make_run", "reads"]
 PARTNERS = {
     "dfsph": (".liquid.solver", "SolverLiquid"),
     "flip": (".liquid.solver", "SolverLiquid"),
+    "shell": (".cloth.solver", "SolverCloth"),
 }
 """Module and class of the solver of each engine but the rigid one: a `coupling.Partner`, made from (spec, built, name, *, caches of
 the instances that it reads or None where a coupling tells it the bodies, intervention, recipe). Loaded when needed: they compile kernels."""

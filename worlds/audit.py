@@ -12,6 +12,7 @@ from typing import Any
 
 from .canonical import digest_of
 from .clauses import clauses_of
+from .cloth_audit import cloth_problems
 from .elastic_audit import elastic_problems
 from .field_audit import field_problems
 from .fields import acting_on, field_drivers
@@ -64,6 +65,7 @@ ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     ),
     "dfsph": _PARTICLES,
     "flip": _PARTICLES,
+    "shell": frozenset({"position", "quaternion", "vertex/position", "vertex/velocity"}),
 }
 """Evidence each engine of this build writes."""
 SKIN_SHARE = 0.9
@@ -334,6 +336,12 @@ class _Audit:
         if any(e.physics.category == "elastic" for e in self.spec.entities.values()):
             text = "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells"
             self.add("elastic", text, elastic_problems(self.spec), group="physical")
+        if plan.cloth or any(
+            e.physics.category == "cloth" or any(p.shape.kind == "sheet" for p in e.parts.values())
+            for e in self.spec.entities.values()
+        ):
+            text = "cloth is made of sheets or meshes that resolve its thickness, and its pins hold it"
+            self.add("cloth", text, cloth_problems(self.spec), group="physical")
         if field_drivers(self.spec):
             self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
         if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):

@@ -63,12 +63,18 @@ class Candidate:
         """Caches of liquid instances: those with particles."""
         return {n: c for n, c in self.caches.items() if n in self.spec.simulation.liquid}
 
+    @cached_property
+    def cloth_caches(self) -> dict[str, Cache]:
+        """Caches of cloth instances: those with vertices of sheets."""
+        return {n: c for n, c in self.caches.items() if n in self.spec.simulation.cloth}
+
     def written_by(self, quantity: Quantity) -> list[Cache]:
         """Caches of the instances that record a quantity."""
         liquids = self.liquid_caches
         surfaces = {n: LiquidSurface(c).files for n, c in liquids.items() if LiquidSurface(c).count() >= c.index.frames}
         soft = {n: c for n, c in self.rigid_caches.items() if c.index.deformables}
-        of = {"rigid": self.rigid_caches, "elastic": soft, "liquid": liquids, "surface": surfaces}
+        cloth = self.cloth_caches
+        of = {"rigid": self.rigid_caches, "elastic": soft, "liquid": liquids, "surface": surfaces, "cloth": cloth}
         return [c for category in quantity.of for c in of[category].values()]
 
     @cached_property

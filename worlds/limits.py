@@ -32,6 +32,8 @@ CACHE_BYTES_PER_BODY_FRAME = 160
 """Pose and velocity in float64 (13 numbers), and as much again of records and index, halved by compression [bytes]."""
 CACHE_BYTES_PER_PARTICLE_FRAME = 48
 """Position, velocity, id, fluid, volume, density, pressure, temperature in 32 bits [bytes]."""
+CACHE_BYTES_PER_VERTEX_FRAME = 36
+"""Position in float64 and velocity in float32 [bytes]."""
 
 FILM_BYTES_PER_PIXEL = 3.5
 """A picture file whose noise cannot be compressed, and its share of the film [bytes]."""
@@ -77,6 +79,13 @@ CAPS: dict[str, Cap] = _caps(
         100_000_000_000,
         "particle steps",
         "a larger /entities/<liquid>/physics/resolution, fewer frames, or engine flip instead of dfsph",
+    ),
+    Cap("vertices", 1_000_000, "vertices of cloth", "a larger /entities/<cloth>/parts/<part>/shape/resolution"),
+    Cap(
+        "vertex_steps",
+        100_000_000_000,
+        "vertex steps",
+        "a larger resolution of the sheets, a smaller stretch_stiffness or damping, or fewer frames",
     ),
     Cap(
         "rerun_body_steps",
@@ -133,6 +142,7 @@ def check_cap(name: str, estimate: float, *, what: str = "") -> None:
 
 def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     """What a specification would take, by name of the cap."""
+    from .cloth import cloth_estimate
     from .liquids import liquid_estimate
 
     plan, look = spec.simulation, spec.look
@@ -144,21 +154,27 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
         for solver in plan.rigid.values()
     )
     liquids = [liquid_estimate(spec, name) for name in plan.liquid]
+    sheets = [cloth_estimate(spec, name) for name in plan.cloth]
     counts: dict[str, float] = {
         "bodies": bodies,
         "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
         "stems": sum(p.shape.count for e in spec.entities.values() for p in e.parts.values() if p.shape.kind == "stems"),
         "frames": plan.frames + plan.preroll * plan.fps,
-        "steps": sum(seconds / s.settings.step for s in plan.rigid.values()) + sum(e.steps for e in liquids),
+        "steps": sum(seconds / s.settings.step for s in plan.rigid.values())
+        + sum(e.steps for e in liquids)
+        + sum(e.steps for e in sheets),
         "body_steps": seconds * body_seconds,
         "rerun_body_steps": _rerun_seconds(spec) * body_seconds,
         "width": look.width,
         "height": look.height,
         "samples": look.samples,
         "particles": sum(e.particles for e in liquids),
+        "vertices": sum(e.vertices for e in sheets),
+        "vertex_steps": sum(e.vertices * e.steps for e in sheets),
         "particle_steps": sum(e.particles * e.steps for e in liquids),
         "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME
-        + sum(e.particles for e in liquids) * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME,
+        + sum(e.particles for e in liquids) * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME
+        + sum(e.vertices for e in sheets) * plan.frames * CACHE_BYTES_PER_VERTEX_FRAME,
         "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values())
         + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values())
         + sum(e.cells for e in liquids),

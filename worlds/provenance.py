@@ -40,6 +40,7 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
         "densities": {n: spec.materials[n].density for n in sorted(names) if n in spec.materials},
         "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
         **({"resolution": entity.physics.resolution} if isinstance(entity.physics, ElasticPhysics) else {}),
+        **({"sheet": [entity.physics.area_density, entity.physics.thickness]} if entity.physics.category == "cloth" else {}),
     }
 
 

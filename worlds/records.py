@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "elastic", "liquid", "surface"]
+Category = Literal["rigid", "elastic", "cloth", "liquid", "surface"]
 
 
 @dataclass(frozen=True)
@@ -23,14 +23,16 @@ class Quantity:
     """Instances of these categories write it; `elastic`: rigid ones with elastic members; `surface`: it stands beside the surfaces of a liquid."""
 
 
-_BOTH: tuple[Category, ...] = ("rigid", "liquid")
+_BOTH: tuple[Category, ...] = ("rigid", "liquid", "cloth")
+_MOVED: tuple[Category, ...] = ("rigid", "liquid")
+_CLOTH: tuple[Category, ...] = ("cloth",)
 _LIQUID: tuple[Category, ...] = ("liquid",)
 _ELASTIC: tuple[Category, ...] = ("elastic",)
 _SURFACE: tuple[Category, ...] = ("surface",)
 _ALL = (
     Quantity("kinetic_energy", "J", "sum over moving bodies or liquid", of=_BOTH),
     Quantity("potential_energy", "J", "gravity, against z = 0, plus springs", of=_BOTH),
-    Quantity("driver_work", "J", "work done by drivers since frame 0, positive into the bodies or the liquid", of=_BOTH),
+    Quantity("driver_work", "J", "work done by drivers since frame 0, positive into the bodies or the liquid", of=_MOVED),
     Quantity("momentum_x", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
     Quantity("momentum_y", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
     Quantity("momentum_z", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
@@ -43,9 +45,9 @@ _ALL = (
     Quantity("max_travel_per_step", "m", "largest surface travel in one step of the frame"),
     Quantity("steps", "1", "solver steps taken in the frame", of=_BOTH),
     Quantity("step", "s", "time step used in the frame; of a liquid, their mean", of=_BOTH),
-    Quantity("contacts_max", "1", "most contacts in one step of the frame"),
+    Quantity("contacts_max", "1", "most contacts in one step of the frame; of cloth, near pairs", of=("rigid", "cloth")),
     Quantity("iterations_max", "1", "most solver iterations in one step of the frame"),
-    Quantity("iterations_capped", "1", "steps that ended at the iteration cap", of=_BOTH),
+    Quantity("iterations_capped", "1", "steps that ended at the iteration cap", of=_MOVED),
     Quantity("overflows", "1", "engine warnings: full contact or constraint buffers, bad states"),
     Quantity("joint_error", "m", "largest gap of a welded, hinged or sliding joint"),
     Quantity("strain_energy", "J", "stored in the deformation of elastic bodies", of=_ELASTIC),
@@ -70,6 +72,28 @@ _ALL = (
     Quantity("lost", "1", "particles that are no longer there and that nothing took away, since frame 0", of=_LIQUID),
     Quantity("inflow_mass", "kg", "let in by inflows since frame 0", of=_LIQUID),
     Quantity("outflow_mass", "kg", "taken away by outflows since frame 0", of=_LIQUID),
+    Quantity("stretch_energy", "J", "elastic, of stretch and shear of cloth", of=_CLOTH),
+    Quantity("bending_energy", "J", "elastic, of the bending of cloth", of=_CLOTH),
+    Quantity("stretch_max", "1", "largest extension of an edge of cloth over its length at rest", of=_CLOTH),
+    Quantity("stretch_min", "1", "largest shortening of an edge of cloth over its length at rest, negative", of=_CLOTH),
+    Quantity("exchanges", "1", "times in the frame at which cloth looked at the air and at bodies", of=_CLOTH),
+    Quantity(
+        "cut_vertices", "1", "vertices of cloth whose way was cut short so that nothing crosses, over all exchanges", of=_CLOTH
+    ),
+    *(
+        Quantity(f"{by}_impulse_{axis}", "kg m/s", f"momentum that {what} gave to cloth since frame 0", of=_CLOTH)
+        for by, what in (
+            ("air", "air and fields"),
+            ("hold", "what holds vertices"),
+            ("solid", "contact with solids"),
+            ("cut", "ways cut short"),
+        )
+        for axis in "xyz"
+    ),
+    *(
+        Quantity(f"{by}_work", "J", f"work of {what} on cloth since frame 0", of=_CLOTH)
+        for by, what in (("air", "air and fields"), ("hold", "what holds vertices"), ("solid", "moving solids in contact"))
+    ),
     Quantity("domain_outflow", "kg", "left through open sides of the domain since frame 0", of=_LIQUID),
 )
 QUANTITIES: Mapping[str, Quantity] = {q.name: q for q in _ALL}

@@ -175,12 +175,12 @@ def yield_to(
     w = inverse[i]
     if w == wp.float64(0.0):
         return
-    sum = wp.vec3d()
+    total = wp.vec3d()
     for k in range(start[i], start[i + 1]):
         item = items[k]
         p = item / 4
-        sum += share[p][item - 4 * p] * change[p]
-    u[i] = u[i] + w * sum
+        total += share[p][item - 4 * p] * change[p]
+    u[i] = u[i] + w * total
 
 
 @wp.kernel

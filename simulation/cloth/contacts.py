@@ -144,6 +144,7 @@ class Contacts:
         self.held_back = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         self.fresh = False
         self.searches = 0
+        self.solid_margin = 0.0
         self._grow(256)
 
     def _grow(self, count: int) -> None:

@@ -25,8 +25,10 @@ __all__ = ["Cloth"]
 
 SAFE = 0.9
 """Share of the longest stable step that is taken: a sheet is stiffer where it is bent or squeezed."""
-CHUNK = 1e-9
-"""[s] Times this close are equal."""
+QUICK = 0.2
+"""Share of what vertices may move between two searches for contacts that one may move in a step."""
+CATCH = 0.3
+"""Share of the distance of contact that a solid may move in a step."""
 LOOK = 4
 """Steps on a GPU between two looks at whether the lists of pairs still hold."""
 
@@ -84,7 +86,9 @@ class Cloth:
         position = np.concatenate([*(s.position for s in sheets), self.solid_place])
         law = np.concatenate([np.column_stack([s.modulus[:, :3] * s.area[:, None], s.modulus[:, 3]]) for s in sheets])
         corners, ends = adjacency(self.faces, n), adjacency(hinges, n)
-        radius = np.concatenate([*(np.full(len(s.mass), r) for s, r in zip(sheets, setup.shell, strict=True)), np.zeros(total - n)])
+        radius = np.concatenate(
+            [*(np.full(len(s.mass), r) for s, r in zip(sheets, setup.shell, strict=True)), np.zeros(total - n)]
+        )
         drag = np.concatenate([np.tile(d, (len(s.faces), 1)) for s, d in zip(sheets, setup.drag, strict=True)])
         speed = np.zeros((total, 3))
         if setup.velocity is not None:
@@ -105,7 +109,7 @@ class Cloth:
         self._corners = (a(corners.start, wp.int32), a(corners.items, wp.int32))
         self._ends = (a(ends.start, wp.int32), a(ends.items, wp.int32))
         self._drag = a(drag, wp.vec2d)
-        self._air = wp.zeros(len(self.faces), dtype=wp.vec3d, device=self.device)
+        self._air = wp.zeros(len(self.faces), dtype=wp.vec4d, device=self.device)
         self._blast = wp.zeros(len(self.faces), dtype=wp.vec3d, device=self.device)
         self._pulled = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
         self._acceleration = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
@@ -129,7 +133,7 @@ class Cloth:
                 place.append(hold.place)
         moving = [b.motion != "static" for b in setup.boundaries]
         solid = np.flatnonzero(np.array(moving, dtype=bool)[self.solid_row]) if len(self.solid_row) else np.empty(0, int)
-        vertex.append(self.n + solid)
+        vertex.append((self.n + solid).astype(np.int32))
         row.append(self.solid_row[solid])
         place.append(self.solid_place[solid])
         self.target.assign(target)
@@ -196,49 +200,54 @@ class Cloth:
         """
         if not self._known:
             self.place_solids(bodies)
-        chunks = max(1, math.ceil(limit / self.setup.exchange - 1e-6))
-        span = limit / chunks
-        contacts, n = self._contacts, self.n
+        span = limit / max(1, math.ceil(limit / self.setup.exchange - 1e-6))
         self._take_bodies(bodies)
-        start, speed = self.x.numpy()[:n].copy(), self.v.numpy().copy()
+        start, speed = self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
         push = self._blow(time, start)
-        drift = self.mass @ speed / self.mass.sum()
-        fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max()))
         solid_speed = self._solid_speed(bodies)
-        own, others = contacts.margins(fastest, float(np.linalg.norm(drift)))
-        # What may still be moved between the search's soft and hard bounds must do for one step.
-        quick = fastest + float(np.linalg.norm(push, axis=1).max()) * span
-        whole = max(quick, 1e-9) if contacts.self_collision else 1e-9
-        dt = min(self.longest, 0.2 * own / whole, 0.3 * contacts.touch[1] / max(solid_speed, 1e-9))
-        count = max(1, math.ceil(span / dt - 1e-6))
-        dt = span / count
+        count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
+        total = self._run(span / count, count, solid_speed)
+        self.steps_done += count
+        return self._report(span, bodies, start, push, total, count)
+
+    def _longest(self, speed: F64, push: F64, span: float, solid_speed: float) -> float:
+        """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
+        soft and its hard bounds."""
+        contacts = self._contacts
+        drift = self.mass @ speed / self.mass.sum()
+        fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max())) + float(np.linalg.norm(push, axis=1).max()) * span
+        dt = self.longest
+        if contacts.self_collision:
+            dt = min(dt, QUICK * contacts.margins(fastest, float(np.linalg.norm(drift)))[0] / max(fastest, 1e-9))
+        if contacts.solid is not None:
+            dt = min(dt, CATCH * contacts.touch[1] / max(solid_speed, 1e-9))
+        return dt
+
+    def _run(self, dt: float, count: int, solid_speed: float) -> F64:
+        """Take `count` steps; the impulses given to the bodies by contact, (b, 6)."""
+        contacts = self._contacts
         since = float(self.clock.numpy()[2]) if contacts.fresh else 0.0
         self.clock.assign(np.array([dt, 0.0, since]))
         total = np.zeros((len(self.setup.boundaries), 6))
         passes = None
         for k in range(count):
-            if contacts.active and (not contacts.fresh or (since + (k + 1) * dt) * solid_speed > contacts.solid_margin):
+            outrun = (since + (k + 1) * dt) * solid_speed > contacts.solid_margin
+            if contacts.active and (not contacts.fresh or outrun):
                 total += contacts.collect()
                 now = self.v.numpy()
                 drift = self.mass @ now / self.mass.sum()
                 contacts.search(float(np.sqrt(((now - drift) ** 2).sum(1).max())), drift)
-                since = -k * dt
+                since, passes = -k * dt, None
                 self._clock_back()
-                passes = None
-            if passes is None:
-                passes = self._passes()
+            passes = passes or self._passes()
             for one in passes:
                 one()
             if contacts.active and (self.device == "cpu" or k % LOOK == LOOK - 1 or k == count - 1):
                 worn, broken = contacts.worn()
                 if broken:
-                    raise EngineError(
-                        f"cloth moved further in a step of {dt:g} s than contacts are looked for (fastest {quick:.3g} m/s); shorten max_step"
-                    )
+                    raise EngineError(f"cloth moved further in a step of {dt:g} s than contacts are looked for; shorten max_step")
                 contacts.fresh = not worn
-        total += contacts.collect()
-        self.steps_done += count
-        return self._report(span, bodies, start, speed, push, total, count)
+        return total + contacts.collect()
 
     def _clock_back(self) -> None:
         clock = self.clock.numpy().copy()
@@ -271,7 +280,9 @@ class Cloth:
 
     def _passes(self) -> list[Any]:
         p, n = self.passes, self.n
-        made = [p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self._faces, self._rest, self._law, self._force])]
+        made = [
+            p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self._faces, self._rest, self._law, self._force])
+        ]
         if len(self.host_hinges):
             made.append(p("bending", forces.bending, len(self.host_hinges), [self.x, self.v, self._hinges, self._weight, self._hinge_law, self._pull]))  # fmt: skip
         if self.led_count:
@@ -286,8 +297,8 @@ class Cloth:
         made.append(p("tick", steps.tick, 1, [self.clock]))
         return [p.chain("step", made)] if self.device != "cpu" else made
 
-    def _report(self, span: float, bodies: BodyState, start: F64, speed: F64, push: F64, total: F64, count: int) -> ClothReport:
-        x, n = self.x.numpy()[: self.n], self.n
+    def _report(self, span: float, bodies: BodyState, start: F64, push: F64, total: F64, count: int) -> ClothReport:
+        x = self.x.numpy()[: self.n]
         if not np.isfinite(x).all():
             raise EngineError("the cloth's coordinates are not finite; shorten max_step")
         moved = x - start
@@ -315,7 +326,8 @@ class Cloth:
         work = 0.0
         if len(total):
             work = -float((total[:, :3] * bodies.velocity).sum() + (total[:, 3:] * bodies.angular_velocity).sum())
-        return ClothReport(span, impulse, -impulse, count, air, reaction, cut, work, self._contacts.count)
+        fastest = float(np.sqrt((self.v.numpy() ** 2).sum(1).max()))
+        return ClothReport(span, impulse, total, count, air, reaction, cut, work, self._contacts.count, fastest)
 
     # ------------------------------------------------------------------ state
 

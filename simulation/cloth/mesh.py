@@ -138,7 +138,9 @@ def _edges(faces: I32) -> tuple[I32, I32]:
     count = np.diff(np.concatenate([first, [len(low)]]))
     if count.max(initial=0) > 2:
         k = first[int(count.argmax())]
-        raise InputError(f"edge {int(low[k])}-{int(high[k])} of a sheet has {int(count.max())} triangles; a sheet has at most two")
+        raise InputError(
+            f"edge {int(low[k])}-{int(high[k])} of a sheet has {int(count.max())} triangles; a sheet has at most two"
+        )
     edges = np.stack([low[first], high[first]], axis=1).astype(np.int32)
     inner = first[count == 2]
     hinges = np.stack([low[inner], high[inner], opposite[inner], opposite[inner + 1]], axis=1).astype(np.int32)

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 __all__ = ["Air", "ClothReport", "ClothSetup", "Hold", "still_air"]
 
 Air = Callable[[F64, float], F64]
-"""Velocity of the air [m/s] at points (n, 3) and a time [s]."""
+"""Of points (n, 3) [m] and a time [s]: velocity [m/s] and density [kg/m^3] of the air, (n, 4); or acceleration [m/s^2], (n, 3)."""
+USUAL = 1.204
+"""Density of air at 20 degrees C [kg/m^3]."""
 
 
 def still_air(points: F64, time: float) -> F64:
     """Air at rest."""
     del time
-    return np.zeros_like(points)
+    return np.tile([0.0, 0.0, 0.0, USUAL], (len(points), 1))
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class ClothSetup:
     shell: tuple[float, ...]
     """Of each sheet: half the distance at which two of its layers touch [m]."""
     drag: tuple[tuple[float, float], ...]
-    """Of each sheet: coefficients of the air across it and along it, times the air's density [kg/m^3]."""
+    """Of each sheet: coefficients of the air across it and along it."""
     friction: tuple[float, ...]
     """Among the sheets, then with each boundary."""
     gravity: F64
@@ -75,8 +77,8 @@ class ClothReport:
     """[s]"""
     impulse: F64
     """Given by the cloth to each boundary, linear and angular about its centre of mass (b, 6) [N s, N m s]."""
-    reaction: F64
-    """Momentum that the cloth itself changed by through each boundary, measured on its vertices (b, 6)."""
+    contact: F64
+    """Of that, by contact and not by what hangs on it (b, 6)."""
     steps: int
     air: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum [N s] and energy [J] that air and force fields gave, (4,)."""
@@ -88,3 +90,5 @@ class ClothReport:
     """Energy that moving boundaries gave [J]."""
     contacts: int = 0
     """Pairs that were looked at in the last step."""
+    fastest: float = 0.0
+    """Fastest vertex at its end [m/s]."""

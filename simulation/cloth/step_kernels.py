@@ -59,7 +59,7 @@ def blow(
     x: wp.array(dtype=wp.vec3d),
     v: wp.array(dtype=wp.vec3d),
     faces: wp.array(dtype=wp.vec3i),
-    air: wp.array(dtype=wp.vec3d),
+    air: wp.array(dtype=wp.vec4d),
     drag: wp.array(dtype=wp.vec2d),
     force: wp.array(dtype=wp.vec3d),
 ):
@@ -68,12 +68,13 @@ def blow(
     f = faces[t]
     d = drag[t]
     third = wp.float64(1.0 / 3.0)
-    w = air[t] - third * (v[f[0]] + v[f[1]] + v[f[2]])
+    a = air[t]
+    w = wp.vec3d(a[0], a[1], a[2]) - third * (v[f[0]] + v[f[1]] + v[f[2]])
     n = wp.cross(x[f[1]] - x[f[0]], x[f[2]] - x[f[0]])
     double = wp.length(n)
     n = n / wp.max(double, wp.float64(1.0e-30))
     across = wp.dot(w, n)
-    force[t] = wp.float64(0.25) * double * wp.length(w) * third * (d[0] * across * n + d[1] * (w - across * n))
+    force[t] = wp.float64(0.25) * a[3] * double * wp.length(w) * third * (d[0] * across * n + d[1] * (w - across * n))
 
 
 @wp.kernel
@@ -135,7 +136,9 @@ def tick(first: wp.int32, clock: wp.array(dtype=wp.float64)):
 
 
 @wp.kernel
-def carry(first: wp.int32, sheets: wp.int32, clock: wp.array(dtype=wp.float64), u: wp.array(dtype=wp.vec3d), x: wp.array(dtype=wp.vec3d)):
+def carry(
+    first: wp.int32, sheets: wp.int32, clock: wp.array(dtype=wp.float64), u: wp.array(dtype=wp.vec3d), x: wp.array(dtype=wp.vec3d)
+):
     """Move the solids' vertices, which come after those of the sheets."""
     i = sheets + first + wp.tid()
     x[i] = x[i] + clock[0] * u[i]

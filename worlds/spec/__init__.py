@@ -1,8 +1,9 @@
 """Specification models. `WorldSpec` is the root."""
 
 from ..vocabulary import Ref, SpecModel
+from .cloth import ClothInstance, ClothPin, ClothSettings
 from .elastic import ElasticPhysics, Pin
-from .entities import Appearance, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
+from .entities import Appearance, ClothPhysics, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
 from .fields import FieldDriver
 from .liquids import (
     DfsphInstance,
@@ -14,7 +15,7 @@ from .liquids import (
     OutflowDriver,
     WavesDriver,
 )
-from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sphere, StemField, Wedge
+from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sheet, Sphere, StemField, Wedge
 from .simulation import (
     MOVED,
     BallJoint,
@@ -76,6 +77,10 @@ __all__ = [
     "Capsule",
     "CausalMargin",
     "Clause",
+    "ClothInstance",
+    "ClothPhysics",
+    "ClothPin",
+    "ClothSettings",
     "Connects",
     "ContactPair",
     "Contains",
@@ -128,6 +133,7 @@ __all__ = [
     "Rope",
     "SceneGraph",
     "Shape",
+    "Sheet",
     "Shot",
     "SimulationPlan",
     "SlideJoint",

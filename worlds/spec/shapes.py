@@ -18,6 +18,7 @@ __all__ = [
     "Pose",
     "Revolution",
     "Shape",
+    "Sheet",
     "Sphere",
     "StemField",
     "Wedge",
@@ -129,6 +130,14 @@ class Mesh(SpecModel):
         return self
 
 
+class Sheet(SpecModel):
+    """Rectangle in the xy plane, centred at the origin: only for cloth. The warp runs along x."""
+
+    kind: Literal["sheet"] = "sheet"
+    size: tuple[Positive, Positive] = Field(description="extent x, y [m]")
+    resolution: Positive = Field(description="length of the edges of its triangles, at most [m]")
+
+
 class HeightField(SpecModel):
     """Regular grid of heights over a rectangle centred at the origin; row 0 is south (-y), column 0 west (-x).
 
@@ -167,6 +176,6 @@ class StemField(SpecModel):
 
 
 Shape = Annotated[
-    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Mesh | HeightField | StemField,
+    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Mesh | Sheet | HeightField | StemField,
     Field(discriminator="kind"),
 ]

@@ -17,6 +17,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .cloth import ClothInstance
 from .fields import FieldDriver
 from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from .shapes import Pose
@@ -77,7 +78,7 @@ class RigidInstance(SpecModel):
     settings: RigidSettings = RigidSettings()
 
 
-SolverInstance = Annotated[RigidInstance | DfsphInstance | FlipInstance, Field(discriminator="engine")]
+SolverInstance = Annotated[RigidInstance | DfsphInstance | FlipInstance | ClothInstance, Field(discriminator="engine")]
 LiquidInstance = DfsphInstance | FlipInstance
 MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(SolverInstance)[0]) for c in i.moves))
 """Categories that some engine of this build moves."""
@@ -269,6 +270,11 @@ class SimulationPlan(SpecModel):
     contacts: Annotated[dict[Id, ContactPair], Field(max_length=5000)] = {}
     couplings: Annotated[dict[Id, Coupling], Field(max_length=64)] = {}
     limits: Limits = Limits()
+
+    @property
+    def cloth(self) -> dict[str, ClothInstance]:
+        """Cloth instances by id."""
+        return {k: s for k, s in self.solvers.items() if isinstance(s, ClothInstance)}
 
     @property
     def rigid(self) -> dict[str, RigidInstance]:

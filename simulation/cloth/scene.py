@@ -1,0 +1,200 @@
+"""Specification and built entities -> what the cloth engine is given (R63, R64)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...worlds.arrays import F64, I32, pose_of
+from ...worlds.built import BuiltPart, TriangleMesh
+from ...worlds.cloth import THIN, held_by, touching_distance
+from ...worlds.errors import InputError
+from ...worlds.fields import Fields, fields_of
+from ..boundaries import Boundary, Surround, surround_of
+from .mesh import Fabric, Sheet, sheet_of
+from .setup import Air, ClothSetup, Hold
+
+if TYPE_CHECKING:
+    from ...worlds.built import BuiltEntity
+    from ...worlds.spec import ClothPhysics, Entity, WorldSpec
+
+__all__ = ["ClothScene", "build_scene"]
+
+EVERYWHERE = (np.full(3, -np.inf), np.full(3, np.inf))
+
+
+@dataclass(frozen=True)
+class ClothScene:
+    """Set-up cloth and the names behind its rows."""
+
+    setup: ClothSetup
+    surround: Surround
+    deformables: tuple[str, ...]
+    """`entity/part` in the order of their vertices."""
+    counts: tuple[int, ...]
+
+
+def build_scene(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    name: str,
+    *,
+    without: frozenset[str] = frozenset(),
+    apart: frozenset[tuple[str, str]] = frozenset(),
+) -> ClothScene:
+    """Sheets, what holds them and what they meet; `without` some fields, `apart` from some entities.
+
+    Raises:
+        InputError: layers would touch where they are flat, or a pin holds nothing.
+    """
+    instance, settings = spec.simulation.cloth[name], spec.simulation.cloth[name].settings
+    members = list(instance.members)
+    parts = [(m, p) for m in members for p in built[m].parts]
+    sheets, shells, drags, velocity = [], [], [], []
+    for member, part in parts:
+        entity, physics = spec.entities[member], _physics(spec.entities[member])
+        sheet = _sheet(entity, physics, part)
+        shortest = float(sheet.edge_length.min())
+        apart_by = touching_distance(physics.thickness, shortest, settings.margin)
+        if apart_by > THIN * shortest:
+            raise InputError(
+                f"layers of {member!r} touch at {apart_by:g} m, more than {THIN:g} of its shortest edge {shortest:.4g} m; use longer edges"
+            )
+        sheets.append(sheet)
+        shells.append(0.5 * apart_by)
+        drags.append((physics.drag, physics.skin_drag))
+        velocity.append(np.tile(physics.linear_velocity, (len(sheet.mass), 1)))
+    surround = _surround(spec, built, members, apart)
+    counts = [len(s.mass) for s in sheets]
+    offsets = dict(zip([f"{m}/{p.part}" for m, p in parts], np.cumsum([0, *counts[:-1]]), strict=True))
+    fields = {m: fields_of(spec, m, without) for m in members}
+    owner = np.concatenate([np.full(c, members.index(m)) for (m, _), c in zip(parts, counts, strict=True)])
+    faces = np.concatenate([np.full(len(s.faces), members.index(m)) for (m, _), s in zip(parts, sheets, strict=True)])
+    blown = any(f and f.has_medium for f in fields.values())
+    drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)
+    setup = ClothSetup(
+        sheets=tuple(sheets),
+        shell=tuple(shells),
+        drag=tuple(drags) if blown else tuple((0.0, 0.0) for _ in drags),
+        friction=_friction(spec, members, surround),
+        gravity=np.array(spec.simulation.gravity, dtype=np.float64),
+        boundaries=surround.boundaries,
+        holds=tuple(_holds(spec, built, members, offsets, surround)),
+        velocity=np.concatenate(velocity),
+        air=_air(fields, members, faces),
+        acceleration=_pull(fields, members, owner) if drawn else None,
+        self_collision=any(_physics(spec.entities[m]).self_collision for m in members),
+        max_step=settings.max_step,
+        exchange=settings.exchange,
+        iterations=settings.iterations,
+        device=settings.device,
+    )
+    return ClothScene(setup, surround, tuple(offsets), tuple(counts))
+
+
+def _physics(entity: Entity) -> ClothPhysics:
+    assert entity.physics.category == "cloth"
+    return entity.physics
+
+
+def _sheet(entity: Entity, physics: ClothPhysics, part: BuiltPart) -> Sheet:
+    if part.simulation is None:
+        raise InputError(f"part {part.part!r} has no simulation mesh; call place_object again")
+    pose = pose_of(entity.pose)
+    stretch = physics.stretch_stiffness
+    fabric = Fabric(
+        area_density=physics.area_density,
+        stretch=(stretch, physics.weft_stiffness or stretch),
+        shear=physics.shear_stiffness or 0.1 * stretch,
+        bend=physics.bend_stiffness,
+        damping=physics.damping,
+        thickness=physics.thickness,
+    )
+    turn = pose.apply(np.eye(3)) - pose.position
+    axis = pose_of(entity.parts[part.part].pose)
+    warp = (axis.apply(np.eye(3)) - axis.position)[0] @ turn
+    return sheet_of(pose.apply(part.simulation.vertices), part.simulation.faces, fabric, warp=warp, flat=physics.flat)
+
+
+def _surround(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], members: list[str], apart: frozenset[tuple[str, str]]
+) -> Surround:
+    """All rigid bodies; those that the cloth passes through have no surface."""
+    found = surround_of(spec, built, EVERYWHERE, 0.0)
+    through = {e for m in members for e in _physics(spec.entities[m]).ignores}
+    through |= {b if a in members else a for a, b in apart if {a, b} & set(members)}
+    none = TriangleMesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int32))
+    kept = tuple(replace(b, mesh=none) if b.name.split("/")[0] in through else b for b in found.boundaries)
+    return replace(found, boundaries=kept)
+
+
+def _friction(spec: WorldSpec, members: list[str], surround: Surround) -> tuple[float, ...]:
+    own = max(spec.materials[spec.entities[m].material].friction for m in members)
+    declared = {frozenset((c.a, c.b)): c.friction for c in spec.simulation.contacts.values() if c.friction is not None}
+
+    def against(boundary: Boundary) -> float:
+        entity = boundary.name.split("/", 1)[0]
+        known = [declared[frozenset((m, entity))] for m in members if frozenset((m, entity)) in declared]
+        return max(known) if known else max(own, boundary.friction)
+
+    among = [declared[frozenset((m,))] for m in members if frozenset((m,)) in declared]
+    return (max(among) if among else own, *(against(b) for b in surround.boundaries))
+
+
+def _holds(
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], members: list[str], offsets: Mapping[str, int], surround: Surround
+) -> list[Hold]:
+    found = []
+    for member in members:
+        pose = pose_of(spec.entities[member].pose)
+        pieces = [(offsets[f"{member}/{p.part}"], p.simulation) for p in built[member].parts if p.simulation is not None]
+        local = np.concatenate([mesh.vertices for _, mesh in pieces])
+        rows = np.concatenate([start + np.arange(len(mesh.vertices)) for start, mesh in pieces])
+        for key, pin in sorted(_physics(spec.entities[member]).pins.items()):
+            held = held_by(pin, local)
+            if len(held) == 0:
+                raise InputError(f"pin {key!r} of {member!r} holds no vertex; widen its radius")
+            world = pose.apply(local[held])
+            row = -1 if pin.to is None else _holder(surround, pin.to, world, key)
+            place = world if row < 0 else surround.start[row].inverse().apply(world)
+            found.append(Hold(rows[held].astype(np.int32), row, place))
+    return found
+
+
+def _holder(surround: Surround, entity: str, points: F64, key: str) -> int:
+    """Row of the body of an entity that is nearest to points."""
+    rows = [k for k, b in enumerate(surround.boundaries) if b.name.split("/", 1)[0] == entity]
+    if not rows:
+        raise InputError(f"pin {key!r} is held by {entity!r}, no part of which collides; let a part of it collide")
+    centers = [surround.start[k].apply(surround.bodies[k].center[None])[0] for k in rows]
+    return rows[int(np.argmin([np.linalg.norm(points.mean(0) - c) for c in centers]))]
+
+
+def _air(fields: Mapping[str, Fields], members: list[str], owner: I32) -> Air:
+    """Velocity of the medium at triangles' centres; its density comes as the fourth column."""
+
+    def at(points: F64, time: float) -> F64:
+        result = np.zeros((len(points), 4))
+        for k, member in enumerate(members):
+            own = owner == k
+            if fields[member] and own.any():
+                medium = fields[member].medium(points[own], time)
+                result[own, :3], result[own, 3] = medium.velocity, medium.density
+        return result
+
+    return at
+
+
+def _pull(fields: Mapping[str, Fields], members: list[str], owner: I32) -> Air:
+    def at(points: F64, time: float) -> F64:
+        result = np.zeros((len(points), 3))
+        for k, member in enumerate(members):
+            own = owner == k
+            if fields[member]:
+                result[own] = fields[member].acceleration(points[own], time)
+        return result
+
+    return at

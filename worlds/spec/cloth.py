@@ -1,0 +1,58 @@
+"""Cloth in the simulation plan and what holds it (R63, R64)."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from ..vocabulary import EntityRef, NonNegative, SpecModel, Vec3
+
+__all__ = ["ClothInstance", "ClothPin", "ClothSettings"]
+
+
+class ClothPin(SpecModel):
+    """Vertices of a sheet that are held: where they are at frame 0, or by a body that takes them along.
+
+    Give `edge`, or `center` with `radius`.
+    """
+
+    edge: Literal["-x", "+x", "-y", "+y", "-z", "+z"] | None = Field(
+        default=None, description="all vertices on this side of the sheet's bounding box, in the entity's frame"
+    )
+    center: Vec3 | None = Field(default=None, description="all vertices within `radius` of this point of the entity's frame [m]")
+    radius: NonNegative = Field(default=0.0, description="[m]; 0: the nearest vertex alone")
+    to: EntityRef | None = Field(default=None, description="rigid entity that takes them along; default: they stay in space")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> ClothPin:
+        if (self.edge is None) == (self.center is None):
+            raise ValueError("give either edge or center")
+        return self
+
+
+class ClothSettings(SpecModel):
+    """Settings of sheets: explicit steps, so that stretch is the declared stiffness's and nothing else's."""
+
+    max_step: float = Field(
+        default=1e-3, ge=1e-6, le=5e-3, description="longest step [s]; the sheets' stiffness usually asks for less"
+    )
+    exchange: float = Field(
+        default=1e-3, ge=1e-5, le=5e-3, description="time between two looks at the air and at the bodies' motion [s]"
+    )
+    margin: NonNegative | None = Field(
+        default=None,
+        le=0.05,
+        description="distance at which layers touch [m], at least the thickness; default: the thickness or 0.15 of the shortest edge",
+    )
+    iterations: int = Field(default=2, ge=1, le=20, description="rounds of contact impulses in a step")
+    device: Literal["cpu", "cuda"] = "cpu"
+
+
+class ClothInstance(SpecModel):
+    """Running cloth. All rigid entities are what it meets; with a two_way coupling it pushes them."""
+
+    moves: ClassVar[tuple[str, ...]] = ("cloth",)
+    engine: Literal["shell"] = "shell"
+    members: Annotated[list[EntityRef], Field(min_length=1, max_length=64)]
+    settings: ClothSettings = ClothSettings()

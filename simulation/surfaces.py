@@ -119,8 +119,11 @@ def map_wet_solids(
     for name in spec.simulation.liquid:
         parts = _wet_parts(spec, built, name, caches)
         if parts:
-            spacing = spacing_of(spec, name)
-            made[name] = map_wet(caches[name], parts, spacing=spacing, up=up, progress=progress, check=check)
+            looks = [spec.materials[spec.entities[m].material].appearance for m in spec.simulation.liquid[name].members]
+            made[name] = map_wet(
+                caches[name], parts, spacing=spacing_of(spec, name), up=up, drying=[a.drying for a in looks],
+                gap=spec.simulation.limits.contact_gap, progress=progress, check=check,
+            )  # fmt: skip
     return made
 
 

@@ -163,7 +163,7 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
         found.append(
             {
                 "what": f"solids that {name!r} wetted dry by exp(-t / {', '.join(f'{d:g}' for d in sorted(drying))} s)",
-                "effect": "seen only: nothing evaporates, soaks in or runs off, and wet solids leave no tracks",
+                "effect": "seen only: nothing evaporates, soaks in or runs off; films split in halves where surfaces meet, with places half a spacing apart",
             }
         )
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}

@@ -1,6 +1,7 @@
 """The wet maps that were made of a liquid, against its particles and the solids that it wets (R99).
 
-- `wet`: what they call wet is what liquid is next to, as deep as they say; their places lie on the solids and leave none out.
+- `wet`: what they call wet is what liquid is next to, as deep as they say; their places lie on the solids and leave none out; films
+  elsewhere were carried there by wet surfaces.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from .findings import Finding
 from .liquid_rows import baked_again, place
 from .liquid_samples import scattered
 from .liquid_solids import Piece, pieces_of
+from .liquid_tracks import Carried
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -99,7 +101,7 @@ class Wetted:
         self.liquid = liquid
         self.map = WetMap(liquid.cache)
         self.count = self.map.count()
-        self.area, self.deep, self.flat, self.bare = _Worst(), _Worst(), _Worst(), _Worst()
+        self.area, self.deep, self.flat, self.bare, self.track = (_Worst() for _ in range(5))
         self.looked = 0
         if not self.count:
             return
@@ -113,6 +115,7 @@ class Wetted:
         self.pieces = [known[n] for n in texels.parts]
         self.groups = [np.flatnonzero(texels.part == k) for k in range(len(self.pieces))]
         self.own = dict(zip(texels.parts, self.groups, strict=True))
+        self.carried = Carried(texels, self.pieces, self.groups, liquid.candidate.spec.simulation.limits.contact_gap)
         self.probes = {n: _probes(p, liquid, texels.size) for n, p in known.items()}
 
     def see(self, step: Step) -> None:
@@ -121,6 +124,8 @@ class Wetted:
         if not self.count:
             return
         held = self.map.read(frame.index)
+        film, entity, where = self.carried.see(frame.index, held)
+        self.track.add(film, frame.index, entity, place(where))
         if frame.index % EVERY and frame.index != self.liquid.frames - 1:
             return
         self.looked += 1
@@ -205,6 +210,7 @@ class Wetted:
             (self.area, AREA, "share of the wet area that the map calls dry, or the other way round"),
             (self.deep, OVER, "depth of a wet place over that of all liquid about it [spacings]"),
             (self.flat, SHALLOW, f"share of wet places that are said to lie {DEEP:g} spacings less deep than they do"),
+            (self.track, 0.0, "film of a track that no wet surface near it can have left"),
         )
         hint = baked_again("the wet map is not that of the particles")
         for worst, bound, what in checks:

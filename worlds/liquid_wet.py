@@ -3,7 +3,8 @@
 They stand in `wet/` in the folder of the instance's cache. `texels.npz` holds the places, evenly spread over the surfaces of the
 solids that the liquid may reach; every frame has a container of those that are wet then. When a place was wet first and last, how
 long in all and how deep at most follows from the frames. Drying is a declared law and no simulation: the film that a liquid leaves
-fades as exp(-t / drying), with `appearance.drying` of the liquid's material.
+fades as exp(-t / drying), with `appearance.drying` of the liquid's material. Tracks are one too: where a surface with a film meets
+another, the film splits and each keeps half of both (the usual ratio of ink between smooth faces, Walker and Fetsko 1955).
 
 | file | channel | dtype, shape | meaning |
 |---|---|---|---|
@@ -14,6 +15,9 @@ fades as exp(-t / drying), with `appearance.drying` of the liquid's material.
 | `frame_*.npz` | `wet/texel` | i4 (w,) | those with liquid within `touch` on their outer side, ascending |
 | | `wet/depth` | f4 (w,) | of each under the top of the liquid that it touches, along gravity [m] |
 | | `wet/fluid` | i4 (w,) | index into `CacheIndex.bodies` of what it touches |
+| | `track/texel` | i4 (k,) | those whose film changed by contact with another surface since the frame before, ascending |
+| | `track/film` | f4 (k,) | amount of film that they have then, 1 under liquid |
+| | `track/fluid` | i4 (k,) | index into `CacheIndex.bodies` of what the film is of |
 | | `source` | u1 (32,) | digest of the particles' container |
 """
 
@@ -76,12 +80,16 @@ class WetState:
     depth: F64
     """At the frame [m]; NaN where dry then."""
     fluid: I32
-    """Of the last liquid that it touched; -1 where none did."""
+    """Of the last liquid that it touched, or had a film of; -1 where none."""
+    amount: F64
+    """Of the film at `since`: 1 under liquid, less where contact carried it."""
+    since: F64
+    """When the film was left or carried there; NaN where there is none."""
 
     def film(self, time: float, drying: F64) -> F64:
-        """Share 0..1 of the film that is left at a time [s]: 1 where wet, exp(-t / drying) after; `drying` [s] per liquid."""
-        age = np.where(np.isfinite(self.last), time - self.last, np.inf)
-        return np.asarray(np.exp(-age / drying[np.maximum(self.fluid, 0)]))
+        """Film at a time [s]: 1 where wet, exp(-t / drying) after, shared where surfaces met; `drying` [s] per liquid."""
+        age = np.where(np.isfinite(self.since), time - self.since, np.inf)
+        return np.asarray(self.amount * np.exp(-age / drying[np.maximum(self.fluid, 0)]))
 
 
 class WetMap:
@@ -155,7 +163,8 @@ class WetMap:
         if self._state is None or self._state[0] > frame:
             nothing = np.full(len(self.texels.area), np.nan)
             zero = np.zeros(len(nothing))
-            self._state = (-1, WetState(nothing, nothing, zero, zero, nothing, np.full(len(nothing), -1, dtype=np.int32)))
+            none = np.full(len(nothing), -1, dtype=np.int32)
+            self._state = (-1, WetState(nothing, nothing, zero, zero, nothing, none, zero, nothing))
         start, state = self._state
         step = 1.0 / self.cache.index.fps
         for k in range(start + 1, frame + 1):
@@ -168,7 +177,11 @@ class WetMap:
             last[rows], now[rows], fluid[rows] = k * step, depth, found["wet/fluid"]
             total[rows] += step
             deepest[rows] = np.maximum(deepest[rows], depth)
-            state = WetState(first, last, total, deepest, now, fluid)
+            amount, since = state.amount.copy(), state.since.copy()
+            amount[rows], since[rows] = 1.0, k * step
+            met = found["track/texel"]
+            amount[met], since[met], fluid[met] = found["track/film"], k * step, found["track/fluid"]
+            state = WetState(first, last, total, deepest, now, fluid, amount, since)
         self._state = (frame, state)
         return state
 

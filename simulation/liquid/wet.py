@@ -17,6 +17,7 @@ from ...worlds.canonical import digest_of, source_digest
 from ...worlds.errors import EvidenceError
 from ...worlds.folder import write_atomically
 from ...worlds.liquid_wet import WetMap, wet_folder
+from .tracks import Tracks, sweeps
 
 __all__ = ["TOUCH", "WetPart", "map_wet"]
 
@@ -52,6 +53,8 @@ def map_wet(
     *,
     spacing: float,
     up: F64,
+    drying: Sequence[float],
+    gap: float,
     progress: Callable[[int, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
 ) -> WetMap:
@@ -62,6 +65,8 @@ def map_wet(
         parts: of the solids that its liquid may reach.
         spacing: of its particles, or size of its cells [m].
         up: unit vector against gravity, shape (3,).
+        drying: of the films of its liquids [s].
+        gap: surfaces this near to each other touch, and share their films [m].
         progress: called with (done, total, message).
         check: called between frames; raises to stop.
 
@@ -69,8 +74,10 @@ def map_wet(
         EvidenceError: particles are missing or altered.
     """
     folder, reader, frames = wet_folder(cache), WetMap(cache), cache.index.frames
-    texels, size = _spread(parts, _reach(cache, 2.0 * spacing), SIZE * spacing)
-    about = _about(parts, texels, size, spacing, up)
+    reach = _reach(cache, 2.0 * spacing)
+    texels, size = _spread(parts, [reach, *sweeps(parts, reach, frames, spacing)], SIZE * spacing)
+    settings = {"size": size, "touch": TOUCH * spacing, "up": up.tolist(), "drying": [float(d) for d in drying], "gap": gap}
+    about = _about(parts, texels, settings)
     files, digests = Cache(folder), cache.digests()
     start = _trusted(reader, about["recipe"], frames)
     folder.mkdir(parents=True, exist_ok=True)
@@ -80,12 +87,17 @@ def map_wet(
         write_container(folder / "texels.npz", texels)
         write_atomically(folder / "wet.json", json.dumps(about, indent=1, sort_keys=True).encode())
     groups = [np.flatnonzero(texels["texel/part"] == k) for k in range(len(parts))]
+    dries, step = np.array(drying, dtype=np.float64), 1.0 / cache.index.fps
+    tracks = Tracks(texels, groups, parts, size=size, gap=gap, drying=dries, step=step)
+    for frame in range(start):
+        tracks.take(reader.read(frame))
     for frame in range(start, frames):
         data = cache.read(frame, ("origin", "particle/position", "particle/fluid", "particle/volume"))
         position = data["particle/position"].astype(np.float64) + data["origin"]
         whole = np.isfinite(position).all(axis=1)
         layer = 0.5 * float(np.cbrt(data["particle/volume"].mean())) if len(position) else 0.0
         found = _wet(texels, groups, parts, frame, position[whole], data["particle/fluid"][whole], spacing, up, layer)
+        found |= tracks.follow(frame, found)
         found["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
         files.add_digest(write_container(files.path(frame), found))
         if progress is not None:
@@ -95,8 +107,8 @@ def map_wet(
     return WetMap(cache)
 
 
-def _about(parts: Sequence[WetPart], texels: dict[str, Any], size: float, spacing: float, up: F64) -> dict[str, Any]:
-    settings = {"size": size, "touch": TOUCH * spacing, "up": up.tolist(), "parts": [list(p.names) for p in parts]}
+def _about(parts: Sequence[WetPart], texels: dict[str, Any], settings: dict[str, Any]) -> dict[str, Any]:
+    settings = settings | {"parts": [list(p.names) for p in parts]}
     digest = digest_arrays(texels)
     recipe = digest_of(settings, digest, source_digest(Path(__file__).parent))
     return {**settings, "texels": digest, "recipe": recipe}
@@ -129,8 +141,8 @@ def _reach(cache: Cache, margin: float) -> tuple[F64, F64]:
     return low - margin, high + margin
 
 
-def _spread(parts: Sequence[WetPart], reach: tuple[F64, F64], size: float) -> tuple[dict[str, Any], float]:
-    """Places on the surfaces that lie within reach, and their distance [m]."""
+def _spread(parts: Sequence[WetPart], reach: Sequence[tuple[F64, F64]], size: float) -> tuple[dict[str, Any], float]:
+    """Places on the surfaces that lie within reach (one of some boxes), and their distance [m]."""
     kept: list[tuple[int, F64, F64, F64]] = []
     for number, part in enumerate(parts):
         pose = part.place(0) if part.still else None
@@ -140,7 +152,8 @@ def _spread(parts: Sequence[WetPart], reach: tuple[F64, F64], size: float) -> tu
         fine = length > 0.0
         if part.still and pose is not None:
             placed = pose.apply(corner.reshape(-1, 3)).reshape(-1, 3, 3)
-            fine &= (placed.max(axis=1) >= reach[0]).all(axis=1) & (placed.min(axis=1) <= reach[1]).all(axis=1)
+            least, most = placed.min(axis=1), placed.max(axis=1)
+            fine &= np.any([(most >= low).all(axis=1) & (least <= high).all(axis=1) for low, high in reach], axis=0)
         kept.append((number, corner[fine], across[fine] / np.maximum(length[fine], 1e-300)[:, None], 0.5 * length[fine]))
     total = sum(float(a.sum()) for *_, a in kept)
     size = max(size, float(np.sqrt(total / MOST_TEXELS)))
@@ -153,7 +166,7 @@ def _spread(parts: Sequence[WetPart], reach: tuple[F64, F64], size: float) -> tu
         pose = parts[number].place(0) if parts[number].still else None
         if pose is not None:
             placed = pose.apply(points)
-            inside &= ((placed >= reach[0]) & (placed <= reach[1])).all(axis=1)
+            inside &= np.any([((placed >= low) & (placed <= high)).all(axis=1) for low, high in reach], axis=0)
         position.append(points[inside])
         normal.append(outward[face[inside]])
         area.append((own / count)[face[inside]])

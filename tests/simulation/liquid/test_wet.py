@@ -139,6 +139,6 @@ def test_places_on_slender_triangles_leave_no_gaps() -> None:
     k, after = np.arange(64), (np.arange(64) + 1) % 64
     faces = np.concatenate([np.column_stack([k, after, after + 64]), np.column_stack([k, after + 64, k + 64])])
     mesh = TriangleMesh(np.concatenate(ends), faces)
-    texels, size = _spread([WetPart(("log", "body", "body"), mesh, lambda _: None, False)], (np.zeros(3), np.ones(3)), 0.06)
+    texels, size = _spread([WetPart(("log", "body", "body"), mesh, lambda _: None, False)], [(np.zeros(3), np.ones(3))], 0.06)
     along = np.array([[0.3 * np.cos(a), 0.3 * np.sin(a), z] for a in turn[::4] for z in np.linspace(0, 3.2, 60)])
     assert cKDTree(texels["texel/position"]).query(along)[0].max() < 3 * size

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, pose_of, rotation_matrix
 from ..worlds.errors import EvidenceError
-from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Sphere, StemField, Wedge
+from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Sheet, Sphere, StemField, Wedge
 
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
@@ -71,6 +71,8 @@ def _corners(shape: Shape) -> F64:
     if isinstance(shape, Wedge):
         signs = np.array([[-1, -1, -1], [1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, -1], [-1, 1, 1]])
         return np.asarray(0.5 * signs * np.array(shape.size))
+    if isinstance(shape, Sheet):
+        return np.array([[sx * shape.size[0] / 2, sy * shape.size[1] / 2, 0.0] for sx in (-1, 1) for sy in (-1, 1)])
     if isinstance(shape, Extrusion):
         flat = np.array(shape.polygon, dtype=np.float64)
         return np.concatenate([np.column_stack([flat, np.full(len(flat), z)]) for z in (-shape.height / 2, shape.height / 2)])

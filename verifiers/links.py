@@ -30,7 +30,7 @@ class Link(NamedTuple):
 
 
 def links_of(surfaces: Surfaces) -> tuple[Link, ...]:
-    """Every joint and rope end. A `detach` driver ends one after its time."""
+    """Every joint, rope end and pin. A `detach` driver ends one after its time."""
     spec = surfaces.candidate.spec
     frames = np.arange(surfaces.frames) / spec.simulation.fps
     opened = {d.joint: d.time for d in spec.simulation.drivers.values() if isinstance(d, DetachDriver)}
@@ -42,7 +42,7 @@ def links_of(surfaces: Surfaces) -> tuple[Link, ...]:
         elif isinstance(joint, SlideJoint):
             holds = holds & _borne(surfaces, name, joint, frames)
         found.append(Link(name, joint.parent, joint.child, holds))
-    return (*found, *_rope_ends(surfaces))
+    return (*found, *_rope_ends(surfaces), *_pins(surfaces))
 
 
 def _rope_ends(surfaces: Surfaces) -> Iterator[Link]:
@@ -52,6 +52,14 @@ def _rope_ends(surfaces: Surfaces) -> Iterator[Link]:
             for end in (entity.generator.attach_start, entity.generator.attach_end):
                 if end is not None:
                     yield Link(name, None if end == "world" else end, name, always)
+
+
+def _pins(surfaces: Surfaces) -> Iterator[Link]:
+    """What holds vertices of deforming bodies."""
+    always = np.ones(surfaces.frames, dtype=bool)
+    for name, entity in surfaces.candidate.spec.entities.items():
+        for key, pin in getattr(entity.physics, "pins", {}).items():
+            yield Link(f"{name}:{key}", pin.to, name, always)
 
 
 def _taut(surfaces: Surfaces, joint: SpringJoint) -> NDArray[np.bool_]:

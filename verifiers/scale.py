@@ -192,6 +192,8 @@ def _dimensions(candidate: Candidate, name: str) -> Row:
     contract = entity.dimensions
     built = candidate.entity(name)
     size, wanted = built_extent(built).size, np.array(contract.size)
+    if entity.physics.category == "cloth":
+        size = np.maximum(size, entity.physics.thickness)  # its surface is its middle
     off = np.abs(size - wanted) / wanted
     axis = int(np.argmax(np.where(np.isfinite(off), off, np.inf)))
     text = (

@@ -19,6 +19,7 @@ __all__ = [
     "grids_of",
     "held_by",
     "pins_of",
+    "release_time",
     "sheet_grid",
     "stiffest_step",
     "touching_distance",
@@ -128,6 +129,15 @@ def cloth_estimate(spec: WorldSpec, name: str) -> ClothEstimate:
             if edge > 0 and math.isfinite(edge):
                 step = min(step, stiffest_step(entity.physics, edge))
     return ClothEstimate(vertices, seconds / step)
+
+
+def release_time(spec: WorldSpec, name: str, without: frozenset[str] = frozenset()) -> float:
+    """When an instance starts to move [s]: at the last release of its members; never where such a driver is taken away."""
+    members, time = spec.simulation.cloth[name].members, -math.inf
+    for key, driver in spec.simulation.drivers.items():
+        if driver.kind == "release" and driver.entity in members:
+            time = max(time, math.inf if key in without else driver.time)
+    return time
 
 
 def vertices_of(entity: Entity) -> F64 | None:

@@ -32,8 +32,8 @@ def cloth_problems(spec: WorldSpec) -> list[Problem]:
                     found.append(Problem(f"/entities/{name}/parts/{key}/shape", text))
     for key, driver in spec.simulation.drivers.items():
         moved = spec.entities.get(getattr(driver, "entity", ""))
-        if moved is not None and moved.physics.category == "cloth" and driver.kind != "field":
-            text = f"driver {driver.kind!r} cannot act on cloth; use a field, a pin to a body that moves, or gravity"
+        if moved is not None and moved.physics.category == "cloth" and driver.kind not in ("field", "release"):
+            text = f"driver {driver.kind!r} cannot act on cloth; use a field, a release, a pin to a body that moves, or gravity"
             found.append(Problem(f"/simulation/drivers/{key}", text))
     for key, joint in spec.simulation.joints.items():
         for end in ("parent", "child"):

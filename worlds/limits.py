@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -274,6 +275,9 @@ def _triangles(entity: Entity) -> int:
             total += 4 * (rows - 1) * (columns - 1) + 4 * (rows + columns)
         elif shape.kind == "stems":
             total += SMOOTH_TRIANGLES["cylinder"] * shape.count
+        elif shape.kind == "sheet":
+            x, y = (math.ceil(length / shape.resolution) for length in shape.size)
+            total += 2 * x * y
         elif shape.kind == "mesh":
             total += len(shape.faces or ())
         elif shape.kind == "extrusion":

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
+from ...worlds.cloth import release_time
 from ...worlds.errors import EngineError, InputError
 from ..bodies import CacheMotion, resting
 from ..boundaries import BodyState, Surround
@@ -85,6 +86,7 @@ class SolverCloth:
         """Set the engine up, at the start of the preroll."""
         self.scene = build_scene(self.spec, self.built, self.name, without=self._done.without, apart=frozenset(self._done.apart))
         self.engine = Cloth(self.scene.setup)
+        self._let_go = release_time(self.spec, self.name, self._done.without)
         self.motion = CacheMotion(self.surround, self._caches, self.spec.simulation.fps) if self._caches else None
         self._begin_ledger()
         self._begin_tally()
@@ -115,14 +117,16 @@ class SolverCloth:
     # ------------------------------------------------------------------ stepping
 
     def held(self, time: float) -> bool:
-        """Whether an intervention keeps this cloth where it is at `time` [s]."""
-        return bool(self._done.held & set(self.instance.members)) and time >= self._done.since - SHORTEST
+        """Whether a release driver or an intervention keeps this cloth where it is at `time` [s]."""
+        kept = bool(self._done.held & set(self.instance.members)) and time >= self._done.since - SHORTEST
+        return kept or time < self._let_go - SHORTEST
 
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
         """One exchange of at most `limit` seconds from `time`, counted into the frame."""
         if self.held(time):
             none = np.zeros((len(self.surround.boundaries), 6))
-            return ClothReport(limit, none, none, 0)
+            left = self._let_go - time
+            return ClothReport(min(limit, left) if left > SHORTEST else limit, none, none, 0)
         report = self.engine.step(limit, bodies, time)
         tally, ledger = self._tally, self._ledger
         tally["steps"] += report.steps

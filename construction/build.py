@@ -15,6 +15,7 @@ from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import InputError, LimitError
 from ..worlds.provenance import geometry_slice
 from ..worlds.spec import ElasticPhysics, Entity, Part, RigidPhysics, Rope, WorldSpec
+from .fracture.build import Whole, build_pieces
 from .imports import mesh_digest
 from .primitives import ShapeGeometry, build_shape
 from .ropes import rope_segments
@@ -158,6 +159,37 @@ def _build_rope(spec: WorldSpec, name: str, entity: Entity, rope: Rope, assets: 
     return bodies, parts
 
 
+def _whole(spec: WorldSpec, entity: Entity, name: str, part: Part, assets: Path, where: str) -> Whole:
+    """A part of a breakable entity as convex tiles in the entity's frame.
+
+    Raises:
+        InputError: the part has no exact tiles.
+    """
+    geometry = build_shape(part.shape, assets)
+    pose, material = pose_of(part.pose), part.material or entity.material
+    tiles = tuple(pose.apply(_moved(c, IDENTITY).points) for c in geometry.collision if c.kind == "hull")
+    if part.shape.kind not in EXACT_KINDS or part.shape.kind == "box":
+        if not Solid.from_mesh(geometry.render, closed=True).convex:
+            raise InputError(
+                f"{where}/parts/{name}: a breakable part must be convex, an extrusion or a revolution; {part.shape.kind!r} is neither"
+            )
+        tiles = (pose.apply(geometry.render.vertices),)
+    if not part.collides:
+        raise InputError(f"{where}/parts/{name}: a part of a breakable entity must collide; its pieces do")
+    return Whole(name, material, spec.materials[material].density, tiles, geometry.smooth)
+
+
+def _build_breakable(spec: WorldSpec, name: str, entity: Entity, assets: Path, recipe: str) -> BuiltEntity:
+    assert entity.breakable is not None
+    where = f"/entities/{name}"
+    wholes = [_whole(spec, entity, k, p, assets, where) for k, p in sorted(entity.parts.items())]
+    made = build_pieces(name, wholes, entity.breakable)
+    declared = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
+    scale = 1.0 if declared is None else declared / sum(b.mass for b in made.bodies)
+    bodies = tuple(BuiltBody(b.name, b.pose, b.mass * scale, b.center, b.inertia * scale, b.volume) for b in made.bodies)
+    return BuiltEntity(name, bodies, tuple(made.parts), recipe, made.bonds)
+
+
 def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
     """Build the geometry of one entity.
 
@@ -176,6 +208,8 @@ def build_entity(spec: WorldSpec, name: str, assets: Path) -> BuiltEntity:
     if entity.generator is not None:
         bodies, parts = _build_rope(spec, name, entity, entity.generator, assets)
         return BuiltEntity(name, tuple(bodies), tuple(parts), recipe)
+    if entity.breakable is not None:
+        return _build_breakable(spec, name, entity, assets, recipe)
     # JSON objects have no order, and equal specifications must give equal geometry: sums depend on it.
     made = [_build_part(spec, entity, k, p, assets, "body", f"/entities/{name}") for k, p in sorted(entity.parts.items())]
     masses = [m for _, m in made]

@@ -26,7 +26,7 @@ class Channel:
     unit: str
     shape: tuple[str, ...]
     """Symbolic, e.g. `("bodies", "3")`."""
-    where: Literal["body", "joint", "pair", "event", "frame", "vertex", "cell", "particle"]
+    where: Literal["body", "joint", "pair", "event", "frame", "vertex", "cell", "particle", "bond", "break", "case", "load"]
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from ..geometry import (
 from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import EvidenceError, InputError
+from ..worlds.fracture import piece_overlap
 from ..worlds.spec import Fastened, Rope
 from .shapes import Shapes
 
@@ -267,6 +268,8 @@ class Surfaces:
             if isinstance(relation, Fastened):
                 found[relation.a, relation.b] = max(relation.max_depth, found.get((relation.a, relation.b), 0.0))
         for name, entity in self.candidate.spec.entities.items():
+            if entity.breakable is not None and name in self.candidate.built:
+                found[name, name] = piece_overlap(entity.breakable, self.candidate.built[name])
             if isinstance(entity.generator, Rope):
                 for end in (entity.generator.attach_start, entity.generator.attach_end):
                     if end is not None and end != "world":

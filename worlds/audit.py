@@ -16,6 +16,7 @@ from .cloth_audit import cloth_problems
 from .elastic_audit import elastic_problems
 from .field_audit import field_problems
 from .fields import acting_on, field_drivers
+from .fracture_audit import fracture_problems
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
 from .groups import group_of
 from .instances import bake_order, coupling_problems, instance_for, membership_problems
@@ -349,6 +350,12 @@ class _Audit:
                 "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
             )
 
+    def fracture(self) -> None:
+        """R61: breakable bodies can be cut, carried and simulated."""
+        if any(e.breakable is not None for e in self.spec.entities.values()):
+            text = "breakable entities are free rigid bodies, cut no finer than skins and caps allow, and bear their own weight"
+            self.add("fracture", text, fracture_problems(self.spec), group="physical")
+
     def graph(self) -> None:
         """Support is acyclic and carried by something; relations lie in the sequence."""
         relations, problems = self.spec.graph.relations, []
@@ -502,6 +509,7 @@ def audit(spec: WorldSpec) -> AuditReport:
     work.categories()
     work.story()
     work.liquids()
+    work.fracture()
     work.graph()
     work.materials()
     work.masses()

@@ -2,7 +2,7 @@
 
 A built entity lies in its own frame. `bodies` are what a solver moves: an ordinary entity has one, named
 `body`; a rope has one per segment. Each part belongs to one body; part geometry is in the *body's* frame, and a
-body's frame at frame 0 is `entity pose o body.pose`.
+body's frame at frame 0 is `entity pose o body.pose`. A breakable entity has one body per piece, and bonds.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from .arrays import F64, I32, RigidPose
+from .bonds import Bonds, bond_arrays, bonds_from
 from .cache import DAMAGE, read_array
 from .errors import EvidenceError
 from .folder import write_atomically
@@ -94,6 +95,8 @@ class BuiltEntity:
     parts: tuple[BuiltPart, ...]
     recipe: str
     """Hash of what it was built from."""
+    bonds: Bonds | None = None
+    """Of a breakable entity: what holds its bodies together; their order is that of the pieces."""
 
     def parts_of(self, body: str) -> tuple[BuiltPart, ...]:
         """Parts that belong to `body`."""
@@ -146,6 +149,8 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
         }
         for b in built.bodies
     ]
+    bonds = {} if built.bonds is None else bond_arrays(built.bonds)
+    arrays |= {f"bonds/{key}": value for key, value in bonds.items()}
     meta = {"entity": built.entity, "bodies": bodies, "parts": parts, "recipe": built.recipe if with_recipe else ""}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
@@ -198,7 +203,9 @@ def load_built(path: Path) -> BuiltEntity:
                 BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
                 for b in meta["bodies"]
             )
-            return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"])
+            own = [n for n in archive.namelist() if n.startswith("bonds/")]
+            bonds = bonds_from({n.removeprefix("bonds/"): array(n) for n in own}) if own else None
+            return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"], bonds)
     except DAMAGE as error:
         raise EvidenceError(
             f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again"

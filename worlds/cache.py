@@ -34,6 +34,26 @@ Channels written by an instance with deforming members (v vertices of the simula
 |---|---|---|
 | `vertex/position` | f8 (v, 3) | world [m] |
 | `vertex/velocity` | f4 (v, 3) | world [m/s] |
+With breakable members also (b bonds, those of the entities of `CacheIndex.breakables` one after the other; a piece, counted in the
+same way, has a row in `CacheIndex.bodies` and moves with those it is bonded to; e bonds broke in the frame, under c load cases):
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `bond/broken` | u1 (b,) | bond is broken |
+| `bond/stress` | f4 (b,) | largest stress over strength found in the frame; 0 where no load was solved for |
+| `break/time` | f8 (e,) | end of the step in which the bond broke [s] |
+| `break/bond` | i4 (e,) | which |
+| `break/point` | f8 (e, 3) | middle of its face, world [m] |
+| `break/cause` | i4 (e,) | index into `CacheIndex.colliders` of what loaded the cluster most; -1: gravity or its own motion |
+| `break/ratio` | f8 (e,) | stress over strength; with a toughness, no more than the root of energy over toughness |
+| `break/energy` | f8 (e,) | elastic energy of the bond when the growing load reached its strength [J] |
+| `break/case` | i4 (e,) | load case |
+| `case/count` | i4 (c,) | loads of each case, one case after the other in `case/piece` and `case/load` |
+| `case/spin` | f8 (c, 3) | angular velocity of the cluster, entity's frame [rad/s]; 0 where the world holds it |
+| `case/piece` | i4 (l,) | loaded piece |
+| `case/load` | f8 (l, 6) | contact force and torque about its centre, smoothed over the contact time, entity's frame [N, N m] |
+| `load/piece` | i4 (p,) | pieces that contacts pushed in the frame |
+| `load/impulse` | f8 (p, 6) | summed contact impulse on each, about its centre, world [N s, N m s] |
 
 Channels written by a liquid instance (n particles; b boundaries in the order of `CacheIndex.colliders`, `entity/body`; k inflows and
 outflows in the order of `CacheIndex.drivers`; `CacheIndex.bodies` are the liquid entities):
@@ -114,6 +134,8 @@ class CacheIndex:
     """`entity/part` of every deforming part, in the order of their vertices in the channels `vertex/*`."""
     vertices: tuple[int, ...] = ()
     """How many vertices each of them has."""
+    breakables: tuple[str, ...] = ()
+    """Entities whose bonds the channels `bond/*` list, one after the other."""
 
 
 def write_container(path: Path, channels: Mapping[str, Any]) -> str:
@@ -230,7 +252,7 @@ class Cache:
         """
         try:
             data = json.loads((self.folder / "index.json").read_text())
-            for name in ("bodies", "colliders", "joints", "drivers", "deformables", "vertices"):
+            for name in ("bodies", "colliders", "joints", "drivers", "deformables", "vertices", "breakables"):
                 data[name] = tuple(data.get(name, ()))
             return CacheIndex(**data)
         except DAMAGE as error:

@@ -74,7 +74,15 @@ class Candidate:
         surfaces = {n: LiquidSurface(c).files for n, c in liquids.items() if LiquidSurface(c).count() >= c.index.frames}
         soft = {n: c for n, c in self.rigid_caches.items() if c.index.deformables}
         cloth = self.cloth_caches
-        of = {"rigid": self.rigid_caches, "elastic": soft, "liquid": liquids, "surface": surfaces, "cloth": cloth}
+        broken = {n: c for n, c in self.rigid_caches.items() if c.index.breakables}
+        of = {
+            "fracture": broken,
+            "rigid": self.rigid_caches,
+            "elastic": soft,
+            "liquid": liquids,
+            "surface": surfaces,
+            "cloth": cloth,
+        }
         return [c for category in quantity.of for c in of[category].values()]
 
     @cached_property

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .errors import LimitError
+from .fracture import piece_count
 
 if TYPE_CHECKING:
     from .spec import Entity, WorldSpec
@@ -64,6 +65,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("patch_values", 500_000, "values added, copied or moved", "split the patch: each part is a revision of its own"),
     Cap("entities", 20_000, "entities", "fewer entities; many pieces that move together are parts of one entity"),
     Cap("bodies", 2_000, "bodies", "fewer entities with motion dynamic or kinematic, or fewer links of a rope generator"),
+    Cap("pieces", 2_000, "pieces", "fewer pieces in /entities/<id>/breakable/pattern, or larger bricks"),
     Cap("parts", 20_000, "parts", "fewer entities or fewer parts per entity"),
     Cap("stems", 2_000, "trunks and boulders", "a smaller ground, fewer plants on it, or build_terrain without stems"),
     Cap("frames", 20_000, "frames", "/simulation/frames, /simulation/fps or /simulation/preroll"),
@@ -290,5 +292,7 @@ def _triangles(entity: Entity) -> int:
 
 
 def _bodies(entity: Entity) -> int:
-    """Bodies that an entity becomes: one, or the segments of its rope."""
+    """Bodies that an entity becomes: one, its pieces, or the segments of its rope."""
+    if entity.breakable is not None:
+        return piece_count(entity)
     return 1 if entity.generator is None else entity.generator.segments

@@ -34,6 +34,7 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
     entity = spec.entities[name]
     names = {entity.material, *(p.material for p in entity.parts.values() if p.material)}
     return {
+        **({} if entity.breakable is None else {"breakable": entity.breakable.model_dump(mode="json", exclude={"bond"})}),
         "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
         "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
         "material": entity.material,
@@ -82,6 +83,7 @@ def motion_slice(spec: WorldSpec) -> dict[str, Any]:
                 "motion": e.motion,
                 "physics": e.physics.model_dump(mode="json"),
                 "active": e.active,
+                **({} if e.breakable is None else {"bond": e.breakable.bond.model_dump(mode="json")}),
             }
             for k, e in spec.entities.items()
         },

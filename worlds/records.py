@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "elastic", "cloth", "liquid", "surface"]
+Category = Literal["rigid", "elastic", "cloth", "liquid", "surface", "fracture"]
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Quantity:
     meaning: str
     conserved: bool = False
     of: tuple[Category, ...] = ("rigid",)
-    """Instances of these categories write it; `elastic`: rigid ones with elastic members; `surface`: it stands beside the surfaces of a liquid."""
+    """Instances of these categories write it; `elastic`, `fracture`: rigid ones with elastic or breakable members; `surface`: it stands beside the surfaces of a liquid."""
 
 
 _BOTH: tuple[Category, ...] = ("rigid", "liquid", "cloth")
@@ -59,6 +59,7 @@ _ALL = (
     Quantity(
         "elastic_travel_per_step", "m", "farthest that a node of an elastic body went in one step of the frame", of=_ELASTIC
     ),
+    Quantity("fracture_energy", "J", "of the bonds that broke since frame 0", of=("fracture",)),
     Quantity("surface_volume", "m^3", "inside the reconstructed surface of a liquid", of=_SURFACE),
     Quantity("surface_area", "m^2", "of that surface", of=_SURFACE),
     Quantity("surface_components", "1", "separate pieces of that surface, cavities not counted", of=_SURFACE),

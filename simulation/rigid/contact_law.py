@@ -5,11 +5,12 @@ skins. k = 1 / (N dt)^2 pushes what entered a skin back out, softly, because dep
 speed; b = 1 / (4 dt) damps that more than critically and lets friction stick within a few steps. b = 1 / dt would do that
 in one step, but its accelerations alternate from step to step and double the iterations of piles.
 
-Two things are added between the velocity stage of a step and its solution, in the reference accelerations:
+Three things are added between the velocity stage of a step and its solution, in the reference accelerations:
 
 - **Restitution.** A contact that closes faster than `rest_speed` is solved for -(1 + e) v / dt: within one step, so
   that a body enters a skin by v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
   at once). A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
+- **Pieces of one breakable body** meet as `crumbling` says.
 - **No lift.** The convex friction cone of MuJoCo makes a contact that slides at speed s separate at mu s: a sliding box
   hops, and a ball that hits obliquely bounces too high. Taking mu s / dt out of the normal reference makes the cone
   Coulomb's (G. De Saxce and Z.-Q. Feng, Mathematical and Computer Modelling 28 (1998) 225; F. Cadoux, 2009, for the
@@ -27,6 +28,7 @@ from ...worlds.arrays import F64
 from .sides import sides_of
 
 if TYPE_CHECKING:
+    from .crumbling import Crumbling, Weak
     from .model import RigidModel
 
 __all__ = ["IMPEDANCE", "ContactLaw", "contact_reference", "rest_speed", "set_contact_law"]
@@ -75,13 +77,17 @@ class ContactLaw:
         restitution: restitution per side of a contact (geoms, then elastic bodies), shape (sides,).
         colliders: collider per side, shape (sides,).
         pairs: restitution of pairs of colliders that have their own.
+        kin: contacts among pieces of breakable bodies, where there are any.
     """
 
-    def __init__(self, model: Any, restitution: F64, colliders: Any, pairs: dict[tuple[int, int], float]) -> None:
+    def __init__(
+        self, model: Any, restitution: F64, colliders: Any, pairs: dict[tuple[int, int], float], kin: Crumbling | None
+    ) -> None:
         import mujoco
 
         self.mj, self.model = mujoco, model
         self.restitution, self.colliders = restitution, colliders
+        self.kin = kin
         self.count = int(colliders.max(initial=0)) + 1
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
@@ -116,28 +122,52 @@ class ContactLaw:
                 return
         speed = data.efc_vel[rows]
         hit = speed < -slowest
+        crumbling = None if self.kin is None else self.kin.crumbling(data, contact.geom[live], rows)
         friction, sizes = contact.friction[live], contact.dim[live]
-        if not hit.any():
-            data.efc_aref[rows] -= self._lift(rows, friction, sizes, data.efc_aref)
+        if hit.any():
+            self._meet(data, sides_of(self.model, contact)[live], rows, hit, friction, sizes, dt, crumbling)
             return
+        data.efc_aref[rows] -= self._lift(rows, friction, sizes, data.efc_aref)
+        if crumbling is not None and self.kin is not None and self.kin.pressed:
+            self._solve(data)
+            self.kin.crumble(data, crumbling, first=True)
+
+    def _solve(self, data: Any) -> None:
+        """Find the forces of this step; the next solution starts from them."""
+        self.mj.mj_fwdActuation(self.model, data)
+        self.mj.mj_fwdAcceleration(self.model, data)
+        self.mj.mj_fwdConstraint(self.model, data)
+        data.qacc_warmstart[:] = data.qacc
+
+    def _meet(
+        self,
+        data: Any,
+        sides: Any,
+        rows: NDArray[np.int32],
+        hit: NDArray[np.bool_],
+        friction: F64,
+        sizes: NDArray[np.int32],
+        dt: float,
+        crumbling: Weak | None,
+    ) -> None:
+        """Write what contacts are solved for in a step with impacts, those of which are `hit`."""
+        speed = data.efc_vel[rows]
         own = data.efc_aref[rows]
-        own[hit] = -(1.0 + self.restitution_of(sides_of(self.model, contact)[live][hit])) * speed[hit] / dt
+        own[hit] = -(1.0 + self.restitution_of(sides[hit])) * speed[hit] / dt
         self._harden(data, rows[hit], sizes[hit])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)
         fastest = float(-speed.min())
-        for _ in range(SLIP_PASSES if fastest > SLIP_SPEED else 0):
+        for k in range(SLIP_PASSES if fastest > SLIP_SPEED else 0):
             data.efc_aref[rows] = own - lift
-            self.mj.mj_fwdActuation(self.model, data)
-            self.mj.mj_fwdAcceleration(self.model, data)
-            self.mj.mj_fwdConstraint(self.model, data)
+            self._solve(data)
+            crumbled = crumbling is not None and self.kin is not None and self.kin.crumble(data, crumbling, first=k == 0)
             self.mj.mj_mulJacVec(self.model, data, acceleration, data.qacc)
             found = self._lift(rows, friction, sizes, acceleration - data.efc_aref)
             found[data.efc_state[rows] != _CONE] = 0.0
             change = float(np.abs(found - lift).max())
             lift = found
-            data.qacc_warmstart[:] = data.qacc
-            if change * dt < SLIP_TOLERANCE * fastest:
+            if change * dt < SLIP_TOLERANCE * fastest and not crumbled:
                 break
         data.efc_aref[rows] = own - lift
 
@@ -166,6 +196,8 @@ class ContactLaw:
 def set_contact_law(rigid: RigidModel, steps: float, dt: float) -> None:
     """Write step and contact, limit and equality stiffness for a time step `dt` [s]."""
     model = rigid.model
+    if rigid.law.kin is not None:
+        rigid.law.kin.pressed = False
     model.opt.timestep = dt
     k, b = contact_reference(steps, dt)
     for target in (model.geom_solref, model.pair_solref, model.flex_solref):

@@ -99,8 +99,10 @@ class Drivers:
         for row, body in enumerate(rigid.bodies):
             entity, own = body.split("/", 1)[0], int(rigid.body_ids[row])
             start, count = int(model.body_dofadr[own]), int(model.body_dofnum[own])
-            self._dofs.setdefault(entity, []).extend(range(start, start + count))
-            self._bodies.setdefault(entity, []).append(own)
+            dofs, bodies = self._dofs.setdefault(entity, []), self._bodies.setdefault(entity, [])
+            if count and own not in bodies:  # pieces bonded to one another share a body, pieces bonded to the world have none
+                dofs.extend(range(start, start + count))
+                bodies.append(own)
         free = {e: d[0] for e, d in self._dofs.items() if d and self._is_free(d[0])}
         self._free = {e: int(model.jnt_qposadr[model.dof_jntid[d]]) for e, d in free.items()}
         self.kinematic = frozenset(e for e in self._dofs if spec.entities[e].motion == "kinematic")
@@ -165,6 +167,14 @@ class Drivers:
     def remember_poses(self, data: Any) -> None:
         """Take the present coordinates as those that held bodies keep."""
         self._pose = data.qpos.copy()
+
+    def keep_poses(self, poses: Any) -> None:
+        """Let held bodies keep these coordinates, given as `qpos`."""
+        self._pose = poses
+
+    def kept_poses(self) -> Any:
+        """Coordinates that held bodies keep, as `qpos`."""
+        return self._pose
 
     def held(self, time: float) -> frozenset[str]:
         """Entities that a hold or path fixes at `time`."""
@@ -298,9 +308,22 @@ class Drivers:
                     f"entity {entity!r} hangs on a joint and cannot start with a velocity; give it a motor or force driver"
                 )
             body, at = int(model.dof_bodyid[dofs[0]]), self._free[entity]
+            if contract.breakable is not None:
+                self._start_clusters(entity, data, linear, angular)
+                continue
             center = data.subtree_com[body] if len(self._bodies[entity]) > 1 else data.xipos[body]
             data.qvel[dofs[:3]] = linear + np.cross(angular, data.xpos[body] - center)
             data.qvel[dofs[3:6]] = rotation_matrix(data.qpos[at + 3 : at + 7]).T @ angular
+
+    def _start_clusters(self, entity: str, data: Any, linear: F64, angular: F64) -> None:
+        """Give the clusters of a breakable entity the velocities of one body."""
+        model, bodies = self.rigid.model, self._bodies[entity]
+        mass = model.body_mass[bodies]
+        center = mass @ data.xipos[bodies] / mass.sum()
+        for body in bodies:
+            dof = int(model.body_dofadr[body])
+            data.qvel[dof : dof + 3] = linear + np.cross(angular, data.xpos[body] - center)
+            data.qvel[dof + 3 : dof + 6] = data.xmat[body].reshape(3, 3).T @ angular
 
     def active(self, start: float, end: float) -> Any:
         """Which drivers acted during [start, end), u1, shape (drivers,)."""

@@ -12,6 +12,7 @@ from ...worlds.built import BuiltEntity
 from ...worlds.fields import Fields, area_vectors, drag_force, fields_of, projected_area
 from ...worlds.spec import WorldSpec
 from .model import RigidModel
+from .rows import row_centers, spread
 
 __all__ = ["FieldForces"]
 
@@ -43,9 +44,11 @@ class FieldForces:
                     vectors.append(found)
                     owner.append(np.full(len(found), row))
         self._vectors, self._owner = np.concatenate(vectors), np.concatenate(owner)
-        self._mass = rigid.model.body_mass[rigid.body_ids]
+        own = [next(b.mass for b in built[e].bodies if b.name == n) for e, n in owners]
+        self._mass = np.where(rigid.kin_rows, own, rigid.model.body_mass[rigid.body_ids])
         self._entities = [entity for entity, _ in owners]
         self.present: F64 = np.zeros((len(owners), 3))
+        self._given = self.present
 
     def __bool__(self) -> bool:
         return bool(self._sets)
@@ -60,7 +63,7 @@ class FieldForces:
         Drag is divided by one plus the share of the speed that it would take within the step, so that it never turns a body round.
         """
         ids = self.rigid.body_ids
-        center = data.xipos[ids]
+        center = row_centers(self.rigid, data)
         spin = data.cvel[ids, :3]
         velocity = data.cvel[ids, 3:] + np.cross(spin, center - data.subtree_com[self.rigid.model.body_rootid[ids]])
         total: F64 = np.zeros((len(ids), 3))
@@ -86,12 +89,21 @@ class FieldForces:
         ids = self.rigid.body_ids
         found = self.forces(data, time, dt)
         found[[e in held for e in self._entities]] = 0.0
-        data.xfrc_applied[ids, :3] += found - self.present
+        self._push(data, found - self.present)
         self.present = found
         awake = data.body_awake[ids] != 0
-        self.impulse += dt * found * awake[:, None]
+        self._given = dt * found * awake[:, None]
+        self.impulse += self._given
+
+    def undo(self) -> None:
+        """Take back what the last step counted: it is taken again."""
+        self.impulse -= self._given
 
     def end(self, data: Any) -> None:
         """Take the forces of the last step away."""
-        data.xfrc_applied[self.rigid.body_ids, :3] -= self.present
+        self._push(data, -self.present)
         self.present = np.zeros_like(self.present)
+
+    def _push(self, data: Any, force: F64) -> None:
+        """Add forces at the rows' centres of mass to what is applied."""
+        data.xfrc_applied += spread(self.rigid, data, np.concatenate([force, np.zeros_like(force)], axis=1))

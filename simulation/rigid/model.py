@@ -29,7 +29,9 @@ from ...worlds.spec import (
     WeldJoint,
     WorldSpec,
 )
+from ..fracture.clusters import clusters_of
 from .contact_law import ContactLaw, set_contact_law
+from .crumbling import make_crumbling
 from .flex import SOLIMP, FlexBody, add_flex, is_soft, node_count
 from .holds import FIXED, MOVING
 
@@ -57,9 +59,11 @@ class RigidModel:
     bodies: tuple[str, ...]
     """`entity/body` of every moving body, in cache order."""
     body_ids: Any
-    """MuJoCo body id per entry of `bodies`."""
+    """MuJoCo body id per entry of `bodies`; pieces that are bonded to one another share theirs."""
     offsets: F64
     """Origin of MuJoCo's frame in the body's own frame [m], shape (n, 3)."""
+    centers: F64
+    """Centre of mass in the body's own frame [m], shape (n, 3)."""
     geom_collider: Any
     """Collider index per side of a contact (geoms, then elastic bodies), shape (sides,)."""
     joints: tuple[str, ...]
@@ -74,6 +78,10 @@ class RigidModel:
     """Exclusion per weld that a driver can open."""
     eq_of: dict[str, int] = field(default_factory=dict)
     tendon_of: dict[str, int] = field(default_factory=dict)
+    kin: Any = None
+    """Whether a collider is a breakable entity, whose pieces meet each other, shape (colliders,)."""
+    kin_rows: Any = None
+    """Whether an entry of `bodies` is a piece of one, shape (n,)."""
     actuator_of: dict[str, int] = field(default_factory=dict)
 
 
@@ -113,11 +121,12 @@ class _Builder:
         members: tuple[str, ...],
         settings: RigidSettings,
         apart: frozenset[frozenset[str]],
+        whole: Mapping[str, Any],
     ) -> None:
         import mujoco
 
         self.mj = mujoco
-        self.apart = apart
+        self.apart, self.whole = apart, whole
         self.spec, self.built, self.members, self.settings = spec, built, members, settings
         self.out = mujoco.MjSpec()
         self.out.compiler.degree = False
@@ -130,7 +139,10 @@ class _Builder:
         self.geoms_of: dict[str, list[str]] = {m: [] for m in members}
         self.dragged: dict[str, float] = {}
         self.body_names: list[str] = []
+        self.body_of: dict[str, str] = {}
+        """Name of the model's body per piece of a breakable entity."""
         self.offsets: list[F64] = []
+        self.centers: list[F64] = []
         self.joint_names: list[str] = []
         self.flexes: list[FlexBody] = []
 
@@ -156,7 +168,7 @@ class _Builder:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SPECULATIVE)
         self.out.memory = max(64 << 20, dof_estimate * (96 << 10))
 
-    def _geom(self, body: Any, name: str, piece: Convex, entity: str, part: BuiltPart) -> None:
+    def _geom(self, body: Any, name: str, piece: Convex, entity: str, part: BuiltPart, *, fixed: bool) -> None:
         mujoco = self.mj
         kinds = {
             "box": mujoco.mjtGeom.mjGEOM_BOX,
@@ -194,7 +206,7 @@ class _Builder:
         # Where the visible surface reaches outside the collision shape, the skin grows by as much.
         geom.margin = self.settings.skin + part.deviation[1]
         geom.solimp = SOLIMP
-        geom.contype, geom.conaffinity = FIXED if self.spec.entities[entity].motion == "static" else MOVING
+        geom.contype, geom.conaffinity = FIXED if fixed else MOVING
         self.geom_entity[name], self.geom_material[name] = entity, part.material
         self.geom_excess[name] = part.deviation[1]
         self.geoms_of[entity].append(name)
@@ -208,10 +220,13 @@ class _Builder:
         i = mass.inertia
         body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
         for part in built.parts_of(name):
-            for k, piece in enumerate(part.collision):
-                moved = RigidPose(piece.pose.position - offset, piece.pose.quaternion)
-                placed = Convex(piece.kind, piece.params, moved, piece.points)
-                self._geom(body, f"{entity}/{part.part}/{k}", placed, entity, part)
+            self._geoms(body, entity, part, offset, fixed=self.spec.entities[entity].motion == "static")
+
+    def _geoms(self, body: Any, entity: str, part: BuiltPart, offset: F64, *, fixed: bool) -> None:
+        for k, piece in enumerate(part.collision):
+            moved = RigidPose(piece.pose.position - offset, piece.pose.quaternion)
+            placed = Convex(piece.kind, piece.params, moved, piece.points)
+            self._geom(body, f"{entity}/{part.part}/{k}", placed, entity, part, fixed=fixed)
 
     def _child(self, parent: Any, parent_pose: RigidPose, name: str, pose: RigidPose) -> Any:
         local = compose(parent_pose.inverse(), pose)
@@ -247,6 +262,9 @@ class _Builder:
             return
         entity, built = self.spec.entities[name], self.built[name]
         base = pose_of(entity.pose)
+        if built.bonds is not None:
+            self._pieces(name, base)
+            return
         if entity.generator is not None:
             if name in self.tree:
                 raise InputError(
@@ -277,7 +295,37 @@ class _Builder:
         self._fill(body, name, "body", center)
         if entity.motion != "static":
             self.offsets.append(center)
+            self.centers.append(built.bodies[0].center)
         self.made[name], self.world_pose[name] = body, pose
+
+    def _pieces(self, name: str, base: RigidPose) -> None:
+        """One body per cluster of bonded pieces; welded to the world where the world holds one of them."""
+        built = self.built[name]
+        if name in self.tree or self.spec.entities[name].motion != "dynamic":
+            raise InputError(
+                f"breakable entity {name!r} must be dynamic and hang on no joint; fix its sides with breakable.fixed"
+            )
+        centers = [b.pose.position for b in built.bodies]
+        rows: dict[int, F64] = {}
+        for cluster in clusters_of(built, self.whole.get(name, np.ones(len(built.bonds or ()), dtype=bool))):
+            pose = compose(base, RigidPose(cluster.center, _ORIGIN.quaternion))
+            body = self._child(self.out.worldbody, _ORIGIN, cluster.name, pose)
+            if not cluster.fixed:
+                body.add_freejoint(name=f"free/{cluster.name}")
+            self.made.setdefault(name, body)
+            self.world_pose.setdefault(name, pose)
+            body.explicitinertial, body.mass, i = True, cluster.mass, cluster.inertia
+            body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
+            for k in cluster.pieces:
+                piece = built.bodies[k]
+                rows[k] = cluster.center - centers[k]
+                self.body_of[f"{name}/{piece.name}"] = cluster.name
+                for part in built.parts_of(piece.name):
+                    self._geoms(body, name, part, rows[k], fixed=cluster.fixed)
+        for k, piece in enumerate(built.bodies):
+            self.body_names.append(f"{name}/{piece.name}")
+            self.offsets.append(rows[k])
+            self.centers.append(np.zeros(3))
 
     def _rope(self, name: str, base: RigidPose) -> None:
         mujoco, rope = self.mj, self.spec.entities[name].generator
@@ -301,6 +349,7 @@ class _Builder:
                 joint.stiffness[0], joint.damping[0] = rope.stiffness, rope.damping
             self._fill(body, name, part.name, np.zeros(3))
             self.offsets.append(np.zeros(3))
+            self.centers.append(part.center)
             self.body_names.append(f"{name}/{part.name}")
             for back in range(max(0, k - near), k):
                 other = self.built[name].bodies[back].name
@@ -365,6 +414,8 @@ class _Builder:
         """Names of an entity's bodies in the model."""
         if is_soft(self.spec, name):
             raise InputError(f"elastic body {name!r} cannot be left out of contacts with another; no engine setting does that")
+        if self.built[name].bonds is not None:
+            return sorted({self.body_of[f"{name}/{b.name}"] for b in self.built[name].bodies})
         return [name] if self.spec.entities[name].generator is None else [f"{name}/{b.name}" for b in self.built[name].bodies]
 
     def drag(self) -> None:
@@ -430,6 +481,14 @@ def _half_length(built: BuiltEntity, body: str) -> float:
     return float(built.parts_of(body)[0].collision[0].params[1])
 
 
+def _free_count(built: BuiltEntity, whole: Any) -> int:
+    """Bodies of an entity that can move."""
+    if built.bonds is None:
+        return len(built.bodies)
+    held = np.ones(len(built.bonds), dtype=bool) if whole is None else whole
+    return sum(not c.fixed for c in clusters_of(built, held))
+
+
 def build_model(
     spec: WorldSpec,
     built: Mapping[str, BuiltEntity],
@@ -437,16 +496,26 @@ def build_model(
     settings: RigidSettings,
     *,
     apart: Iterable[tuple[str, str]] = (),
+    whole: Mapping[str, Any] | None = None,
 ) -> RigidModel:
-    """Compile the model of one solver instance; the pairs `apart` pass through each other.
+    """Compile the model of one solver instance.
+
+    Args:
+        spec: the specification.
+        built: built entities.
+        members: of the instance.
+        settings: of the instance.
+        apart: pairs that pass through each other.
+        whole: which bonds of breakable entities hold; default all.
 
     Raises:
         InputError: joints that form loops, share a child or name non-members; too many special pairs.
     """
     import mujoco
 
-    builder = _Builder(spec, built, members, settings, frozenset(frozenset(pair) for pair in apart))
-    bodies = sum(len(built[m].bodies) for m in members if spec.entities[m].motion != "static")
+    held = whole or {}
+    builder = _Builder(spec, built, members, settings, frozenset(frozenset(pair) for pair in apart), held)
+    bodies = sum(_free_count(built[m], held.get(m)) for m in members if spec.entities[m].motion != "static")
     builder.options(6 * bodies + 3 * sum(node_count(built[m]) for m in members))
     for name in members:
         if is_soft(spec, name):
@@ -463,7 +532,7 @@ def build_model(
     colliders = tuple(members)
     rank = {name: i for i, name in enumerate(colliders)}
     geom_names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, g) for g in range(model.ngeom)]
-    body_ids = [model.body(n.removesuffix("/body")).id for n in builder.body_names]
+    body_ids = [model.body(builder.body_of.get(n, n.removesuffix("/body"))).id for n in builder.body_names]
     soft = [f.entity for f in builder.flexes]
     geom_collider = np.array([rank[n] for n in (*(builder.geom_entity[g] for g in geom_names), *soft)], dtype=np.int64)
     matter = [builder.geom_material[g] for g in geom_names] + [built[n].parts[0].material for n in soft]
@@ -473,6 +542,9 @@ def build_model(
         bodies=tuple(builder.body_names),
         body_ids=np.array(body_ids, dtype=np.int64),
         offsets=np.array(builder.offsets).reshape(-1, 3),
+        centers=np.array(builder.centers).reshape(-1, 3),
+        kin=np.array([built[c].bonds is not None for c in colliders], dtype=bool),
+        kin_rows=np.array([n in builder.body_of for n in builder.body_names], dtype=bool),
         geom_collider=geom_collider,
         joints=tuple(builder.joint_names),
         joint_qpos=np.array([model.joint(n).qposadr[0] for n in builder.joint_names], dtype=np.int64),
@@ -481,6 +553,7 @@ def build_model(
             np.array([spec.materials[m].restitution for m in matter]),
             geom_collider,
             {(rank[a], rank[b]): value for (a, b), value in bounces.items()},
+            make_crumbling(spec, built, colliders, geom_names, builder.geom_entity),
         ),
         excess=np.array([*(builder.geom_excess[g] for g in geom_names), *(0.0 for _ in soft)]),
         flexes=tuple(builder.flexes),
@@ -503,7 +576,8 @@ def build_model(
         start = int(model.joint(name).dofadr[0])
         model.dof_damping[start : start + 3] = damping
     # The softness of a contact follows its lighter body; under a far heavier one it would sink through the skin.
-    heaviest = float(model.body_mass[body_ids].max(initial=1e-9)) if body_ids else 1.0
+    moving = [b for b in body_ids if model.body_dofnum[b]]
+    heaviest = float(model.body_mass[moving].max(initial=1e-9)) if moving else 1.0
     model.body_invweight0[:, 0] = np.minimum(model.body_invweight0[:, 0], SOFTEST / heaviest)
     set_contact_law(result, settings.contact_steps, settings.step)
     return result

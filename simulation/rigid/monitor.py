@@ -106,6 +106,18 @@ class ContactMonitor:
         sleeping = np.isfinite(self.slept) & (self.woke < self.slept)
         self.woke[sleeping] = time
 
+    def take_over(self, other: ContactMonitor, time: float) -> None:
+        """Go on with a frame that the monitor of the model before has begun; all bodies are awake from `time` [s] on."""
+        other._evaluate()
+        self.seen = other.seen
+        for key, last in self.seen.items():
+            # Trees of the two models differ, so that what a sleeping pair touched is remembered by the pair itself.
+            trees = [t for side in divmod(key, self.count) for t in other._trees[side]]
+            if any(abs(other.slept[t] - last) <= DEBOUNCE and other.woke[t] < other.slept[t] for t in trees):
+                self.seen[key] = time
+        self._events, self._total = other._events, other._total
+        self.max_contacts, self.iterations, self.capped = other.max_contacts, other.iterations, other.capped
+
     def adopt(self, data: Any, time: float) -> None:
         """Take the contacts listed in `data` as having begun before `time` [s]."""
         if data.ncon:

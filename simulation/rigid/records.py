@@ -28,10 +28,11 @@ class Ledger:
         model: the compiled model.
         moving: MuJoCo bodies of the cache's rows.
         kinematic: whether each of them is authored; such bodies are not part of energy, momentum and mass.
+        count: rows of the cache; pieces that are bonded to one another share a body.
     """
 
-    def __init__(self, model: Any, moving: Any, kinematic: Any) -> None:
-        self.model, self.moving = model, moving
+    def __init__(self, model: Any, moving: Any, kinematic: Any, count: int) -> None:
+        self.model, self.moving, self.count = model, moving, count
         self.free, self.authored = moving[~kinematic], moving[kinematic]
         reach = np.zeros(model.nbody)
         np.maximum.at(reach, model.geom_bodyid, model.geom_rbound + np.linalg.norm(model.geom_pos, axis=1))
@@ -45,6 +46,12 @@ class Ledger:
         self._twists: list[Any] = []
         self._arms: list[Any] = []
         self._speed, self._surface = 0.0, 0.0
+
+    def take_over(self, other: Ledger) -> None:
+        """Go on with a frame that another ledger, of the model before, has begun."""
+        if other._twists:
+            other._evaluate()
+        self._speed, self._surface = other._speed, other._surface
 
     def watch(self, data: Any) -> None:
         """Copy the velocities of a step's beginning; once per step and at the end of the frame."""
@@ -118,7 +125,7 @@ class Ledger:
             "momentum_y": float(momentum[1]),
             "momentum_z": float(momentum[2]),
             "mass": float(mass.sum()),
-            "body_count": float(len(self.moving)),
+            "body_count": float(self.count),
             "max_speed": self._speed,
             "max_travel_per_step": self._surface * step,
         }

@@ -17,19 +17,17 @@ from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import EngineError, InputError
 from ...worlds.spec import ElasticPhysics, RigidSettings, WorldSpec
+from ..fracture import Breakage
 from ..protocol import Channel, Intervention, Port
+from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
 from .contact_law import rest_speed, set_contact_law
-from .drivers import Drivers
-from .fields import FieldForces
-from .flex import SOFT_CHANNELS, Flexes
-from .gyration import Gyration
+from .flex import SOFT_CHANNELS
 from .holds import FIXED
-from .model import RigidModel, build_model
-from .monitor import ContactMonitor
-from .records import Ledger, velocities
+from .parts import Parts, carry_over, make_parts
+from .records import velocities
 from .relax import open_skins
+from .rows import row_velocities, spread
 from .sides import sides_of
-from .work import DriverWork
 
 __all__ = ["SolverRigid"]
 
@@ -42,26 +40,6 @@ CLEAR = 1e-7
 MAGIC = b"WARS3"
 SEAL_BYTES = 32
 """A checkpoint is MAGIC, the SHA-256 of what follows, and that."""
-CHANNELS = (
-    Channel("position", "f8", "m", ("bodies", "3"), "body"),
-    Channel("quaternion", "f8", "1", ("bodies", "4"), "body"),
-    Channel("velocity", "f8", "m/s", ("bodies", "3"), "body"),
-    Channel("angular_velocity", "f8", "rad/s", ("bodies", "3"), "body"),
-    Channel("asleep", "u1", "1", ("bodies",), "body"),
-    Channel("joint", "f8", "rad or m", ("joints",), "joint"),
-    Channel("contact/pair", "i4", "1", ("pairs", "2"), "pair"),
-    Channel("contact/impulse", "f8", "N s", ("pairs",), "pair"),
-    Channel("contact/max_force", "f8", "N", ("pairs",), "pair"),
-    Channel("contact/min_gap", "f8", "m", ("pairs",), "pair"),
-    Channel("event/time", "f8", "s", ("events",), "event"),
-    Channel("event/pair", "i4", "1", ("events", "2"), "event"),
-    Channel("event/point", "f8", "m", ("events", "3"), "event"),
-    Channel("event/speed", "f8", "m/s", ("events",), "event"),
-    Channel("event/impulse", "f8", "N s", ("events",), "event"),
-    Channel("driver/active", "u1", "1", ("drivers",), "frame"),
-)
-EXCHANGED = Channel("exchange/impulse", "f8", "N s, N m s", ("bodies", "6"), "body")
-FIELDS = Channel("field/impulse", "f8", "N s", ("bodies", "3"), "body")
 
 
 class SolverRigid:
@@ -120,18 +98,8 @@ class SolverRigid:
         import mujoco
 
         self._mj = mujoco
-        self.rigid: RigidModel = build_model(self.spec, self.built, self.members, self.settings, apart=self._intervention.apart)
-        self.model = self.rigid.model
-        self.data = mujoco.MjData(self.model)
-        self._saved = mujoco.MjData(self.model)
-        self.drivers = Drivers(self.spec, self.rigid, frozenset(self.members), self._intervention)
-        self.work = DriverWork(self.model, self.rigid.actuator_of, self.drivers)
-        self.fields = FieldForces(self.spec, self.rigid, self.built, self._intervention.without)
-        self.gyration = Gyration(self.model)
-        self.flexes = Flexes(self.model, self.rigid.flexes) if self.rigid.flexes else None
-        self.monitor = ContactMonitor(self.rigid)
-        kinematic = np.array([b.split("/", 1)[0] in self.drivers.kinematic for b in self.rigid.bodies], dtype=bool)
-        self.ledger = Ledger(self.model, self.rigid.body_ids, kinematic)
+        self.breakage = Breakage(self.spec, self.built, self.members)
+        self._install(self._parts())
         start = -self.spec.simulation.preroll
         self.drivers.remember_poses(self.data)
         self.drivers.set_model(start, free=True)
@@ -140,6 +108,25 @@ class SolverRigid:
         self.relaxation = open_skins(self.rigid, self.data, self.settings)
         self.drivers.remember_poses(self.data)
         self._received = np.zeros((len(self.rigid.bodies), 6))
+
+    def _parts(self) -> Parts:
+        """A model of the present clusters."""
+        whole = self.breakage.whole()
+        return make_parts(self.spec, self.built, self.members, self.settings, self._intervention, whole)
+
+    def _install(self, parts: Parts) -> None:
+        """Work with this model from now on."""
+        self._now, self.rigid, self.model, self.data = parts, parts.rigid, parts.rigid.model, parts.data
+        self._saved, self.drivers, self.work, self.gyration = parts.saved, parts.drivers, parts.work, parts.gyration
+        self.monitor, self.ledger, self.fields, self.flexes = parts.monitor, parts.ledger, parts.fields, parts.flexes
+        self.breakage.bind(self.rigid)
+
+    def _split(self, time: float) -> None:
+        """Go on from `time` [s] with the present clusters."""
+        parts = self._parts()
+        carry_over(self._now, parts, time)
+        self._install(parts)
+        self._settle_kinematics()
 
     def start_frames(self) -> None:
         """The present state, with the declared velocities, is frame 0."""
@@ -176,28 +163,36 @@ class SolverRigid:
 
         `held` tells who was held right before `start`.
         """
-        data, taken = self.data, 0
+        taken = 0
         held = self.drivers.held(start) if held is None else held
         stops = [start, *self.drivers.switch_times(start, end), end]
         for t0, t1 in itertools.pairwise(stops):
             count = max(1, math.ceil((t1 - t0) / step * (1 - 1e-9)))
             dt = (t1 - t0) / count
-            set_contact_law(self.rigid, self.settings.contact_steps, dt)
-            self.drivers.set_model(t0)
-            self.drivers.set_data(data, t0)
-            if self._wrench is not None:
-                data.xfrc_applied[self.rigid.body_ids] += self._wrench
-            self.drivers.plan_paths(t0, dt, count)
+            self._set(t0, t0, dt, count)
             if held - self.drivers.held(t0):
                 self._adopt_contacts(t0)
             held = self.drivers.held(t0)
-            self._segment(t0, dt, count)
+            done = self._segment(t0, dt, count)
+            while done < count:
+                self._split(t0 + done * dt)
+                self._set(t0, t0 + done * dt, dt, count - done)
+                done += self._segment(t0 + done * dt, dt, count - done)
             taken += count
         self._before = held
         return taken
 
-    def _segment(self, start: float, dt: float, count: int) -> None:
-        """`count` steps of `dt` [s] within which no driver switches."""
+    def _set(self, since: float, now: float, dt: float, count: int) -> None:
+        """Write what holds from `since` on into model and state, for `count` steps of `dt` from `now` [s]."""
+        set_contact_law(self.rigid, self.settings.contact_steps, dt)
+        self.drivers.set_model(since)
+        self.drivers.set_data(self.data, since)
+        if self._wrench is not None:
+            self.data.xfrc_applied += spread(self.rigid, self.data, self._wrench)
+        self.drivers.plan_paths(now, dt, count)
+
+    def _segment(self, start: float, dt: float, count: int) -> int:
+        """Up to `count` steps of `dt` [s] within which no driver switches; returns those taken before clusters fell apart."""
         mujoco, model, data = self._mj, self.model, self.data
         first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
@@ -205,6 +200,7 @@ class SolverRigid:
         fields, held = self.fields, self.drivers.held(start) if self.fields else frozenset()
         working = self.work.begin(data, velocities(model, data), self._outside())
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
+        breaks, still = bool(self.breakage), self.drivers.held(start)
         for k in range(count):
             if authored:
                 self.drivers.follow_paths(data, k, dt)
@@ -227,6 +223,12 @@ class SolverRigid:
                 mujoco.mj_fwdAcceleration(model, data)
                 mujoco.mj_fwdConstraint(model, data)
                 mujoco.mj_checkAcc(model, data)
+                if breaks and self.breakage.watch(data, start + (k + 1) * dt, dt, still):
+                    if fields:
+                        fields.undo()
+                        fields.end(data)
+                    self._work += self.work.end(velocities(model, data), dt) if working else 0.0
+                    return k
                 watch_contacts(data, start + (k + 1) * dt, dt)
                 mujoco.mj_implicit(model, data)
                 watch_sleep(data, start + (k + 1) * dt)
@@ -234,10 +236,7 @@ class SolverRigid:
                 self.work.after_step(data, dt)
             if self._wrench is not None:
                 # Of what the engine integrated, less what drivers and fields pushed: counted here, not taken from who gave it.
-                pushed = data.xfrc_applied - self.work.pushes
-                if fields:
-                    pushed[self.rigid.body_ids, :3] -= fields.present
-                self._received += dt * (pushed[self.rigid.body_ids] + self._absorbed)
+                self._received += dt * self._taken_in()
         if fields:
             fields.end(data)
         if authored:
@@ -245,6 +244,16 @@ class SolverRigid:
         self._settle_kinematics()
         if working:
             self._work += self.work.end(velocities(model, data), dt)
+        return count
+
+    def _taken_in(self) -> F64:
+        """Wrenches of others that the engine integrates in this step, per row."""
+        assert self._wrench is not None
+        own = (self.data.xfrc_applied - self.work.pushes)[self.rigid.body_ids]
+        if self.fields:
+            own[:, :3] -= self.fields.present
+        # Pieces of one cluster are pushed together; what each was given is what the cluster got.
+        return np.asarray(np.where(self.rigid.kin_rows[:, None], self._wrench, own) + self._absorbed)
 
     def advance(self, frame: int) -> None:
         """Advance from frame - 1 to `frame`; a frame whose visible surfaces could overlap at its end is redone finer.
@@ -269,12 +278,15 @@ class SolverRigid:
         if frame != self.frame + 1:
             raise InputError(f"advance({frame}) after frame {self.frame}; the next frame is {self.frame + 1}")
         self._mj.mj_copyData(self._saved, self.model, self.data)
+        self._begun, self._bonds = self._now, self.breakage.memory()
         self._memory, self._work_before = self.monitor.memory(), self._work
         self._authored = self.ledger.authored_energy(self.data)
 
     def begin_attempt(self, level: int) -> None:
         """Go through the frame that was begun with a step halved `level` times."""
         if level > 0:
+            self.breakage.recall(self._bonds)
+            self._install(self._begun)
             self._mj.mj_copyData(self.data, self.model, self._saved)
             self.monitor.recall(self._memory)
             self._work = self._work_before
@@ -282,6 +294,7 @@ class SolverRigid:
         self.ledger.begin()
         if self.flexes is not None:
             self.flexes.begin()
+        self.breakage.begin()
         self.refined, self._taken = level, 0
         self.time = self.frame * self._frame_time
         self._before = None
@@ -299,6 +312,7 @@ class SolverRigid:
         begin = self.time if start is None else start
         # Bodies on paths take what they are given without giving way: the engine need not know of it, nor their drivers' work.
         absorbs = np.array([name.split("/", 1)[0] in self.drivers.kinematic for name in self.rigid.bodies], dtype=bool)
+        absorbs |= self.model.body_dofnum[self.rigid.body_ids] == 0
         self._wrench = None if wrench is None else np.where(absorbs[:, None], 0.0, wrench)
         self._absorbed = None if wrench is None else np.where(absorbs[:, None], wrench, 0.0)
         step = self.settings.step / 2**self.refined
@@ -323,9 +337,7 @@ class SolverRigid:
         """What others apply to all bodies, shape (nbody, 6): its work is no driver's."""
         if self._wrench is None:
             return None
-        spread: F64 = np.zeros((self.model.nbody, 6))
-        spread[self.rigid.body_ids] = self._wrench
-        return spread
+        return spread(self.rigid, self.data, self._wrench)
 
     _joint_error = 0.0
 
@@ -381,7 +393,8 @@ class SolverRigid:
         mujoco.mj_getState(self.model, self.data, state, spec)
         buffer = io.BytesIO()
         np.lib.format.write_array(buffer, state, allow_pickle=False)
-        head = {"work": self._work, "overflows": self._overflows, "relaxation": self.relaxation}
+        bonds = self.breakage.memory().decode()
+        head = {"work": self._work, "overflows": self._overflows, "relaxation": self.relaxation, "bonds": bonds}
         memory, front = self.monitor.memory(), json.dumps(head).encode()
         sizes = len(front).to_bytes(4, "little"), len(memory).to_bytes(4, "little")
         held = b"".join((sizes[0], front, sizes[1], memory, buffer.getvalue()))
@@ -411,6 +424,9 @@ class SolverRigid:
         length = int.from_bytes(state[at : at + 4], "little")
         memory = state[at + 4 : at + 4 + length]
         values = np.lib.format.read_array(io.BytesIO(state[at + 4 + length :]), allow_pickle=False)
+        if self.breakage.recall(head["bonds"].encode()):
+            self._split(frame * self._frame_time)
+        self.breakage.bind(self.rigid)
         spec = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         if len(values) != mujoco.mj_stateSize(self.model, spec):
             raise EngineError("checkpoint belongs to another model; delete the candidate's checkpoints and bake again")
@@ -448,12 +464,13 @@ class SolverRigid:
             "iterations_capped": self.monitor.capped,
             "overflows": self._overflows,
             "joint_error": self._joint_error,
+            **({"fracture_energy": self.breakage.energy} if self.breakage else {}),
         }
         start = max(0, self.frame - 1) * self._frame_time
         self._data = {
             "position": data.xpos[ids] - np.einsum("nij,nj->ni", data.xmat[ids].reshape(-1, 3, 3), self.rigid.offsets),
             "quaternion": data.xquat[ids].copy(),
-            "velocity": speeds[0][ids],
+            "velocity": row_velocities(self.rigid, data, speeds),
             "angular_velocity": speeds[1][ids],
             "asleep": (data.body_awake[ids] == 0).astype(np.uint8) if len(ids) else np.zeros(0, dtype=np.uint8),
             "joint": data.qpos[self.rigid.joint_qpos].copy() if self.rigid.joints else np.zeros(0),
@@ -462,6 +479,7 @@ class SolverRigid:
             **({"field/impulse": self.fields.impulse.copy()} if self.fields else {}),
             **self.monitor.arrays(),
             **({} if self.flexes is None else self.flexes.channels(data)),
+            **(self.breakage.arrays() if self.breakage else {}),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
 
@@ -472,7 +490,8 @@ class SolverRigid:
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
         soft = () if self.flexes is None else SOFT_CHANNELS
-        return (*CHANNELS, *soft, *((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
+        more = (*((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
+        return (*CHANNELS, *soft, *more, *(BROKEN if self.breakage else ()))
 
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""
@@ -486,6 +505,7 @@ class SolverRigid:
             joints=self.rigid.joints,
             drivers=self.drivers.names,
             settings="",
+            breakables=self.breakage.names,
             versions={"mujoco": self._mj.__version__, "numpy": np.__version__},
             deformables=tuple(f"{f.entity}/{f.part}" for f in self.rigid.flexes),
             vertices=tuple(len(f.lattice.mesh.vertices) for f in self.rigid.flexes),

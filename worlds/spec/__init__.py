@@ -5,6 +5,7 @@ from .cloth import ClothInstance, ClothPin, ClothSettings
 from .elastic import ElasticPhysics, Pin
 from .entities import Appearance, ClothPhysics, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
 from .fields import FieldDriver
+from .fracture import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
 from .liquids import (
     DfsphInstance,
     DfsphSettings,
@@ -71,8 +72,11 @@ __all__ = [
     "AreaLight",
     "BallJoint",
     "Beat",
+    "Bond",
     "Box",
     "BoxRegion",
+    "Breakable",
+    "BrickPattern",
     "CameraKey",
     "Capsule",
     "CausalMargin",
@@ -100,6 +104,7 @@ __all__ = [
     "FlipInstance",
     "FlipSettings",
     "ForceDriver",
+    "GlassPattern",
     "HeightField",
     "HingeJoint",
     "InflowDriver",
@@ -145,9 +150,11 @@ __all__ = [
     "StemField",
     "Story",
     "Supports",
+    "VoronoiPattern",
     "WavesDriver",
     "Wedge",
     "WeldJoint",
+    "WoodPattern",
     "WorldSpec",
     "prompt_digest",
 ]

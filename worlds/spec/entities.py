@@ -19,6 +19,7 @@ from ..vocabulary import (
 )
 from .cloth import ClothPin
 from .elastic import ElasticPhysics
+from .fracture import Breakable
 from .shapes import Pose, Shape
 
 __all__ = [
@@ -243,6 +244,7 @@ class Entity(SpecModel):
     material: MaterialRef
     parts: Annotated[dict[Id, Part], Field(max_length=256)] = {}
     generator: Rope | None = None
+    breakable: Breakable | None = Field(default=None, description="pieces and bonds of a rigid body that may break")
     inputs: list[Text] = Field(default=[], description="what its solver reads: drivers, initial velocity, colliders")
     outputs: list[Text] = Field(default=[], description="what its solver writes: motion, contacts")
     exchanges: dict[Id, StateChannel] = {}

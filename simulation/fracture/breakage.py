@@ -1,0 +1,421 @@
+"""Loads on bonded pieces, the bonds that break under them, and what is recorded of it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.bonds import WORLD, components
+from .clusters import Cluster, clusters_of
+from .network import BondNetwork, Factor
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from ...worlds.built import BuiltEntity
+    from ...worlds.spec import Breakable, WorldSpec
+    from ..rigid.model import RigidModel
+
+__all__ = ["Breakage"]
+
+TOGETHER = 0.6
+"""Bonds of the two pieces at the worst bond that are loaded to this share of it break with it. A load that grows breaks bonds
+one after the other, and what it does to the others depends on those that broke; so the load of all others is found anew."""
+CHANGE = (0.005, 0.1)
+"""Change of the loads, in parts of those last solved for, that asks for a new solution: the first where a bond is about to
+break, plus the second times what is left to its strength."""
+FAINT = 1e-9
+"""Loads below this share of a cluster's weight are none."""
+FAINT_CAUSE = 1e-3
+"""Loads below this share of a piece's weight are not what breaks a bond."""
+LASTING = 100.0
+"""Contact times after which a load counts as lasting: the pieces' inertia no longer carries a part of it."""
+NO_CAUSE = -1
+
+
+@dataclass
+class _Body:
+    """One breakable entity."""
+
+    built: BuiltEntity
+    breakable: Breakable
+    network: BondNetwork
+    centers: F64
+    mass: F64
+    inertia: F64
+    whole: Any
+    load: F64
+    """Contact forces and torques about the pieces' centres, smoothed over the contact time, entity's frame, shape (n, 6)."""
+    lasting: F64
+    """The same, smoothed over `LASTING` contact times."""
+    cause: Any
+    """Collider that loaded each piece last, shape (n,)."""
+    factors: dict[str, tuple[Factor, Factor]] = field(default_factory=dict)
+    """Per cluster its stiffness under lasting and under sudden loads."""
+    solved: dict[str, tuple[F64, float]] = field(default_factory=dict)
+    """Per cluster the loads last solved for, both kinds side by side, and the largest ratio found."""
+    clusters: list[Cluster] = field(default_factory=list)
+
+
+@dataclass
+class _Break:
+    time: float
+    bond: int
+    point: F64
+    cause: int
+    ratio: float
+    energy: float
+    case: int
+
+
+@dataclass
+class _Case:
+    """Loads under which bonds broke at one moment."""
+
+    rows: Any
+    loads: F64
+    """Lasting and sudden, shape (n, 12)."""
+    spin: F64
+
+
+class Breakage:
+    """Bonds of all breakable members of a rigid instance.
+
+    A contact force acts on the bonds as its mean over the contact time tau: dL / dt = (F - L) / tau. An impulse J loads them
+    with J / tau whatever the step; a lasting force F with F. What changes within `LASTING` tau meets the pieces' inertia as
+    well, so that a blow is felt near where it hits; what lasts, and gravity, is in equilibrium with the bonds alone and, in
+    clusters that move, with their acceleration.
+
+    Args:
+        spec: the specification.
+        built: built entities.
+        members: of the instance.
+    """
+
+    def __init__(self, spec: WorldSpec, built: Mapping[str, BuiltEntity], members: Sequence[str]) -> None:
+        self.gravity = np.array(spec.simulation.gravity)
+        self.names = tuple(m for m in members if spec.entities[m].breakable is not None and built[m].bonds is not None)
+        self._bodies = [_body(spec, built[n], n) for n in self.names]
+        counts = [len(b.whole) for b in self._bodies]
+        self._first_bond = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        self._first_piece = np.concatenate([[0], np.cumsum([len(b.mass) for b in self._bodies])]).astype(np.int64)
+        self.energy = 0.0
+        """Elastic energy of the bonds that broke since frame 0, or their toughness where that is more [J]."""
+        self.begin()
+
+    def __bool__(self) -> bool:
+        return bool(self.names)
+
+    def whole(self) -> dict[str, Any]:
+        """Which bonds hold, per entity."""
+        return {n: b.whole.copy() for n, b in zip(self.names, self._bodies, strict=True)}
+
+    def bind(self, rigid: RigidModel) -> None:
+        """Work with this model, whose bodies are the clusters of the present bonds."""
+        model = rigid.model
+        self._row_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
+        self._entity_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
+        self._collider_of_geom = rigid.geom_collider
+        self._ids: list[dict[str, int]] = []
+        for index, body in enumerate(self._bodies):
+            entity = body.built.entity
+            body.clusters = clusters_of(body.built, body.whole)
+            self._ids.append({c.name: model.body(c.name).id for c in body.clusters})
+            row = {b.name: k for k, b in enumerate(body.built.bodies)}
+            for part in body.built.parts:
+                for k in range(len(part.collision)):
+                    geom = model.geom(f"{entity}/{part.part}/{k}").id
+                    self._row_of_geom[geom], self._entity_of_geom[geom] = row[part.body], index
+            # What belongs to clusters that are no more is forgotten.
+            alive = {c.name: len(c.pieces) for c in body.clusters}
+            body.factors = {k: f for k, f in body.factors.items() if alive.get(k) == len(f[0].pieces)}
+            body.solved = {k: s for k, s in body.solved.items() if alive.get(k) == len(s[0])}
+
+    # ------------------------------------------------------------------ frames and checkpoints
+
+    def begin(self) -> None:
+        """Start a frame."""
+        self._breaks: list[_Break] = []
+        self._cases: list[_Case] = []
+        self._times: list[float] = []
+        self._peak = [np.zeros(len(b.whole)) for b in self._bodies]
+        self._given = [np.zeros((len(b.mass), 6)) for b in self._bodies]
+
+    def memory(self) -> bytes:
+        """Bonds, loads and causes as bytes."""
+        held = [[_text(b.whole.astype(np.uint8)), _text(b.load), _text(b.lasting), _text(b.cause)] for b in self._bodies]
+        return json.dumps([self.energy, held]).encode()
+
+    def recall(self, memory: bytes) -> bool:
+        """Return to a memory; whether other clusters come of it, so that the model must be made anew."""
+        self.energy, held = json.loads(memory)
+        changed = False
+        for body, (whole, load, lasting, cause) in zip(self._bodies, held, strict=True):
+            now = _array(whole, np.uint8).astype(bool)
+            changed |= bool((now != body.whole).any())
+            body.whole = now
+            body.load = _array(load, np.float64).reshape(-1, 6)
+            body.lasting = _array(lasting, np.float64).reshape(-1, 6)
+            body.cause = _array(cause, np.int64)
+            # Solutions are not part of a checkpoint: the run that goes on forgets them as well.
+            body.factors, body.solved = {}, {}
+        self.begin()
+        return changed
+
+    # ------------------------------------------------------------------ per step
+
+    def watch(self, data: Any, time: float, dt: float, still: frozenset[str]) -> bool:
+        """Load the bonds with the contact forces of the step that ends at `time` [s]; whether clusters fell apart.
+
+        Args:
+            data: state with solved contacts, before the integration.
+            time: end of the step.
+            dt: its length [s].
+            still: entities that something holds; their bonds do not break.
+        """
+        pushed = self._contacts(data)
+        apart = False
+        known = [(b.load, b.lasting, b.cause) for b in self._bodies]
+        for index, body in enumerate(self._bodies):
+            share = -math.expm1(-dt / body.breakable.bond.contact_time)
+            force, cause = pushed.get(index, (None, None))
+            before = body.load
+            body.load = before * (1 - share) if force is None else before + share * (force - before)
+            body.lasting = body.lasting + share / LASTING * (body.load - body.lasting)
+            if cause is not None:
+                body.cause = np.where(cause >= 0, cause, body.cause)
+            if body.built.entity in still:
+                continue
+            # Every cluster is judged, whatever became of the others.
+            for cluster in body.clusters:
+                apart |= self._judge(index, cluster, data, time)
+        if apart:
+            # The step is taken again, with the pieces apart.
+            for body, (load, lasting, cause) in zip(self._bodies, known, strict=True):
+                body.load, body.lasting, body.cause = load, lasting, cause
+        else:
+            for index, (force, _) in pushed.items():
+                self._given[index] += dt * self._in_world(index, force, data)
+        return apart
+
+    def _contacts(self, data: Any) -> dict[int, tuple[F64, Any]]:
+        """Per entity the contact forces on its pieces, entity's frame, and which collider each comes from."""
+        if not data.ncon or not data.nefc:
+            return {}
+        contact = data.contact
+        geoms = contact.geom
+        hit = (self._entity_of_geom[geoms] >= 0).any(axis=1) & (contact.efc_address >= 0)
+        if not hit.any():
+            return {}
+        rows, sizes = contact.efc_address[hit], contact.dim[hit]
+        frames, points, geoms = contact.frame[hit].reshape(-1, 3, 3), contact.pos[hit], geoms[hit]
+        inner = np.stack([data.efc_force[rows + k] for k in range(3)], axis=1)
+        force = np.einsum("nij,ni->nj", frames, inner)
+        moment = np.zeros_like(force)
+        rolling = np.flatnonzero(sizes > 3)
+        if len(rolling):
+            inner = np.stack([data.efc_force[rows[rolling] + k] for k in (3, 4, 5)], axis=1)
+            moment[rolling] = np.einsum("nij,ni->nj", frames[rolling], inner)
+        found: dict[int, tuple[F64, Any]] = {}
+        for side, sign in ((0, -1.0), (1, 1.0)):
+            mine = geoms[:, side]
+            for index in np.unique(self._entity_of_geom[mine]).tolist():
+                if index < 0:
+                    continue
+                body = self._bodies[index]
+                total, cause = found.setdefault(index, (np.zeros((len(body.mass), 6)), np.full(len(body.mass), NO_CAUSE)))
+                take = np.flatnonzero(self._entity_of_geom[mine] == index)
+                piece = self._row_of_geom[mine[take]]
+                turn, origin = self._placed(index, data, piece)
+                local = np.einsum("nji,nj->ni", turn, sign * force[take])
+                arm = np.einsum("nji,nj->ni", turn, points[take] - origin)
+                twist = np.einsum("nji,nj->ni", turn, sign * moment[take]) + np.cross(arm, local)
+                np.add.at(total, piece, np.concatenate([local, twist], axis=1))
+                order = np.argsort(np.linalg.norm(local, axis=1), kind="stable")
+                pressing = order[np.linalg.norm(local[order], axis=1) > 0]
+                cause[piece[pressing]] = self._collider_of_geom[geoms[take[pressing], 1 - side]]
+        return found
+
+    def _placed(self, index: int, data: Any, piece: Any) -> tuple[F64, F64]:
+        """Rotations (n, 3, 3) and centres (n, 3) of pieces in the world."""
+        body = self._bodies[index]
+        ids, centers = np.zeros(len(body.mass), dtype=np.int64), np.zeros((len(body.mass), 3))
+        for cluster in body.clusters:
+            own = list(cluster.pieces)
+            ids[own], centers[own] = self._ids[index][cluster.name], cluster.center
+        turn = data.xmat[ids[piece]].reshape(-1, 3, 3)
+        return turn, data.xpos[ids[piece]] + np.einsum("nij,nj->ni", turn, body.centers[piece] - centers[piece])
+
+    def _in_world(self, index: int, force: F64, data: Any) -> F64:
+        turn, _ = self._placed(index, data, np.arange(len(force)))
+        return np.concatenate([np.einsum("nij,nj->ni", turn, force[:, :3]), np.einsum("nij,nj->ni", turn, force[:, 3:])], axis=1)
+
+    # ------------------------------------------------------------------ bonds
+
+    def _judge(self, index: int, cluster: Cluster, data: Any, time: float) -> bool:
+        """Break what a cluster's load breaks; whether it fell apart."""
+        body = self._bodies[index]
+        if len(cluster.pieces) == 1 and not cluster.fixed:
+            return False
+        pieces = np.array(cluster.pieces)
+        lasting = body.lasting[pieces]
+        loads = np.concatenate([lasting, body.load[pieces] - lasting], axis=1)
+        known = body.solved.get(cluster.name)
+        if known is not None:
+            least = FAINT * cluster.mass * max(float(np.linalg.norm(self.gravity)), 1.0)
+            allowed = CHANGE[0] + CHANGE[1] * max(0.0, 1.0 - known[1])
+            scale = max(float(np.abs(known[0]).max(initial=0.0)), least)
+            if float(np.abs(loads - known[0]).max(initial=0.0)) <= allowed * scale:
+                return False
+        turn = data.xmat[self._ids[index][cluster.name]].reshape(3, 3)
+        spin = np.zeros(3) if cluster.fixed else turn.T @ data.cvel[self._ids[index][cluster.name], :3]
+        total = lasting + self._own_forces(body, cluster, lasting, turn, spin)
+        case = -1
+        while True:
+            factor, sudden = self._factors(body, cluster)
+            force = body.network.carry(factor, total)
+            if np.abs(loads[:, 6:]).max(initial=0.0) > 0:
+                force = force + body.network.carry(sudden, loads[:, 6:])
+            state = body.network.state(factor.bonds, force)
+            ratio = body.network.limit(factor.bonds, state)
+            worst = float(ratio.max(initial=0.0))
+            if worst <= 1.0:
+                peak = self._peak[index]
+                peak[factor.bonds] = np.maximum(peak[factor.bonds], ratio)
+                body.solved[cluster.name] = (loads.copy(), worst)
+                return False
+            ends = body.network.bonds.pieces[factor.bonds]
+            around = np.isin(ends, [e for e in ends[int(ratio.argmax())] if e != WORLD]).any(axis=1)
+            broken = np.flatnonzero(around & (ratio > 1.0) & (ratio >= TOGETHER * worst))
+            if case < 0:
+                case = self._keep_case(index, pieces, loads, spin, time)
+            self._note(index, cluster, factor.bonds[broken], ratio[broken], state.energy[broken], case, data, time)
+            body.whole[factor.bonds[broken]] = False
+            del body.factors[cluster.name]
+            body.solved.pop(cluster.name, None)
+            if self._fell_apart(body, cluster):
+                return True
+
+    def _factors(self, body: _Body, cluster: Cluster) -> tuple[Factor, Factor]:
+        known = body.factors.get(cluster.name)
+        if known is None:
+            pieces, network = np.array(cluster.pieces), body.network
+            known = (
+                network.factor(pieces, body.whole, held=cluster.fixed),
+                network.factor(pieces, body.whole, held=cluster.fixed, within=body.breakable.bond.contact_time),
+            )
+            body.factors[cluster.name] = known
+        return known
+
+    def _own_forces(self, body: _Body, cluster: Cluster, loads: F64, turn: F64, spin: F64) -> F64:
+        """Gravity, or inertia against the loads where the cluster is free to move; cluster's pieces, shape (n, 6)."""
+        pieces = np.array(cluster.pieces)
+        mass = body.mass[pieces]
+        own = np.zeros((len(pieces), 6))
+        if cluster.fixed:
+            own[:, :3] = mass[:, None] * (turn.T @ self.gravity)
+            return own
+        arm = body.centers[pieces] - cluster.center
+        force = loads[:, :3].sum(axis=0)
+        torque = loads[:, 3:].sum(axis=0) + np.cross(arm, loads[:, :3]).sum(axis=0)
+        gain = np.linalg.solve(cluster.inertia, torque - np.cross(spin, cluster.inertia @ spin))
+        speedup = force / cluster.mass + np.cross(gain, arm) + np.cross(spin, np.cross(spin, arm))
+        own[:, :3] = -mass[:, None] * speedup
+        own[:, 3:] = -(body.inertia[pieces] @ gain + np.cross(spin, body.inertia[pieces] @ spin))
+        return own
+
+    def _fell_apart(self, body: _Body, cluster: Cluster) -> bool:
+        labels, fixed = components(len(body.mass), body.network.bonds, body.whole)
+        own = labels[list(cluster.pieces)]
+        return bool((own != own[0]).any() or fixed[own[0]] != cluster.fixed)
+
+    def _keep_case(self, index: int, pieces: Any, loads: F64, spin: F64, time: float) -> int:
+        loaded = np.flatnonzero(np.abs(loads).max(axis=1) > 0)
+        rows = self._first_piece[index] + pieces[loaded]
+        self._cases.append(_Case(rows, loads[loaded].copy(), spin.copy()))
+        self._times.append(time)
+        return len(self._cases) - 1
+
+    def _note(
+        self, index: int, cluster: Cluster, broken: Any, ratio: F64, energy: F64, case: int, data: Any, time: float
+    ) -> None:
+        """Record bonds that break, with the energy that they hold when the growing load reaches their strength."""
+        body = self._bodies[index]
+        turn = data.xmat[self._ids[index][cluster.name]].reshape(3, 3)
+        origin = data.xpos[self._ids[index][cluster.name]]
+        cause = self._cause(body, cluster)
+        first = int(self._first_bond[index])
+        for bond, times, held in zip(broken.tolist(), ratio.tolist(), energy.tolist(), strict=True):
+            at = origin + turn @ (body.network.bonds.point[bond] - cluster.center)
+            spent = held / times**2
+            self.energy += spent
+            self._breaks.append(_Break(time, first + bond, at, cause, times, spent, case))
+            self._peak[index][bond] = max(self._peak[index][bond], times)
+
+    def _cause(self, body: _Body, cluster: Cluster) -> int:
+        """Collider that pushes the cluster most; none where its own weight outdoes that."""
+        pieces = np.array(cluster.pieces)
+        strength = np.abs(body.load[pieces]).max(axis=1)
+        heaviest = int(strength.argmax())
+        weight = float(np.linalg.norm(self.gravity)) * float(body.mass[pieces].mean())
+        return int(body.cause[pieces[heaviest]]) if strength[heaviest] > FAINT_CAUSE * weight else NO_CAUSE
+
+    # ------------------------------------------------------------------ output
+
+    def arrays(self) -> dict[str, Any]:
+        """Channels `bond/*`, `break/*`, `case/*` and `load/*` of the frame."""
+        breaks, cases = self._breaks, self._cases
+        given = np.concatenate(self._given) if self._given else np.zeros((0, 6))
+        loaded = np.flatnonzero(given.any(axis=1))
+        counts = np.array([len(c.rows) for c in cases], dtype=np.int64)
+        return {
+            "bond/broken": np.concatenate([~b.whole for b in self._bodies]).astype(np.uint8),
+            "bond/stress": np.concatenate(self._peak).astype(np.float32),
+            "break/time": np.array([b.time for b in breaks]),
+            "break/bond": np.array([b.bond for b in breaks], dtype=np.int32),
+            "break/point": np.array([b.point for b in breaks], dtype=np.float64).reshape(-1, 3),
+            "break/cause": np.array([b.cause for b in breaks], dtype=np.int32),
+            "break/ratio": np.array([b.ratio for b in breaks], dtype=np.float64),
+            "break/energy": np.array([b.energy for b in breaks], dtype=np.float64),
+            "break/case": np.array([b.case for b in breaks], dtype=np.int32),
+            "case/count": counts.astype(np.int32),
+            "case/spin": np.array([c.spin for c in cases], dtype=np.float64).reshape(-1, 3),
+            "case/piece": (np.concatenate([c.rows for c in cases]) if cases else np.zeros(0)).astype(np.int32),
+            "case/load": (np.concatenate([c.loads for c in cases]) if cases else np.zeros((0, 12))).astype(np.float64),
+            "load/piece": loaded.astype(np.int32),
+            "load/impulse": given[loaded],
+        }
+
+
+def _body(spec: WorldSpec, built: BuiltEntity, name: str) -> _Body:
+    breakable = spec.entities[name].breakable
+    assert breakable is not None
+    assert built.bonds is not None
+    centers = np.array([b.pose.apply(b.center[None])[0] for b in built.bodies])
+    mass, inertia = np.array([b.mass for b in built.bodies]), np.array([b.inertia for b in built.bodies])
+    return _Body(
+        built=built,
+        breakable=breakable,
+        network=BondNetwork(built.bonds, centers, breakable.bond, mass, inertia),
+        centers=centers,
+        mass=mass,
+        inertia=inertia,
+        whole=np.ones(len(built.bonds), dtype=bool),
+        load=np.zeros((len(built.bodies), 6)),
+        lasting=np.zeros((len(built.bodies), 6)),
+        cause=np.full(len(built.bodies), NO_CAUSE, dtype=np.int64),
+    )
+
+
+def _text(values: Any) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+
+
+def _array(text: str, kind: Any) -> Any:
+    return np.frombuffer(base64.b64decode(text), dtype=kind).copy()

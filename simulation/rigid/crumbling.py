@@ -1,0 +1,150 @@
+"""Contacts among the pieces of a breakable body.
+
+Pieces touch without a gap before their bonds break, which is deep inside their summed skins. So only what is nearer than
+`NEXT_TO` of the skins is pushed apart, and that slowly: a broken wall must not burst.
+
+Rigid pieces in a tight fit would also jam: a brick that is hit off its middle cannot turn, and hands the blow on to the whole
+wall within one step. In a real wall the mortar at its faces crumbles. So over a small distance (`crumble_of`) a contact point
+of a face that two pieces shared carries no more than the bond bore (`crumbled_force`); beyond, the pieces meet as all bodies.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...worlds.arrays import F64
+from ...worlds.fracture import bonded_pairs, crumble_of, crumbled_force
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from ...worlds.built import BuiltEntity
+    from ...worlds.spec import WorldSpec
+
+__all__ = ["Crumbling", "Weak", "make_crumbling"]
+
+OUTWARDS = 0.1
+"""Depth that counts for pushing pieces apart, in parts of their summed skins at most."""
+NEXT_TO = 0.02
+"""Distance to which pieces are pushed apart, in parts of their summed skins."""
+EXCESS = 1.2
+"""A contact may carry so many times what it can before it is solved again."""
+STIFFNESS_OF_STEP = 32.0
+"""How much a contact's softness must grow before it matters: d / (1 - d) of the constant impedance."""
+
+
+class Weak(NamedTuple):
+    """Contacts of a step whose faces crumble."""
+
+    rows: NDArray[np.int32]
+    """Their normal rows among the constraints."""
+    limit: F64
+    """Most that each carries [N]."""
+
+
+class Crumbling:
+    """Pieces of breakable bodies among the geoms of a model.
+
+    Args:
+        piece: piece of each geom, all bodies counted through; -1: none, shape (ngeom,).
+        body: breakable body of each geom; -1: none, shape (ngeom,).
+        shared: pairs of pieces that share a face, as first * count + second, sorted.
+        count: number of pieces.
+        distance: how far shared faces crumble, per body [m].
+        force: most that a contact point carries meanwhile, per body [N].
+    """
+
+    def __init__(
+        self,
+        piece: NDArray[np.int64],
+        body: NDArray[np.int64],
+        shared: NDArray[np.int64],
+        count: int,
+        distance: F64,
+        force: F64,
+    ) -> None:
+        self.piece, self.body, self.shared, self.count = piece, body, shared, count
+        self.distance, self.force = distance, force
+        self.pressed = False
+        """Whether contacts of the step before carried all they can."""
+
+    def crumbling(self, data: Any, geoms: Any, rows: NDArray[np.int32]) -> Weak | None:
+        """Keep contacts among pieces from bursting; those whose faces crumble, None where there are none.
+
+        Args:
+            data: state after `mj_step1`.
+            geoms: of the contacts, shape (n, 2).
+            rows: their normal rows, shape (n,).
+        """
+        own = np.flatnonzero((self.body[geoms[:, 0]] >= 0) & (self.body[geoms[:, 0]] == self.body[geoms[:, 1]]))
+        if not len(own):
+            return None
+        at, body = rows[own], self.body[geoms[own, 0]]
+        skins, gap = data.efc_margin[at], data.efc_pos[at]
+        stiffness = data.efc_KBIP[at, 0] * data.efc_KBIP[at, 2]
+        wanted = np.maximum(np.minimum(0.0, gap - NEXT_TO * skins), -OUTWARDS * skins)
+        data.efc_aref[at] += stiffness * (gap - skins - wanted)
+        if not len(self.shared):
+            return None
+        piece = np.sort(self.piece[geoms[own]], axis=1)
+        key = piece[:, 0] * self.count + piece[:, 1]
+        place = np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)
+        weak = (self.shared[place] == key) & (gap > -self.distance[body])
+        return Weak(at[weak], self.force[body[weak]]) if weak.any() else None
+
+    def crumble(self, data: Any, weak: Weak, *, first: bool) -> bool:
+        """Soften contacts that carry more than they can; whether there were any, so that the step is to be solved again.
+
+        Args:
+            data: state with the forces of the step.
+            weak: what `crumbling` found.
+            first: whether these forces are the first found in this step.
+        """
+        force = data.efc_force[weak.rows]
+        over = force > EXCESS * weak.limit
+        if first:
+            self.pressed = bool(over.any())
+        if not over.any():
+            return False
+        grown = force[over] / weak.limit[over] * (STIFFNESS_OF_STEP if first else 1.0)
+        for row in range(3):
+            part = weak.rows[over] + row
+            data.efc_R[part] *= grown
+            data.efc_D[part] /= grown
+            if data.nisland:
+                # The solver works on copies sorted by island.
+                inner = data.map_efc2iefc[part]
+                data.iefc_R[inner] *= grown
+                data.iefc_D[inner] /= grown
+        return True
+
+
+def make_crumbling(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    colliders: Sequence[str],
+    geom_names: Sequence[str],
+    geom_entity: Mapping[str, str],
+) -> Crumbling | None:
+    """What a model must know of its breakable bodies; None where it has none."""
+    names = [c for c in colliders if built[c].bonds is not None]
+    if not names:
+        return None
+    starts = np.cumsum([0, *(len(built[n].bodies) for n in names)])
+    count = int(starts[-1])
+    pairs = list(zip(names, starts.tolist(), strict=False))
+    row = {f"{n}/{b.name}": start + k for n, start in pairs for k, b in enumerate(built[n].bodies)}
+    of_part = {f"{n}/{p.part}": row[f"{n}/{p.body}"] for n in names for p in built[n].parts}
+    shared = [(bonded_pairs(built[n]) + start) @ np.array([count, 1]) for n, start in pairs]
+    limits = [(b, built[n]) for n in names if (b := spec.entities[n].breakable) is not None]
+    return Crumbling(
+        np.array([of_part.get(g.rsplit("/", 1)[0], -1) for g in geom_names], dtype=np.int64),
+        np.array([names.index(geom_entity[g]) if geom_entity[g] in names else -1 for g in geom_names], dtype=np.int64),
+        np.sort(np.concatenate(shared)).astype(np.int64),
+        count,
+        np.array([crumble_of(*pair) for pair in limits]),
+        np.array([crumbled_force(*pair) for pair in limits]),
+    )

@@ -19,6 +19,7 @@ MATERIALS: dict[str, Any] = {
         "appearance": {"color": [0.5, 0.5, 0.52], "metallic": 0.8, "roughness": 0.3},
     },
     "rubber": {"density": 1100, "substance": "rubber", "appearance": {"color": [0.1, 0.2, 0.5]}},
+    "foam": {"density": 120, "substance": "foam", "appearance": {"color": [0.1, 0.3, 0.55]}},
     "cotton": {"density": 250, "friction": 0.4, "appearance": {"color": [0.65, 0.06, 0.05], "roughness": 0.9}},
 }
 
@@ -151,9 +152,12 @@ def catch_spec(*, frames: int = 24, resolution: float = 0.05, coupled: bool = Tr
         [*size, COTTON["thickness"]],
         [0.0, 0.0, height],
     )
-    corners = {f"c{k}": {"center": [x, y, 0.0]} for k, (x, y) in enumerate([(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)])}
+    corners = {
+        f"c{k}": {"center": [x, y, 0.0], "radius": 0.12}
+        for k, (x, y) in enumerate([(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)])
+    }
     cloth["physics"] = {"category": "cloth", **COTTON, "pins": corners}
-    ball = _entity("ball", "dynamic", "rubber", {"kind": "sphere", "radius": 0.08}, [0.16, 0.16, 0.16], [0.0, 0.0, height + 0.2])
+    ball = _entity("ball", "dynamic", "foam", {"kind": "sphere", "radius": 0.08}, [0.16, 0.16, 0.16], [0.0, 0.0, height + 0.2])
     both = {"source": "cloth", "target": "rigid", "direction": "two_way", "variables": ["motion", "wrench"]}
     return _world(
         "Catch",

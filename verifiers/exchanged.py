@@ -54,12 +54,12 @@ class Exchanged:
 
 
 def partners(spec: WorldSpec, solver: str) -> tuple[str, ...]:
-    """Liquid instances that act on this one and are acted on by it."""
+    """Instances of other kinds that act on this one and are acted on by it."""
     plan, found = spec.simulation, dict[str, None]()
     for coupling in plan.couplings.values():
         if coupling.direction == "two_way" and solver in (coupling.source, coupling.target):
             other = coupling.target if coupling.source == solver else coupling.source
-            if other in plan.liquid:
+            if other in plan.solvers and other not in plan.rigid:
                 found[other] = None
     return tuple(found)
 
@@ -79,7 +79,9 @@ def exchange_steps(candidate: Candidate, solver: str) -> F64:
     for name in partners(candidate.spec, solver):
         if name not in candidate.caches:
             raise EvidenceError(f"instance {name!r} has no cache yet; probe or bake it")
-        total += np.asarray(candidate.caches[name].series("record/steps"), dtype=np.float64)[: len(total)]
+        # Cloth steps more often than it exchanges.
+        counted = "record/exchanges" if name in candidate.spec.simulation.cloth else "record/steps"
+        total += np.asarray(candidate.caches[name].series(counted), dtype=np.float64)[: len(total)]
     return total
 
 

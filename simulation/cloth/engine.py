@@ -29,6 +29,8 @@ QUICK = 0.2
 """Share of what vertices may move between two searches for contacts that one may move in a step."""
 CATCH = 0.3
 """Share of the distance of contact that a solid may move in a step."""
+STIFFENING = 4
+"""Calls between two looks at how much stretch stiffens the sheets."""
 LOOK = 4
 """Steps on a GPU between two looks at whether the lists of pairs still hold."""
 
@@ -58,6 +60,7 @@ class Cloth:
         self._contacts = self._make_contacts(setup)
         self.time, self.steps_done = 0.0, 0
         self._known = False
+        self._looks, self._stiffness = 0, 1.0
 
     # ------------------------------------------------------------------ set up
 
@@ -116,6 +119,9 @@ class Cloth:
         self._reaction = wp.zeros(n, dtype=wp.vec3d, device=self.device)
         self.clock = wp.zeros(3, dtype=wp.float64, device=self.device)
         self.host_hinges, self.host_weight = hinges, weight
+        starts = np.cumsum([0, *(len(s.mass) for s in sheets)])
+        self._edges = np.concatenate([s.edges + o for s, o in zip(sheets, starts, strict=False)])
+        self._edge_length = np.concatenate([s.edge_length for s in sheets])
 
     def _hold(self, setup: ClothSetup) -> None:
         """Who leads which vertices: held ones of the sheets and those of moving solids."""
@@ -216,12 +222,21 @@ class Cloth:
         contacts = self._contacts
         drift = self.mass @ speed / self.mass.sum()
         fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max())) + float(np.linalg.norm(push, axis=1).max()) * span
-        dt = self.longest
+        dt = self.longest / self._stiffer()
         if contacts.self_collision:
             dt = min(dt, QUICK * contacts.margins(fastest, float(np.linalg.norm(drift)))[0] / max(fastest, 1e-9))
         if contacts.solid is not None:
             dt = min(dt, CATCH * contacts.touch[1] / max(solid_speed, 1e-9))
         return dt
+
+    def _stiffer(self) -> float:
+        """How much higher the highest frequency is than at rest, about: tension stiffens across itself, squeezed triangles shear harder."""
+        if self._looks % STIFFENING == 0:
+            x = self.x.numpy()
+            ratio = np.linalg.norm(x[self._edges[:, 0]] - x[self._edges[:, 1]], axis=1) / self._edge_length
+            self._stiffness = max(1.0 + 1.5 * (float(ratio.max()) - 1.0), min(1.0 / float(ratio.min()) ** 2, 4.0), 1.0)
+        self._looks += 1
+        return math.sqrt(self._stiffness)
 
     def _run(self, dt: float, count: int, solid_speed: float) -> F64:
         """Take `count` steps; the impulses given to the bodies by contact, (b, 6)."""
@@ -355,6 +370,7 @@ class Cloth:
         self.x.assign(whole)
         self.v.assign(both[1])
         self._known = False
+        self._looks = 0
         self._contacts.fresh = False
         self._reaction.zero_()
         self._contacts.held_back.zero_()

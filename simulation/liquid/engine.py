@@ -119,6 +119,8 @@ class LiquidSetup:
     inflows: tuple[Inflow, ...] = ()
     outflows: tuple[Outflow, ...] = ()
     waves: tuple[WaveZones, ...] = ()
+    scattered: bool = False
+    """The particles lie off the points of a lattice already: no engine adds offsets of its own."""
     device: str = "cpu"
     seed: int = 0
 

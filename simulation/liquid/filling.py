@@ -19,7 +19,7 @@ from ...geometry.launch import launch, warp
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, RigidPose, compose
 
-__all__ = ["Filling", "PlacedSolid", "fill"]
+__all__ = ["Filling", "PlacedSolid", "blocked_share", "boxes_meet", "fill"]
 
 HALF = 0.5
 """Distance from surfaces in spacings."""
@@ -175,11 +175,11 @@ def _lattice(own: PlacedSolid, solids: Sequence[PlacedSolid], spacing: float) ->
     step = (high - low) / counts
     axes = [low[k] + step[k] * (np.arange(counts[k]) + 0.5) for k in range(3)]
     own_cells = own.inside_lattice(axes)
-    near = [s for s in solids if _meets(s.box, (low - spacing, high + spacing))]
+    near = [s for s in solids if boxes_meet(s.box, (low - spacing, high + spacing))]
     whole, blocked = abs(own.solid.volume), 0.0
     free_cells = own_cells.copy()
     if near:
-        blocked = _blocked(own, near, axes, step)
+        blocked = blocked_share(own, near, axes, step)
         for solid in near:
             free_cells &= ~solid.inside_lattice(axes)
     kept = np.flatnonzero(own_cells)
@@ -198,11 +198,12 @@ def _lattice(own: PlacedSolid, solids: Sequence[PlacedSolid], spacing: float) ->
     return Filling(points, volume / max(len(points), 1), blocked), False
 
 
-def _meets(a: tuple[F64, F64], b: tuple[F64, F64]) -> bool:
+def boxes_meet(a: tuple[F64, F64], b: tuple[F64, F64]) -> bool:
+    """Whether two boxes touch, each as its least and greatest corner."""
     return bool((a[0] <= b[1]).all() and (b[0] <= a[1]).all())
 
 
-def _blocked(own: PlacedSolid, solids: Sequence[PlacedSolid], axes: Sequence[F64], step: F64) -> float:
+def blocked_share(own: PlacedSolid, solids: Sequence[PlacedSolid], axes: Sequence[F64], step: F64) -> float:
     """Share of the volume inside solids, by points of a lattice twice as fine."""
     shifts = (np.arange(SUBSAMPLES) + 0.5) / SUBSAMPLES - 0.5
     fine = [np.sort((a[:, None] + shifts * s).ravel()) for a, s in zip(axes, step, strict=True)]

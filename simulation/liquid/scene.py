@@ -20,6 +20,7 @@ from ..boundaries import Surround, surround_of
 from .currents import start_velocity
 from .engine import SIDES, Fluid, Inflow, LiquidSetup, Outflow, WaveZones
 from .filling import PlacedSolid, fill
+from .marker_filling import fill_markers
 from .resolved import require_resolved
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ def build_scene(
         inflows=tuple(i for i in _inflows(spec, instance) if i.name not in without),
         outflows=tuple(_outflows(spec, instance)),
         waves=tuple(w for w in _waves(spec, name, spacing) if w.name not in without),
+        scattered=instance.engine == "flip",
         device=instance.settings.device,
         seed=plan.seed,
     )
@@ -108,15 +110,19 @@ def _particles(
     volume: list[F64] = []
     fluid: list[I32] = []
     taken = [s for s in solids if s.solid.closed]
-    # Markers of a grid as fine as they will be: split cells of shallow water would be crowded.
-    parts = round(getattr(instance.settings, "particles_per_cell", 1) ** (1 / 3))
+    seed = spec.simulation.seed
     for number, member in enumerate(instance.members):
         contract = spec.entities[member]
         pose = pose_of(contract.pose)
         blocked = whole = 0.0
         for part in built[member].parts:
             own = PlacedSolid(f"{member}/{part.part}", Solid.from_mesh(part.render, closed=True), pose)
-            filling = fill(own, taken, spacing / parts)
+            if instance.engine == "flip":
+                # As fine as they will be: split cells of shallow water would be crowded.
+                parts = round(instance.settings.particles_per_cell ** (1 / 3))
+                filling = fill_markers(own, taken, spacing / parts, seed)
+            else:
+                filling = fill(own, taken, spacing)
             whole, blocked = whole + abs(own.solid.volume), blocked + filling.blocked * abs(own.solid.volume)
             taken = [*taken, own]
             position.append(filling.position)

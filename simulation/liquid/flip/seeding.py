@@ -49,7 +49,8 @@ def seed(setup: LiquidSetup, per_cell: int) -> Particles:
     random = np.random.default_rng(setup.seed)
     edge = np.cbrt(volume)
     split = position[:, None] + edge[:, None, None] * offset
-    split = split.reshape(-1, 3) + JITTER * random.uniform(-1.0, 1.0, (n * many, 3)) * np.repeat(edge / parts, many)[:, None]
+    jitter = 0.0 if setup.scattered and parts == 1 else JITTER
+    split = split.reshape(-1, 3) + jitter * random.uniform(-1.0, 1.0, (n * many, 3)) * np.repeat(edge / parts, many)[:, None]
     inset = 1e-3 * setup.spacing
     split = np.clip(split, np.asarray(setup.lower) + inset, np.asarray(setup.upper) - inset)
     total = n * many

@@ -12,7 +12,7 @@ from worldagent.tests.simulation.liquid.flip_setup import advance, block, no_bod
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.built import TriangleMesh
 
-from .test_flip import G, box_mesh, drift_of, pool
+from .test_flip import G, box_mesh, drift_of, one_body, pool
 
 
 def ball(radius: float) -> TriangleMesh:
@@ -106,3 +106,26 @@ def test_a_box_floats_as_deep_as_its_density_says_at_either_resolution(ratio: fl
     level = engine.particles().volume.sum() + ratio * np.prod(size)
     draft = level - (heights[-48:].mean() - size[2] / 2)
     assert draft == pytest.approx(ratio * size[2], abs=0.02 * size[2])
+
+
+def test_a_board_thinner_than_a_cell_floats_and_gets_what_the_water_loses() -> None:
+    """Half a cell thick, half as heavy as water, from its draft: no cell inside it carries pressure, the half cells at it do."""
+    cell, size, depth = 0.1, (0.4, 0.3, 0.05), 0.4
+    water = block((0, 0, 0), (1.2, 1.0, depth), cell / 2)
+    at, speed, spin, turn = np.array([0.61, 0.48, depth]), np.zeros(3), np.zeros(3), np.eye(3)
+    water = water[(np.abs(water - at) > np.array(size) / 2).any(axis=1)]
+    board = Boundary("board", box_mesh(size), "dynamic")
+    engine = Flip(LiquidSetup(**{**vars(tank((1.2, 1.0, 0.8), water, cell / 2, boundaries=(board,))), "spacing": cell}))
+    mass = 500.0 * float(np.prod(size))
+    for _ in range(40):
+        state = one_body(at, mass=mass, size=size, velocity=speed, spin=spin)
+        state.rotation[0] = turn
+        report = engine.step(0.02, state)
+        assert np.abs(report.impulse + report.reaction).max() <= 1e-5 * mass * G * report.dt
+        speed = speed + report.impulse[0, :3] / mass - np.array([0.0, 0.0, G * report.dt])
+        spin = spin + state.inverse_inertia[0] @ report.impulse[0, 3:]
+        at = at + report.dt * speed
+        turn = trimesh.transformations.euler_matrix(*(report.dt * spin))[:3, :3] @ turn
+    assert abs(at[2] - depth) < 0.5 * cell
+    assert abs(speed[2]) < 0.1
+    assert turn[2, 2] > 0.95

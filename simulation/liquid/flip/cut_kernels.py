@@ -4,12 +4,12 @@
 
 import warp as wp
 
-from .column_kernels import Columns, cell_at, place_of, vec6i
+from .column_kernels import vec6i
 from .distance_kernels import FAR, REACH, vec8
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 
-__all__ = ["close_thin", "cut_faces", "find_halves", "near_solid", "value_at", "vec6"]
+__all__ = ["close_thin", "cut_faces", "find_halves", "tent_overlap", "value_at", "vec6"]
 
 vec6 = wp.types.vector(length=6, dtype=wp.float32)
 vec27 = wp.types.vector(length=27, dtype=wp.float32)
@@ -111,12 +111,43 @@ def step_to(near: wp.array(dtype=vec6i), c: int, side: int):
     return near[c][side]
 
 
+@wp.func
+def tent_overlap(t: float):
+    """Share of a tent of half width 1 at 0 that lies below t."""
+    if t >= 1.0:
+        return 1.0
+    if t <= -1.0:
+        return 0.0
+    if t >= 0.0:
+        return 1.0 - 0.5 * (1.0 - t) * (1.0 - t)
+    return 0.5 * (1.0 + t) * (1.0 + t)
+
+
+@wp.func
+def tent_room(v: vec27):
+    """Open share of a tent around a cell's centre, from the distances at its corners and half way between them.
+
+    The tent is the sum of 27 tents of half its width around those points; of each, what a plane cuts off hardly depends on how it is
+    turned.
+    """
+    total = float(0.0)
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                w = float(2 - wp.abs(i - 1)) * float(2 - wp.abs(j - 1)) * float(2 - wp.abs(k - 1))
+                total += w * tent_overlap(2.0 * v[9 * i + 3 * j + k])
+    return total / 64.0
+
+
 @wp.kernel
 def find_halves(
     first: wp.int32, near: wp.array(dtype=vec6i), points: wp.array(dtype=vec8), halves: wp.array(dtype=vec6),
-    room: wp.array(dtype=float), solid: wp.array(dtype=float),
+    room: wp.array(dtype=float), spread: wp.array(dtype=float), solid: wp.array(dtype=float),
 ):  # fmt: skip
-    """Open share of the lower and upper half of a cell along each axis, from its eight octants; distance at its centre."""
+    """Open share of the lower and upper half of a cell along each axis, from its eight octants; distance at its centre.
+
+    `room` and `spread` (weighted as density is) are reduced.
+    """
     c = first + wp.tid()
     own = points[c]
     solid[c] = own[7]
@@ -125,6 +156,7 @@ def find_halves(
         h[s] = 1.0
         if own[7] < 0.0:
             h[s] = 0.0
+    around = h[0]
     if wp.abs(own[7]) < REACH:
         v = vec27()
         x = near[c][1]
@@ -152,6 +184,7 @@ def find_halves(
                         k = 2 * d + s % 2
                         if i < 3 and j < 3 and k < 3:
                             v[9 * i + 3 * j + k] = p[s]
+        around = tent_room(v)
         for s in range(6):
             h[s] = 0.0
         for s in range(8):
@@ -165,6 +198,7 @@ def find_halves(
             h[4 + k] = h[4 + k] + part
     halves[c] = h
     room[c] = room[c] * 0.5 * (h[0] + h[1])
+    spread[c] = spread[c] * around
 
 
 @wp.kernel
@@ -226,30 +260,3 @@ def close_thin(
                     share[axis] = 0.0
     opening[c] = share
     thin[c] = mark
-
-
-@wp.kernel
-def near_solid(
-    first: wp.int32, grid: Columns, solid: wp.array(dtype=float), halves: wp.array(dtype=vec6), spread: wp.array(dtype=float)
-):
-    """Room around a cell's centre, weighted as density is: 1/8, 3/4, 1/8 along each axis."""
-    c = first + wp.tid()
-    if solid[c] < 2.5:
-        at = place_of(grid, c)
-        total = float(0.0)
-        for a in range(-1, 2):
-            for b in range(-1, 2):
-                for d in range(-1, 2):
-                    w = float(1.0)
-                    if a == 0:
-                        w = w * 6.0
-                    if b == 0:
-                        w = w * 6.0
-                    if d == 0:
-                        w = w * 6.0
-                    n = cell_at(grid, at[0] + a, at[1] + b, at[2] + d)
-                    if n >= 0:
-                        total += w * 0.5 * (halves[n][0] + halves[n][1])
-                    else:
-                        total += w
-        spread[c] = spread[c] * total / 512.0

@@ -161,8 +161,7 @@ def corner_distances(
     first: wp.int32, grid: Columns, before: Columns, reuse: int, mesh: wp.uint64, sheet: wp.uint64,
     mesh_owner: wp.array(dtype=wp.int32), sheet_owner: wp.array(dtype=wp.int32), fixed_before: wp.array(dtype=vec8),
     fixed_owner_before: wp.array(dtype=wp.vec4i), moving: Moving, fixed: wp.array(dtype=vec8),
-    fixed_owner: wp.array(dtype=wp.vec4i), points: wp.array(dtype=vec8), distance: wp.array(dtype=float),
-    owner: wp.array(dtype=wp.vec4i),
+    fixed_owner: wp.array(dtype=wp.vec4i), points: wp.array(dtype=vec8), owner: wp.array(dtype=wp.vec4i),
 ):  # fmt: skip
     """Distance to the nearest solid at a cell's corner and at the seven points half a cell beyond it; whose solid is nearest to the corner and to the
     centres of the cell's three lower faces.
@@ -214,37 +213,37 @@ def corner_distances(
                         who[slot] = moving.row[m]
                 d[s] = wp.min(d[s], f)
     points[c] = d
-    distance[c] = d[0]
     owner[c] = who
 
 
 @wp.func
-def corner_distance(grid: Columns, distance: wp.array(dtype=float), x: wp.vec3):
-    """Distance and its gradient at a point, from the corners of its cell."""
-    i = int(wp.floor(x[0]))
-    j = int(wp.floor(x[1]))
-    k = int(wp.floor(x[2]))
-    fx = x[0] - float(i)
-    fy = x[1] - float(j)
-    fz = x[2] - float(k)
-    a = cell_at(grid, i, j, k)
-    b = cell_at(grid, i, j + 1, k)
-    c = cell_at(grid, i + 1, j, k)
-    d = cell_at(grid, i + 1, j + 1, k)
-    a1 = cell_at(grid, i, j, k + 1)
-    b1 = cell_at(grid, i, j + 1, k + 1)
-    c1 = cell_at(grid, i + 1, j, k + 1)
-    d1 = cell_at(grid, i + 1, j + 1, k + 1)
-    if a < 0 or b < 0 or c < 0 or d < 0 or a1 < 0 or b1 < 0 or c1 < 0 or d1 < 0:
+def point_distance(grid: Columns, points: wp.array(dtype=vec8), i: int, j: int, k: int):
+    """Distance at a point of the lattice of half cells; far beyond the grid."""
+    c = cell_at(grid, i // 2, j // 2, k // 2)
+    if c < 0:
+        return float(FAR)
+    return points[c][4 * (i % 2) + 2 * (j % 2) + k % 2]
+
+
+@wp.func
+def near_distance(grid: Columns, points: wp.array(dtype=vec8), x: wp.vec3):
+    """Distance and its gradient [per half cell] at a point, from the corners of the half cell around it; far where one is missing."""
+    i = int(wp.floor(2.0 * x[0]))
+    j = int(wp.floor(2.0 * x[1]))
+    k = int(wp.floor(2.0 * x[2]))
+    fx = 2.0 * x[0] - float(i)
+    fy = 2.0 * x[1] - float(j)
+    fz = 2.0 * x[2] - float(k)
+    a0 = point_distance(grid, points, i, j, k)
+    b0 = point_distance(grid, points, i, j + 1, k)
+    c0 = point_distance(grid, points, i + 1, j, k)
+    d0 = point_distance(grid, points, i + 1, j + 1, k)
+    at = point_distance(grid, points, i, j, k + 1)
+    bt = point_distance(grid, points, i, j + 1, k + 1)
+    ct = point_distance(grid, points, i + 1, j, k + 1)
+    dt = point_distance(grid, points, i + 1, j + 1, k + 1)
+    if wp.max(wp.max(wp.max(a0, b0), wp.max(c0, d0)), wp.max(wp.max(at, bt), wp.max(ct, dt))) >= FAR:
         return wp.vec4(0.0, 0.0, 0.0, float(FAR))
-    a0 = distance[a]
-    b0 = distance[b]
-    c0 = distance[c]
-    d0 = distance[d]
-    at = distance[a1]
-    bt = distance[b1]
-    ct = distance[c1]
-    dt = distance[d1]
     x0 = (1.0 - fy) * ((1.0 - fz) * a0 + fz * at) + fy * ((1.0 - fz) * b0 + fz * bt)
     x1 = (1.0 - fy) * ((1.0 - fz) * c0 + fz * ct) + fy * ((1.0 - fz) * d0 + fz * dt)
     y0 = (1.0 - fx) * ((1.0 - fz) * a0 + fz * at) + fx * ((1.0 - fz) * c0 + fz * ct)
@@ -256,7 +255,7 @@ def corner_distance(grid: Columns, distance: wp.array(dtype=float), x: wp.vec3):
 
 @wp.kernel
 def push_out(
-    first: wp.int32, grid: Columns, distance: wp.array(dtype=float), owner: wp.array(dtype=wp.vec4i), walls: Walls,
+    first: wp.int32, grid: Columns, points: wp.array(dtype=vec8), owner: wp.array(dtype=wp.vec4i), walls: Walls,
     cells_per_speed: float, lower: wp.vec3, upper: wp.vec3, sides: vec6i, position: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Particles inside solids go to the nearest point outside, where the solid will be at the end of the step."""
@@ -265,11 +264,11 @@ def push_out(
     x = wp.vec3(q[0], q[1], q[2])
     c = cell_at(grid, int(wp.floor(x[0])), int(wp.floor(x[1])), int(wp.floor(x[2])))
     if c >= 0:
-        if distance[c] < 4.0:
+        if points[c][0] < 4.0:
             shift = cells_per_speed * wall_speed(walls, owner[c][0], x)
             moved = int(0)
             for _turn in range(2):
-                g = corner_distance(grid, distance, x - shift)
+                g = near_distance(grid, points, x - shift)
                 if g[3] < SKIN:
                     n = wp.normalize(wp.vec3(g[0], g[1], g[2]))
                     x = x + (SKIN - g[3]) * n

@@ -18,6 +18,7 @@ from ..zones import Zones
 from . import column_kernels as columns
 from . import cut_kernels as cuts
 from . import distance_kernels as distances
+from . import exchange_kernels as exchanges
 from . import grid_kernels as cells
 from . import multigrid, seeding
 from . import solid_kernels as walls
@@ -37,6 +38,8 @@ __all__ = ["Flip"]
 PAD = 2
 """Cells below the domain, for faces beyond its walls; above there is one more."""
 FAR = 1e9
+SLIVER = 0.05
+"""Share of a cell below which what a closed side leaves of it is no cell of its own."""
 KARMAN = 0.41
 FALL = 0.25
 """Way that gravity adds in a step, in cells: the first steps from rest are of first order in time."""
@@ -71,6 +74,8 @@ class Flip:
         closed = np.array([side == "closed" for side in setup.sides]).reshape(3, 2)
         self._walls = np.where(closed, np.array([np.full(3, float(PAD)), size]).T, (-FAR, FAR)).T
         """Lower and upper walls of the domain [cells]; far away where a side is open."""
+        # A closed side may cut its last cell: that one holds liquid wherever its centre is.
+        self._top = wp.vec3(*np.where(closed[:, 1], np.ceil(size - SLIVER), size))
         self._density = setup.fluids[0].density
         self._reach = math.ceil(self.settings.cfl) + 1
         apic = self.settings.transfer == "apic"
@@ -127,7 +132,7 @@ class Flip:
         fine, run = solver.levels[0], self.run
         exchange = Exchange(run, self.solids, bodies, fine, grid.columns, self._shut(grid, fine), mouths)
         exchange.mass = self._density * self._cell**3
-        exchange.start(run.array("pressure_right", fine.rows, warp().float32), dt)
+        exchange.start(run.array("pressure_right", fine.rows, warp().float32), self._faces(grid, "new")[0], dt)
         pressed = self._press(solver, exchange)
         iterations, capped = pressed.iterations, int(pressed.capped)
         impulse = exchange.end(run.array("q", fine.rows, warp().float32))
@@ -231,14 +236,13 @@ class Flip:
             fixed_before = run.array("fixed/before", 1, distances.vec8)
             halves = run.array("halves", total, cuts.vec6)
             assert self.solids.fixed is not None
-            distance, nearest = self._of(grid, "distance")[0], run.array("owner", total, wp.vec4i)
+            nearest = run.array("owner", total, wp.vec4i)
             inputs = [grid.columns, before, self.solids.reuse, *self.solids.fixed, fixed_before, owner_before, self.solids.moving]
-            run(distances.corner_distances, total, [*inputs, fixed, owner, points, distance, nearest], grain=256)
+            run(distances.corner_distances, total, [*inputs, fixed, owner, points, nearest], grain=256)
             self.solids.reuse = 1
-            run(cuts.find_halves, total, [grid.near, points, halves, room, solid], grain=1024)
+            run(cuts.find_halves, total, [grid.near, points, halves, room, spread, solid], grain=1024)
             run(cuts.cut_faces, total, [grid.near, nearest, halves, opening, self._owners(grid)])
             run(cuts.close_thin, total, [grid.near, solid, opening, run.array("thin", total, wp.vec3)])
-            run(cuts.near_solid, total, [grid.columns, solid, halves, spread])
         if self.settings.roughness > 0.0:
             self._rub(grid)
         if self.sources.mouths:
@@ -259,7 +263,11 @@ class Flip:
         wp, run, total = warp(), self.run, grid.cells
         red, wet = run.array("red", total + 1, wp.int32), run.array("wet", total + 1, wp.int32)
         (phi,) = self._of(grid, "phi")
-        run(cells.find_surface, total, [grid.columns, *self._of(grid, "density", "spread"), *self._box, phi, red, wet])
+        run(
+            cells.find_surface,
+            total,
+            [grid.columns, *self._of(grid, "density", "spread"), self._box[0], self._top, phi, red, wet],
+        )
         if self.solids.count:
             inputs = [
                 grid.columns,
@@ -288,7 +296,8 @@ class Flip:
     def _shut(self, grid: Grid, level: multigrid.Level) -> Any:
         """What closes the faces of the liquid's cells."""
         wp, run = warp(), self.run
-        shut = walls.Shut()
+        shut = exchanges.Shut()
+        shut.phi = self._of(grid, "phi")[0]
         shut.near, shut.row, shut.cell = grid.near, level.row, run.array("cell", level.rows, wp.int32)
         shut.opening, shut.owner, shut.solids = self._faces(grid, "opening")[0], self._owners(grid), int(self.solids.count > 0)
         shut.inside, shut.thin = run.array("inside", grid.cells, wp.int32), run.array("thin", grid.cells, wp.vec3)
@@ -311,7 +320,7 @@ class Flip:
         run.swap("pressure", "pressure/first")
         rubbed = self.viscosity.apply(grid, exchange, self.markers, fine.row, self._dt, 4 * self.settings.iterations)
         self._fill_rows(grid, fine)
-        exchange.again(run.array("pressure_right", fine.rows, wp.float32))
+        exchange.again(run.array("pressure_right", fine.rows, wp.float32), self._faces(grid, "new")[0])
         return rubbed
 
     def _fill_rows(self, grid: Grid, level: multigrid.Level) -> None:
@@ -328,8 +337,8 @@ class Flip:
         right, push = run.array("push_right", rows, wp.float32), run.array("push", rows, wp.float32)
         excess, airy = run.array("excess", rows, wp.float32), run.array("airy", rows, wp.int32)
         share = self.settings.volume_correction
-        state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, share, right, excess]
-        run(cells.rate_density, rows, state)
+        state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, int(self.solids.count > 0)]
+        run(cells.rate_density, rows, [*state, *self._of(grid, "solid"), share, right, excess])
         found, inner = run.read(excess, rows), run.read(airy, rows) == 0
         bounds = (float(found[inner].mean()) if inner.any() else 0.0, float(found.max(initial=0.0)))
         if share == 0.0:
@@ -359,10 +368,10 @@ class Flip:
         change = np.zeros(6)
         if self.solids.count:
             many = -(-total // run.block)
-            sums = run.array("momentum/sums", many, walls.vec6d)
-            state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening", "thin")]
+            sums = run.array("momentum/sums", many, exchanges.vec6d)
+            state = [grid.columns, self._shut(grid, level)]
             speeds = self._faces(grid, "kicked" if viscous else "new", "new2")
-            run(walls.momentum, many, [total, run.block, *state, *speeds, sums], grain=16)
+            run(exchanges.momentum, many, [total, run.block, *state, *speeds, sums], grain=16)
             change = run.read(sums, many).sum(axis=0) * self._density * self._cell**3
             change[3:] *= self._cell
         run.swap("new", "new2")
@@ -385,7 +394,8 @@ class Flip:
         how = [ratio, int(markers.apic), way, float(self._reach - 1), *self._box, self._sides]
         run(transfer.advance, n, [*fields, *how, markers.position, markers.velocity, markers.affine, left])
         if self.solids.count:
-            state = [grid.columns, *self._of(grid, "distance"), run.array("owner", grid.cells, wp.vec4i), exchange.walls]
+            points = run.array("points", grid.cells, distances.vec8)
+            state = [grid.columns, points, run.array("owner", grid.cells, wp.vec4i), exchange.path()]
             run(distances.push_out, n, [*state, way, *self._box, self._sides, markers.position])
 
     def particles(self) -> Particles:

@@ -1,4 +1,8 @@
-"""Momentum between liquid and boundaries: bodies inside the pressure system (Batty et al. 2007), wrenches, what the liquid felt."""
+"""Momentum between liquid and boundaries: bodies inside the pressure system (Batty et al. 2007), wrenches, what the liquid felt.
+
+At a thin wall no cell inside the solid carries the pressure: the half cell of liquid before it moves as the wall does. Its momentum
+goes to the wall when the solve starts, and a body that reacts is heavier by it.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ import numpy as np
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ...boundaries import BodyState
-from . import solid_kernels as kernels
+from . import exchange_kernels as kernels
 from .multigrid import Level
 from .run import Runner
 from .solids import Solids, reacting
@@ -32,13 +36,71 @@ class Exchange:
         self.mass = 0.0
         """Of a full cell [kg]."""
         wp, rows = warp(), level.rows
-        flag, before = run.array("touch/flag", rows + 1, wp.int32), run.array("touch/before", rows + 1, wp.int32)
-        run(kernels.touching, rows, [shut, flag])
-        flag[rows : rows + 1].zero_()
-        self._count = run.scan(flag, before, rows + 1)
-        self._touched = run.array("touch/rows", self._count, wp.int32)
-        run(kernels.list_rows, rows, [flag, before, self._touched])
+        flags = [run.array(f"touch/{name}", rows + 1, wp.int32) for name in ("flag", "thin")]
+        run(kernels.touching, rows, [shut, *flags])
+        self._touched, self._count = self._listed("rows", flags[0], rows)
+        self._thin, self._thin_count = self._touched, 0
+        if self.solids.count:
+            self._thin, self._thin_count = self._listed("thin rows", flags[1], rows)
         self.reacting = reacting(solids.setup.boundaries, bodies)
+        self._owners = [*range(solids.count + len(mouths)), -1]
+
+    def _listed(self, name: str, flag: Any, rows: int) -> tuple[Any, int]:
+        """Flagged rows and how many they are."""
+        wp, run = warp(), self.run
+        before = run.array("touch/before", rows + 1, wp.int32)
+        flag[rows : rows + 1].zero_()
+        count = run.scan(flag, before, rows + 1)
+        listed = run.array(f"touch/{name}", count, wp.int32)
+        run(kernels.list_rows, rows, [flag, before, listed])
+        return listed, count
+
+    def _hold(self, speeds: Any) -> None:
+        """Take the half cells at thin walls along: their momentum, their inertia, and what reacting bodies make of both.
+
+        Sets `_momentum` (n, 6) and `_inertia` (n, 6, 6) of all owners [kg m/s, kg m^2/s; kg, kg m, kg m^2] and `_give`, from an
+        impulse to a change of velocity and spin (reacting bodies, 6, 6).
+        """
+        wp, run, many = warp(), self.run, len(self._owners)
+        found = np.zeros((many, 27))
+        if self._thin_count:
+            blocks = -(-self._thin_count // BLOCK)
+            sums = run.array("hold/sums", many * blocks, kernels.vec27d)
+            who = run.upload("hold/owners", np.array(self._owners, np.int32), wp.int32)
+            inputs = [self._grid, self._shut, self._thin, self._thin_count, BLOCK, blocks, who, self.walls, speeds, sums]
+            run(kernels.hold, many * blocks, inputs, grain=4)
+            found = self.mass * run.read(sums, many * blocks).reshape(many, blocks, 27).sum(axis=1)
+        size = np.repeat([1.0, self.solids._cell], 3)
+        self._momentum = found[:, :6] * size
+        upper = np.zeros((many, 6, 6))
+        upper[(slice(None), *np.triu_indices(6))] = found[:, 6:]
+        whole = upper + np.triu(upper, 1).transpose(0, 2, 1)
+        self._inertia = whole * size[:, None] * size
+        own = np.zeros((len(self.reacting), 6, 6))
+        own[:, :3, :3] = self.bodies.inverse_mass[self.reacting][:, None, None] * np.eye(3)
+        own[:, 3:, 3:] = self.bodies.inverse_inertia[self.reacting]
+        self._give = np.linalg.solve(np.eye(6) + own @ self._inertia[self.reacting], own)
+        before = self._of_owners()
+        kick, spin = self._given(self._stuck(before)[self.reacting])
+        self.moved(kick, spin)
+
+    def _of_owners(self) -> F64:
+        """Velocity and spin of every owner now, (n, 6)."""
+        result = np.zeros((len(self._owners), 6))
+        count = self.solids.count
+        result[:count, :3], result[:count, 3:], result[count:-1, :3] = self.velocity, self.spin, self.mouths
+        return result
+
+    def _stuck(self, motion: F64) -> F64:
+        """Impulse on every owner of the half cells that now move with it, (n, 6)."""
+        return np.asarray(self._momentum - np.einsum("nij,nj->ni", self._inertia, motion))
+
+    def _given(self, impulse: F64) -> tuple[F64, F64]:
+        """Changes of velocity and spin of all boundaries by impulses on the reacting ones, half cells at them included."""
+        kick, spin = np.zeros((self.solids.count, 3)), np.zeros((self.solids.count, 3))
+        change = np.einsum("nij,nj->ni", self._give, impulse)
+        kick[self.reacting], spin[self.reacting] = change[:, :3], change[:, 3:]
+        return kick, spin
 
     def _sums(self, owners: list[int], q: Any, walls: Any) -> F64:
         """Sums of q over the solid faces of each owner: along axes, and about its centre [m], (n, 6)."""
@@ -58,15 +120,20 @@ class Exchange:
     def _push(self, target: Any, walls: Any, scale: float) -> None:
         self.run(kernels.push_rows, self._count, [self._grid, self._shut, self._touched, walls, target, scale], grain=1024)
 
-    def start(self, right: Any, dt: float) -> None:
-        """Add the flux of walls that move by themselves to the right side."""
+    def start(self, right: Any, speeds: Any, dt: float) -> None:
+        """Add the flux of walls that move by themselves, and by the half cells that stick to them, to the right side.
+
+        Args:
+            right: of the rows.
+            speeds: of faces before the pressure.
+            dt: of the step [s].
+        """
         bodies = self.bodies
         self.velocity = bodies.velocity + dt * bodies.acceleration * (bodies.inverse_mass > 0.0)[:, None]
         self.spin = bodies.angular_velocity
         self.walls = self.solids.walls("walls", bodies, self.velocity, self.spin, self.mouths)
         self._still = not (self.velocity.any() or bodies.angular_velocity.any() or self.mouths.any())
-        if not self._still:
-            self._push(right, self.walls, -1.0)
+        self.again(right, speeds)
 
     def add(self, p: Any, ap: Any) -> float:
         """Add the answer of reacting bodies to A p; returns its part of p A p."""
@@ -74,7 +141,7 @@ class Exchange:
         if not rows:
             return 0.0
         sums = self._sums(rows, p, self.walls)
-        kick, spin = self.answer(rows, self.mass * sums)
+        kick, spin = self._given(self.mass * sums)
         walls = self.solids.walls("answer", self.bodies, kick, spin, np.zeros_like(self.mouths))
         self._push(ap, walls, 1.0)
         return float((sums[:, :3] * kick[rows]).sum() + (sums[:, 3:] * spin[rows]).sum())
@@ -86,10 +153,19 @@ class Exchange:
         self.walls = self.solids.walls("walls", self.bodies, self.velocity, self.spin, self.mouths)
         return self.walls
 
-    def again(self, right: Any) -> None:
+    def again(self, right: Any, speeds: Any) -> None:
         """Add the flux of walls as they move now to the right side of a second solve."""
+        if self.solids.count:
+            self._hold(speeds)
         if not self._still:
             self._push(right, self.walls, -1.0)
+
+    def path(self) -> Any:
+        """Mean motion of the boundaries over the step, for kernels: forces act evenly over it."""
+        velocity, spin = (
+            0.5 * (a + b) for a, b in ((self.bodies.velocity, self.velocity), (self.bodies.angular_velocity, self.spin))
+        )
+        return self.solids.walls("path", self.bodies, velocity, spin, self.mouths)
 
     def answer(self, rows: list[int], impulse: F64) -> tuple[F64, F64]:
         """Changes of velocity and angular velocity of all boundaries by impulses on the given ones (n, 6)."""
@@ -104,10 +180,9 @@ class Exchange:
         many = self.solids.count + len(self.mouths)
         if not self.solids.count:
             return np.zeros((many + 1, 6))
-        impulse = self.mass * self._sums([*range(many), -1], q, self.walls)
-        kick, spin = self.answer(self.reacting, impulse[self.reacting])
-        self.moved(kick, spin)
-        return impulse
+        impulse = self.mass * self._sums(self._owners, q, self.walls)
+        self.moved(*self._given(impulse[self.reacting]))
+        return np.asarray(impulse + self._stuck(self._of_owners()))
 
     def felt(self, impulse: F64, change: F64) -> F64:
         """What the liquid's own momentum changed by through each boundary, about its centre (b, 6).

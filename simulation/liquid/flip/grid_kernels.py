@@ -10,6 +10,7 @@ Enright et al. 2003), velocities after it, and their extension beyond the liquid
 import warp as wp
 
 from .column_kernels import Columns, place_of, vec6i
+from .cut_kernels import tent_overlap
 from .distance_kernels import Walls, wall_speed
 from .solid_kernels import face_center
 
@@ -42,18 +43,6 @@ LEAST_THETA = wp.constant(0.05)
 def overlap(k: float, low: float, high: float):
     """Share of [k, k + 1] inside [low, high]."""
     return wp.clamp(wp.min(k + 1.0, high) - wp.max(k, low), 0.0, 1.0)
-
-
-@wp.func
-def tent_overlap(t: float):
-    """Share of a tent of half width 1 at 0 that lies below t."""
-    if t >= 1.0:
-        return 1.0
-    if t <= -1.0:
-        return 0.0
-    if t >= 0.0:
-        return 1.0 - 0.5 * (1.0 - t) * (1.0 - t)
-    return 0.5 * (1.0 + t) * (1.0 + t)
 
 
 @wp.func
@@ -261,14 +250,21 @@ def build_rows(
 @wp.kernel
 def rate_density(
     first: wp.int32, cell: wp.array(dtype=wp.int32), density: wp.array(dtype=float), spread: wp.array(dtype=float),
-    airy: wp.array(dtype=wp.int32), share: float, right: wp.array(dtype=float), excess: wp.array(dtype=float),
+    airy: wp.array(dtype=wp.int32), solids: int, solid: wp.array(dtype=float), share: float, right: wp.array(dtype=float),
+    excess: wp.array(dtype=float),
 ):  # fmt: skip
-    """Source that undoes a share of a cell's compression, in cells of displacement; `excess` is the compression itself."""
+    """Source that undoes a share of a cell's compression, in cells of displacement; `excess` is the compression itself.
+
+    Of cells whose centre lies in a solid too little is open to tell.
+    """
     r = first + wp.tid()
     c = cell[r]
     e = density[c] / wp.max(spread[c], 0.05) - 1.0
     if airy[r] == 1:
         e = wp.max(e, 0.0)
+    if solids == 1:
+        if solid[c] < 0.0:
+            e = 0.0
     excess[r] = e
     right[r] = share * wp.min(spread[c], 1.0) * wp.clamp(e, -0.2, 0.5)
 

@@ -1,6 +1,6 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""Solids and liquid on faces: velocities that walls prescribe, friction, wrenches, momentum, mouths and drains.
+"""Solids and liquid on faces: velocities that walls prescribe, friction, mouths and drains.
 
 Lengths are in cells. Owners are rows of boundaries, then of inflows; -1 is the domain.
 """
@@ -13,22 +13,8 @@ from .distance_kernels import FAR, Walls, wall_speed
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 
-__all__ = [
-    "Shut",
-    "constrain",
-    "face_center",
-    "list_rows",
-    "momentum",
-    "open_mouths",
-    "push_rows",
-    "rub",
-    "take_out",
-    "touching",
-    "vec6d",
-    "wrench",
-]
+__all__ = ["constrain", "face_center", "open_mouths", "rub", "take_out"]
 
-vec6d = wp.types.vector(length=6, dtype=wp.float64)
 LEAST = wp.constant(0.02)
 """As `grid_kernels.LEAST_OPEN`."""
 
@@ -80,197 +66,6 @@ def open_mouths(
                     who[axis] = base + m
     opening[c] = share
     face_owner[c] = who
-
-
-@wp.struct
-class Shut:
-    """Which faces are closed and by whom; `inside` and `thin` hold where there are solids."""
-
-    near: wp.array(dtype=vec6i)
-    cell: wp.array(dtype=wp.int32)
-    row: wp.array(dtype=wp.int32)
-    opening: wp.array(dtype=wp.vec3)
-    owner: wp.array(dtype=wp.vec3i)
-    solids: wp.int32
-    inside: wp.array(dtype=wp.int32)
-    """Owner of the solid around a hidden cell (`grid_kernels.find_hidden`): all its closed faces are that one's; -2 elsewhere."""
-    thin: wp.array(dtype=wp.vec3)
-    """Share, once open, of faces that a thin wall closes: no cell in it carries the pressure at the wall."""
-
-
-@wp.func
-def face_of(at: Shut, c: int, side: int):
-    """Cell whose lower face a cell's side is."""
-    face = int(c)
-    if side % 2 == 1:
-        face = at.near[c][side]
-    return face
-
-
-@wp.func
-def is_thin(at: Shut, c: int, side: int):
-    """Whether a thin wall closes a side of a cell of liquid."""
-    t = int(0)
-    if at.solids == 1:
-        f = face_of(at, c, side)
-        if f >= 0 and at.inside[c] == -2:
-            if at.thin[f][side // 2] > 0.0:
-                t = 1
-    return t
-
-
-@wp.func
-def beyond(at: Shut, c: int, side: int):
-    """Row of the open neighbour across from a side; -1 where there is none."""
-    other = side + 1
-    if side % 2 == 1:
-        other = side - 1
-    r = int(-1)
-    m = at.near[c][other]
-    if m >= 0:
-        f = face_of(at, c, other)
-        if at.opening[f][side // 2] >= LEAST:
-            r = at.row[m]
-    return r
-
-
-@wp.func
-def owner_of(at: Shut, c: int, side: int):
-    """Who closes a side of a cell."""
-    who = int(-2)
-    if at.solids == 1:
-        who = at.inside[c]
-    if who == -2:
-        who = at.owner[face_of(at, c, side)][side // 2]
-    return who
-
-
-@wp.func
-def behind(at: Shut, c: int, side: int):
-    """Neighbour at a side that has a thin wall on its far side, so that this cell shares in the pressure there; -1 otherwise."""
-    n = int(-1)
-    if at.solids == 1:
-        m = at.near[c][side]
-        if m >= 0:
-            if at.row[m] >= 0 and at.opening[face_of(at, c, side)][side // 2] >= LEAST:
-                if is_thin(at, m, side) == 1:
-                    n = m
-    return n
-
-
-@wp.kernel
-def touching(first: wp.int32, at: Shut, flag: wp.array(dtype=wp.int32)):
-    """Rows with a face that is not fully open, and those behind a row at a thin wall."""
-    r = first + wp.tid()
-    c = at.cell[r]
-    hit = int(0)
-    for side in range(6):
-        face = face_of(at, c, side)
-        if face >= 0:
-            if at.opening[face][side // 2] < 1.0:
-                hit = 1
-            elif behind(at, c, side) >= 0:
-                hit = 1
-    flag[r] = hit
-
-
-@wp.kernel
-def list_rows(
-    first: wp.int32, flag: wp.array(dtype=wp.int32), before: wp.array(dtype=wp.int32), touched: wp.array(dtype=wp.int32)
-):
-    """Flagged rows, one after the other."""
-    r = first + wp.tid()
-    if flag[r] == 1:
-        touched[before[r]] = r
-
-
-@wp.func
-def shut(share: float):
-    """Solid share of a face."""
-    if share < LEAST:
-        return 1.0
-    return 1.0 - share
-
-
-@wp.func
-def side_center(grid: Columns, c: int, side: int):
-    """Centre of a side of a cell."""
-    axis = side // 2
-    x = face_center(place_of(grid, c), axis)
-    if side % 2 == 1:
-        x[axis] = x[axis] + 1.0
-    return x
-
-
-@wp.kernel
-def wrench(
-    first: wp.int32, grid: Columns, at: Shut, touched: wp.array(dtype=wp.int32), count: int, block: int, blocks: int,
-    owners: wp.array(dtype=wp.int32), walls: Walls, q: wp.array(dtype=float), sums: wp.array(dtype=vec6d),
-):  # fmt: skip
-    """Sum of q over the solid shares of faces: along axes, and about the owner's centre [cells], for one owner and block of rows.
-
-    At a thin wall q is continued from the two nearest cells, elsewhere cells inside the solid carry it.
-    """
-    n = first + wp.tid()
-    who = owners[n // blocks]
-    b = n % blocks
-    about = wp.vec3()
-    if who >= 0:
-        about = walls.center[who]
-    total = vec6d()
-    for t in range(b * block, wp.min((b + 1) * block, count)):
-        r = touched[t]
-        c = at.cell[r]
-        for side in range(6):
-            axis = side // 2
-            face = face_of(at, c, side)
-            if face >= 0:
-                s = shut(at.opening[face][axis])
-                if s > 0.0 and owner_of(at, c, side) == who:
-                    value = q[r]
-                    if is_thin(at, c, side) == 1:
-                        o = beyond(at, c, side)
-                        if o >= 0:
-                            value = 1.5 * q[r] - 0.5 * q[o]
-                    f = wp.vec3()
-                    f[axis] = float(2 * (side % 2) - 1) * s * value
-                    m = wp.cross(side_center(grid, c, side) - about, f)
-                    total += vec6d(
-                        wp.float64(f[0]), wp.float64(f[1]), wp.float64(f[2]),
-                        wp.float64(m[0]), wp.float64(m[1]), wp.float64(m[2]),
-                    )  # fmt: skip
-    sums[n] = total
-
-
-@wp.kernel
-def push_rows(
-    first: wp.int32, grid: Columns, at: Shut, touched: wp.array(dtype=wp.int32), walls: Walls, y: wp.array(dtype=float),
-    scale: float,
-):  # fmt: skip
-    """Add the flux that moving walls give to each touching cell: the transpose of `wrench`."""
-    r = touched[first + wp.tid()]
-    c = at.cell[r]
-    total = float(0.0)
-    for side in range(6):
-        axis = side // 2
-        face = face_of(at, c, side)
-        sign = float(2 * (side % 2) - 1)
-        if face >= 0:
-            s = shut(at.opening[face][axis])
-            who = owner_of(at, c, side)
-            if s > 0.0 and who >= 0:
-                part = float(1.0)
-                if is_thin(at, c, side) == 1:
-                    if beyond(at, c, side) >= 0:
-                        part = 1.5
-                total += part * sign * s * wall_speed(walls, who, side_center(grid, c, side))[axis]
-            m = behind(at, c, side)
-            if m >= 0:
-                who = owner_of(at, m, side)
-                s = shut(at.opening[face_of(at, m, side)][axis])
-                if who >= 0:
-                    total -= 0.5 * sign * s * wall_speed(walls, who, side_center(grid, m, side))[axis]
-    y[r] = y[r] + scale * total
 
 
 @wp.kernel
@@ -372,44 +167,6 @@ def rub(
                 speed = 0.5 * (speed + wp.length(now[o]))
             v[axis] = u[axis] / (1.0 + rate * speed)
     now_out[c] = v
-
-
-@wp.kernel
-def momentum(
-    first: wp.int32, cells: int, block: int, grid: Columns, near: wp.array(dtype=vec6i), row: wp.array(dtype=wp.int32),
-    phi: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), thin: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
-    after: wp.array(dtype=wp.vec3), sums: wp.array(dtype=vec6d),
-):  # fmt: skip
-    """Change of the liquid's momentum on its faces between two velocities, and about the grid's origin, in cells of liquid."""
-    n = first + wp.tid()
-    total = vec6d()
-    for c in range(n * block, wp.min((n + 1) * block, cells)):
-        at = place_of(grid, c)
-        for axis in range(3):
-            o = near[c][2 * axis]
-            s = int(-1)
-            if o >= 0:
-                s = row[o]
-            r = row[c]
-            share = wp.max(opening[c][axis], thin[c][axis])
-            if share >= LEAST and (r >= 0 or s >= 0):
-                mass = share
-                if thin[c][axis] > 0.0:
-                    mass = share
-                elif r < 0:
-                    mass = share * wp.clamp(phi[o] / (phi[o] - wp.max(phi[c], 1.0e-3)), 0.05, 1.0)
-                elif s < 0:
-                    theta = float(0.5)
-                    if o >= 0:
-                        theta = wp.clamp(phi[c] / (phi[c] - wp.max(phi[o], 1.0e-3)), 0.05, 1.0)
-                    mass = share * theta
-                f = wp.vec3()
-                f[axis] = mass * (after[c][axis] - before[c][axis])
-                m = wp.cross(face_center(at, axis), f)
-                total += vec6d(
-                    wp.float64(f[0]), wp.float64(f[1]), wp.float64(f[2]), wp.float64(m[0]), wp.float64(m[1]), wp.float64(m[2])
-                )
-    sums[n] = total
 
 
 @wp.kernel

@@ -14,10 +14,10 @@ from ..engine import Fluid, LiquidSetup
 from . import grid_kernels as cells
 from . import viscous_kernels as kernels
 from .exchange import Exchange
+from .exchange_kernels import vec6d
 from .grid import Grid
 from .markers import Markers
 from .run import Runner
-from .solid_kernels import vec6d
 
 __all__ = ["Viscosity"]
 

@@ -11,8 +11,9 @@ import warp as wp
 
 from .column_kernels import Columns, place_of, vec6i
 from .distance_kernels import Walls, wall_speed
+from .exchange_kernels import vec6d
 from .grid_kernels import LEAST_OPEN, vec6
-from .solid_kernels import face_center, vec6d
+from .solid_kernels import face_center
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.inside import contains
+from ..geometry.inside import contains, distance_to_surface
 from ..geometry.launch import launch, warp
 from ..worlds.arrays import F64
 from .liquid_samples import triangles_by_parts
@@ -30,6 +30,8 @@ POCKET = 64
 """[cubes] Open spaces smaller than this, between surfaces that nearly touch, count as closed: no liquid is resolved in them."""
 MARGIN = 4.0
 """[spacings] of space around the places where liquid is."""
+SKIN = 0.5
+"""[cubes] A particle no deeper than this in a solid lies at its surface: how deep any may lie is judged by `liquid_walls.py`."""
 OFF = np.array([0.37, 0.41, 0.43])
 """[cubes] by which the corner of a space lies off the planes that people build on, so that slits do not fall between cubes."""
 
@@ -70,6 +72,24 @@ class Barrier:
         return _filled(grid.view(bool))
 
     @cached_property
+    def outer(self) -> NDArray[np.bool_]:
+        """Open cubes outside of solids."""
+        from scipy.ndimage import find_objects, label
+
+        marks, count = label(~self.closed)
+        first = np.zeros((count, 3), dtype=np.intp)
+        for number, box in enumerate(find_objects(marks)):
+            at = np.unravel_index(int(np.argmax(marks[box] == number + 1)), marks[box].shape)
+            first[number] = [k + side.start for k, side in zip(at, box, strict=True)]
+        middle = self.low + (first + 0.5) * self.cube
+        outside = np.ones(count + 1, dtype=bool)
+        for piece in self.pieces:
+            if piece.solid_through:
+                outside[1:] &= ~contains(piece.solid, piece.local(middle, 0) if self.world else middle)
+        outside[0] = False
+        return np.asarray(outside[marks])
+
+    @cached_property
     def ways(self) -> list[Any]:
         """Corner, size and state of the cubes, as kernels take them."""
         wp = warp()
@@ -107,12 +127,15 @@ class Barrier:
         return result
 
     def deeper(self, points: F64, others: F64) -> NDArray[np.bool_]:
-        """Where the other point lies inside a part and the point itself does not."""
+        """Where the other point lies inside a part and the point itself does not, or no deeper than `SKIN`."""
         found = np.zeros(len(points), dtype=bool)
         for piece in self.pieces if len(points) else ():
             if piece.solid_through:
                 own, other = ((piece.local(x, 0) if self.world else x) for x in (points, others))
-                found |= contains(piece.solid, other) & ~contains(piece.solid, own)
+                rows = np.flatnonzero(contains(piece.solid, other))
+                inside = contains(piece.solid, own[rows])
+                inside[inside] = distance_to_surface(piece.solid, own[rows[inside]]).distance > SKIN * self.cube
+                found[rows] |= ~inside
         return found
 
     def blocked(self, start: F64, end: F64) -> NDArray[np.bool_]:
@@ -141,15 +164,14 @@ class Barrier:
         flags = wp.empty(len(waiting), dtype=wp.uint8, device="cpu")
         poses = [p for k in (frame, max(frame - 1, 0)) for p in self.pose(k)]
         turned = [wp.mat33d(*p.ravel()) if p.ndim == 2 else wp.vec3d(*p) for p in poses]
-        given = [now, before, _vectors(waiting), *turned, low, wp.vec3d(*self.high), cube, grid, here, start, flags]
+        spaces = [grid, _on_device((~self.outer).view(np.uint8))]
+        given = [now, before, _vectors(waiting), *turned, low, wp.vec3d(*self.high), cube, *spaces, here, start, flags]
         launch(follow, len(waiting), given, device="cpu")
         flag = flags.numpy()
         return here.numpy(), start.numpy(), flag == int(SHUT), flag == int(THROUGH)
 
     def nearest(self, point: F64) -> Piece:
         """The piece whose surface is nearest to a point of the barrier's frame."""
-        from ..geometry import distance_to_surface
-
         local = [(p.local(point[None], 0) if self.world else point[None]) for p in self.pieces]
         near = [
             p

@@ -95,7 +95,7 @@ class Leaks:
             known = ~np.isnan(ends[:, 0])
             rows, ends = keep[known], ends[known]
             led = barrier.blocked(start[rows], ends)
-            # Beside a sloping bed that cube may lie in the solid; what is outside of it has not gone there.
+            # Beside a sloping bed that cube may lie in the solid; what is outside of it, or at its surface, has not gone there.
             led[led] = ~barrier.deeper(here[rows[led]], ends[led])
             self._judge(number, barrier, frame.index, start[rows[led]], ends[led], frame.identity[rows[led]])
 

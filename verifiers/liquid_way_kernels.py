@@ -143,6 +143,7 @@ def follow(
     high: wp.vec3d,
     cube: wp.float64,
     grid: wp.array3d(dtype=wp.uint8),
+    inside: wp.array3d(dtype=wp.uint8),
     here: wp.array(dtype=wp.vec3d),
     start: wp.array(dtype=wp.vec3d),
     flags: wp.array(dtype=wp.uint8),
@@ -150,7 +151,8 @@ def follow(
     """Follow particles by one frame in the frame of a barrier.
 
     `before` is where they were (world), `waiting` where those in closed cubes were last in an open one (barrier's frame), both not a
-    number where there is none. Found: where they are, where their way began (not a number where nobody knows), flags.
+    number where there is none; `inside` are cubes that are closed or lie in a solid: no particle began there. Found: where they are,
+    where their way began (not a number where nobody knows), flags.
     """
     i = first + wp.tid()
     point = wp.transpose(turn_now) * (now[i] - at_now)
@@ -166,7 +168,7 @@ def follow(
     if is_closed(point, low, cube, grid):
         flags[i] = wp.uint8(SHUT)
         if wp.isnan(begin[0]):
-            begin = nearest_open(point, low, cube, grid)
+            begin = nearest_open(point, low, cube, inside)
     elif not wp.isnan(begin[0]):
         meets = True
         for axis in range(3):

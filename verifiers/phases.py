@@ -6,7 +6,8 @@
 - first contact: the first new contact after activation between entities that did not touch before. Where there is none
   and the specification asks for none (no contact predicate, no `interacts` relation, no cause between different
   bodies), it does not apply.
-- peak response: frame of the largest kinetic energy from the first contact on; from activation where no contact applies.
+- peak response: frame of the largest kinetic energy from the first contact on; from activation where no contact applies. Bodies that
+  nothing meets and that go on evenly to the end (`STEADY`), as in a stream, are at their peak from the frame on where that begins.
 - early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
   frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
 
@@ -43,6 +44,8 @@ SETTLED = 0.2
 """Own choice: settling has begun when the kinetic energy is below this share of its peak."""
 FALLING = 0.25
 """[s] or has fallen for this long up to the end of the run."""
+STEADY = 0.05
+"""Own choice: share of the kinetic energy by which it may vary over that time where a stream carries bodies on evenly."""
 SMALL = 1e-3
 """[m/s] Least start speed, for tiny scenes and without gravity."""
 
@@ -104,7 +107,10 @@ def find_phases(candidate: Candidate) -> Phases:
     if start is not None:
         peak = start + int(np.argmax(energy[start : last + 1]))
         notes["peak_response"] = f"kinetic energy {energy[peak]:.3g} J"
-        if peak == last:
+        if peak == last and touchless and (steady := _steady(candidate, energy, start)) is not None:
+            peak = steady
+            notes["peak_response"] = f"carried on evenly from frame {steady} to the last, with {energy[last]:.3g} J"
+        elif peak == last:
             notes["peak_response"] = f"kinetic energy is largest at the last frame {last}"
             peak = None
     if peak is not None:
@@ -247,8 +253,20 @@ def _kinetic(candidate: Candidate) -> F64:
     return total
 
 
+def _steady(candidate: Candidate, energy: F64, start: int) -> int | None:
+    """First frame from which on bodies that nothing meets keep their kinetic energy; None where they gain to the end."""
+    last = candidate.last_frame
+    near = np.abs(energy - energy[last]) <= STEADY * energy[last]
+    apart = np.flatnonzero(~near[: last + 1])
+    first = max(start, int(apart[-1]) + 1 if len(apart) else 0)
+    return first if last - first >= max(1, round(FALLING * candidate.spec.simulation.fps)) else None
+
+
 def _settling(candidate: Candidate, energy: F64, peak: int, notes: dict[str, str]) -> int | None:
     last, fps = candidate.last_frame, candidate.spec.simulation.fps
+    if notes["peak_response"].startswith("carried on"):
+        notes["early_settling"] = notes["peak_response"]
+        return last
     quiet = np.flatnonzero(energy[peak:] <= SETTLED * energy[peak])
     if len(quiet):
         notes["early_settling"] = f"kinetic energy below {SETTLED:.0%} of its peak"

@@ -96,11 +96,11 @@ def test_a_world_that_is_meant_to_rest_has_no_phases_to_cover(tmp_path: Path) ->
     assert row.status == "not_applicable"
 
 
-def swung(tmp_path: Path, predicate: Any, **more: Any) -> Candidate:
-    """A ball that is thrown sideways in the air, slows down and touches nothing."""
+def swung(tmp_path: Path, predicate: Any, *, course: Any = None, **more: Any) -> Candidate:
+    """A ball that is thrown sideways in the air and touches nothing; it slows down, or has the speed of `course` over time."""
     frames = 49
     time = np.arange(frames) / FPS
-    speed = np.exp(-4 * time)
+    speed = np.exp(-4 * time) if course is None else course(time)
     velocity = np.zeros((frames, 1, 3))
     velocity[:, 0, 0] = speed
     beat = Beat(text="it flies", owner="rigid", subject="ball", frames=(0, 40), predicate=predicate)
@@ -133,6 +133,17 @@ def test_first_contact_applies_as_soon_as_anything_asks_for_it(tmp_path: Path) -
         (row,) = check(swung(tmp_path / name, predicate, **more))
         assert (row.status, row.bound) == ("fail", 5.0)
         assert row.evidence["missing"][0] == "first_contact"
+
+
+def test_what_is_carried_on_evenly_has_reached_its_peak_and_what_still_gains_has_not(tmp_path: Path) -> None:
+    """Over the last quarter of a second the energy may vary by 5 %: of a speed that ends at 1.2 m/s, by 0.03 m/s."""
+    drift = Displacement(entity="ball", axis=(1, 0, 0), min=0.1)
+    phases = find_phases(swung(tmp_path / "a", drift, course=lambda t: 1.2 - 0.2 * np.exp(-2 * t)))
+    assert phases.missing() == ()
+    assert phases.peak_response in range(12, 43)
+    assert "carried on evenly" in phases.notes["peak_response"]
+    phases = find_phases(swung(tmp_path / "b", drift, course=lambda t: 1.0 + 0.5 * t))
+    assert phases.missing()[0] == "peak_response"
 
 
 def test_what_a_liquid_passes_on_needs_no_contact_of_bodies(tmp_path: Path) -> None:

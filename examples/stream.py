@@ -268,7 +268,7 @@ class Ranger(Agent):
         leaves = [n for n in floats if n.startswith("leaf")]
         moved = {"kind": "displacement", "entity": "each", "axis": [*_numbers(along), 0], "min": round(0.5 * drift, 2)}
         flux = {"kind": "liquid_flux_through", "entity": "river", "point": _numbers(place), "normal": [*_numbers(along), 0],
-                "size": [round(self.course.width + 2, 2), 4.0], "measure": "total", "min": round(2.5 * DISCHARGE * options.told, 2)}  # fmt: skip
+                "size": [round(self.course.width + 2, 2), 4.0], "measure": "total", "min": round(DISCHARGE * options.told, 2)}  # fmt: skip
 
         def beat(text: str, owner: str, subject: str, predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
             return {"text": text, "owner": owner, "subject": subject, "frames": [0, last], "predicate": predicate, "causes": list(causes)}  # fmt: skip

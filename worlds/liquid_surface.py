@@ -22,16 +22,14 @@ which is that of the particles.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .cache import DAMAGE, Cache, digest_arrays
-from .errors import EvidenceError
+from .cache import Cache
+from .derived import Derived
 
 __all__ = ["LiquidSurface", "mesh_of", "surface_folder"]
 
@@ -41,71 +39,27 @@ def surface_folder(cache: Cache) -> Path:
     return cache.folder / "surface"
 
 
-class LiquidSurface:
-    """Reader of the surfaces that were made of a cache; notices those that are missing, altered or of other particles."""
+class LiquidSurface(Derived):
+    """Reader of the surfaces that were made of a cache; its note says recipe, settings, versions and spacing [m]."""
+
+    one, many, note = "surface", "surfaces", "surface.json"
 
     def __init__(self, cache: Cache) -> None:
-        self.cache = cache
-        self.files = Cache(surface_folder(cache))
-        """They themselves as a cache, with the index of the particles."""
+        super().__init__(cache, surface_folder(cache))
 
-    def count(self) -> int:
-        """Frames at the start that have a surface; 0 when none was made."""
-        try:
-            return min(len(self.files.digests()), self.cache.index.frames)
-        except EvidenceError:
-            return 0
-
-    def about(self) -> dict[str, Any]:
-        """What they were made with: recipe, settings, versions, spacing [m].
-
-        Raises:
-            EvidenceError: the note is missing or damaged.
-        """
-        try:
-            data = json.loads((self.files.folder / "surface.json").read_text())
-            if not isinstance(data, dict) or not isinstance(data["spacing"], float):
-                raise ValueError("it is no table with a spacing")
-        except DAMAGE as error:
-            raise EvidenceError(f"surfaces of {self.cache.folder.name!r} have no readable surface.json ({error})") from error
-        return data
+    def _understand(self, data: dict[str, Any]) -> None:
+        if not isinstance(data["spacing"], float):
+            raise ValueError("it has no spacing")
 
     @lru_cache(maxsize=4)  # noqa: B019 - a reader lives as long as one picture or verification
     def read(self, frame: int) -> dict[str, Any]:
-        """All channels of a frame.
-
-        Raises:
-            EvidenceError: the surface is missing, was altered, or was made of other particles than those of the frame.
-        """
-        digests, own = self.files.digests(), self.cache.digests()
-        if not 0 <= frame < min(len(digests), len(own)):
-            raise EvidenceError(f"liquid {self.cache.folder.name!r} has no surface at frame {frame}; bake again")
-        found = self.files.read(frame)
-        if digest_arrays(found) != digests[frame]:
-            raise EvidenceError(f"the surface of {self.cache.folder.name!r} at frame {frame} was altered; bake again")
-        if bytes(found["source"]).hex() != own[frame]:
-            raise EvidenceError(
-                f"the surface of {self.cache.folder.name!r} at frame {frame} is of other particles (stale); bake again"
-            )
-        return found
+        """All channels of a frame; see `Derived.read`."""
+        return super().read(frame)
 
     def records(self, frame: int) -> dict[str, float]:
         """Recorded quantities of a frame, without the prefix."""
         found = self.read(frame)
         return {k.removeprefix("record/"): float(v) for k, v in found.items() if k.startswith("record/")}
-
-    def digest(self, frames: int | None = None) -> str:
-        """SHA-256 over the recorded digests of the first frames, hex; default all of the cache.
-
-        Raises:
-            EvidenceError: fewer frames have a surface.
-        """
-        wanted = self.cache.index.frames if frames is None else frames
-        if self.count() < wanted:
-            raise EvidenceError(
-                f"liquid {self.cache.folder.name!r} has {self.count()} of {wanted} surfaces; bake again to resume"
-            )
-        return hashlib.sha256("".join(self.files.digests()[:wanted]).encode()).hexdigest()
 
 
 def mesh_of(found: dict[str, Any], fluid: int | None = None) -> tuple[Any, Any]:

@@ -23,8 +23,6 @@ another, the film splits and each keeps half of both (the usual ratio of ink bet
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -34,7 +32,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import F64, I32
-from .cache import DAMAGE, Cache, digest_arrays, read_container
+from .cache import Cache, digest_arrays, read_container
+from .derived import Derived
 from .errors import EvidenceError
 
 __all__ = ["Texels", "WetMap", "WetState", "wet_folder"]
@@ -92,36 +91,20 @@ class WetState:
         return np.asarray(self.amount * np.exp(-age / drying[np.maximum(self.fluid, 0)]))
 
 
-class WetMap:
-    """Reader of the wet maps that were made of a cache; notices those that are missing, altered or of other particles."""
+class WetMap(Derived):
+    """Reader of the wet maps that were made of a cache; its note says recipe, parts, size and touch [m], digest of the texels."""
+
+    one, many, note = "wet map", "wet maps", "wet.json"
 
     def __init__(self, cache: Cache) -> None:
-        self.cache = cache
-        self.files = Cache(wet_folder(cache))
+        super().__init__(cache, wet_folder(cache))
         self._state: tuple[int, WetState] | None = None
 
-    def count(self) -> int:
-        """Frames at the start that have a map; 0 when none was made."""
-        try:
-            return min(len(self.files.digests()), self.cache.index.frames)
-        except EvidenceError:
-            return 0
-
-    def about(self) -> dict[str, Any]:
-        """What they were made with: recipe, parts, size and touch [m], digest of the texels.
-
-        Raises:
-            EvidenceError: the note is missing or damaged.
-        """
-        try:
-            data = json.loads((self.files.folder / "wet.json").read_text())
-            if not isinstance(data, dict) or not all(isinstance(data[k], float) for k in ("size", "touch")):
-                raise ValueError("it is no table with size and touch")
-            if not all(len(names) == 3 and all(isinstance(n, str) for n in names) for names in data["parts"]):
-                raise ValueError("its parts are no names")
-        except DAMAGE as error:
-            raise EvidenceError(f"wet maps of {self.cache.folder.name!r} have no readable wet.json ({error})") from error
-        return data
+    def _understand(self, data: dict[str, Any]) -> None:
+        if not all(isinstance(data[k], float) for k in ("size", "touch")):
+            raise ValueError("it has no size and touch")
+        if not all(len(names) == 3 and all(isinstance(n, str) for n in names) for names in data["parts"]):
+            raise ValueError("its parts are no names")
 
     @cached_property
     def texels(self) -> Texels:
@@ -135,24 +118,6 @@ class WetMap:
             raise EvidenceError(f"texels of {self.cache.folder.name!r} were altered; bake again")
         position, normal, area = (np.asarray(found[f"texel/{n}"], dtype=np.float64) for n in ("position", "normal", "area"))
         return Texels(position, normal, area, found["texel/part"], tuple(map(tuple, about["parts"])), about["size"])
-
-    def read(self, frame: int) -> dict[str, Any]:
-        """All channels of a frame.
-
-        Raises:
-            EvidenceError: the map is missing, was altered, or is of other particles than those of the frame.
-        """
-        digests, own = self.files.digests(), self.cache.digests()
-        if not 0 <= frame < min(len(digests), len(own)):
-            raise EvidenceError(f"liquid {self.cache.folder.name!r} has no wet map at frame {frame}; bake again")
-        found = self.files.read(frame)
-        if digest_arrays(found) != digests[frame]:
-            raise EvidenceError(f"the wet map of {self.cache.folder.name!r} at frame {frame} was altered; bake again")
-        if bytes(found["source"]).hex() != own[frame]:
-            raise EvidenceError(
-                f"the wet map of {self.cache.folder.name!r} at frame {frame} is of other particles (stale); bake again"
-            )
-        return found
 
     def state(self, frame: int) -> WetState:
         """What has been wet from frame 0 to a frame; fast where frames are asked for in order.
@@ -185,15 +150,5 @@ class WetMap:
         self._state = (frame, state)
         return state
 
-    def digest(self, frames: int | None = None) -> str:
-        """SHA-256 over the texels' and the recorded digests of the first frames, hex; default all of the cache.
-
-        Raises:
-            EvidenceError: fewer frames have a map.
-        """
-        wanted = self.cache.index.frames if frames is None else frames
-        if self.count() < wanted:
-            raise EvidenceError(
-                f"liquid {self.cache.folder.name!r} has {self.count()} of {wanted} wet maps; bake again to resume"
-            )
-        return hashlib.sha256("".join([str(self.about().get("texels")), *self.files.digests()[:wanted]]).encode()).hexdigest()
+    def _more(self) -> list[str]:
+        return [str(self.about().get("texels"))]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ..worlds.arrays import RigidPose, compose, pose_of
+from ..worlds.arrays import F64, RigidPose, compose, pose_of
 from ..worlds.built import BuiltEntity, TriangleMesh
 from ..worlds.cache import Cache
 from ..worlds.errors import InputError
@@ -130,7 +130,7 @@ def map_wet_solids(
 def _wet_parts(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> list[WetPart]:
     """Visible surfaces of the solids that meet a liquid's domain."""
     box, margin = domain_box(spec.simulation.liquid[name]), MARGIN * spacing_of(spec, name)
-    rigid = [c for n, c in caches.items() if n in spec.simulation.rigid]
+    tracks = {n: (c.series("position"), c.series("quaternion")) for n, c in caches.items() if n in spec.simulation.rigid}
     found = []
     for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
         contract = spec.entities[entity]
@@ -138,20 +138,20 @@ def _wet_parts(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, cac
             continue
         starts = {b.name: compose(pose_of(contract.pose), b.pose) for b in built[entity].bodies}
         for part in built[entity].parts:
-            held = next(((c, row) for c in rigid if (row := c.body_row(entity, part.body)) is not None), None)
+            held = next(((tracks[n], row) for n in tracks if (row := caches[n].body_row(entity, part.body)) is not None), None)
 
             def place(
                 frame: int,
                 start: RigidPose = starts[part.body],
-                held: tuple[Cache, int] | None = held,
+                held: tuple[tuple[F64, F64], int] | None = held,
                 interval: tuple[int, int] | None = contract.active,
             ) -> RigidPose | None:
                 if interval is not None and not interval[0] <= frame <= interval[1]:
                     return None
                 if held is None:
                     return start
-                data = held[0].read(frame, ("position", "quaternion"))
-                return RigidPose(data["position"][held[1]], data["quaternion"][held[1]])
+                (position, quaternion), row = held
+                return RigidPose(position[frame, row], quaternion[frame, row])
 
             still = held is None and contract.active is None
             found.append(WetPart((entity, part.body, part.part), part.render, place, still))

@@ -67,6 +67,8 @@ class Tracks:
         count = len(self._position)
         self._film, self._fluid = np.zeros(count), np.full(count, -1, dtype=np.int32)
         self._moving = [k for k, p in enumerate(parts) if not p.still and len(groups[k])]
+        self._kept: dict[int, F64] = {}
+        self._corners = {k: _corners(parts[k].mesh.vertices) for k in self._moving}
 
     def take(self, found: dict[str, Any]) -> None:
         """Take over a frame that was made before, after all frames before it."""
@@ -103,8 +105,8 @@ class Tracks:
         for k in self._moving:
             a, b = self._parts[k].place(max(frame - 1, 0)), self._parts[k].place(frame)
             if a is not None and b is not None:
-                points = self._parts[k].mesh.vertices
-                farthest = max(farthest, float(np.linalg.norm(b.apply(points) - a.apply(points), axis=1).max()))
+                way = b.apply(self._corners[k]) - a.apply(self._corners[k])
+                farthest = max(farthest, float(np.linalg.norm(way, axis=1).max()))
         count = int(np.clip(np.ceil(farthest / self._size), 1, MOST_LOOKS))
         return np.asarray((np.arange(count) + 1) / count)
 
@@ -122,7 +124,7 @@ class Tracks:
         from scipy.spatial import cKDTree
 
         poses = [self._pose(k, frame, share) if len(g) else None for k, g in enumerate(self._groups)]
-        placed = {k: pose.apply(self._position[self._groups[k]]) for k, pose in enumerate(poses) if pose is not None}
+        placed = {k: self._placed(k, pose) for k, pose in enumerate(poses) if pose is not None}
         boxes = {k: (p.min(axis=0) - self._size, p.max(axis=0) + self._size) for k, p in placed.items()}
         for a in (k for k in self._moving if k in placed):
             for b in placed:
@@ -137,6 +139,15 @@ class Tracks:
                     distance, at = tree.query(placed[b][near], distance_upper_bound=1.5 * self._size)
                     close = np.isfinite(distance)
                     self._split(a, b, poses, placed, mine[at[close]], near[close], under, met)
+
+    def _placed(self, k: int, pose: RigidPose) -> F64:
+        """Places of a part in the world; those of parts that stay are kept."""
+        if k in self._kept:
+            return self._kept[k]
+        found = pose.apply(self._position[self._groups[k]])
+        if self._parts[k].still:
+            self._kept[k] = found
+        return found
 
     def _split(
         self, a: int, b: int, poses: Sequence[RigidPose | None], placed: dict[int, F64], mine: NDArray[np.intp],
@@ -165,3 +176,9 @@ class Tracks:
             dry = ~under[rows]
             self._film[rows[dry]], self._fluid[rows[dry]] = both[dry], kind[dry]
             met[rows] = True
+
+
+def _corners(points: F64) -> F64:
+    """Corners of the box around points (8, 3)."""
+    ends = np.stack([points.min(axis=0), points.max(axis=0)])
+    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])

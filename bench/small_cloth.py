@@ -76,7 +76,7 @@ def flag_spec(*, frames: int = 48, resolution: float = 0.05, **changes: Any) -> 
         [0.65, 0.0, 2.1],
     )
     flag["pose"]["euler"] = [math.pi / 2, 0.0, 0.0]
-    flag["physics"] = {"category": "cloth", **COTTON, "pins": {"hoist": {"edge": "-x"}}}
+    flag["physics"] = {"category": "cloth", **COTTON, "max_stretch": 0.12, "pins": {"hoist": {"edge": "-x"}}}
     pole = _entity(
         "pole", "static", "steel", {"kind": "cylinder", "radius": 0.03, "height": 2.6}, [0.06, 0.06, 2.6], [0.0, 0.0, 1.3]
     )
@@ -156,7 +156,7 @@ def catch_spec(*, frames: int = 24, resolution: float = 0.05, coupled: bool = Tr
         f"c{k}": {"center": [x, y, 0.0], "radius": 0.12}
         for k, (x, y) in enumerate([(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)])
     }
-    cloth["physics"] = {"category": "cloth", **COTTON, "pins": corners}
+    cloth["physics"] = {"category": "cloth", **COTTON, "stretch_stiffness": 4000.0, "max_stretch": 0.12, "pins": corners}
     ball = _entity("ball", "dynamic", "foam", {"kind": "sphere", "radius": 0.08}, [0.16, 0.16, 0.16], [0.0, 0.0, height + 0.2])
     both = {"source": "cloth", "target": "rigid", "direction": "two_way", "variables": ["motion", "wrench"]}
     return _world(

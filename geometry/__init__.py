@@ -13,7 +13,7 @@ from .inside import contains, distance_to_surface, winding_number
 from .kept import kept_solid
 from .motions import Motion, State, relative_travel
 from .solids import Solid
-from .soup import Crossings, crossing_triangles, self_crossings
+from .soup import Crossings, crossing_triangles, pierced, self_crossings
 from .sweep import Lowest, Sweep, Swept, lowest_clearance, lowest_clearances, swept_clearance
 from .triangles import Nearest
 from .walls import wall_thickness
@@ -51,6 +51,7 @@ __all__ = [
     "lowest_clearance",
     "lowest_clearances",
     "meetings",
+    "pierced",
     "query_noise",
     "relative_travel",
     "self_crossings",

@@ -18,7 +18,7 @@ from ..worlds.arrays import F64, I32
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Crossings", "crossing_triangles", "self_crossings"]
+__all__ = ["Crossings", "crossing_triangles", "pierced", "self_crossings"]
 
 CELL = 2.0
 """Own choice: edge of a grid cell in mean triangle extents."""
@@ -95,6 +95,36 @@ def self_crossings(solid: Solid, *, noise: float) -> Crossings:
     pairs = np.concatenate([*found, crowded.pairs])
     kept = np.unique(pairs, axis=0, return_index=True)[1]
     return _sorted(pairs[kept], np.concatenate([*reach, crowded.reach])[kept])
+
+
+def pierced(points: F64, edges: I32, faces: I32) -> I32:
+    """Edges that go through triangles, none of whose corners is an end of theirs: pairs (edge, face), shape (k, 2).
+
+    What is exactly touched is not gone through: the volumes of five tetrahedra have to have the right signs.
+
+    Args:
+        points: [m], shape (n, 3).
+        edges: shape (m, 2).
+        faces: shape (t, 3).
+    """
+    ends, corners = points[edges], points[faces]
+    low = np.concatenate([ends.min(axis=1), corners.min(axis=1)])
+    high = np.concatenate([ends.max(axis=1), corners.max(axis=1)])
+    i, j = _near_pairs(low, high, split=len(edges))
+    j = j - len(edges)
+    apart = ~(edges[i][:, :, None] == faces[j][:, None, :]).any(axis=(1, 2))
+    i, j = i[apart], j[apart]
+    a, b, (p, q, r) = ends[i, 0], ends[i, 1], (corners[j, k] for k in range(3))
+    across = _volume(p, q, r, a) * _volume(p, q, r, b) < 0.0
+    i, j, a, b, p, q, r = (v[across] for v in (i, j, a, b, p, q, r))
+    around = np.stack([_volume(a, b, p, q), _volume(a, b, q, r), _volume(a, b, r, p)], axis=1)
+    hit = (around > 0.0).all(axis=1) | (around < 0.0).all(axis=1)
+    return np.stack([i[hit], j[hit]], axis=1).astype(np.int32)
+
+
+def _volume(p: F64, q: F64, r: F64, s: F64) -> F64:
+    """Six times the signed volumes of tetrahedra, shape (n,)."""
+    return np.asarray(np.einsum("ij,ij->i", np.cross(q - p, r - p), s - p))
 
 
 def _sorted(pairs: NDArray[np.intp], reach: F64) -> Crossings:

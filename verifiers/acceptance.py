@@ -28,6 +28,7 @@ from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec, prompt_digest
 from .bundle import event_list
+from .cloth_register import cloth_lines
 from .field_ledger import field_lines
 from .ground_stems import plant_lines
 
@@ -231,6 +232,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
             }
         )
     found += _liquids(spec)
+    found += cloth_lines(spec)
     for name, terrain in spec.terrains.items():
         found.append(
             {

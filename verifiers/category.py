@@ -1,11 +1,11 @@
-"""Category-specific checks (R99-R104). Rigid bodies are in `rigid.py`, liquids in `liquid.py`; no other category has an engine."""
+"""Category-specific checks (R99-R104). Rigid bodies are in `rigid.py`, liquids in `liquid.py`, cloth in `cloth.py`; no other category has an engine."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ..worlds.requirements import Row
-from . import liquid, rigid
+from . import cloth, liquid, rigid
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -21,12 +21,15 @@ def check(candidate: Candidate) -> list[Row]:
         rows += rigid.check_instance(candidate, solver)
     for solver in candidate.spec.simulation.liquid:
         rows += liquid.check_instance(candidate, solver)
-    simulated = {m for s in candidate.spec.simulation.liquid.values() for m in s.members}
+    for solver in candidate.spec.simulation.cloth:
+        rows += cloth.check_instance(candidate, solver)
+    plan = candidate.spec.simulation
+    simulated = {m for s in (*plan.liquid.values(), *plan.cloth.values()) for m in s.members}
     for name, entity in candidate.spec.entities.items():
         category = entity.physics.category
         if category == "rigid" or name in simulated:
             continue
-        missing = "no instance simulates it" if category == "liquid" else "this build has no engine for it"
+        missing = "no instance simulates it" if category in ("cloth", "liquid") else "this build has no engine for it"
         rows.append(
             make_row(
                 candidate,

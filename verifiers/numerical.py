@@ -14,7 +14,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
-from . import liquid, motion
+from . import cloth, liquid, motion
 from .exchanged import both_ways
 from .field_ledger import feels_fields
 from .findings import Finding, again, halve, separate
@@ -82,7 +82,9 @@ def check(candidate: Candidate) -> list[Row]:
                 found = Finding("unverified", str(error))
             rows.append(_row(candidate, solver, name, claim, found))
     for solver in candidate.spec.simulation.liquid:
-        rows += _liquid(candidate, solver)
+        rows += _container(candidate, solver) + liquid.numerical_rows(candidate, solver)
+    for solver in candidate.spec.simulation.cloth:
+        rows += _container(candidate, solver) + cloth.numerical_rows(candidate, solver)
     return rows
 
 
@@ -109,8 +111,8 @@ def _row(candidate: Candidate, solver: str, name: str, claim: str, found: Findin
     )
 
 
-def _liquid(candidate: Candidate, solver: str) -> list[Row]:
-    """Rows of a liquid instance: those of its container are judged as any other's, the rest in `liquid_numerical`."""
+def _container(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows about the cache of an instance of another kind, judged as any other's; the rest in modules of its own."""
     cache, rows = candidate.caches.get(solver), []
     for name in ("frames", "digest"):
         try:
@@ -120,7 +122,7 @@ def _liquid(candidate: Candidate, solver: str) -> list[Row]:
         except EvidenceError as error:
             found = Finding("unverified", str(error))
         rows.append(_row(candidate, solver, name, CLAIMS[name], found))
-    return rows + liquid.numerical_rows(candidate, solver)
+    return rows
 
 
 def _owner(cache: Cache, row: int) -> str:

@@ -267,9 +267,13 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
                 yield f"/entities/{key}/parts/{name} removed"
             elif part["collides"] and not now["parts"][name]["collides"]:
                 yield f"/entities/{key}/parts/{name} collides no more"
-        for bound in ("max_strain", "recovery"):
+        for bound in ("max_strain", "max_stretch", "recovery"):
             if bound in entity["physics"] and now["physics"].get(bound, math.inf) > entity["physics"][bound]:
                 yield f"/entities/{key}/physics/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"
+        if entity["physics"].get("self_collision") and not now["physics"].get("self_collision", True):
+            yield f"/entities/{key}/physics/self_collision taken away"
+        for other in sorted(set(now["physics"].get("ignores", ())) - set(entity["physics"].get("ignores", ()))):
+            yield f"/entities/{key}/physics/ignores {other}"
         if now["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
             yield f"/entities/{key}/dimensions/tolerance widened"
         elif "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:

@@ -1,0 +1,83 @@
+"""Cloth (R63, R68, R74, R101): stretch, shape, crossings, pins and ledgers of every sheet on every written frame.
+
+Rows: `category:cloth:<claim>:<solver>`, and `numerical:<claim>:<solver>`. Nothing here knows the solver: vertices, what is built
+and what was recorded are all there is. A claim whose evidence is missing is `unverified`, and the others are judged all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from ..worlds.errors import EvidenceError
+from .cloth_crossing import apart, free_of_itself
+from .cloth_frames import ClothRun, cloth_run
+from .cloth_ledger import energy, kept_mass, kept_records, momentum, uncut
+from .cloth_numerical import finite, slow
+from .cloth_shape import pinned, shaped, stretched
+from .findings import Finding
+from .verdicts import make_row
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Check, Row
+
+__all__ = ["CLAIMS", "NUMBERS", "check_instance", "numerical_rows"]
+
+Judge = Callable[[ClothRun], Finding]
+CLAIMS: dict[str, tuple[str, Judge]] = {
+    "stretch": ("no edge is longer than its length at rest by more than the contract's max_stretch", stretched),
+    "shape": ("no triangle collapses or grows out of shape", shaped),
+    "self": ("no edge of a sheet goes through a triangle of a sheet", free_of_itself),
+    "solids": ("no sheet goes through a solid", apart),
+    "pins": ("what is held stays where its holder takes it", pinned),
+    "mass": ("mass is area density times area at rest", kept_mass),
+    "records": ("recorded momentum and energy are those of the vertices", kept_records),
+    "momentum": ("momentum changes by what gravity, air, holders and solids gave", momentum),
+    "energy": ("no energy comes from nowhere", energy),
+}
+NUMBERS: dict[str, tuple[str, Judge]] = {
+    "finite": ("every written number of the cloth is finite", finite),
+    "speed": ("no vertex is faster than limits.max_speed", slow),
+    "cut": ("little momentum is lost where ways are cut short so that nothing crosses", uncut),
+}
+
+
+def _row(candidate: Candidate, solver: str, name: str, predicate: str, judge: Judge, check: Check, family: str) -> Row:
+    try:
+        found = judge(cloth_run(candidate, solver))
+    except EvidenceError as error:
+        found = Finding("unverified", str(error))
+    failed = found.status == "fail"
+    members = tuple(candidate.spec.simulation.cloth[solver].members)
+    named = tuple(dict.fromkeys(n for n in (found.entity, *members) if n))
+    return make_row(
+        candidate,
+        f"{check}:{family}{name}:{solver}",
+        check=check,
+        group="physical",
+        predicate=predicate,
+        status=found.status,
+        explanation=found.text,
+        frames=(0, candidate.last_frame),
+        measured=found.measured,
+        bound=found.bound,
+        comparison=found.comparison if found.measured is not None and found.bound is not None else "",
+        unit=found.unit,
+        entities=named,
+        first_failing_entity=named[0] if failed else None,
+        first_failing_frame=(found.frame or 0) if failed else None,
+        corrections=found.hints,
+        evidence={"solver": solver, "category": "cloth", **(found.evidence or {})},
+        extra=candidate.spec.simulation.limits.model_dump(mode="json"),
+    )
+
+
+def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+    """The rows of the category check of one instance."""
+    return [_row(candidate, solver, n, text, judge, "category", "cloth:") for n, (text, judge) in CLAIMS.items()]
+
+
+def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """The rows of its numbers."""
+    return [_row(candidate, solver, n, text, judge, "numerical", "") for n, (text, judge) in NUMBERS.items()]

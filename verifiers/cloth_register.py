@@ -1,0 +1,56 @@
+"""What cloth simplifies, for the approximation register."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ..worlds.cloth import grids_of, touching_distance
+from ..worlds.instances import coupled_groups
+
+if TYPE_CHECKING:
+    from ..worlds.spec import WorldSpec
+
+__all__ = ["cloth_lines"]
+
+
+def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
+    """Lines of every cloth instance."""
+    found: list[dict[str, str]] = []
+    for name, instance in spec.simulation.cloth.items():
+        for member in instance.members:
+            found += _sheet(spec, member, instance.settings.margin)
+        found.append(
+            {
+                "what": f"the air is not moved by {name!r}; it pushes each triangle by their relative velocity",
+                "effect": "no wake, no lift of a whole sail or flag beyond what single faces feel",
+            }
+        )
+        coupled = {s for g in coupled_groups(spec) if name in g for s in g}
+        for rigid, other in spec.simulation.rigid.items():
+            if rigid not in coupled and any(spec.entities[m].motion == "dynamic" for m in other.members if m in spec.entities):
+                found.append(
+                    {
+                        "what": f"the cloth {name!r} is pushed by bodies of {rigid!r} and does not push them",
+                        "effect": "omitted reaction: nothing is caught, carried or held by it",
+                    }
+                )
+    return found
+
+
+def _sheet(spec: WorldSpec, member: str, margin: float | None) -> Iterator[dict[str, str]]:
+    entity = spec.entities[member]
+    physics = entity.physics
+    if physics.category != "cloth":
+        return
+    shortest = min((edge for _, edge in grids_of(entity)), default=None)
+    if shortest is not None:
+        apart = touching_distance(physics.thickness, shortest, margin)
+        yield {
+            "what": f"layers of {member!r} touch at {apart:.3g} m, solids at half of it; its thickness is {physics.thickness:g} m",
+            "effect": f"folds lie up to {max(apart - physics.thickness, 0.0):.3g} m too far apart and bend over no less than {shortest:.3g} m",
+        }
+    if not physics.self_collision:
+        yield {"what": f"{member!r} does not meet itself", "effect": "its folds pass through each other"}
+    for other in physics.ignores:
+        yield {"what": f"{member!r} does not meet {other!r}", "effect": "it passes through it"}

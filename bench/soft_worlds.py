@@ -14,6 +14,7 @@ from ..worlds.arrays import F64, I32, pose_of
 from ..worlds.built import BuiltPart, TriangleMesh
 from ..worlds.cache import Cache, write_container
 from ..worlds.candidate import Candidate
+from ..worlds.deforming import lumped
 from ..worlds.simulation_mesh import SimulationMesh, volumes
 from ..worlds.spec import WorldSpec
 from .small_worlds import build_all, make_candidate
@@ -64,9 +65,28 @@ def softened(part: BuiltPart, mesh: SimulationMesh) -> BuiltPart:
 
 
 def deformed_candidate(
-    folder: Path, spec: WorldSpec, meshes: Mapping[str, SimulationMesh], motions: Mapping[str, Motion], **more: Any
+    folder: Path,
+    spec: WorldSpec,
+    meshes: Mapping[str, SimulationMesh],
+    motions: Mapping[str, Motion],
+    *,
+    travel: float = 0.0,
+    strain_energy: Any = 0.0,
+    kinetic: float = 1.0,
+    **more: Any,
 ) -> Candidate:
-    """A baked world whose entities in `meshes` deform as `motions` say; `more` goes to `make_candidate`."""
+    """A baked world whose entities in `meshes` deform as `motions` say.
+
+    Args:
+        folder: where the caches go.
+        spec: the specification.
+        meshes: simulation mesh per deforming entity, in the frame of its one part.
+        motions: world positions over time per deforming entity.
+        travel: record of the farthest travel per step [m].
+        strain_energy: record of the stored energy [J], one for all frames or one each.
+        kinetic: factor on the record of the kinetic energy.
+        more: goes to `make_candidate`.
+    """
     built = dict(build_all(spec))
     for name, mesh in meshes.items():
         built[name] = replace(built[name], parts=tuple(softened(p, mesh) for p in built[name].parts))
@@ -77,6 +97,10 @@ def deformed_candidate(
     bodies = tuple(cache.index.bodies[k] for k in kept)
     index = replace(cache.index, bodies=bodies, deformables=names, vertices=tuple(len(m.vertices) for m in meshes.values()))
     digests, step = [], 1e-6
+    left_out = set(more.get("without", ()))
+    stored = np.broadcast_to(np.asarray(strain_energy, dtype=float), (cache.index.frames,))
+    weights = np.concatenate([built[n].bodies[0].mass * lumped(m) for n, m in meshes.items()])
+    gravity = np.array(spec.simulation.gravity)
     for frame in range(cache.index.frames):
         time, channels = frame / spec.simulation.fps, cache.read(frame)
         for name in ("position", "quaternion", "velocity", "angular_velocity", "asleep"):
@@ -86,7 +110,19 @@ def deformed_candidate(
         channels["vertex/position"] = np.concatenate([move(time, rest) for move, rest in placed.values()])
         speeds = [(move(time + step, rest) - move(time - step, rest)) / (2 * step) for move, rest in placed.values()]
         channels["vertex/velocity"] = np.concatenate(speeds).astype(np.float32)
-        digests.append(write_container(cache.path(frame), channels))
+        place, speed = channels["vertex/position"], channels["vertex/velocity"].astype(np.float64)
+        records = {
+            "elastic_kinetic_energy": kinetic * 0.5 * float(weights @ (speed**2).sum(1)),
+            "elastic_potential_energy": -float(weights @ (place @ gravity)),
+            "strain_energy": float(stored[frame]),
+            "elastic_travel_per_step": travel,
+            "kinetic_energy": 0.0,
+            "potential_energy": 0.0,
+            "driver_work": 0.0,
+            **{f"elastic_momentum_{a}": float(weights @ speed[:, k]) for k, a in enumerate("xyz")},
+        }
+        channels |= {f"record/{n}": np.float64(v) for n, v in records.items() if f"record/{n}" not in channels}
+        digests.append(write_container(cache.path(frame), {n: v for n, v in channels.items() if n not in left_out}))
     fresh = Cache(cache.folder)
     fresh.write_index(index)
     fresh.begin_digests(digests)

@@ -1,30 +1,35 @@
-"""Category-specific checks (R99-R104). Rigid bodies are in `rigid.py`, liquids in `liquid.py`, cloth in `cloth.py`; no other category has an engine."""
+"""Category-specific checks (R99-R104): rigid bodies in `rigid.py`, elastic ones in `elastic.py`, liquids in `liquid.py`, cloth in `cloth.py`."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ..worlds.requirements import Row
-from . import cloth, liquid, rigid
+from . import cloth, elastic, liquid, rigid
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
+    from ..worlds.spec import Entity, SolverInstance
 
 __all__ = ["check"]
+
+
+def _moves(instance: SolverInstance, entity: Entity | None) -> bool:
+    return entity is not None and entity.physics.category in instance.moves
 
 
 def check(candidate: Candidate) -> list[Row]:
     """Rows of every solver instance, and one per entity whose category nothing here can simulate."""
     rows: list[Row] = []
     for solver in candidate.spec.simulation.rigid:
-        rows += rigid.check_instance(candidate, solver)
+        rows += [*rigid.check_instance(candidate, solver), *elastic.check_instance(candidate, solver)]
     for solver in candidate.spec.simulation.liquid:
         rows += liquid.check_instance(candidate, solver)
     for solver in candidate.spec.simulation.cloth:
         rows += cloth.check_instance(candidate, solver)
-    plan = candidate.spec.simulation
-    simulated = {m for s in (*plan.liquid.values(), *plan.cloth.values()) for m in s.members}
+    plan, entities = candidate.spec.simulation, candidate.spec.entities
+    simulated = {m for s in plan.solvers.values() for m in s.members if _moves(s, entities.get(m))}
     for name, entity in candidate.spec.entities.items():
         category = entity.physics.category
         if category == "rigid" or name in simulated:

@@ -9,7 +9,7 @@ import numpy as np
 from ..worlds.arrays import F64, pose_of
 from ..worlds.fields import fields_of
 from ..worlds.requirements import Correction
-from ..worlds.spec import ForceDriver, ReleaseDriver, RigidPhysics
+from ..worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
 from . import motion
 from .afloat import afloat
 from .rows import pointer, row, translation_patch
@@ -148,7 +148,7 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
                 "fields": list(fields.names)
             }
     physics = spec.entities[entity].physics
-    if isinstance(physics, RigidPhysics):
+    if isinstance(physics, RigidPhysics | ElasticPhysics):
         speed = float(np.linalg.norm(physics.linear_velocity))
         if speed >= LAUNCH_SPEED:
             return f"is launched with {speed:.4g} m/s", {"speed_m_s": speed}

@@ -206,11 +206,16 @@ def _counts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     planned = {
         f"{n}/{b.name}"
         for n in candidate.spec.simulation.rigid[solver].members
-        if n in candidate.built and candidate.spec.entities[n].motion != "static"
+        if n in candidate.built and candidate.spec.entities[n].motion != "static" and n not in candidate.deformables
         for b in candidate.entity(n).bodies
     }
-    missing, alien = planned - set(index.bodies), set(index.bodies) - planned
-    if missing or alien or not index.bodies:
+    soft = {f"{n}/{p.part}" for n in candidate.deformables if n in candidate.built for p in candidate.entity(n).parts}
+    planned |= soft & {
+        f"{n}/{p}" for n, p in (d.split("/", 1) for d in soft) if n in candidate.spec.simulation.rigid[solver].members
+    }
+    held = {*index.bodies, *index.deformables}
+    missing, alien = planned - held, held - planned
+    if missing or alien or not held:
         name = next(iter(sorted(missing or alien)), "")
         text = f"{len(missing)} moving bodies are not in the cache and {len(alien)} in it are not planned, e.g. {name!r}"
         return Finding("fail", text, float(len(missing) + len(alien)), 0.0, "bodies", name.split("/")[0] or None, 0)

@@ -68,8 +68,8 @@ class SupportGraph:
         return holds
 
     def jointed(self, entity: str, frame: int) -> bool:
-        """Whether any joint or rope end that bears weight is attached to the entity at a frame."""
-        return any(entity in (link.a, link.b) and bool(link.holds[frame]) for link in self.links)
+        """Whether any joint, pin or rope end that bears weight is attached to the entity at a frame."""
+        return bool(self._pins(entity)) or any(entity in (link.a, link.b) and bool(link.holds[frame]) for link in self.links)
 
     def held(self, entity: str) -> NDArray[np.bool_]:
         """At which frames the entity needs nothing beneath it: static, authored, not yet released, or fixed to the world."""
@@ -84,7 +84,11 @@ class SupportGraph:
         for link in self.links:
             if link.a is None and link.b == entity:
                 holds |= link.holds
-        return holds
+        return holds | (None in self._pins(entity))
+
+    def _pins(self, entity: str) -> set[str | None]:
+        """Who carries the pins of an elastic body; None for the world."""
+        return {pin.to for pin in getattr(self.surfaces.candidate.spec.entities[entity].physics, "pins", {}).values()}
 
     def floating(self, entity: str) -> NDArray[np.bool_]:
         """At which frames a liquid helps to carry the entity, shape (frames,)."""
@@ -101,6 +105,8 @@ class SupportGraph:
             carried = self.surfaces.carries(other, entity, until=self.until)
             if carried.any():
                 yield other, carried
+        for carrier in sorted(self._pins(entity) - {None}, key=str):
+            yield str(carrier), np.ones(self.surfaces.frames, dtype=bool)
         for link in self.links:
             if link.a is not None and entity in (link.a, link.b) and link.a != link.b:
                 yield (link.b if entity == link.a else link.a), link.holds

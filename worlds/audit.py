@@ -276,6 +276,10 @@ class _Audit:
         plan, beats, problems, evidence = self.spec.simulation, self.spec.story.beats, [], []
         channels = frozenset().union(*(ENGINE_CHANNELS.get(s.engine, frozenset()) for s in plan.solvers.values()))
         channels |= {"particle/temperature"} if any(declares_heat(self.spec, n) for n in plan.liquid) else frozenset()
+        # Elastic members and cloth make their instances write vertices.
+        soft = {n for n, e in self.spec.entities.items() if e.physics.category in ("elastic", "cloth")}
+        if any(soft & set(s.members) for s in plan.solvers.values()):
+            channels |= {"vertex/position", "vertex/velocity"}
         for name, beat in beats.items():
             place = f"/story/beats/{name}"
             if beat.frames[1] > self.last:

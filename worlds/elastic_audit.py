@@ -71,6 +71,10 @@ def _instance(key: str, instance: RigidInstance, soft: list[str], spec: WorldSpe
             f"step {settings.step:g} s of {key!r} is longer than {LONGEST_STEP:g} s, which its elastic members need",
             {"op": "replace", "path": f"{place}/step", "value": LONGEST_STEP},
         )
+    for member in instance.members:
+        if member in spec.entities and spec.entities[member].breakable is not None:
+            text = f"{member!r} breaks and {soft[0]!r} is elastic: the engine's solve of one undoes the other's; take one of them out of {key!r}"
+            yield Problem(f"/entities/{member}/breakable", text)
     for name in soft:
         edge = cell_edge(spec.entities[name])
         if settings.skin > SKIN_SHARE * edge:
@@ -102,6 +106,6 @@ def _links(spec: WorldSpec, soft: set[str]) -> Iterator[Problem]:
             text = f"contact {key!r} names an elastic body; its friction and restitution are those of its material"
             yield Problem(f"/simulation/contacts/{key}", text, {"op": "remove", "path": f"/simulation/contacts/{key}"})
     for key, driver in plan.drivers.items():
-        if driver.kind in ("release", "force", "path") and getattr(driver, "entity", None) in soft:
+        if driver.kind in ("force", "path") and getattr(driver, "entity", None) in soft:
             text = f"{driver.kind} driver {key!r} acts on an elastic body; pin it to a rigid body that the driver moves"
             yield Problem(f"/simulation/drivers/{key}/entity", text)

@@ -89,6 +89,8 @@ class ContactLaw:
         self.restitution, self.colliders = restitution, colliders
         self.kin = kin
         self.count = int(colliders.max(initial=0)) + 1
+        # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
+        self._passes = 0 if model.nflex else SLIP_PASSES
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
         self._values = np.array([e for _, e in table])
@@ -158,7 +160,7 @@ class ContactLaw:
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)
         fastest = float(-speed.min())
-        for k in range(SLIP_PASSES if fastest > SLIP_SPEED else 0):
+        for k in range(self._passes if fastest > SLIP_SPEED else 0):
             data.efc_aref[rows] = own - lift
             self._solve(data)
             crumbled = crumbling is not None and self.kin is not None and self.kin.crumble(data, crumbling, first=k == 0)

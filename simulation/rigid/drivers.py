@@ -12,6 +12,7 @@ from ...worlds.errors import InputError
 from ...worlds.fields import acting_on
 from ...worlds.spec import DetachDriver, FieldDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, RigidPhysics, WorldSpec
 from ..protocol import Intervention
+from .flex import part_flexes
 from .holds import Holds
 from .model import RigidModel
 
@@ -103,6 +104,11 @@ class Drivers:
             if count and own not in bodies:  # pieces bonded to one another share a body, pieces bonded to the world have none
                 dofs.extend(range(start, start + count))
                 bodies.append(own)
+        for soft in rigid.flexes:
+            # Releases and interventions hold an elastic body by its nodes.
+            nodes = [model.body(n).id for n in soft.own]
+            self._dofs[soft.entity] = [int(model.body_dofadr[n]) + k for n in nodes for k in range(3)]
+            self._bodies[soft.entity] = nodes
         free = {e: d[0] for e, d in self._dofs.items() if d and self._is_free(d[0])}
         self._free = {e: int(model.jnt_qposadr[model.dof_jntid[d]]) for e, d in free.items()}
         self.kinematic = frozenset(e for e in self._dofs if spec.entities[e].motion == "kinematic")
@@ -128,7 +134,7 @@ class Drivers:
                 self._release[driver.entity] = max(time, self._release.get(driver.entity, 0.0))
         for entity, contract in spec.entities.items():
             physics = contract.physics
-            moving = isinstance(physics, RigidPhysics) and any((*physics.linear_velocity, *physics.angular_velocity))
+            moving = any((*getattr(physics, "linear_velocity", ()), *getattr(physics, "angular_velocity", ())))
             if entity in self._dofs and moving:
                 self._release.setdefault(entity, 0.0)
         ropes = [(rigid.tendon_of[n], n) for n in rigid.tendon_of if getattr(plan.joints[n], "rope", False)]
@@ -201,6 +207,8 @@ class Drivers:
         """Write everything that `time` decides into the model; `free` opens all holds but paths (for relaxation)."""
         model = self.rigid.model
         self.holds.fix(self.kinematic if free else self.held(time))
+        if self.rigid.parted:
+            part_flexes(self.rigid)
         model.exclude_signature[:] = self._excludes
         for name, driver in self._drivers.items():
             if isinstance(driver, MotorDriver):

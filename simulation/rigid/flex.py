@@ -19,8 +19,9 @@ from .records import velocities
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
+    from .model import RigidModel
 
-__all__ = ["SOFT_CHANNELS", "SOLIMP", "FlexBody", "Flexes", "add_flex", "is_soft", "node_count", "pinned_nodes"]
+__all__ = ["SOFT_CHANNELS", "SOLIMP", "FlexBody", "Flexes", "add_flex", "is_soft", "node_count", "part_flexes", "pinned_nodes"]
 
 SOFT_CHANNELS = (
     Channel("vertex/position", "f8", "m", ("vertices", "3"), "vertex"),
@@ -55,6 +56,11 @@ class FlexBody:
     body_ids: I64 = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     free: Any = None
     """Which nodes move by themselves, shape (n,)."""
+
+    @property
+    def own(self) -> list[str]:
+        """MuJoCo bodies of the nodes that move by themselves."""
+        return [n for n in self.carriers if n.startswith(f"{self.entity}/node")]
 
 
 def node_count(built: BuiltEntity) -> int:
@@ -137,6 +143,31 @@ def add_flex(builder: Any, name: str) -> FlexBody:
     flex.condim, flex.friction = 3, [matter.friction, 1e-6, 1e-6]
     flex.margin, flex.solimp = builder.settings.skin, SOLIMP
     return FlexBody(name, part.part, physics, lattice, pose, masses, carriers.tolist(), offsets)
+
+
+def part_flexes(rigid: RigidModel) -> None:
+    """Let each of the pairs `rigid.parted` pass through each other.
+
+    Every elastic body of such a pair has two bits of its own: all but its partners meet them. Written after anything that
+    writes contact types.
+    """
+    model = rigid.model
+    for index, body in enumerate(rigid.flexes):
+        partners = {n for pair in rigid.parted if body.entity in pair for n in pair - {body.entity}}
+        if not partners:
+            continue
+        meets = np.array([rigid.colliders[c] not in partners for c in rigid.geom_collider])
+        mine, theirs = 1 << (2 + 2 * index), 1 << (3 + 2 * index)
+        geoms = np.flatnonzero(meets[: model.ngeom])
+        model.geom_contype[geoms] |= theirs
+        model.geom_conaffinity[geoms] |= mine
+        owners = np.unique(model.geom_bodyid[geoms])
+        model.body_contype[owners] |= theirs
+        model.body_conaffinity[owners] |= mine
+        others = [k for k in np.flatnonzero(meets[model.ngeom :]).tolist() if k != index]
+        model.flex_contype[others] |= theirs
+        model.flex_conaffinity[others] |= mine
+        model.flex_contype[index], model.flex_conaffinity[index] = mine, theirs
 
 
 _ORIGIN = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))

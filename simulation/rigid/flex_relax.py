@@ -70,7 +70,7 @@ def _way_out(model: Any, data: Any, side: int, margin: Any) -> Any:
 def freeze_flexes(rigid: RigidModel) -> Callable[[], None]:
     """Make nodes too heavy to be moved; returns what undoes it."""
     model = rigid.model
-    own = [model.body(n).id for f in rigid.flexes for n in f.carriers if n.startswith(f"{f.entity}/node")]
+    own = [model.body(n).id for f in rigid.flexes for n in f.own]
     dofs = np.array([d for b in own for d in range(model.body_dofadr[b], model.body_dofadr[b] + 3)], dtype=np.int64)
     before, m0 = model.dof_armature[dofs].copy(), model.dof_M0[dofs].copy()
     model.dof_armature[dofs] += HEAVY

@@ -32,7 +32,7 @@ from ...worlds.spec import (
 from ..fracture.clusters import clusters_of
 from .contact_law import ContactLaw, set_contact_law
 from .crumbling import make_crumbling
-from .flex import SOLIMP, FlexBody, add_flex, is_soft, node_count
+from .flex import SOLIMP, FlexBody, add_flex, is_soft, node_count, part_flexes
 from .holds import FIXED, MOVING
 
 __all__ = ["RigidModel", "build_model"]
@@ -74,6 +74,8 @@ class RigidModel:
     """How far the visible surface reaches outside the collision shape, per side of a contact [m], shape (sides,)."""
     flexes: tuple[FlexBody, ...] = ()
     """Elastic members, in the order of the engine."""
+    parted: tuple[frozenset[str], ...] = ()
+    """Pairs, one of them elastic, that pass through each other."""
     exclude_of: dict[str, int] = field(default_factory=dict)
     """Exclusion per weld that a driver can open."""
     eq_of: dict[str, int] = field(default_factory=dict)
@@ -379,6 +381,8 @@ class _Builder:
         """Springs, detachable welds, excluded and special contact pairs, motors."""
         mujoco, plan = self.mj, self.spec.simulation
         for a, b in (sorted(pair) for pair in self.apart if pair <= set(self.members)):
+            if is_soft(self.spec, a) or is_soft(self.spec, b):
+                continue  # `flex.part_flexes`
             for one, two in itertools.product(self._bodies_of(a), self._bodies_of(b)):
                 self.out.add_exclude(bodyname1=one, bodyname2=two)
         for name, joint in plan.joints.items():
@@ -412,8 +416,6 @@ class _Builder:
 
     def _bodies_of(self, name: str) -> list[str]:
         """Names of an entity's bodies in the model."""
-        if is_soft(self.spec, name):
-            raise InputError(f"elastic body {name!r} cannot be left out of contacts with another; no engine setting does that")
         if self.built[name].bonds is not None:
             return sorted({self.body_of[f"{name}/{b.name}"] for b in self.built[name].bodies})
         return [name] if self.spec.entities[name].generator is None else [f"{name}/{b.name}" for b in self.built[name].bodies]
@@ -557,7 +559,9 @@ def build_model(
         ),
         excess=np.array([*(builder.geom_excess[g] for g in geom_names), *(0.0 for _ in soft)]),
         flexes=tuple(builder.flexes),
+        parted=tuple(p for p in builder.apart if p <= set(members) and any(is_soft(spec, n) for n in p)),
     )
+    part_flexes(result)
     for name in spec.simulation.joints:
         equality = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, name)
         tendon = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, name)

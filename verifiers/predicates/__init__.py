@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import PREDICATES
-from . import combine, kinematic, landscape, liquid, touching
+from . import combine, elastic, kinematic, landscape, liquid, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed
@@ -32,6 +32,8 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "displacement": kinematic.displacement,
     "separation": touching.separation,
     "joint_angle": kinematic.joint_angle,
+    "deflection": elastic.deflection,
+    "strain": elastic.strain,
     "landscape_water": landscape.landscape_water,
     "landscape_field": landscape.landscape_field,
     "liquid_volume_in": liquid.liquid_volume_in,

@@ -87,7 +87,10 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
         parts = candidate.entity(entity).parts
         hulls = [(p.body, _hull_points(p.render.vertices)) for p in parts]
         for i, frame in enumerate(range(scope.frames[0], scope.frames[1] + 1)):
-            points = np.concatenate([candidate.pose(entity, frame, b).apply(v) for b, v in hulls])
+            if entity in candidate.deforming:
+                points = candidate.vertices(entity, frame)
+            else:
+                points = np.concatenate([candidate.pose(entity, frame, b).apply(v) for b, v in hulls])
             with np.errstate(invalid="ignore", over="ignore"):
                 depths, offsets = region_offset(region, (points - at[i]) @ frames_of[i])
             worst = int(np.argmin(depths))

@@ -1,5 +1,6 @@
 """Predicate models: what a beat or requirement asks, as typed data. Evaluators live in `verifiers/predicates/`."""
 
+from .elastic import Deflection, Strain
 from .landscape import LandscapeField, LandscapeWater
 from .models import (
     ATOMS,
@@ -49,6 +50,7 @@ __all__ = [
     "Contact",
     "Count",
     "Crosses",
+    "Deflection",
     "Displacement",
     "Eventually",
     "JointAngle",
@@ -71,6 +73,7 @@ __all__ = [
     "Speed",
     "SplashHeight",
     "StaysIn",
+    "Strain",
     "SubmergedFraction",
     "Supported",
     "Tilts",

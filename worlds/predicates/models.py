@@ -22,6 +22,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .elastic import Deflection, Strain
 from .fields import Band, Subject, When
 from .landscape import LandscapeField, LandscapeWater
 from .liquids import (
@@ -281,6 +282,8 @@ Atom = (
     | Displacement
     | Separation
     | JointAngle
+    | Deflection
+    | Strain
     | LandscapeWater
     | LandscapeField
     | LiquidVolumeIn

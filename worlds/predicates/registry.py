@@ -45,6 +45,8 @@ _KINDS = (
     PredicateInfo("displacement", "m", _POSE, _BAND),
     PredicateInfo("separation", "m", _POSE, _BAND),
     PredicateInfo("joint_angle", "rad", ("joint",), _BAND),
+    PredicateInfo("deflection", "m", ("vertex/position",), _BAND),
+    PredicateInfo("strain", "1", ("vertex/position",), _BAND),
     PredicateInfo(
         "landscape_water",
         "1",

@@ -1,0 +1,78 @@
+"""How a check of elastic bodies states its verdict."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from ..worlds.spec import ElasticPhysics
+from .verdicts import make_row
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Correction, Row, Status
+
+__all__ = ["PREDICATES", "elastic_row", "physics_of"]
+
+PREDICATES = {
+    "shape": "every vertex is finite and no tetrahedron is inverted",
+    "strain": "largest principal strain <= max_strain of the contract",
+    "self": "the visible surface passes nowhere through itself",
+    "volume": "the volume changes by no more than max_strain allows at the Poisson's ratio",
+    "step": "no node travels farther in a step than half an edge of the surface that collides",
+    "recovery": "at rest, the body is back in its shape: within `recovery` of its size, and what its load explains",
+    "pins": "what pins hold stays where they hold it",
+    "flight": "where nothing touches or pins the body, its centre of mass falls freely",
+    "energy": "energy less the work of drivers never grows by more than limits.energy_growth of the energy in play",
+    "records": "recorded energies and momentum of elastic members are those of their vertices",
+    "mass": "simulation meshes hold the volume that was built",
+}
+
+
+def physics_of(candidate: Candidate, entity: str) -> ElasticPhysics:
+    """The contract's physics."""
+    physics = candidate.spec.entities[entity].physics
+    assert isinstance(physics, ElasticPhysics)
+    return physics
+
+
+def elastic_row(
+    candidate: Candidate,
+    name: str,
+    owner: str,
+    status: Status,
+    explanation: str,
+    *,
+    measured: float | None = None,
+    bound: float | None = None,
+    comparison: Literal["<=", ">="] = "<=",
+    unit: str = "",
+    frame: int | None = None,
+    entity: str | None = None,
+    entities: tuple[str, ...] = (),
+    corrections: tuple[Correction, ...] = (),
+    evidence: Mapping[str, object] | None = None,
+) -> Row:
+    """Row `category:elastic:<name>:<owner>` about an entity, or a solver instance and its `entities`."""
+    named = entities or (owner,)
+    return make_row(
+        candidate,
+        f"category:elastic:{name}:{owner}",
+        check="category",
+        group="physical",
+        predicate=PREDICATES[name],
+        status=status,
+        explanation=explanation,
+        frames=(0, candidate.last_frame),
+        measured=measured,
+        bound=bound,
+        comparison=comparison if measured is not None else "",
+        unit=unit,
+        entities=named,
+        first_failing_entity=(entity or named[0]) if status == "fail" else None,
+        first_failing_frame=frame,
+        corrections=corrections if status == "fail" else (),
+        evidence=evidence,
+        extra=[candidate.spec.simulation.limits.energy_growth],
+    )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -528,7 +529,10 @@ def build_model(
     builder.drag()
     bounces = builder.pairs()
     try:
-        model = builder.out.compile()
+        with warnings.catch_warnings():
+            # Of an elastic body without damping, whose elasticity MuJoCo 4.0.0 does not count as a force.
+            warnings.filterwarnings("ignore", message="flex '.*' is not rigid and has no equality constraints")
+            model = builder.out.compile()
     except ValueError as error:
         raise InputError(f"MuJoCo refuses the model: {error}") from error
     colliders = tuple(members)

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 import json
-import os
-import shutil
 import sys
-import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
+from .client_run import accept, play
 from .domino_run import Agent
 
 __all__ = ["PROMPT", "flood_spec", "main", "run"]
 
 PROMPT = "A tank bursts when its gate is lifted and floods a model street with floating crates."
-WAIT_SECONDS = 25.0
 FPS = 24
 STREET = (2.4, 1.0)
 """Length beyond the gate and inner width [m]."""
@@ -150,55 +145,13 @@ def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> d
     }  # fmt: skip
 
 
-async def _session(options: argparse.Namespace, workspace: Path) -> dict[str, Any]:
-    from mcp import Client, StdioServerParameters
-
-    started = time.monotonic()
-    command = StdioServerParameters(
-        command=sys.executable,
-        args=["-P", "-m", "worldagent.server", "serve", "--workspace", str(workspace)],
-        env=dict(os.environ),
-    )
-    async with Client(command) as client:
-        agent = Agent(client, "burst_tank", started)
-        agent.say(f"prompt: {PROMPT}")
-        accepted = await _accepted(agent, flood_spec(options.spacing, options.engine))
-        found: dict[str, Any] = {"accepted": accepted}
-        if accepted and not options.no_render:
-            agent.say("rendering the final sequence")
-            data, refused = await agent.call("render_shot", kind="final", wait_s=WAIT_SECONDS)
-            found["final"] = data
-            agent.say(data["refused"] if refused else f"film: {data['frames']} frames of {data['width']} x {data['height']}")
-        return found | {
-            "calls": agent.calls,
-            "seconds": round(time.monotonic() - started, 1),
-            "world": str(workspace / agent.world),
-        }
-
-
-async def _accepted(agent: Agent, spec: dict[str, Any]) -> bool:
-    """From the specification to the verdict; what fails is said."""
-    data, refused = await agent.call("edit_spec", prompt=PROMPT, spec=spec)
-    if refused or not data["audit"]["passed"]:
-        agent.say(data.get("refused") or json.dumps(data["audit"]["open_rows"]))
-        return False
-    for tool, key in (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed")):
-        data, refused = await agent.call(tool, detail="full", **({} if tool == "place_object" else {"wait_s": WAIT_SECONDS}))
-        if refused or not data[key]:
-            agent.say(data.get("refused") or f"{tool}: {json.dumps(data['open_rows'])[:4000]}")
-            return False
-        agent.say(f"{tool}: {data['counts']['pass']} rows pass")
-    data, refused = await agent.call("run_checks", scope="acceptance", wait_s=WAIT_SECONDS)
-    agent.say(data.get("refused") or f"acceptance: {data['verdict']}, {data['counts']['pass']} rows pass")
-    return not refused and data["verdict"] == "accepted"
+async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:
+    return {"accepted": await accept(agent, PROMPT, flood_spec(options.spacing, options.engine))}
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """One run in a fresh world folder; returns what happened."""
-    workspace = Path(options.out).resolve()
-    shutil.rmtree(workspace / "burst_tank", ignore_errors=True)
-    workspace.mkdir(parents=True, exist_ok=True)
-    return asyncio.run(_session(options, workspace))
+    return play(Agent, "burst_tank", PROMPT, options, lambda agent: _work(agent, options))
 
 
 def main(argv: Sequence[str] | None = None) -> int:

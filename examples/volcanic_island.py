@@ -7,17 +7,13 @@ the row's own numbers. It places the near camera by what `inspect_world(part='te
 from __future__ import annotations
 
 import argparse
-import asyncio
 import json
 import math
-import os
-import shutil
 import sys
-import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
+from .client_run import WAIT_SECONDS, play
 from .domino_run import Agent
 
 __all__ = ["PROMPT", "island_spec", "main", "run"]
@@ -37,7 +33,6 @@ GROUND, GROUND_AT = 640.0, (850.0, 1650.0)
 """Side and middle of the ground that is cut out, where the valley meets the sea [m]."""
 EYE = 12.0
 """Height of the near camera over the bed of the river [m]."""
-WAIT_SECONDS = 25.0
 
 
 def _side(sign: int) -> dict[str, Any]:
@@ -222,41 +217,18 @@ class Islander(Agent):
                 return None
 
 
-async def _session(options: argparse.Namespace, workspace: Path) -> dict[str, Any]:
-    from mcp import Client, StdioServerParameters
-
-    started = time.monotonic()
-    command = StdioServerParameters(
-        command=sys.executable,
-        args=["-P", "-m", "worldagent.server", "serve", "--workspace", str(workspace)],
-        env=dict(os.environ),
-    )
-    async with Client(command) as client:
-        agent = Islander(client, "volcanic_island", started)
-        agent.say(f"prompt: {PROMPT}")
-        accepted = await agent.work_on_land(options.cells)
-        found: dict[str, Any] = {"accepted": accepted, "repairs": agent.repairs, "pictures": []}
-        for field in ("hillshade", "tree_density", "accumulation") if accepted else ():
-            data, refused = await agent.call("render_shot", kind="field", field=field)
-            found["pictures"] += [] if refused else [data["file"]]
-        if accepted and not options.no_render:
-            agent.say("rendering the final pictures")
-            data, refused = await agent.call("render_shot", kind="final", wait_s=WAIT_SECONDS, samples=options.samples)
-            found["final"] = data
-            agent.say(data["refused"] if refused else f"pictures: {data.get('frames')}")
-        return found | {
-            "calls": agent.calls,
-            "seconds": round(time.monotonic() - started, 1),
-            "world": str(workspace / agent.world),
-        }
+async def _work(agent: Islander, options: argparse.Namespace) -> dict[str, Any]:
+    accepted = await agent.work_on_land(options.cells)
+    found: dict[str, Any] = {"accepted": accepted, "repairs": agent.repairs, "pictures": []}
+    for field in ("hillshade", "tree_density", "accumulation") if accepted else ():
+        data, refused = await agent.call("render_shot", kind="field", field=field)
+        found["pictures"] += [] if refused else [data["file"]]
+    return found
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """One run in a fresh world folder; returns what happened."""
-    workspace = Path(options.out).resolve()
-    shutil.rmtree(workspace / "volcanic_island", ignore_errors=True)
-    workspace.mkdir(parents=True, exist_ok=True)
-    return asyncio.run(_session(options, workspace))
+    return play(Islander, "volcanic_island", PROMPT, options, lambda agent: _work(agent, options))
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -10,7 +10,7 @@ import random
 from collections.abc import Callable
 from typing import Any
 
-from . import skill_building, skill_liquids, skill_repair, skill_settings, skill_terrain
+from . import skill_building, skill_liquids, skill_particles, skill_repair, skill_settings, skill_terrain
 
 __all__ = ["run"]
 
@@ -37,6 +37,7 @@ def run(*, variants: int | None = None, seed: int | None = None, checks: tuple[s
         "coupled-systems": lambda: skill_liquids.measure_floating(seeds),
         "liquids": lambda: skill_liquids.measure_resolution(seeds),
         "outdoor-terrain": lambda: skill_terrain.measure(seeds),
+        "particles": lambda: skill_particles.measure(seeds),
         "repair": lambda: skill_repair.measure(seeds, flaws, arms),
         "rigid-bodies": lambda: skill_settings.measure(seeds),
         "world-building": lambda: skill_building.measure(seeds),

@@ -25,6 +25,8 @@ PARTNERS = {
     "dfsph": (".liquid.solver", "SolverLiquid"),
     "flip": (".liquid.solver", "SolverLiquid"),
     "shell": (".cloth.solver", "SolverCloth"),
+    "dem": (".particles.solver", "SolverGrains"),
+    "ballistic": (".particles.flight", "SolverFlight"),
 }
 """Module and class of the solver of each engine but the rigid one: a `coupling.Partner`, made from (spec, built, name, *, caches of
 the instances that it reads or None where a coupling tells it the bodies, intervention, recipe). Loaded when needed: they compile kernels."""

@@ -31,6 +31,7 @@ from .bundle import event_list
 from .cloth_register import cloth_lines
 from .field_ledger import field_lines
 from .ground_stems import plant_lines
+from .particle_lines import particle_lines
 
 __all__ = ["acceptance_subject", "approximations", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
@@ -266,7 +267,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "motion or force put in by hand, counted as driver work",
             }
         )
-    found += field_lines(spec)
+    found += field_lines(spec) + particle_lines(spec)
     for name, coupling in spec.simulation.couplings.items():
         if coupling.direction == "one_way":
             found.append(

@@ -1,11 +1,12 @@
-"""Category-specific checks (R99-R104): rigid bodies in `rigid.py`, elastic ones in `elastic.py`, liquids in `liquid.py`, cloth in `cloth.py`."""
+"""Category-specific checks (R99-R104): rigid bodies in `rigid.py`, elastic ones in `elastic.py`, liquids in `liquid.py`, cloth in `cloth.py`,
+grains in `particles.py`."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ..worlds.requirements import Row
-from . import cloth, elastic, liquid, rigid
+from . import cloth, elastic, liquid, particles, rigid
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -28,13 +29,17 @@ def check(candidate: Candidate) -> list[Row]:
         rows += liquid.check_instance(candidate, solver)
     for solver in candidate.spec.simulation.cloth:
         rows += cloth.check_instance(candidate, solver)
+    for solver in candidate.spec.simulation.particles:
+        rows += particles.check_instance(candidate, solver)
     plan, entities = candidate.spec.simulation, candidate.spec.entities
     simulated = {m for s in plan.solvers.values() for m in s.members if _moves(s, entities.get(m))}
     for name, entity in candidate.spec.entities.items():
         category = entity.physics.category
         if category == "rigid" or name in simulated:
             continue
-        missing = "no instance simulates it" if category in ("cloth", "liquid") else "this build has no engine for it"
+        missing = (
+            "no instance simulates it" if category in ("cloth", "liquid", "particles") else "this build has no engine for it"
+        )
         rows.append(
             make_row(
                 candidate,

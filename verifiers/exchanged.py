@@ -70,7 +70,7 @@ def both_ways(spec: WorldSpec, solver: str) -> bool:
 
 
 def exchange_steps(candidate: Candidate, solver: str) -> F64:
-    """Steps of coupled liquids per frame, each of which also ends a step of the bodies, shape (frames,).
+    """Exchanges with coupled liquids and grains per frame, each of which also ends a step of the bodies, shape (frames,).
 
     Raises:
         EvidenceError: a liquid has no record of them.
@@ -79,8 +79,12 @@ def exchange_steps(candidate: Candidate, solver: str) -> F64:
     for name in partners(candidate.spec, solver):
         if name not in candidate.caches:
             raise EvidenceError(f"instance {name!r} has no cache yet; probe or bake it")
-        # Cloth steps more often than it exchanges.
-        counted = "record/exchanges" if name in candidate.spec.simulation.cloth else "record/steps"
+        # Cloth and particles step more often than they exchange.
+        counted = (
+            "record/exchanges"
+            if name in (*candidate.spec.simulation.cloth, *candidate.spec.simulation.particles)
+            else "record/steps"
+        )
         total += np.asarray(candidate.caches[name].series(counted), dtype=np.float64)[: len(total)]
     return total
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
+from .exchanged import partners
 from .findings import Finding
 from .liquid_bodies import Bodies, exchanged
 from .liquid_rows import baked_again, longer_step
@@ -95,8 +96,8 @@ class Coupling:
             held = self.liquid.candidate.cache_row(*name.split("/"))
             if held is None or not self.bodies.free[row] or coupled(self.liquid, self.bodies.entities[row]) != "two_way":
                 continue
-            if len(self.liquid.candidate.liquid_caches) > 1:
-                continue  # what it received is the sum over several liquids
+            if len(partners(self.liquid.candidate.spec, held[0].index.solver)) > 1:
+                continue  # what it received is the sum over several partners
             cache, body = held
             given = cache.read(index, ("exchange/impulse",))["exchange/impulse"]
             if np.shape(given) != (len(cache.index.bodies), 6):

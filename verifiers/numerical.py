@@ -14,7 +14,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row, Status
-from . import cloth, liquid, motion
+from . import cloth, liquid, motion, particles
 from .exchanged import both_ways
 from .field_ledger import feels_fields
 from .findings import Finding, again, halve, separate
@@ -85,6 +85,8 @@ def check(candidate: Candidate) -> list[Row]:
         rows += _container(candidate, solver) + liquid.numerical_rows(candidate, solver)
     for solver in candidate.spec.simulation.cloth:
         rows += _container(candidate, solver) + cloth.numerical_rows(candidate, solver)
+    for solver in candidate.spec.simulation.particles:
+        rows += _container(candidate, solver) + particles.numerical_rows(candidate, solver)
     return rows
 
 

@@ -22,6 +22,7 @@ from .groups import group_of
 from .instances import bake_order, coupling_problems, instance_for, membership_problems
 from .liquid_audit import liquid_problems
 from .liquids import declares_heat
+from .particle_audit import particle_problems
 from .predicates import PREDICATES, entities_of
 from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
 from .requirements import Correction, Row
@@ -60,6 +61,10 @@ _PARTICLES = frozenset(
     {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
     | {"origin", "exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
 )
+_GRAINS = frozenset(
+    {f"particle/{n}" for n in ("position", "velocity", "spin", "id", "member", "radius")}
+    | {"origin", "exchange/impulse", "exchange/reaction", "field/impulse", "outflow/momentum"}
+)
 ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     "mujoco": frozenset(
         {"position", "quaternion", "velocity", "angular_velocity", "joint", "contact/pair", "contact/impulse", "contact/min_gap"}
@@ -67,6 +72,8 @@ ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     "dfsph": _PARTICLES,
     "flip": _PARTICLES,
     "shell": frozenset({"position", "quaternion", "vertex/position", "vertex/velocity"}),
+    "dem": _GRAINS,
+    "ballistic": _GRAINS,
 }
 """Evidence each engine of this build writes."""
 SKIN_SHARE = 0.9
@@ -347,6 +354,9 @@ class _Audit:
         ):
             text = "cloth is made of sheets or meshes that resolve its thickness, and its pins hold it"
             self.add("cloth", text, cloth_problems(self.spec), group="physical")
+        if plan.particles or any(e.physics.category == "particles" for e in self.spec.entities.values()):
+            text = "particles are members of an engine of their law, which holds them in its domain"
+            self.add("particles", text, particle_problems(self.spec), group="physical")
         if field_drivers(self.spec):
             self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
         if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):

@@ -73,6 +73,18 @@ outflows in the order of `CacheIndex.drivers`; `CacheIndex.bodies` are the liqui
 | `exchange/reaction` | f8 (b, 6) | change of the liquid's own momentum through each boundary over the frame, measured on the liquid |
 | `inflow/mass` | f8 (k,) | let in since frame 0 [kg]; 0 for outflows |
 | `outflow/mass` | f8 (k,) | taken away since frame 0 [kg]; 0 for inflows |
+
+Channels written by an instance of grains or flying particles (n particles in the order of their ids; b walls in the order of
+`CacheIndex.colliders`, `entity/body`; m members in the order of `CacheIndex.bodies`, entities): `origin`, `particle/position`,
+`particle/velocity`, `particle/id`, `exchange/impulse` and `exchange/reaction` as above, and
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `particle/member` | i4 (n,) | index into `CacheIndex.bodies` |
+| `particle/radius` | f4 (n,) | [m] |
+| `particle/spin` | f4 (n, 3) | angular velocity [rad/s] |
+| `field/impulse` | f8 (m, 3) | of force fields over the frame [N s] |
+| `outflow/momentum` | f8 (3,) | carried out of the domain over the frame [N s] |
 """
 
 from __future__ import annotations

@@ -68,6 +68,11 @@ class Candidate:
         """Caches of cloth instances: those with vertices of sheets."""
         return {n: c for n, c in self.caches.items() if n in self.spec.simulation.cloth}
 
+    @cached_property
+    def particle_caches(self) -> dict[str, Cache]:
+        """Caches of instances of grains and of flying particles."""
+        return {n: c for n, c in self.caches.items() if n in self.spec.simulation.particles}
+
     def written_by(self, quantity: Quantity) -> list[Cache]:
         """Caches of the instances that record a quantity."""
         liquids = self.liquid_caches
@@ -82,6 +87,7 @@ class Candidate:
             "liquid": liquids,
             "surface": surfaces,
             "cloth": cloth,
+            "particles": self.particle_caches,
         }
         return [c for category in quantity.of for c in of[category].values()]
 
@@ -92,7 +98,9 @@ class Candidate:
         Raises:
             EvidenceError: a cache does not belong to what is built.
         """
-        return deforming_of(self.built, {n: c for n, c in self.caches.items() if n not in self.liquid_caches})
+        return deforming_of(
+            self.built, {n: c for n, c in self.caches.items() if n not in (*self.liquid_caches, *self.particle_caches)}
+        )
 
     @cached_property
     def deformables(self) -> tuple[str, ...]:

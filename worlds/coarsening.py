@@ -20,7 +20,14 @@ if TYPE_CHECKING:
 
 __all__ = ["COARSEST", "KNOBS", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "write_overrides"]
 
-KNOBS: Mapping[str, tuple[str, ...]] = {"dfsph": ("resolution",), "flip": ("resolution",), "mujoco": (), "shell": ()}
+KNOBS: Mapping[str, tuple[str, ...]] = {
+    "dfsph": ("resolution",),
+    "flip": ("resolution",),
+    "dem": ("radius",),
+    "ballistic": (),
+    "mujoco": (),
+    "shell": (),
+}
 """By engine, members of an entity's `physics` that a probe may override. All are lengths."""
 COARSEST = 2.0
 """Own choice: a liquid of twice the spacing has an eighth of the particles and about a sixteenth of the cost; coarser ones lose the

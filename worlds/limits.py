@@ -75,13 +75,13 @@ CAPS: dict[str, Cap] = _caps(
         "particles",
         20_000_000,
         "particles",
-        "a larger /entities/<liquid>/physics/resolution, a smaller volume or domain, or inflows that end sooner",
+        "a larger /entities/<liquid>/physics/resolution or radius of grains, a smaller volume or domain, or inflows that end sooner",
     ),
     Cap(
         "particle_steps",
         100_000_000_000,
         "particle steps",
-        "a larger /entities/<liquid>/physics/resolution, fewer frames, or engine flip instead of dfsph",
+        "a larger /entities/<liquid>/physics/resolution or radius of grains, softer grains (young_modulus), fewer frames, or engine flip instead of dfsph",
     ),
     Cap("vertices", 1_000_000, "vertices of cloth", "a larger /entities/<cloth>/parts/<part>/shape/resolution"),
     Cap(
@@ -147,6 +147,7 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     """What a specification would take, by name of the cap."""
     from .cloth import cloth_estimate
     from .liquids import liquid_estimate
+    from .particles import particle_estimate
 
     plan, look = spec.simulation, spec.look
     moving = {name: entity for name, entity in spec.entities.items() if entity.motion != "static"}
@@ -158,6 +159,9 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     )
     liquids = [liquid_estimate(spec, name) for name in plan.liquid]
     sheets = [cloth_estimate(spec, name) for name in plan.cloth]
+    grains = [particle_estimate(spec, name) for name in plan.particles]
+    particles = sum(e.particles for e in liquids) + sum(e.particles for e in grains)
+    particle_steps = sum(e.particles * e.steps for e in liquids) + sum(e.particles * e.steps for e in grains)
     counts: dict[str, float] = {
         "bodies": bodies,
         "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
@@ -165,18 +169,19 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
         "frames": plan.frames + plan.preroll * plan.fps,
         "steps": sum(seconds / s.settings.step for s in plan.rigid.values())
         + sum(e.steps for e in liquids)
-        + sum(e.steps for e in sheets),
+        + sum(e.steps for e in sheets)
+        + sum(e.steps for e in grains),
         "body_steps": seconds * body_seconds,
         "rerun_body_steps": _rerun_seconds(spec) * body_seconds,
         "width": look.width,
         "height": look.height,
         "samples": look.samples,
-        "particles": sum(e.particles for e in liquids),
+        "particles": particles,
         "vertices": sum(e.vertices for e in sheets),
         "vertex_steps": sum(e.vertices * e.steps for e in sheets),
-        "particle_steps": sum(e.particles * e.steps for e in liquids),
+        "particle_steps": particle_steps,
         "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME
-        + sum(e.particles for e in liquids) * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME
+        + particles * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME
         + sum(e.vertices for e in sheets) * plan.frames * CACHE_BYTES_PER_VERTEX_FRAME,
         "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values())
         + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values())

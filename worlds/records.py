@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "elastic", "cloth", "liquid", "surface", "fracture"]
+Category = Literal["rigid", "elastic", "cloth", "liquid", "surface", "fracture", "particles"]
 
 
 @dataclass(frozen=True)
@@ -23,16 +23,19 @@ class Quantity:
     """Instances of these categories write it; `elastic`, `fracture`: rigid ones with elastic or breakable members; `surface`: it stands beside the surfaces of a liquid."""
 
 
-_BOTH: tuple[Category, ...] = ("rigid", "liquid", "cloth")
+_BOTH: tuple[Category, ...] = ("rigid", "liquid", "cloth", "particles")
+_DRIVEN: tuple[Category, ...] = ("rigid", "liquid", "particles")
 _MOVED: tuple[Category, ...] = ("rigid", "liquid")
 _CLOTH: tuple[Category, ...] = ("cloth",)
 _LIQUID: tuple[Category, ...] = ("liquid",)
 _ELASTIC: tuple[Category, ...] = ("elastic",)
+_PARTICLES: tuple[Category, ...] = ("particles",)
+_MATTER: tuple[Category, ...] = ("liquid", "particles")
 _SURFACE: tuple[Category, ...] = ("surface",)
 _ALL = (
-    Quantity("kinetic_energy", "J", "sum over moving bodies or liquid", of=_BOTH),
+    Quantity("kinetic_energy", "J", "sum over moving bodies, liquid or particles", of=_BOTH),
     Quantity("potential_energy", "J", "gravity, against z = 0, plus springs", of=_BOTH),
-    Quantity("driver_work", "J", "work done by drivers since frame 0, positive into the bodies or the liquid", of=_MOVED),
+    Quantity("driver_work", "J", "work done by drivers since frame 0, positive into the bodies or the liquid", of=_DRIVEN),
     Quantity("momentum_x", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
     Quantity("momentum_y", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
     Quantity("momentum_z", "kg m/s", "sum over moving bodies or liquid", of=_BOTH),
@@ -64,20 +67,25 @@ _ALL = (
     Quantity("surface_area", "m^2", "of that surface", of=_SURFACE),
     Quantity("surface_components", "1", "separate pieces of that surface, cavities not counted", of=_SURFACE),
     Quantity("spray_volume", "m^3", "of particles apart from the liquid, which the surface leaves out", of=_SURFACE),
-    Quantity("volume", "m^3", "sum of the particles' volumes at rest density", of=_LIQUID),
-    Quantity("particles", "1", "particles in the domain", of=_LIQUID),
+    Quantity("volume", "m^3", "sum of the particles' volumes at rest density", of=_MATTER),
+    Quantity("particles", "1", "particles in the domain", of=_MATTER),
     Quantity("density_error_mean", "1", "largest mean compression at the end of a step of the frame", of=_LIQUID),
     Quantity("density_error_max", "1", "largest compression at the end of a step of the frame", of=_LIQUID),
     Quantity("iterations_pressure", "1", "most iterations of the density or pressure solve in a step of the frame", of=_LIQUID),
     Quantity("iterations_divergence", "1", "most iterations of the divergence solve in a step of the frame", of=_LIQUID),
-    Quantity("lost", "1", "particles that are no longer there and that nothing took away, since frame 0", of=_LIQUID),
-    Quantity("inflow_mass", "kg", "let in by inflows since frame 0", of=_LIQUID),
+    Quantity("lost", "1", "particles that are no longer there and that nothing took away, since frame 0", of=_MATTER),
+    Quantity("inflow_mass", "kg", "let in by inflows or emitters since frame 0", of=_MATTER),
     Quantity("outflow_mass", "kg", "taken away by outflows since frame 0", of=_LIQUID),
     Quantity("stretch_energy", "J", "elastic, of stretch and shear of cloth", of=_CLOTH),
     Quantity("bending_energy", "J", "elastic, of the bending of cloth", of=_CLOTH),
     Quantity("stretch_max", "1", "largest extension of an edge of cloth over its length at rest", of=_CLOTH),
     Quantity("stretch_min", "1", "largest shortening of an edge of cloth over its length at rest, negative", of=_CLOTH),
-    Quantity("exchanges", "1", "times in the frame at which cloth looked at the air and at bodies", of=_CLOTH),
+    Quantity(
+        "exchanges",
+        "1",
+        "times in the frame at which cloth or particles looked at the air and at bodies",
+        of=("cloth", "particles"),
+    ),
     Quantity(
         "cut_vertices", "1", "vertices of cloth whose way was cut short so that nothing crosses, over all exchanges", of=_CLOTH
     ),
@@ -95,6 +103,12 @@ _ALL = (
         Quantity(f"{by}_work", "J", f"work of {what} on cloth since frame 0", of=_CLOTH)
         for by, what in (("air", "air and fields"), ("hold", "what holds vertices"), ("solid", "moving solids in contact"))
     ),
-    Quantity("domain_outflow", "kg", "left through open sides of the domain since frame 0", of=_LIQUID),
+    Quantity("domain_outflow", "kg", "left the domain since frame 0", of=_MATTER),
+    Quantity("rotation_energy", "J", "of the spins of particles", of=_PARTICLES),
+    Quantity("mean_speed", "m/s", "of all particles at the frame", of=_PARTICLES),
+    Quantity("inflow_count", "1", "particles that emitters let out since frame 0", of=_PARTICLES),
+    Quantity("died_count", "1", "particles that died at surfaces or of age since frame 0", of=_PARTICLES),
+    Quantity("died_mass", "kg", "their mass", of=_PARTICLES),
+    Quantity("outflow_count", "1", "particles that left the domain since frame 0", of=_PARTICLES),
 )
 QUANTITIES: Mapping[str, Quantity] = {q.name: q for q in _ALL}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import PREDICATES
-from . import combine, elastic, kinematic, landscape, liquid, touching
+from . import combine, elastic, kinematic, landscape, liquid, particle, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed
@@ -45,6 +45,11 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "splash_height": liquid.splash_height,
     "liquid_speed": liquid.liquid_speed,
     "liquid_temperature": liquid.liquid_temperature,
+    "particle_count_in": particle.particle_count_in,
+    "particle_volume_in": particle.particle_volume_in,
+    "pile_height": particle.pile_height,
+    "run_out": particle.run_out,
+    "particles_settled": particle.particles_settled,
     "count": combine.count,
     "always": combine.always,
     "eventually": combine.eventually,

@@ -36,6 +36,7 @@ from .liquids import (
     SubmergedFraction,
     WetArea,
 )
+from .particles import ParticleCountIn, ParticlesSettled, ParticleVolumeIn, PileHeight, RunOut
 
 __all__ = [
     "ATOMS",
@@ -58,9 +59,14 @@ __all__ = [
     "NoContact",
     "Not",
     "Or",
+    "ParticleCountIn",
+    "ParticleVolumeIn",
+    "ParticlesSettled",
+    "PileHeight",
     "Predicate",
     "Reaches",
     "RestsOn",
+    "RunOut",
     "Separation",
     "Speed",
     "SplashHeight",
@@ -295,6 +301,11 @@ Atom = (
     | SplashHeight
     | LiquidSpeed
     | LiquidTemperature
+    | ParticleCountIn
+    | ParticleVolumeIn
+    | ParticlesSettled
+    | PileHeight
+    | RunOut
 )
 Combinator = Count | Always | Eventually | Until | Before | After | Within | And | Or | Not
 Predicate = Annotated[Atom | Combinator, Field(discriminator="kind")]

@@ -31,6 +31,7 @@ class PredicateInfo:
 _BAND: dict[str, Tightens] = {"min": "up", "max": "down"}
 _POSE = ("position", "quaternion")
 _LIQUID = ("origin", "particle/position", "particle/fluid", "particle/volume")
+_GRAINS = ("origin", "particle/position", "particle/member", "particle/radius")
 _KINDS = (
     PredicateInfo("reaches", "m", _POSE),
     PredicateInfo("stays_in", "m", _POSE),
@@ -63,6 +64,11 @@ _KINDS = (
     PredicateInfo("splash_height", "m", _LIQUID, _BAND),
     PredicateInfo("liquid_speed", "m/s", (*_LIQUID, "particle/velocity"), _BAND),
     PredicateInfo("liquid_temperature", "K", (*_LIQUID, "particle/temperature"), _BAND),
+    PredicateInfo("particle_count_in", "1", _GRAINS, _BAND),
+    PredicateInfo("particle_volume_in", "m^3", _GRAINS, _BAND),
+    PredicateInfo("pile_height", "m", _GRAINS, _BAND),
+    PredicateInfo("run_out", "m", _GRAINS, _BAND),
+    PredicateInfo("particles_settled", "m/s", (*_GRAINS, "particle/velocity"), {"max_speed": "down"}),
     PredicateInfo("count", "1", (), _BAND),
     PredicateInfo("always", "1", ()),
     PredicateInfo("eventually", "1", ()),

@@ -3,7 +3,19 @@
 from ..vocabulary import Ref, SpecModel
 from .cloth import ClothInstance, ClothPin, ClothSettings
 from .elastic import ElasticPhysics, Pin
-from .entities import Appearance, ClothPhysics, Current, Dimensions, Entity, LiquidPhysics, Material, Part, RigidPhysics, Rope
+from .entities import (
+    Appearance,
+    ClothPhysics,
+    Current,
+    Dimensions,
+    Entity,
+    LiquidPhysics,
+    Material,
+    Part,
+    ParticlePhysics,
+    RigidPhysics,
+    Rope,
+)
 from .fields import FieldDriver
 from .fracture import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
 from .liquids import (
@@ -16,6 +28,7 @@ from .liquids import (
     OutflowDriver,
     WavesDriver,
 )
+from .particles import BallisticInstance, BallisticSettings, DemInstance, DemSettings, EmitterDriver, ParticleDomain
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sheet, Sphere, StemField, Wedge
 from .simulation import (
     MOVED,
@@ -28,6 +41,7 @@ from .simulation import (
     Limits,
     LiquidInstance,
     MotorDriver,
+    ParticleInstance,
     PathDriver,
     PathKey,
     ReleaseDriver,
@@ -71,6 +85,8 @@ __all__ = [
     "Appearance",
     "AreaLight",
     "BallJoint",
+    "BallisticInstance",
+    "BallisticSettings",
     "Beat",
     "Bond",
     "Box",
@@ -92,11 +108,14 @@ __all__ = [
     "Current",
     "Cylinder",
     "CylinderRegion",
+    "DemInstance",
+    "DemSettings",
     "DetachDriver",
     "DfsphInstance",
     "DfsphSettings",
     "Dimensions",
     "ElasticPhysics",
+    "EmitterDriver",
     "Entity",
     "Extrusion",
     "Fastened",
@@ -119,6 +138,9 @@ __all__ = [
     "MotorDriver",
     "OutflowDriver",
     "Part",
+    "ParticleDomain",
+    "ParticleInstance",
+    "ParticlePhysics",
     "PathDriver",
     "PathKey",
     "Perturbed",

@@ -20,6 +20,7 @@ from ..vocabulary import (
 from .cloth import ClothInstance
 from .fields import FieldDriver
 from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
+from .particles import BallisticInstance, DemInstance, EmitterDriver
 from .shapes import Pose
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "Limits",
     "LiquidInstance",
     "MotorDriver",
+    "ParticleInstance",
     "PathDriver",
     "PathKey",
     "ReleaseDriver",
@@ -78,8 +80,11 @@ class RigidInstance(SpecModel):
     settings: RigidSettings = RigidSettings()
 
 
-SolverInstance = Annotated[RigidInstance | DfsphInstance | FlipInstance | ClothInstance, Field(discriminator="engine")]
+SolverInstance = Annotated[
+    RigidInstance | DfsphInstance | FlipInstance | ClothInstance | DemInstance | BallisticInstance, Field(discriminator="engine")
+]
 LiquidInstance = DfsphInstance | FlipInstance
+ParticleInstance = DemInstance | BallisticInstance
 MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(SolverInstance)[0]) for c in i.moves))
 """Categories that some engine of this build moves."""
 
@@ -206,6 +211,7 @@ Driver = Annotated[
     | MotorDriver
     | DetachDriver
     | FieldDriver
+    | EmitterDriver
     | InflowDriver
     | OutflowDriver
     | WavesDriver,
@@ -285,3 +291,8 @@ class SimulationPlan(SpecModel):
     def liquid(self) -> dict[str, LiquidInstance]:
         """Liquid instances by id."""
         return {k: s for k, s in self.solvers.items() if isinstance(s, DfsphInstance | FlipInstance)}
+
+    @property
+    def particles(self) -> dict[str, ParticleInstance]:
+        """Instances of grains and of flying particles by id."""
+        return {k: s for k, s in self.solvers.items() if isinstance(s, DemInstance | BallisticInstance)}

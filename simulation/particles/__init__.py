@@ -1,0 +1,1 @@
+"""Grains by the discrete element method, and particles that fly alone (R65)."""

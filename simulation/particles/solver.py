@@ -1,0 +1,86 @@
+"""An instance of grains as a `Solver` and a `Partner` of rigid bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.particles import sphere_drag
+from ..boundaries import BodyState, Surround
+from .engine import Grains
+from .frames import FramedParticles, Taken
+from .scene import build_grains
+
+__all__ = ["SolverGrains"]
+
+
+class SolverGrains(FramedParticles):
+    """Grains with Hertz-Mindlin contacts."""
+
+    MAGIC = b"WADE1"
+
+    @property
+    def surround(self) -> Surround:
+        """The bodies that it meets."""
+        return self.scene.surround
+
+    def set_up(self) -> None:
+        """Fill the volume and make the engine."""
+        self.scene = build_grains(self.spec, self.built, self.name)
+        self.engine = Grains(self.scene.setup)
+        self._exchange = float(getattr(self.instance.settings, "exchange", 1e-3))
+
+    def begin_motion(self) -> None:
+        """Add the declared velocities."""
+        declared = np.array([self.physics(k).linear_velocity for k in range(len(self.members))], dtype=np.float64)
+        if declared.any():
+            c = self.engine.columns()
+            given = np.zeros((int(c["identity"].max(initial=-1)) + 1, 3))
+            given[c["identity"]] = declared[c["kind"]]
+            self.engine.push(given)
+
+    def longest(self) -> float:
+        """Longest exchange [s]."""
+        return self._exchange
+
+    def exchange(self, seconds: float, bodies: BodyState, time: float) -> Taken:
+        """Go on by `seconds` from `time`."""
+        kinds = self._feel(time)
+        report = self.engine.step(seconds, bodies)
+        blown = np.zeros((len(self.members), 3))
+        if kinds is not None:
+            blown = report.blown
+        return Taken(seconds, report.impulse, report.reaction, report.steps, report.speed, blown, report.work, report.left)
+
+    def _feel(self, time: float) -> F64 | None:
+        """Tell the engine what fields do at its grains."""
+        if not any(self.fields) or time < 0:
+            return None
+        c = self.engine.columns()
+        velocity, pull = np.zeros((2, len(c["mass"]), 3))
+        rate = np.zeros(len(c["mass"]))
+        for k, fields in enumerate(self.fields):
+            own = np.flatnonzero(c["kind"] == k)
+            if not fields or not len(own):
+                continue
+            pull[own] = fields.acceleration(c["position"][own], time)
+            if fields.has_medium:
+                medium = fields.medium(c["position"][own], time)
+                velocity[own] = medium.velocity
+                rate[own] = sphere_drag(medium, c["radius"][own], c["mass"][own], c["velocity"][own])
+        self.engine.set_air(velocity, rate, pull)
+        return pull
+
+    def columns(self) -> dict[str, Any]:
+        """The present state."""
+        return self.engine.columns()
+
+    def pack(self) -> bytes:
+        """State of the engine."""
+        return self.engine.checkpoint()
+
+    def unpack(self, state: bytes) -> None:
+        """Continue from such a state."""
+        self.engine.restore(state)

@@ -1,0 +1,154 @@
+"""Grains and flying particles (R65-R68, R101-R105): one pass over the frames of an instance, seen by one watch per family of claims.
+
+Rows: `category:particles:<claim>:<solver>` and `numerical:<claim>:<solver>`. Nothing here knows a solver: particles, what was exchanged
+and recorded, and the solids of the candidate are all there is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ..worlds.errors import EvidenceError
+from .findings import Finding
+from .particle_contacts import Contacts
+from .particle_flight import Flight
+from .particle_frames import swarm_of
+from .particle_ledger import Books, Identity
+from .particle_rows import SwarmWatch, finer_step, particle_row, stiffer
+from .particle_walls import Walls
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row, Status
+    from .particle_frames import Swarm, SwarmFrame
+
+__all__ = ["WATCHES", "check_instance", "numerical_rows"]
+
+
+class Numbers:
+    """Speeds and ways."""
+
+    claims: ClassVar[Mapping[str, str]] = {
+        "finite": "every number of every particle is finite",
+        "speed": "speeds are <= limits.max_speed",
+        "travel": "ways per frame are <= (limits.max_speed + 1 m/s) / fps",
+    }
+
+    def __init__(self, swarm: Swarm) -> None:
+        self.swarm = swarm
+        self.speed = self.way = 0.0
+        self.fast: tuple[int, float] | None = None
+        self.far: tuple[int, float] | None = None
+
+    def see(self, now: SwarmFrame, before: SwarmFrame | None) -> None:
+        """Look at one frame."""
+        limit = self.swarm.candidate.spec.simulation.limits.max_speed
+        speed = max(
+            float(np.linalg.norm(now.velocity, axis=1).max(initial=0.0)), float(self.swarm.record("max_speed")[now.index])
+        )
+        self.speed = max(self.speed, speed)
+        if speed > limit and self.fast is None:
+            self.fast = (now.index, speed)
+        if before is None:
+            return
+        _, here, there = np.intersect1d(now.identity, before.identity, assume_unique=True, return_indices=True)
+        way = float(np.linalg.norm(now.position[here] - before.position[there], axis=1).max(initial=0.0))
+        self.way = max(self.way, way)
+        if way > (limit + 1.0) * self.swarm.duration and self.far is None:
+            self.far = (now.index, way)
+
+    def findings(self) -> dict[str, Finding]:
+        """The three claims; a frame that is not finite cannot be read at all."""
+        limit = self.swarm.candidate.spec.simulation.limits.max_speed
+        reach = (limit + 1.0) * self.swarm.duration
+        hints = (
+            finer_step(self.swarm, "forces are too strong for the step"),
+            stiffer(self.swarm, "grains start overlapping, or are too soft", 2.0),
+        )
+        speed = Finding("pass", f"largest speed is {self.speed:.4g} m/s", self.speed, limit, "m/s")
+        if self.fast is not None:
+            speed = Finding(
+                "fail",
+                f"a particle has {self.fast[1]:.4g} m/s in frame {self.fast[0]}",
+                self.speed,
+                limit,
+                "m/s",
+                frame=self.fast[0],
+                hints=hints,
+            )
+        travel = Finding("pass", f"largest way in a frame is {self.way:.4g} m", self.way, reach, "m")
+        if self.far is not None:
+            travel = Finding(
+                "fail",
+                f"a particle travels {self.far[1]:.4g} m in frame {self.far[0]}",
+                self.way,
+                reach,
+                "m",
+                frame=self.far[0],
+                hints=hints,
+            )
+        return {"finite": Finding("pass", "every frame was read, and all of it is finite"), "speed": speed, "travel": travel}
+
+
+WATCHES: tuple[type[SwarmWatch], ...] = (Numbers, Identity, Books, Contacts, Walls, Flight)
+"""All families, in the order of their rows. `Books` and `Contacts` share what they find of a frame's contacts."""
+
+
+def findings_of(candidate: Candidate, solver: str) -> dict[str, dict[str, tuple[str, Finding]]]:
+    """Predicate and verdict of every claim by watch; worked out once per candidate."""
+    store: dict[str, dict[str, dict[str, tuple[str, Finding]]]] = vars(candidate).setdefault("_particle_findings", {})
+    if solver not in store:
+        store[solver] = _run(candidate, solver)
+    return store[solver]
+
+
+def _run(candidate: Candidate, solver: str) -> dict[str, dict[str, tuple[str, Finding]]]:
+    watches: dict[type[SwarmWatch], SwarmWatch] = {}
+    failed: dict[type[SwarmWatch], str] = {}
+    try:
+        swarm = swarm_of(candidate, solver)
+        for kind in WATCHES:
+            watches[kind] = kind(swarm)
+        for now, before in swarm.steps():
+            for kind, watch in watches.items():
+                if kind not in failed:
+                    try:
+                        watch.see(now, before)
+                    except EvidenceError as error:
+                        failed[kind] = str(error)
+    except EvidenceError as error:
+        failed = {kind: failed.get(kind, str(error)) for kind in WATCHES}
+    found = {}
+    for kind in WATCHES:
+        try:
+            if kind in failed:
+                raise EvidenceError(failed[kind])
+            verdicts = watches[kind].findings()
+        except EvidenceError as error:
+            status: Status = "fail" if kind is Numbers and "not finite" in str(error) else "unverified"
+            verdicts = {name: Finding(status if name == "finite" else "unverified", str(error)) for name in kind.claims}
+        found[kind.__name__] = {name: (claim, verdicts[name]) for name, claim in kind.claims.items()}
+    return found
+
+
+def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+    """The rows of the category check of one instance."""
+    found = findings_of(candidate, solver)
+    return [
+        particle_row(candidate, solver, name, claim, finding)
+        for kind in WATCHES
+        if kind is not Numbers
+        for name, (claim, finding) in found[kind.__name__].items()
+    ]
+
+
+def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """The rows of its counters."""
+    return [
+        particle_row(candidate, solver, name, claim, finding, check="numerical", family="")
+        for name, (claim, finding) in findings_of(candidate, solver)[Numbers.__name__].items()
+    ]

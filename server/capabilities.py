@@ -23,7 +23,11 @@ CATEGORIES: dict[str, dict[str, Any]] = {
         "covers": "free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
     },
     "gas": {"available": False},
-    "particles": {"available": False},
+    "particles": {
+        "available": True,
+        "engine": "dem, ballistic",
+        "covers": "grains with friction, rolling resistance and cohesion that push bodies and are pushed; sparks, rain, dust that fly alone",
+    },
 }
 """Categories of physics a specification can name; one that is not available is refused before a probe."""
 

@@ -31,6 +31,7 @@ BENCHMARKS: dict[str, str] = {
     "result-size": "worldagent.bench.result_size:run",
     "hydrology": "worldagent.bench.hydrology:run",
     "liquid-dambreak": "worldagent.bench.liquid_dambreak:run",
+    "grains": "worldagent.bench.grains:run",
     "liquid-gpu": "worldagent.bench.liquid_gpu:run",
     "island": "worldagent.bench.island:run",
     "liquid-flip": "worldagent.bench.liquid_flip:run",

@@ -16,6 +16,25 @@ from .setup import GrainSetup
 __all__ = ["Walls"]
 
 
+def quaternions(matrices: F64) -> F64:
+    """Quaternions (x, y, z, w) of rotation matrices, shape (n, 3, 3) -> (n, 4) (Shepperd 1978)."""
+    m = np.asarray(matrices, dtype=np.float64)
+    trace = np.trace(m, axis1=1, axis2=2)
+    size = np.stack([m[:, 0, 0], m[:, 1, 1], m[:, 2, 2], trace], axis=1)
+    result = np.zeros((len(m), 4))
+    for n, largest in enumerate(np.argmax(size, axis=1)):
+        a = m[n]
+        if largest == 3:
+            q = np.array([a[2, 1] - a[1, 2], a[0, 2] - a[2, 0], a[1, 0] - a[0, 1], 1.0 + trace[n]])
+        else:
+            i, j, k = int(largest), (int(largest) + 1) % 3, (int(largest) + 2) % 3
+            q = np.zeros(4)
+            q[i] = 1.0 - trace[n] + 2.0 * a[i, i]
+            q[j], q[k], q[3] = a[j, i] + a[i, j], a[k, i] + a[i, k], a[k, j] - a[j, k]
+        result[n] = q / np.linalg.norm(q)
+    return result
+
+
 class Walls:
     """All bodies of one instance of grains."""
 
@@ -72,17 +91,16 @@ class Walls:
         self.reaction.zero_()
         if not self.count:
             return 0.0
-        from scipy.spatial.transform import Rotation
-
         assert state is not None
         made = self.bodies
         # Where a body is not quite where its grains left it, the lists hold for less long.
         shift = np.linalg.norm(state.center - self.origin - made.center.numpy()[: self.count], axis=1)
-        turn = (Rotation.from_matrix(state.rotation) * Rotation.from_quat(made.rotation.numpy()[: self.count]).inv()).magnitude()
+        turned = quaternions(state.rotation)
+        turn = 2.0 * np.arccos(np.clip(np.abs((turned * made.rotation.numpy()[: self.count]).sum(axis=1)), 0.0, 1.0))
         made.drift.assign(made.drift.numpy() + shift + self.reach * turn)
         made.position.assign(state.position - self.origin)
         made.center.assign(state.center - self.origin)
-        made.rotation.assign(Rotation.from_matrix(state.rotation).as_quat())
+        made.rotation.assign(turned)
         for name, values in (
             ("velocity", state.velocity), ("spin", state.angular_velocity), ("lightness", state.inverse_mass),
             ("ease", state.inverse_inertia), ("acceleration", state.acceleration),

@@ -30,6 +30,7 @@ from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec, prompt_digest
 from .bundle import event_list
 from .cloth_register import cloth_lines
 from .field_ledger import field_lines
+from .fracture_register import fracture_lines
 from .ground_stems import plant_lines
 from .particle_lines import particle_lines
 
@@ -234,6 +235,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
         )
     found += _liquids(spec)
     found += cloth_lines(spec)
+    found += fracture_lines(candidate)
     for name, terrain in spec.terrains.items():
         found.append(
             {

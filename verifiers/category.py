@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..worlds.requirements import Row
-from . import cloth, elastic, liquid, particles, rigid
+from . import cloth, elastic, fracture, liquid, particles, rigid
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ def check(candidate: Candidate) -> list[Row]:
     rows: list[Row] = []
     for solver in candidate.spec.simulation.rigid:
         rows += [*rigid.check_instance(candidate, solver), *elastic.check_instance(candidate, solver)]
+        rows += fracture.check_instance(candidate, solver)
     for solver in candidate.spec.simulation.liquid:
         rows += liquid.check_instance(candidate, solver)
     for solver in candidate.spec.simulation.cloth:

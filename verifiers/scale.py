@@ -205,7 +205,8 @@ def _dimensions(candidate: Candidate, name: str) -> Row:
     specified = {p: specified_extent(part) for p, part in entity.parts.items()}
     unknown = [p for p, extent in specified.items() if extent is None]
     worst = whole
-    if whole.value <= whole.allowed:
+    # Pieces of a breakable entity have replaced its parts; `category:fracture:pieces` compares their volumes.
+    if whole.value <= whole.allowed and entity.breakable is None:
         parts = [_part(candidate, name, p, specified[p], measured.get(p)) for p in entity.parts]
         worst = max([whole, *parts], key=lambda d: d.value / d.allowed if np.isfinite(d.value) else np.inf)
     ok = worst.value <= worst.allowed

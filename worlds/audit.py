@@ -76,6 +76,8 @@ ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
     "ballistic": _GRAINS,
 }
 """Evidence each engine of this build writes."""
+BOND_CHANNELS = frozenset({"bond/broken", "break/time", "break/bond", "break/cause"})
+"""Evidence of breakable members."""
 SKIN_SHARE = 0.9
 """Two skins may take at most this share of the contact tolerance: a body placed at two skins must count as touching."""
 SKILL = "skill://world-building/SKILL.md"
@@ -282,6 +284,7 @@ class _Audit:
         """R14-R16, R28, R29: beats in range, owned, checkable, with evidence, causally ordered."""
         plan, beats, problems, evidence = self.spec.simulation, self.spec.story.beats, [], []
         channels = frozenset().union(*(ENGINE_CHANNELS.get(s.engine, frozenset()) for s in plan.solvers.values()))
+        channels |= BOND_CHANNELS if any(e.breakable is not None for e in self.spec.entities.values()) else frozenset()
         channels |= {"particle/temperature"} if any(declares_heat(self.spec, n) for n in plan.liquid) else frozenset()
         # Elastic members and cloth make their instances write vertices.
         soft = {n for n, e in self.spec.entities.items() if e.physics.category in ("elastic", "cloth")}

@@ -6,7 +6,7 @@ import base64
 import json
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -56,6 +56,10 @@ class _Body:
     """The same, smoothed over `LASTING` contact times."""
     cause: Any
     """Collider that loaded each piece last, shape (n,)."""
+    pressing: F64
+    """Contact force on each piece in the last step in which it had one, shape (n, 6)."""
+    partner: Any
+    """Tree of the model that a piece touched then; -1: none, or none that may sleep, shape (n,)."""
     factors: dict[str, tuple[Factor, Factor]] = field(default_factory=dict)
     """Per cluster its stiffness under lasting and under sudden loads."""
     solved: dict[str, tuple[F64, float]] = field(default_factory=dict)
@@ -82,6 +86,17 @@ class _Case:
     loads: F64
     """Lasting and sudden, shape (n, 12)."""
     spin: F64
+
+
+class _Pushed(NamedTuple):
+    """Contacts of one entity's pieces in a step."""
+
+    force: F64
+    """Forces and torques about the pieces' centres, entity's frame, shape (n, 6)."""
+    cause: Any
+    """Collider that pushes each piece most; -1: none, shape (n,)."""
+    tree: Any
+    """Tree of the model that it belongs to; -1: it cannot move, shape (n,)."""
 
 
 class Breakage:
@@ -122,8 +137,11 @@ class Breakage:
         self._row_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
         self._entity_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
         self._collider_of_geom = rigid.geom_collider
+        self._tree_of_geom = model.body_treeid[model.geom_bodyid]
         self._ids: list[dict[str, int]] = []
         for index, body in enumerate(self._bodies):
+            # Another model has other trees, all of them awake.
+            body.partner[:] = -1
             entity = body.built.entity
             body.clusters = clusters_of(body.built, body.whole)
             self._ids.append({c.name: model.body(c.name).id for c in body.clusters})
@@ -168,6 +186,15 @@ class Breakage:
         self.begin()
         return changed
 
+    def sleepers(self) -> list[tuple[F64, Any]]:
+        """What lies on the pieces and may be asleep, for `lay`."""
+        return [(b.pressing.copy(), b.partner.copy()) for b in self._bodies]
+
+    def lay(self, sleepers: list[tuple[F64, Any]]) -> None:
+        """Put back what lay on the pieces of the same model."""
+        for body, (pressing, partner) in zip(self._bodies, sleepers, strict=True):
+            body.pressing, body.partner = pressing.copy(), partner.copy()
+
     # ------------------------------------------------------------------ per step
 
     def watch(self, data: Any, time: float, dt: float, still: frozenset[str]) -> bool:
@@ -184,7 +211,7 @@ class Breakage:
         known = [(b.load, b.lasting, b.cause) for b in self._bodies]
         for index, body in enumerate(self._bodies):
             share = -math.expm1(-dt / body.breakable.bond.contact_time)
-            force, cause = pushed.get(index, (None, None))
+            force, cause = self._felt(body, pushed.get(index), data)
             before = body.load
             body.load = before * (1 - share) if force is None else before + share * (force - before)
             body.lasting = body.lasting + share / LASTING * (body.load - body.lasting)
@@ -200,12 +227,32 @@ class Breakage:
             for body, (load, lasting, cause) in zip(self._bodies, known, strict=True):
                 body.load, body.lasting, body.cause = load, lasting, cause
         else:
-            for index, (force, _) in pushed.items():
-                self._given[index] += dt * self._in_world(index, force, data)
+            for index, body in enumerate(self._bodies):
+                force, _ = self._felt(body, pushed.get(index), data)
+                if force is not None:
+                    self._given[index] += dt * self._in_world(index, force, data)
+                self._remember(body, pushed.get(index))
         return apart
 
-    def _contacts(self, data: Any) -> dict[int, tuple[F64, Any]]:
-        """Per entity the contact forces on its pieces, entity's frame, and which collider each comes from."""
+    def _felt(self, body: _Body, pushed: _Pushed | None, data: Any) -> tuple[F64 | None, Any]:
+        """Forces on an entity's pieces: those of listed contacts, and of what fell asleep on them, whose contacts are not."""
+        resting = body.partner >= 0
+        if resting.any():
+            resting &= data.tree_asleep[np.maximum(body.partner, 0)] >= 0
+        if not resting.any():
+            return (None, None) if pushed is None else (pushed.force, pushed.cause)
+        force = np.zeros_like(body.pressing) if pushed is None else pushed.force.copy()
+        resting &= ~force.any(axis=1)
+        force[resting] = body.pressing[resting]
+        return force, None if pushed is None else pushed.cause
+
+    def _remember(self, body: _Body, pushed: _Pushed | None) -> None:
+        if pushed is not None:
+            touched = pushed.force.any(axis=1)
+            body.pressing[touched], body.partner[touched] = pushed.force[touched], pushed.tree[touched]
+
+    def _contacts(self, data: Any) -> dict[int, _Pushed]:
+        """What contacts do to the pieces of each entity that has any."""
         if not data.ncon or not data.nefc:
             return {}
         contact = data.contact
@@ -222,14 +269,15 @@ class Breakage:
         if len(rolling):
             inner = np.stack([data.efc_force[rows[rolling] + k] for k in (3, 4, 5)], axis=1)
             moment[rolling] = np.einsum("nij,ni->nj", frames[rolling], inner)
-        found: dict[int, tuple[F64, Any]] = {}
+        found: dict[int, _Pushed] = {}
         for side, sign in ((0, -1.0), (1, 1.0)):
             mine = geoms[:, side]
             for index in np.unique(self._entity_of_geom[mine]).tolist():
                 if index < 0:
                     continue
                 body = self._bodies[index]
-                total, cause = found.setdefault(index, (np.zeros((len(body.mass), 6)), np.full(len(body.mass), NO_CAUSE)))
+                none = np.full(len(body.mass), NO_CAUSE)
+                total, cause, tree = found.setdefault(index, _Pushed(np.zeros((len(body.mass), 6)), none, none.copy()))
                 take = np.flatnonzero(self._entity_of_geom[mine] == index)
                 piece = self._row_of_geom[mine[take]]
                 turn, origin = self._placed(index, data, piece)
@@ -240,6 +288,7 @@ class Breakage:
                 order = np.argsort(np.linalg.norm(local, axis=1), kind="stable")
                 pressing = order[np.linalg.norm(local[order], axis=1) > 0]
                 cause[piece[pressing]] = self._collider_of_geom[geoms[take[pressing], 1 - side]]
+                tree[piece[pressing]] = self._tree_of_geom[geoms[take[pressing], 1 - side]]
         return found
 
     def _placed(self, index: int, data: Any, piece: Any) -> tuple[F64, F64]:
@@ -408,6 +457,8 @@ def _body(spec: WorldSpec, built: BuiltEntity, name: str) -> _Body:
         inertia=inertia,
         whole=np.ones(len(built.bonds), dtype=bool),
         load=np.zeros((len(built.bodies), 6)),
+        pressing=np.zeros((len(built.bodies), 6)),
+        partner=np.full(len(built.bodies), NO_CAUSE, dtype=np.int64),
         lasting=np.zeros((len(built.bodies), 6)),
         cause=np.full(len(built.bodies), NO_CAUSE, dtype=np.int64),
     )

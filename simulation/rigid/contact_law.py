@@ -52,6 +52,9 @@ GRAVITY_STEPS = 4.0
 """Contacts that close slower than gravity makes them in this many steps do not bounce either, or nothing would rest."""
 SLIP_PASSES = 3
 """Most solutions per step to find the slip after impacts; the error falls by mu^2 in each."""
+MORE_PASSES = 8
+"""The same in steps of few contacts: for a ball the error falls by 3.5 mu^2 / (1 + 3.5 mu^2) only, 0.56 at friction 0.6."""
+FEW_CONTACTS = 40
 SLIP_SPEED = 0.05
 """[m/s] Slower impacts are solved once: what they set sliding hops by mu^2 / 2 g of this squared at most, 30 micrometres."""
 SLIP_TOLERANCE = 0.01
@@ -159,14 +162,21 @@ class ContactLaw:
         self._harden(data, rows[hit], sizes[hit])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)
+        swung = np.zeros(len(rows), dtype=bool)
         fastest = float(-speed.min())
-        for k in range(self._passes if fastest > SLIP_SPEED else 0):
+        passes = MORE_PASSES if self.kin is not None and len(rows) <= FEW_CONTACTS else self._passes
+        for k in range(passes if fastest > SLIP_SPEED else 0):
             data.efc_aref[rows] = own - lift
             self._solve(data)
             crumbled = crumbling is not None and self.kin is not None and self.kin.crumble(data, crumbling, first=k == 0)
             self.mj.mj_mulJacVec(self.model, data, acceleration, data.qacc)
             found = self._lift(rows, friction, sizes, acceleration - data.efc_aref)
-            found[data.efc_state[rows] != _CONE] = 0.0
+            loose = data.efc_state[rows] != _CONE
+            found[loose] = 0.0
+            # A lift that took a closing contact all its force is too large: without the halving the passes would swing
+            # between that and none, and the last one lets a grazing corner through.
+            swung |= loose & hit & (lift > 0.0)
+            found = np.where(swung, 0.5 * (found + lift), found)
             change = float(np.abs(found - lift).max())
             lift = found
             if change * dt < SLIP_TOLERANCE * fastest and not crumbled:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Crumbling", "Weak", "make_crumbling"]
 
+OUT_SPEED = 0.1
+"""[m/s] Fast debris of a coarse step may lie deep in what it hit; it is pushed out no faster than this."""
 OUTWARDS = 0.1
 """Depth that counts for pushing pieces apart, in parts of their summed skins at most."""
 NEXT_TO = 0.02
@@ -79,14 +81,20 @@ class Crumbling:
             geoms: of the contacts, shape (n, 2).
             rows: their normal rows, shape (n,).
         """
-        own = np.flatnonzero((self.body[geoms[:, 0]] >= 0) & (self.body[geoms[:, 0]] == self.body[geoms[:, 1]]))
+        first, second = self.body[geoms[:, 0]], self.body[geoms[:, 1]]
+        any_ = (first >= 0) | (second >= 0)
+        if not any_.any():
+            return None
+        self._calm(data, rows[any_])
+        own = np.flatnonzero((first >= 0) & (first == second))
         if not len(own):
             return None
         at, body = rows[own], self.body[geoms[own, 0]]
         skins, gap = data.efc_margin[at], data.efc_pos[at]
         stiffness = data.efc_KBIP[at, 0] * data.efc_KBIP[at, 2]
-        wanted = np.maximum(np.minimum(0.0, gap - NEXT_TO * skins), -OUTWARDS * skins)
-        data.efc_aref[at] += stiffness * (gap - skins - wanted)
+        most = OUT_SPEED * data.efc_KBIP[at, 1] / stiffness
+        wanted = np.maximum(np.minimum(0.0, gap - NEXT_TO * skins), -np.minimum(OUTWARDS * skins, most))
+        data.efc_aref[at] += stiffness * (np.maximum(gap - skins, -most) - wanted)
         if not len(self.shared):
             return None
         piece = np.sort(self.piece[geoms[own]], axis=1)
@@ -94,6 +102,13 @@ class Crumbling:
         place = np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)
         weak = (self.shared[place] == key) & (gap > -self.distance[body])
         return Weak(at[weak], self.force[body[weak]]) if weak.any() else None
+
+    def _calm(self, data: Any, rows: NDArray[np.int32]) -> None:
+        """Let depth come out of contacts of pieces no faster than `OUT_SPEED`."""
+        stiffness = data.efc_KBIP[rows, 0] * data.efc_KBIP[rows, 2]
+        depth = data.efc_pos[rows] - data.efc_margin[rows]
+        most = OUT_SPEED * data.efc_KBIP[rows, 1] / stiffness
+        data.efc_aref[rows] += stiffness * np.minimum(depth + most, 0.0)
 
     def crumble(self, data: Any, weak: Weak, *, first: bool) -> bool:
         """Soften contacts that carry more than they can; whether there were any, so that the step is to be solved again.

@@ -318,6 +318,7 @@ class _Builder:
             self.made.setdefault(name, body)
             self.world_pose.setdefault(name, pose)
             body.explicitinertial, body.mass, i = True, cluster.mass, cluster.inertia
+            body.ipos = [0.0, 0.0, 0.0]
             body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
             for k in cluster.pieces:
                 piece = built.bodies[k]

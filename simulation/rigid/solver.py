@@ -278,7 +278,7 @@ class SolverRigid:
         if frame != self.frame + 1:
             raise InputError(f"advance({frame}) after frame {self.frame}; the next frame is {self.frame + 1}")
         self._mj.mj_copyData(self._saved, self.model, self.data)
-        self._begun, self._bonds = self._now, self.breakage.memory()
+        self._begun, self._bonds, self._sleepers = self._now, self.breakage.memory(), self.breakage.sleepers()
         self._memory, self._work_before = self.monitor.memory(), self._work
         self._authored = self.ledger.authored_energy(self.data)
 
@@ -287,6 +287,7 @@ class SolverRigid:
         if level > 0:
             self.breakage.recall(self._bonds)
             self._install(self._begun)
+            self.breakage.lay(self._sleepers)
             self._mj.mj_copyData(self.data, self.model, self._saved)
             self.monitor.recall(self._memory)
             self._work = self._work_before
@@ -426,7 +427,7 @@ class SolverRigid:
         values = np.lib.format.read_array(io.BytesIO(state[at + 4 + length :]), allow_pickle=False)
         if self.breakage.recall(head["bonds"].encode()):
             self._split(frame * self._frame_time)
-        self.breakage.bind(self.rigid)
+        self.breakage.bind(self.rigid)  # solutions and sleepers are no part of a checkpoint
         spec = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         if len(values) != mujoco.mj_stateSize(self.model, spec):
             raise EngineError("checkpoint belongs to another model; delete the candidate's checkpoints and bake again")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import PREDICATES
-from . import combine, elastic, kinematic, landscape, liquid, particle, touching
+from . import combine, elastic, fracture, kinematic, landscape, liquid, particle, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed
@@ -50,6 +50,9 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "pile_height": particle.pile_height,
     "run_out": particle.run_out,
     "particles_settled": particle.particles_settled,
+    "broken": fracture.broken,
+    "breach": fracture.breach,
+    "debris": fracture.debris,
     "count": combine.count,
     "always": combine.always,
     "eventually": combine.eventually,

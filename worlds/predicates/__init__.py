@@ -1,6 +1,7 @@
 """Predicate models: what a beat or requirement asks, as typed data. Evaluators live in `verifiers/predicates/`."""
 
 from .elastic import Deflection, Strain
+from .fracture import Breach, Broken, Debris
 from .landscape import LandscapeField, LandscapeWater
 from .models import (
     ATOMS,
@@ -52,9 +53,12 @@ __all__ = [
     "Always",
     "And",
     "Before",
+    "Breach",
+    "Broken",
     "Contact",
     "Count",
     "Crosses",
+    "Debris",
     "Deflection",
     "Displacement",
     "Eventually",

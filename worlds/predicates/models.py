@@ -24,6 +24,7 @@ from ..vocabulary import (
 )
 from .elastic import Deflection, Strain
 from .fields import Band, Subject, When
+from .fracture import Breach, Broken, Debris
 from .landscape import LandscapeField, LandscapeWater
 from .liquids import (
     LiquidArrives,
@@ -44,9 +45,12 @@ __all__ = [
     "Always",
     "And",
     "Before",
+    "Breach",
+    "Broken",
     "Contact",
     "Count",
     "Crosses",
+    "Debris",
     "Displacement",
     "Eventually",
     "JointAngle",
@@ -306,6 +310,9 @@ Atom = (
     | ParticlesSettled
     | PileHeight
     | RunOut
+    | Broken
+    | Breach
+    | Debris
 )
 Combinator = Count | Always | Eventually | Until | Before | After | Within | And | Or | Not
 Predicate = Annotated[Atom | Combinator, Field(discriminator="kind")]

@@ -32,6 +32,7 @@ _BAND: dict[str, Tightens] = {"min": "up", "max": "down"}
 _POSE = ("position", "quaternion")
 _LIQUID = ("origin", "particle/position", "particle/fluid", "particle/volume")
 _GRAINS = ("origin", "particle/position", "particle/member", "particle/radius")
+_BONDS = ("bond/broken", "break/time", "break/bond", "break/cause")
 _KINDS = (
     PredicateInfo("reaches", "m", _POSE),
     PredicateInfo("stays_in", "m", _POSE),
@@ -69,6 +70,9 @@ _KINDS = (
     PredicateInfo("pile_height", "m", _GRAINS, _BAND),
     PredicateInfo("run_out", "m", _GRAINS, _BAND),
     PredicateInfo("particles_settled", "m/s", (*_GRAINS, "particle/velocity"), {"max_speed": "down"}),
+    PredicateInfo("broken", "1", _BONDS, _BAND),
+    PredicateInfo("breach", "m", (*_POSE, *_BONDS), {"min_width": "up", "min_height": "up"}),
+    PredicateInfo("debris", "1", (*_POSE, *_BONDS), _BAND | {"min_distance": "up"}),
     PredicateInfo("count", "1", (), _BAND),
     PredicateInfo("always", "1", ()),
     PredicateInfo("eventually", "1", ()),

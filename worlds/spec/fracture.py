@@ -81,7 +81,7 @@ class Bond(SpecModel):
     toughness: NonNegative = Field(
         default=0.0, description="energy that a face takes to break [J/m^2]; 0: stress alone decides; mortar 10, concrete 100"
     )
-    young_modulus: Positive = Field(default=1e10, description="of the pieces [Pa]; distributes the load among bonds")
+    young_modulus: float = Field(default=1e10, gt=0, le=1e13, description="of the pieces [Pa]; distributes the load among bonds")
     poisson_ratio: float = Field(default=0.2, ge=0, lt=0.5)
     contact_time: float = Field(
         default=1e-3, ge=1e-5, le=0.1, description="time over which an impact's impulse loads the bonds [s]; hard bodies 1e-3"

@@ -1,0 +1,305 @@
+"""Breakable bodies (R61, R65, R133): their pieces, what holds them together, and what broke it. Rows per entity:
+
+- `category:fracture:pieces:<entity>`: pieces are closed, convex part by part, and hold the volume of the specified parts to
+  `VOLUME`, and their mass is that volume's.
+- `category:fracture:bonded:<entity>`: two pieces whose bond holds do not move apart, and a piece that is bonded to the world
+  stays where it was built (`APART` of a piece).
+- `category:fracture:events:<entity>`: bonds break once and never heal; each has an event within its frame, at the face that it
+  held, and the energy record is the sum of theirs.
+- `category:fracture:cause:<entity>`: a bond breaks only under what breaks it. The judge finds the stress anew, from the loads of
+  the event by its own matrix; a collider that is named as the cause touched the entity in that frame or just before.
+- `category:fracture:standing:<entity>`: bonds that hold bear their weight and what lies on them: the stress under gravity and
+  the mean contact forces of `STEADY` seconds stays below `OVERLOAD` of the strength.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..geometry.solids import Solid
+from ..worlds.bonds import WORLD, components
+from ..worlds.errors import EvidenceError
+from ..worlds.fracture import middle_size
+from .fracture_frames import Broken, Frames
+from .fracture_network import Loaded
+from .rigid_rows import rigid_row
+from .verdicts import correction
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Correction, Row
+    from ..worlds.spec import Part
+
+__all__ = ["check_instance"]
+
+VOLUME = 1e-6
+"""Relative (reference/solvers.md 4.3); `ROUND_VOLUME` for parts with round sides, whose pieces have flat ones."""
+ROUND_VOLUME = 5e-3
+APART = 1e-6
+"""Own choice, of a piece's size: rounding of poses is 1e-12 of it."""
+RATIO = 0.02
+"""Own choice: loads are solved for once more after they changed by this much, and stored in double precision."""
+OVERLOAD = 1.25
+"""Own choice: mean forces over frames are not the forces of steps."""
+STEADY = 0.5
+"""[s] Own choice: five times what the engine counts as lasting at the default contact time."""
+CASES = 24
+"""Load cases that are solved anew, those with the least excess first."""
+PREDICATES = {
+    "pieces": f"pieces are closed and hold volume and mass of the specified parts to {VOLUME:g}",
+    "bonded": f"pieces whose bonds hold move as one, to {APART:g} of a piece",
+    "events": "every bond breaks once, in its frame, at its face, and its energy is recorded",
+    "cause": "every bond broke under a stress over its strength, from loads that something gave",
+    "standing": f"no bond holds under more than {OVERLOAD:g} of its strength for {STEADY:g} s",
+}
+
+
+class _Verdict(NamedTuple):
+    ok: bool
+    text: str
+    measured: float
+    bound: float
+    unit: str = "1"
+    frame: int | None = None
+    group: str = "bonds"
+
+
+def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of all breakable members of one rigid instance; `unverified` where evidence is missing."""
+    members = candidate.spec.simulation.solvers[solver].members
+    names = [
+        m for m in dict.fromkeys(members) if m in candidate.spec.entities and candidate.spec.entities[m].breakable is not None
+    ]
+    checks: dict[str, Callable[[Frames], _Verdict | None]] = {
+        "pieces": _pieces,
+        "bonded": _bonded,
+        "events": _events,
+        "cause": _cause,
+        "standing": _standing,
+    }
+    rows = []
+    for entity in names:
+        for name, function in checks.items():
+            row_id = f"category:fracture:{name}:{entity}"
+            try:
+                found = function(Frames(candidate, solver, entity))
+            except EvidenceError as error:
+                rows.append(rigid_row(candidate, row_id, "unverified", PREDICATES[name], str(error), entities=(entity,)))
+                continue
+            if found is None:
+                text = f"no bond of {entity!r} broke in these frames"
+                rows.append(rigid_row(candidate, row_id, "not_applicable", PREDICATES[name], text, entities=(entity,)))
+                continue
+            rows.append(
+                rigid_row(
+                    candidate,
+                    row_id,
+                    "pass" if found.ok else "fail",
+                    PREDICATES[name],
+                    found.text,
+                    measured=found.measured,
+                    bound=found.bound,
+                    unit=found.unit,
+                    entities=(entity,),
+                    entity=None if found.ok else entity,
+                    frame=None if found.ok else found.frame or 0,
+                    corrections=() if found.ok else (_hint(entity, name, found.group),),
+                )
+            )
+    return rows
+
+
+def _hint(entity: str, name: str, group: str) -> Correction:
+    texts = {
+        "pieces": ("the pieces are not the body", f"place {entity!r} again", "shape"),
+        "bonded": ("the cache does not move bonded pieces as one", "bake again", "step"),
+        "events": ("the log of broken bonds is not whole", "bake again", "step"),
+        "cause": (
+            "bonds broke without a load that breaks them",
+            "bake again; compare the strengths with what was baked",
+            "bonds",
+        ),
+        "standing": ("bonds hold more than they bear", "lower the step, or raise tension and shear", "bonds"),
+    }
+    cause, action, own = texts[name]
+    place = "/simulation/solvers" if own == "step" else f"/entities/{entity}/breakable"
+    return correction(cause, own or group, action, pointers=(place,))
+
+
+def _specified_volume(part: Part) -> tuple[float, float] | None:
+    """Volume that a part's shape says [m^3], and how far flat sides may differ from it; None for shapes without a formula."""
+    shape = part.shape
+    if shape.kind == "box":
+        return float(np.prod(shape.size)), VOLUME
+    if shape.kind == "wedge":
+        return float(np.prod(shape.size)) / 2, VOLUME
+    if shape.kind == "extrusion":
+        x, y = np.array(shape.polygon).T
+        return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2 * shape.height, VOLUME
+    if shape.kind == "cylinder":
+        return np.pi * shape.radius**2 * shape.height, ROUND_VOLUME
+    if shape.kind == "sphere":
+        return 4 / 3 * np.pi * shape.radius**3, ROUND_VOLUME
+    return None
+
+
+def _pieces(frames: Frames) -> _Verdict:
+    candidate, entity = frames.candidate, frames.entity
+    built, contract = frames.built, candidate.spec.entities[entity]
+    solids = [Solid.from_mesh(p.render, closed=True) for p in built.parts]
+    leaky = [p.part for p, s in zip(built.parts, solids, strict=True) if not s.is_watertight or s.volume <= 0]
+    if leaky:
+        return _Verdict(False, f"piece {leaky[0]!r} of {entity!r} is not closed", 1.0, 0.0)
+    wanted = [_specified_volume(p) for p in contract.parts.values()]
+    if any(w is None for w in wanted):
+        raise EvidenceError(f"a part of {entity!r} has no formula for its volume; its pieces are compared with nothing")
+    volume = sum(w[0] for w in wanted if w is not None)
+    bound = max(w[1] for w in wanted if w is not None)
+    found = sum(s.volume for s in solids)
+    off = abs(found - volume) / volume
+    density = np.array([candidate.spec.materials[p.material].density for p in built.parts])
+    mass = density * np.array([s.volume for s in solids])
+    declared = getattr(contract.physics, "mass", None)
+    scale = 1.0 if declared is None else declared / mass.sum()
+    bodies = np.array([b.mass for b in built.bodies])
+    order = [next(k for k, p in enumerate(built.parts) if p.body == b.name) for b in built.bodies]
+    astray = float(np.abs(bodies - scale * mass[order]).max() / bodies.max())
+    text = f"{len(built.bodies)} pieces hold {found:.6g} m^3 of {volume:.6g} m^3, masses are off by at most {astray:.2g}"
+    return _Verdict(off <= bound and astray <= VOLUME, text, max(off, astray), bound)
+
+
+def _bonded(frames: Frames) -> _Verdict:
+    bonds, built = frames.bonds, frames.built
+    size = middle_size(built)
+    rest = np.array([b.pose.position for b in built.bodies])
+    arms = [bonds.point - rest[bonds.pieces[:, 0]], bonds.point - rest[np.maximum(bonds.pieces[:, 1], 0)]]
+    held = bonds.pieces[:, 1] == WORLD
+    base = frames.rest_points(bonds.point)
+    worst, at, pair = 0.0, 0, 0
+    for frame in range(frames.count):
+        position, turn = frames.poses(frame)
+        ends = [
+            position[p] + np.einsum("bij,bj->bi", turn[p], arm)
+            for p, arm in zip((bonds.pieces[:, 0], np.maximum(bonds.pieces[:, 1], 0)), arms, strict=True)
+        ]
+        other = np.where(held[:, None], base, ends[1])
+        gap = np.linalg.norm(ends[0] - other, axis=1)
+        twist = np.linalg.norm(turn[bonds.pieces[:, 0]] - turn[np.maximum(bonds.pieces[:, 1], 0)], axis=(1, 2)) * size
+        twist[held] = np.linalg.norm(turn[bonds.pieces[held, 0]] - frames.rest_turn, axis=(1, 2)) * size
+        apart = np.where(frames.broken(frame), 0.0, np.maximum(gap, twist))
+        if apart.max(initial=0.0) > worst:
+            worst, at, pair = float(apart.max()), frame, int(apart.argmax())
+    a, b = bonds.pieces[pair].tolist() if len(bonds) else (0, 0)
+    text = f"pieces {a} and {'the world' if b == WORLD else b} are {worst:.3g} m apart at frame {at} where their bond holds"
+    ok = worst <= APART * size
+    return _Verdict(ok, "bonded pieces move as one" if ok else text, worst, APART * size, "m", at)
+
+
+def _events(frames: Frames) -> _Verdict | None:
+    wrong, first = [], None
+    total, last = 0.0, frames.broken(0)
+    size = middle_size(frames.built)
+    for frame in range(1, frames.count):
+        now = frames.broken(frame)
+        events = frames.breaks(frame)
+        flipped = np.flatnonzero(now & ~last)
+        told = np.sort([e.bond for e in events])
+        position, turn = frames.poses(frame)
+        late = [e for e in events if not frames.time(frame - 1) - 1e-9 <= e.time <= frames.time(frame) + 1e-9]
+        del position, turn
+        problem = ""
+        if (last & ~now).any():
+            problem = f"bond {int(np.flatnonzero(last & ~now)[0])} heals"
+        elif not np.array_equal(flipped, told):
+            problem = f"{len(flipped)} bonds break and {len(told)} events tell of it"
+        elif late:
+            problem = f"an event at {late[0].time:.4f} s"
+        elif any(e.ratio <= 1.0 for e in events):
+            problem = "a bond broke below its strength"
+        elif any(np.linalg.norm(frames.face(e.bond, frame - 1) - e.point) > frames.reach(frame, e.bond) + size for e in events):
+            problem = "an event is not at the face of its bond"
+        total += sum(e.energy for e in events)
+        if problem:
+            wrong.append(problem)
+            first = frame if first is None else first
+        last = now
+    recorded = frames.record("fracture_energy")
+    others = frames.energy_of_others(recorded.shape[0])
+    off = abs(float(recorded[-1] - recorded[0]) - total - others)
+    if off > 1e-6 * max(1.0, float(recorded[-1])):
+        wrong.append(f"the record of energy is {recorded[-1]:.6g} J, events have {total + others:.6g} J")
+    if not wrong and not last.any():
+        return None
+    text = wrong[0] + f" at frame {first}" if wrong else f"{int(last.sum())} bonds broke, each with its event"
+    return _Verdict(not wrong, text, float(len(wrong)), 0.0, "1", first)
+
+
+def _cause(frames: Frames) -> _Verdict | None:
+    breakable = frames.candidate.spec.entities[frames.entity].breakable
+    assert breakable is not None
+    loaded = Loaded(frames.built, breakable.bond)
+    events = [(f, e) for f in range(1, frames.count) for e in frames.breaks(f)]
+    if not events:
+        return None
+    cases: dict[tuple[int, int], list[Broken]] = {}
+    for frame, event in events:
+        cases.setdefault((frame, event.case), []).append(event)
+    lowest, at = np.inf, events[0][0]
+    for (frame, case), broken in sorted(cases.items(), key=lambda c: max(e.ratio for e in c[1]))[:CASES]:
+        ratio = _again(frames, loaded, frame, case, broken)
+        if ratio < lowest:
+            lowest, at = ratio, frame
+    ok = lowest > 1.0 - RATIO
+    if not ok:
+        return _Verdict(False, f"bonds broke at frame {at} under {lowest:.3g} of their strength", lowest, 1.0, "1", at)
+    unfounded = [(f, e) for f, e in events if not frames.pushed(e, f)]
+    if unfounded:
+        frame, event = unfounded[0]
+        name = frames.collider(event.cause)
+        text = f"bond {event.bond} broke at frame {frame} because of {name!r}, which did not touch {frames.entity!r} then"
+        return _Verdict(False, text, float(len(unfounded)), 0.0, "1", frame)
+    return _Verdict(True, f"{len(events)} bonds broke in {len(cases)} cases, each under its load", float(len(unfounded)), 0.0)
+
+
+def _again(frames: Frames, loaded: Loaded, frame: int, case: int, broken: list[Broken]) -> float:
+    """Largest stress over strength in the cluster before the first bond of a case broke."""
+    gone = frames.broken(frame - 1).copy()
+    for event in frames.breaks(frame):
+        gone[event.bond] |= event.case < case
+    labels, fixed = components(len(loaded.mass), loaded.bonds, ~gone)
+    pieces = np.flatnonzero(labels == labels[loaded.bonds.pieces[broken[0].bond, 0]])
+    loads, spin = frames.case(frame, case)
+    lasting, sudden = loads[pieces, :6].copy(), loads[pieces, 6:]
+    if fixed[labels[pieces[0]]]:
+        lasting[:, :3] += loaded.mass[pieces, None] * frames.local_gravity
+    else:
+        lasting = loaded.balanced(pieces, lasting, spin)
+    own, ratio = loaded.ratios(pieces, ~gone, lasting, sudden)
+    del own
+    return float(ratio.max(initial=0.0))
+
+
+def _standing(frames: Frames) -> _Verdict:
+    breakable = frames.candidate.spec.entities[frames.entity].breakable
+    assert breakable is not None
+    loaded = Loaded(frames.built, breakable.bond)
+    window = max(1, round(STEADY * frames.candidate.spec.simulation.fps))
+    worst, at = 0.0, 0
+    for frame in sorted({0, *range(window, frames.count, window), frames.count - 1}):
+        since = max(1, frame - window + 1)
+        whole = ~frames.broken(frame)
+        push = frames.mean_push(since, frame) if frame - since + 1 >= window else np.zeros((len(loaded.mass), 6))
+        labels, fixed = components(len(loaded.mass), loaded.bonds, whole)
+        for label in np.flatnonzero(fixed):
+            pieces = np.flatnonzero(labels == label)
+            loads = push[pieces].copy()
+            loads[:, :3] += loaded.mass[pieces, None] * frames.local_gravity
+            _, ratio = loaded.ratios(pieces, whole, loads, np.zeros_like(loads))
+            if ratio.max(initial=0.0) > worst:
+                worst, at = float(ratio.max()), frame
+    text = f"bonds of {frames.entity!r} carry at most {worst:.3g} of their strength, at frame {at}"
+    return _Verdict(worst <= OVERLOAD, text, worst, OVERLOAD, "1", at)

@@ -87,9 +87,15 @@ def sand_spec(
     return {
         "title": "sand",
         "materials": {
-            "wood": {"density": 600.0, "friction": 0.5, "substance": "wood"},
+            "wood": {"density": 600.0, "friction": 0.5, "substance": "wood", "appearance": {"color": [0.35, 0.2, 0.1]}},
             "steel": {"density": 7800.0, "friction": 0.4, "restitution": 0.3, "substance": "steel"},
-            "sand": {"density": 2600.0, "friction": 0.5, "restitution": 0.2, "substance": "stone"},
+            "sand": {
+                "density": 2600.0,
+                "friction": 0.5,
+                "restitution": 0.2,
+                "substance": "stone",
+                "appearance": {"color": [0.62, 0.45, 0.24]},
+            },
         },
         "entities": entities,
         "simulation": {
@@ -119,7 +125,7 @@ def spark_spec(
         "title": "sparks",
         "materials": {
             "stone": {"density": 2400.0, "friction": 0.6, "restitution": 0.4, "substance": "stone"},
-            "iron": {"density": 7800.0, "friction": 0.4, "restitution": 0.4, "substance": "steel"},
+            "iron": {"density": 7800.0, "friction": 0.4, "restitution": 0.4, "substance": "steel", "appearance": {"color": [1.0, 0.45, 0.08]}},
         },
         "entities": {
             "floor": {

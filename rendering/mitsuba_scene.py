@@ -13,6 +13,7 @@ from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Appearance
+from .grains import grain_shapes
 from .lights import light_dicts
 from .liquid import liquids_of
 from .liquid_light import liquid_integrator
@@ -99,7 +100,7 @@ def _batches(
     wet = wetness.entities()
     scenery = landscapes_of(candidate)
     for entity in sorted(candidate.built):
-        if cut_from(candidate, entity) in scenery or entity in candidate.liquids:
+        if cut_from(candidate, entity) in scenery or entity in (*candidate.liquids, *candidate.particulates):
             continue
         changing = candidate.moves(entity) or candidate.spec.entities[entity].active is not None
         for part in candidate.built[entity].parts:
@@ -205,7 +206,9 @@ class SceneRenderer:
         self.candidate = candidate
         self.mi = mi = load_mitsuba()
         self._scalar = mi.variant().startswith("scalar")
-        solid = [p for name, b in candidate.built.items() if name not in candidate.liquids for p in b.parts]
+        solid = [
+            p for name, b in candidate.built.items() if name not in (*candidate.liquids, *candidate.particulates) for p in b.parts
+        ]
         materials, open_materials = {p.material for p in solid}, {p.material for p in solid if not p.closed}
         looks = {name: candidate.spec.materials[name].appearance for name in sorted(materials)}
         tiles = {name: pattern_tiles(look.pattern, look.color, seed=k) for k, (name, look) in enumerate(looks.items())}
@@ -232,8 +235,9 @@ class SceneRenderer:
         self.outdoors = bool(scenery)
         scene |= scenery
         self._liquids = liquids_of(candidate)
-        if self._liquids:
-            # Faces of liquids are new in every frame; all the rest stays loaded.
+        self._fresh = bool(self._liquids or candidate.particle_caches)
+        if self._fresh:
+            # Faces of liquids and places of grains are new in every frame; all the rest stays loaded.
             scene = {k: mi.load_dict(v) if isinstance(v, dict) else v for k, v in scene.items()}
         self._fixed = scene
         self._frame = frame
@@ -246,7 +250,7 @@ class SceneRenderer:
         """Load the scene with the liquids of a frame, and the tracer that knows them."""
         mi = self.mi
         liquid = liquid_shapes(mi, self._liquids, frame)
-        self.scene = mi.load_dict({**self._fixed, **liquid.shapes})
+        self.scene = mi.load_dict({**self._fixed, **liquid.shapes, **grain_shapes(mi, self.candidate, frame)})
         self._parameters = mi.traverse(self.scene)
         depth = GLASS_DEPTH if self._glassy or liquid.clear else PATH_DEPTH
         if not self._scalar and (liquid.clear or (liquid.shapes and self._panes)):
@@ -259,7 +263,7 @@ class SceneRenderer:
         """Move every body to where it is at `frame`."""
         if frame == self._frame:
             return
-        if self._liquids:
+        if self._fresh:
             self._load(frame)
         known: dict[str, F64] = {}
         for batch in self._wet:

@@ -17,6 +17,7 @@ from ..worlds.errors import InputError
 from ..worlds.spec.story import BoxRegion, Connects, CylinderRegion, SphereRegion
 from .denoise import U8
 from .drawing import Color, distinct_color, label_regions, line, region_edges, text, text_size
+from .grains import ball_mesh, grains_at
 from .liquid_preview import LiquidLayer
 from .views import Bounds, active, focus_bounds
 
@@ -149,6 +150,7 @@ def _drawing(
         liquid.entity: TriangleMesh(mesh.vertices + nearer, mesh.faces)
         for liquid, mesh in zip(layer.liquids, layer.meshes(frame), strict=True)
     }
+    wet |= {g.entity: ball_mesh(g) for g in grains_at(candidate, frame)}
     for k, name in enumerate(names):
         placed = [wet[name]] if name in wet else [
             TriangleMesh(candidate.surface(name, p.part, frame), p.render.faces)

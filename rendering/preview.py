@@ -13,6 +13,7 @@ from ..worlds.arrays import F64, compose
 from ..worlds.candidate import Candidate
 from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
+from .grains import GrainLayer
 from .land_preview import LandLayer
 from .liquid_preview import LiquidLayer, over, tinted
 from .scenery import cut_from, is_stems
@@ -37,9 +38,12 @@ class PreviewRenderer:
 
     def __init__(self, candidate: Candidate) -> None:
         self.candidate = candidate
-        solid = [name for name in sorted(candidate.built) if name not in candidate.liquids]
+        self._grains = GrainLayer(candidate)
+        loose = (*candidate.liquids, *self._grains.entities)
+        solid = [name for name in sorted(candidate.built) if name not in loose]
         self.parts = [(name, part) for name in solid for part in candidate.built[name].parts]
         self._layer = LiquidLayer(candidate)
+        self._loose = len(self.parts) + len(self._grains.entities)
         self._land: LandLayer | None = None
         self._grounds: dict[str, list[int]] = {}
         for k, (name, _) in enumerate(self.parts):
@@ -47,13 +51,15 @@ class PreviewRenderer:
             if land is not None:
                 self._grounds.setdefault(land, []).append(k)
         liquid = [one.entity for one in self._layer.liquids]
-        self.entities = sorted([*solid, *liquid])
+        grains = self._grains.entities
+        self.entities = sorted([*solid, *grains, *liquid])
         self._caster = IdCaster([part.render for _, part in self.parts])
         self._soft = [k for k, (name, _) in enumerate(self.parts) if name in candidate.deforming]
         index = {name: k for k, name in enumerate(self.entities)}
-        self._entity_of = np.array([index[name] for name in [*(n for n, _ in self.parts), *liquid]], dtype=np.int32)
+        self._entity_of = np.array([index[name] for name in [*(n for n, _ in self.parts), *grains, *liquid]], dtype=np.int32)
         looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
-        self._colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
+        colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
+        self._colors = np.concatenate([colors, self._grains.colors])
         self._looks = looks
         self._panes = [k for k, look in enumerate(looks) if look.transmission >= PANE]
         self._stems = [k for k, (name, part) in enumerate(self.parts) if is_stems(candidate, name, part.part)]
@@ -72,19 +78,24 @@ class PreviewRenderer:
         # Panes hide no liquid.
         liquid = self._layer.cast(frame, camera)
         shown = (liquid.ids >= 0) & (liquid.depth < self._cast_solid(frame, camera, panes=False, stems=True).depth)
-        return over(solid, liquid, len(self.parts), shown)
+        return over(solid, liquid, self._loose, shown)
 
     def _cast_solid(self, frame: int, camera: Camera, *, panes: bool = True, stems: bool = False) -> IdImage:
         """Pictures leave out the stems of plants, which the layer of land draws."""
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         left_out = {*(() if panes else self._panes), *(() if stems else self._stems)}
         shown = [k for k, (name, _) in enumerate(self.parts) if k not in left_out and active(self.candidate, name, frame)]
-        return self._shaped(frame).cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
+        seen = self._shaped(frame).cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
+        return self._grains.over(seen, frame, camera, len(self.parts)) if self._grains.entities else seen
 
     def mask(self, frame: int, camera: Camera, entity: str) -> Any:
         """Pixels that an entity would cover if nothing stood before it, shape (height, width)."""
         if entity in self.candidate.liquids:
             return self._layer.cast(frame, camera, entity).ids >= 0
+        if entity in self._grains.entities:
+            size = (camera.height, camera.width)
+            empty = IdImage(np.full(size, -1, np.int32), np.full(size, np.inf, np.float32), np.zeros((*size, 3), np.float32))
+            return self._grains.over(empty, frame, camera, 0, entity).ids >= 0
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         own = [k for k, (name, _) in enumerate(self.parts) if name == entity]
         return self._shaped(frame).cast(camera, poses, only=own).ids >= 0
@@ -143,16 +154,16 @@ class PreviewRenderer:
         if self.candidate.spec.terrains:
             image = self._paint_land(image, picture, camera, sun)
         if self._layer.liquids:
-            image = over(image, self._layer.cast(frame, camera), len(self.parts))
-            wet = image.ids >= len(self.parts)
-            seen, faces = image.ids[wet] - len(self.parts), image.normals[wet].astype(np.float64)
+            image = over(image, self._layer.cast(frame, camera), self._loose)
+            wet = image.ids >= self._loose
+            seen, faces = image.ids[wet] - self._loose, image.normals[wet].astype(np.float64)
             picture[wet] = tinted(picture[wet], self._layer.liquids, seen, faces, directions[wet], sun, SKY)
             pane = self._cast_solid(frame, camera)
             before = (pane.ids != image.ids) & (pane.depth < image.depth)
             picture[before] = picture[before] * (1 - GLAZE) + GLAZE * self._colors[pane.ids[before]]
             image = over(image, pane, 0, before)
         shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
-        edges = region_edges(self.entity_ids(image))
+        edges = region_edges(self.entity_ids(image)) & ~((image.ids >= len(self.parts)) & (image.ids < self._loose))
         shown[edges] = (shown[edges] * 0.45).astype(np.uint8)
         caption(shown, self._label(frame))
         return shown
@@ -169,6 +180,8 @@ class PreviewRenderer:
         """Share of the material's colour at points of parts, by their patterns; shape (n,)."""
         found = np.ones(len(points))
         for k in np.unique(ids):
+            if k >= len(self.parts):
+                continue
             look, (name, part) = self._looks[k], self.parts[k]
             if look.pattern in ("plain", "concrete"):
                 continue

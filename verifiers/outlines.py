@@ -8,6 +8,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh
+from ..worlds.errors import EvidenceError
 from ..worlds.liquid_surface import LiquidSurface, mesh_of
 from .liquid_links import liquid_cache
 
@@ -50,6 +51,27 @@ def filled_cells(points: F64, size: float) -> TriangleMesh:
     return TriangleMesh(quads.reshape(-1, 3), faces)
 
 
+def particle_outline(candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
+    """World mesh of particles at a frame: an octahedron around each.
+
+    Raises:
+        EvidenceError: no cache holds them.
+    """
+    for cache in candidate.particle_caches.values():
+        if entity in cache.index.bodies:
+            found = cache.read(frame, ("origin", "particle/position", "particle/member", "particle/radius"))
+            mine = found["particle/member"] == cache.index.bodies.index(entity)
+            points = found["particle/position"][mine].astype(np.float64) + found["origin"]
+            way = np.concatenate([np.eye(3), -np.eye(3)])
+            vertices = points[:, None] + way[None] * found["particle/radius"][mine].astype(np.float64)[:, None, None]
+            sides = np.array(
+                [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]], dtype=np.int32
+            )
+            faces = sides[None] + 6 * np.arange(len(points), dtype=np.int32)[:, None, None]
+            return TriangleMesh(vertices.reshape(-1, 3), faces.reshape(-1, 3).astype(np.int32))
+    raise EvidenceError(f"no cache holds the particles {entity!r}; probe or bake them")
+
+
 def liquid_outline(candidate: Candidate, liquid: str, frame: int) -> TriangleMesh:
     """World mesh of a liquid at a frame; before any simulation, its declared volume.
 
@@ -62,6 +84,8 @@ def liquid_outline(candidate: Candidate, liquid: str, frame: int) -> TriangleMes
         starts = np.concatenate([[0], np.cumsum([len(v) for v, _ in meshes])])
         faces = np.concatenate([f + s for (_, f), s in zip(meshes, starts, strict=False)])
         return TriangleMesh(np.concatenate([v for v, _ in meshes]), faces.astype(np.int32))
+    if liquid in candidate.particulates:
+        return particle_outline(candidate, liquid, frame)
     cache, row = liquid_cache(candidate, liquid)
     surface = LiquidSurface(cache)
     if frame < surface.count():

@@ -121,13 +121,18 @@ class Sight:
         return found is not None and found.appearance.transmission >= GLASS
 
     @cached_property
+    def _loose(self) -> tuple[str, ...]:
+        """Liquids and particles: what has another shape at every frame."""
+        return (*self.candidate.liquids, *self.candidate.particulates)
+
+    @cached_property
     def _veils(self) -> bool:
         """Whether any liquid can hide what is behind it."""
-        return any(not self._clear(self.candidate.spec.entities[n].material) for n in self.candidate.liquids)
+        return any(not self._clear(self.candidate.spec.entities[n].material) for n in self._loose)
 
     def _flows(self, entity: str) -> bool:
         """Whether pictures of an entity depend on where liquids are: it is one, or one can hide it."""
-        return entity in self.candidate.liquids or self._veils
+        return entity in self._loose or self._veils
 
     def _scene(self, frame: int, entity: str) -> _Scene:
         """What is there at a frame, liquids included where pictures of the entity depend on them.
@@ -135,7 +140,7 @@ class Sight:
         Raises:
             EvidenceError: a liquid has no readable shape.
         """
-        liquids = self.candidate.liquids
+        liquids = self._loose
         at = min(frame, self.candidate.last_frame)
         if not self._flows(entity):
             return self._at(at)
@@ -230,7 +235,7 @@ class Sight:
         scene, poses = self._scene(frame, entity), self.poses(frame, entity)
         own = scene.owner == entity
         if not own.any():
-            if entity in self.candidate.liquids:  # all of it is gone, or none has come yet
+            if entity in self._loose:  # all of it is gone, or none has come yet
                 return Seen(frame, shot_id, 0.0, 0.0, None, in_picture=False)
             raise EvidenceError(f"entity {entity!r} has no visible geometry")
         found = self._compare(scene, camera, poses, own)

@@ -122,6 +122,11 @@ class Candidate:
         """Entities that are liquids."""
         return tuple(n for n, e in self.spec.entities.items() if e.physics.category == "liquid")
 
+    @cached_property
+    def particulates(self) -> tuple[str, ...]:
+        """Entities that are grains or flying particles."""
+        return tuple(n for n, e in self.spec.entities.items() if e.physics.category == "particles")
+
     @property
     def last_frame(self) -> int:
         """Index of the last frame that can be inspected."""

@@ -142,6 +142,10 @@ class Contacts:
         self.reach = wp.zeros(2, dtype=wp.float64, device=device)
         self.over = wp.zeros(2, dtype=wp.int32, device=device)
         self.held_back = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
+        # Trees are made of the first places, so that a run that goes on from a checkpoint walks them in the same order.
+        self.sheet.fit(passes, "boxes", state["x"])
+        if self.solid is not None:
+            self.solid.fit(passes, "solid_boxes", state["x"])
         self.fresh = False
         self.searches = 0
         self.solid_margin = 0.0

@@ -148,8 +148,12 @@ def _edges(faces: I32) -> tuple[I32, I32]:
 
 
 def _hinge_law(position: F64, hinges: I32, fabric: Fabric, *, flat: bool) -> tuple[F64, F64]:
-    """Weights and law of hinges (Wardetzky et al. 2007, doi:10.1016/j.cagd.2007.07.006: the bending energy of isometric
-    deformations is quadratic in the weighted sum of the four vertices)."""
+    """Weights and law of hinges (after Wardetzky et al. 2007, doi:10.1016/j.cagd.2007.07.006: the bending energy of isometric
+    deformations is quadratic in the weighted sum of the four vertices).
+
+    A clamped plate of squares with diagonals in turn then sinks by 1.28 of the law along its squares, 1.02 halfway and 0.82 along the
+    diagonals, one of equal-sided triangles by 1.05 to 1.1 in any direction (tests/physics/test_cloth.py).
+    """
     if len(hinges) == 0:
         return np.empty((0, 4)), np.empty((0, 3))
     x0, x1, x2, x3 = (position[hinges[:, k]] for k in range(4))
@@ -166,5 +170,5 @@ def _hinge_law(position: F64, hinges: I32, fabric: Fabric, *, flat: bool) -> tup
     length = np.zeros(len(hinges)) if flat else np.linalg.norm(vector, axis=1) * np.sign((vector * normal).sum(1))
     size = np.linalg.norm(x1 - x0, axis=1)
     length[np.abs(length) < 1e-6 * size] = 0.0
-    law = np.stack([3.0 * fabric.bend / both, length, np.full(len(hinges), fabric.damping)], axis=1)
+    law = np.stack([fabric.bend / both, length, np.full(len(hinges), fabric.damping)], axis=1)
     return weight, law

@@ -10,7 +10,7 @@ import random
 from collections.abc import Callable
 from typing import Any
 
-from . import skill_building, skill_liquids, skill_particles, skill_repair, skill_settings, skill_terrain
+from . import skill_building, skill_elastic, skill_liquids, skill_particles, skill_repair, skill_settings, skill_terrain
 
 __all__ = ["run"]
 
@@ -35,6 +35,7 @@ def run(*, variants: int | None = None, seed: int | None = None, checks: tuple[s
         arms = ("with", "without")
     evals: dict[str, Callable[[], dict[str, Any]]] = {
         "coupled-systems": lambda: skill_liquids.measure_floating(seeds),
+        "elastic-bodies": lambda: skill_elastic.measure(seeds),
         "liquids": lambda: skill_liquids.measure_resolution(seeds),
         "outdoor-terrain": lambda: skill_terrain.measure(seeds),
         "particles": lambda: skill_particles.measure(seeds),

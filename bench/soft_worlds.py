@@ -73,6 +73,7 @@ def deformed_candidate(
     travel: float = 0.0,
     strain_energy: Any = 0.0,
     kinetic: float = 1.0,
+    residual: float = 0.0,
     **more: Any,
 ) -> Candidate:
     """A baked world whose entities in `meshes` deform as `motions` say.
@@ -85,6 +86,7 @@ def deformed_candidate(
         travel: record of the farthest travel per step [m].
         strain_energy: record of the stored energy [J], one for all frames or one each.
         kinetic: factor on the record of the kinetic energy.
+        residual: record of the residual of the solve.
         more: goes to `make_candidate`.
     """
     built = dict(build_all(spec))
@@ -116,6 +118,7 @@ def deformed_candidate(
             "elastic_potential_energy": -float(weights @ (place @ gravity)),
             "strain_energy": float(stored[frame]),
             "elastic_travel_per_step": travel,
+            "solve_residual": residual,
             "kinetic_energy": 0.0,
             "potential_energy": 0.0,
             "driver_work": 0.0,

@@ -15,7 +15,11 @@ __all__ = ["CATEGORIES", "PACKAGES", "all_caps", "capabilities", "package_versio
 
 CATEGORIES: dict[str, dict[str, Any]] = {
     "rigid": {"available": True, "engine": "mujoco", "covers": "rigid bodies, joints, ropes of links, drivers"},
-    "elastic": {"available": False},
+    "elastic": {
+        "available": True,
+        "engine": "mujoco",
+        "covers": "elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
+    },
     "cloth": {"available": False},
     "liquid": {
         "available": True,

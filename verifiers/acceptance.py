@@ -29,6 +29,7 @@ from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec, prompt_digest
 from .bundle import event_list
 from .cloth_register import cloth_lines
+from .elastic_register import elastic_lines
 from .field_ledger import field_lines
 from .fracture_register import fracture_lines
 from .ground_stems import plant_lines
@@ -236,6 +237,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
     found += _liquids(spec)
     found += cloth_lines(spec)
     found += fracture_lines(candidate)
+    found += elastic_lines(candidate)
     for name, terrain in spec.terrains.items():
         found.append(
             {

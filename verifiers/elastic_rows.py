@@ -25,6 +25,7 @@ PREDICATES = {
     "pins": "what pins hold stays where they hold it",
     "flight": "where nothing touches or pins the body, its centre of mass falls freely",
     "energy": "energy less the work of drivers never grows by more than limits.energy_growth of the energy in play",
+    "solve": "the elastic solve of every step converges, or ends within a relative residual of 1e-3",
     "records": "recorded energies and momentum of elastic members are those of their vertices",
     "mass": "simulation meshes hold the volume that was built",
 }

@@ -63,6 +63,12 @@ _ALL = (
         "elastic_travel_per_step", "m", "farthest that a node of an elastic body went in one step of the frame", of=_ELASTIC
     ),
     Quantity("fracture_energy", "J", "of the bonds that broke since frame 0", of=("fracture",)),
+    Quantity(
+        "solve_residual",
+        "1",
+        "largest relative residual of the elastic solve that did not converge; 0 where all did",
+        of=_ELASTIC,
+    ),
     Quantity("surface_volume", "m^3", "inside the reconstructed surface of a liquid", of=_SURFACE),
     Quantity("surface_area", "m^2", "of that surface", of=_SURFACE),
     Quantity("surface_components", "1", "separate pieces of that surface, cavities not counted", of=_SURFACE),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -173,13 +174,29 @@ def part_flexes(rigid: RigidModel) -> None:
 _ORIGIN = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
+_RESIDUAL = re.compile(r"relative residual of ([0-9.eE+-]+)")
+_heard: list[str] = []
+"""What the engine said since it was last asked; its own handler would write it to a file in the working directory."""
+
+
+def _hear(text: str) -> None:
+    del _heard[:-8]
+    _heard.append(text)
+
+
 class Flexes:
     """All elastic bodies of a compiled model: their state as others read it, and their ledger."""
 
     def __init__(self, model: Any, bodies: tuple[FlexBody, ...]) -> None:
+        import mujoco
+
+        self._inertia = int(mujoco.mjtWarning.mjWARN_INERTIA)
         self.model, self.bodies = model, bodies
         self.travel = 0.0
         """Farthest that a node went in one step of the frame [m]."""
+        self.residual = 0.0
+        """Largest relative residual with which the solve of a step of the frame ended before it converged; 0 where all did."""
+        mujoco.set_mju_user_warning(_hear)
         for body in bodies:
             body.body_ids = np.array([model.body(n).id for n in body.carriers], dtype=np.int64)
             body.free = np.array([n.startswith(f"{body.entity}/node") for n in body.carriers])
@@ -202,10 +219,16 @@ class Flexes:
 
     def begin(self) -> None:
         """Start a frame."""
-        self.travel = 0.0
+        self.travel, self.residual = 0.0, 0.0
 
     def watch(self, data: Any, dt: float) -> None:
-        """Note how far nodes go in a step."""
+        """Note how far nodes go in a step, and how well it was solved."""
+        if data.warning[self._inertia].number:
+            found = [float(m.group(1)) for text in _heard if (m := _RESIDUAL.search(text))]
+            if found:
+                self.residual = max(self.residual, *found)
+                data.warning[self._inertia].number = 0
+            _heard.clear()
         speed = np.sqrt(sum(data.qvel[self._dofs + k] ** 2 for k in range(3)))
         self.travel = max(self.travel, float(speed.max(initial=0.0)) * dt)
 
@@ -237,5 +260,6 @@ class Flexes:
             "record/elastic_potential_energy": np.float64(energy["potential"]),
             "record/strain_energy": np.float64(energy["strain"]),
             "record/elastic_travel_per_step": np.float64(self.travel),
+            "record/solve_residual": np.float64(self.residual),
             **{f"record/elastic_momentum_{a}": np.float64(momentum[k]) for k, a in enumerate("xyz")},
         }

@@ -23,8 +23,10 @@ MATERIALS = {
 }
 
 
-def made(things, *, frames=24, step=1e-3, skin=5e-4, gravity=(0, 0, -G)) -> tuple[SolverRigid, dict]:
-    spec = world(things, frames=frames, materials=MATERIALS, settings=RigidSettings(step=step, skin=skin), gravity=gravity)
+def made(things, *, frames=24, fps=24, step=1e-3, skin=5e-4, gravity=(0, 0, -G)) -> tuple[SolverRigid, dict]:
+    spec = world(
+        things, frames=frames, fps=fps, materials=MATERIALS, settings=RigidSettings(step=step, skin=skin), gravity=gravity
+    )
     built = {n: build_entity(spec, n, Path()) for n in things}
     solver = SolverRigid(spec, built, "rigid")
     solver.prepare()
@@ -49,14 +51,20 @@ def energy(solver) -> float:
 
 @pytest.mark.parametrize(("cells", "error"), [(4, 0.05), pytest.param(8, 0.02, marks=pytest.mark.slow)])
 def test_a_cantilever_sags_as_beam_theory_says(cells, error):
-    """Law: rho g A L^4 / (8 E I) within 5 % at four cells (measured 0.969) and 2 % at eight (0.988), Poisson's ratio 0.3."""
-    solver, built = made(beam(cells, poisson_ratio=0.3, damping=0.08), frames=14)
+    """Law: rho g A L^4 / (8 E I) within 5 % at four cells (measured 0.969) and 2 % at eight (0.988), Poisson's ratio 0.3.
+
+    Almost undamped it swings about its sag: the mean over two periods of 0.277 s is that.
+    """
+    fps, frames = 87, 49
+    solver, built = made(beam(cells, poisson_ratio=0.3, damping=5e-4), frames=frames, fps=fps)
     mesh = built["beam"].parts[0].simulation
-    for frame in range(1, 14):
+    tip, sags, residual = mesh.vertices[:, 0] > LONG / 2 - 1e-9, [], 0.0
+    for frame in range(1, frames):
         solver.advance(frame)
-    tip = mesh.vertices[:, 0] > LONG / 2 - 1e-9
-    sag = 1.0 - float(vertices(solver)[tip, 2].mean())
-    assert sag == pytest.approx(EULER, rel=error)
+        sags.append(1.0 - float(vertices(solver)[tip, 2].mean()))
+        residual = max(residual, float(solver.frame_data()["record/solve_residual"]))
+    assert np.mean(sags) == pytest.approx(EULER, rel=error)
+    assert residual < 1e-3
 
 
 def test_a_hanging_bar_stretches_and_thins_by_hooke():
@@ -93,7 +101,7 @@ def test_constant_strain_is_met_exactly(turn):
     import mujoco
 
     soft = ElasticPhysics(young_modulus=1e5, poisson_ratio=0.3, resolution=0.1)
-    solver, built = made(
+    solver, _ = made(
         {"b": box(0.3, 0.2, 0.2, motion="dynamic", at=(0, 0, 1), euler=(0, 0, turn), physics=soft)}, gravity=(0, 0, 0)
     )
     flex = solver.rigid.flexes[0]
@@ -191,7 +199,7 @@ def test_what_yields_keeps_its_new_shape():
     sags = []
     for limit in (0.0, 0.02):
         soft = ElasticPhysics(young_modulus=2e4, damping=0.02, yield_strain=limit, resolution=0.1, linear_velocity=(0, 0, -3))
-        solver, built = made(
+        solver, _ = made(
             {"floor": ground(), "b": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.055), physics=soft)}, frames=20, skin=2e-3
         )
         for frame in range(1, 20):

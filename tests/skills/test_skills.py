@@ -11,6 +11,7 @@ import pytest
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.simulation.liquid.resolved import LEAST_WALL
 from worldagent.verifiers.diagnosis_table import TABLES
+from worldagent.verifiers.elastic_rows import PREDICATES as ELASTIC
 from worldagent.verifiers.liquid import WATCHES
 from worldagent.verifiers.liquid_numerical import Numbers
 from worldagent.worlds.audit import DENSITY_RANGES, audit
@@ -19,7 +20,7 @@ from worldagent.worlds.liquids import LEAST_SPACINGS
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import PREDICATES
 from worldagent.worlds.requirements import Check
-from worldagent.worlds.spec import Entity, LiquidPhysics, Material
+from worldagent.worlds.spec import ElasticPhysics, Entity, LiquidPhysics, Material
 from worldagent.worlds.spec.shapes import Shape
 from worldagent.worlds.spec.simulation import Driver, Joint
 from worldagent.worlds.spec.story import Relation
@@ -58,7 +59,7 @@ def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) 
     assert _named((BUILDING / "reference" / "kinds.md").read_text(), heading) == kinds
 
 
-@pytest.mark.parametrize("name", ["rigid-bodies", "repair", "world-building", "liquids", "coupled-systems"])
+@pytest.mark.parametrize("name", ["rigid-bodies", "elastic-bodies", "repair", "world-building", "liquids", "coupled-systems"])
 def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
     lines = (SKILLS / name / "SKILL.md").read_text().splitlines()
     assert lines[:2] == ["---", f"name: {name}"]
@@ -135,7 +136,7 @@ def test_every_check_has_a_diagnosis(check: str) -> None:
 
 
 ROWS = {
-    "audit": ["audit:ownership", "audit:clauses", "audit:bounds", "audit:density:wood", "audit:engine:cloud"],
+    "audit": ["audit:ownership", "audit:clauses", "audit:bounds", "audit:density:wood", "audit:engine:cloud", "audit:elastic"],
     "terrain": [
         "terrain:land",
         *(f"terrain:land:{n}" for n in ("fill", "drainage", "water", "ledger", "plants", "ground:floor")),
@@ -148,6 +149,7 @@ ROWS = {
     "causal": ["causal:a:b", "causal:without:a:b"],
     "robustness": ["robustness:r:b"],
     "category": [
+        *(f"category:elastic:{n}:jelly" for n in ELASTIC),
         *(f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")),
         *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.claims),
     ],
@@ -196,3 +198,12 @@ def test_the_liquids_of_the_skill_have_densities_that_the_audit_accepts() -> Non
         physics = {k: v for k, v in liquid.items() if k in LiquidPhysics.model_fields}
         LiquidPhysics.model_validate({"category": "liquid", "resolution": 0.01, **physics})
         Material.model_validate({"density": liquid["density"], "substance": liquid["substance"]})
+
+
+def test_the_materials_and_the_world_of_the_elastic_skill_are_accepted_by_their_models_and_the_audit() -> None:
+    for name, values in json.loads((SKILLS / "elastic-bodies" / "materials.json").read_text()).items():
+        physics = {k: v for k, v in values.items() if k in ElasticPhysics.model_fields}
+        assert set(values) - set(physics) == {"density"}, name
+        ElasticPhysics.model_validate({"category": "elastic", **physics})
+    report = audit(parse_spec(json.loads((SKILLS / "elastic-bodies" / "jelly.json").read_text())))
+    assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []

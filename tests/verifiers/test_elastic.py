@@ -51,7 +51,7 @@ def statuses(rows):
 
 def test_a_block_at_rest_passes(tmp_path):
     rows = judged(tmp_path, still)
-    held = {"shape", "strain", "self", "volume", "step", "recovery", "energy", "records", "mass"}
+    held = {"shape", "strain", "self", "volume", "step", "recovery", "energy", "solve", "records", "mass"}
     assert statuses(rows) == dict.fromkeys(held, "pass") | {"pins": "not_applicable", "flight": "not_applicable"}
 
 
@@ -160,6 +160,13 @@ def test_energy_from_nowhere_fails(tmp_path):
     strain[7:] = 5.0
     rows = judged(tmp_path, still, strain_energy=strain)
     assert (rows["energy"].status, rows["energy"].first_failing_frame) == ("fail", 7)
+
+
+def test_a_solve_that_did_not_converge_fails(tmp_path):
+    assert judged(tmp_path / "a", still, residual=1e-6)["solve"].status == "pass"
+    row = judged(tmp_path / "b", still, residual=0.2)["solve"]
+    assert (row.status, row.first_failing_frame) == ("fail", 0)
+    assert {c.group for c in row.corrections} == {"step", "mass", "resolution"}
 
 
 def test_records_that_are_not_those_of_the_vertices_fail(tmp_path):

@@ -1,0 +1,67 @@
+"""What elastic bodies simplify, for the approximation register (R62, R68)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..worlds.spec import ElasticPhysics
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+
+__all__ = ["elastic_lines"]
+
+SURFACE = 1e-6
+"""Relative difference of volumes from which on a cut surface is another than the declared one."""
+
+
+def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
+    """Lines of every elastic body."""
+    found: list[dict[str, str]] = []
+    plan, entities = candidate.spec.simulation, candidate.spec.entities
+    soft = {n: e.physics for n, e in entities.items() if isinstance(e.physics, ElasticPhysics)}
+    for name, physics in soft.items():
+        cells = _cells(candidate, name)
+        found.append(
+            {
+                "what": f"{name!r} deforms on {cells} cells with quadratic displacements, its strain linear in a frame that turns with each",
+                "effect": "beams of one cell across are up to 5 % too stiff; beyond strains of about 0.3 it is not rubber",
+            }
+        )
+        lost = _lost(candidate, name)
+        if lost > SURFACE:
+            found.append(
+                {
+                    "what": f"the surface of {name!r} is that of its simulation mesh",
+                    "effect": f"it holds {lost:.2%} less or more than the declared solid; mass is that of the solid",
+                }
+            )
+        if physics.yield_strain > 0:
+            found.append(
+                {
+                    "what": f"{name!r} yields at an elastic strain of {physics.yield_strain:g}, one strain per cell",
+                    "effect": "dents smaller than a cell come back; recorded strain energy counts what yielding dissipated as stored",
+                }
+            )
+    if soft:
+        first = next(iter(soft))
+        if plan.liquid:
+            text = f"liquids do not meet elastic bodies ({first!r})"
+            found.append({"what": text, "effect": "omitted in both directions: a liquid runs through them"})
+        if any(d.kind == "field" for d in plan.drivers.values()):
+            found.append({"what": f"force fields do not act on elastic bodies ({first!r})", "effect": "wind does not move them"})
+    return found
+
+
+def _cells(candidate: Candidate, name: str) -> str:
+    meshes = [p.simulation for p in candidate.entity(name).parts if p.simulation is not None]
+    return " x ".join(str(int(c)) for c in meshes[0].cells) if meshes else "no"
+
+
+def _lost(candidate: Candidate, name: str) -> float:
+    """Share of the declared volume that the simulation mesh misses."""
+    from ..worlds.simulation_mesh import volumes
+
+    built = candidate.entity(name)
+    held = sum(float(volumes(p.simulation.vertices, p.simulation.tets).sum()) for p in built.parts if p.simulation is not None)
+    return abs(held / sum(b.volume for b in built.bodies) - 1.0)

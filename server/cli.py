@@ -22,6 +22,7 @@ BENCHMARKS: dict[str, str] = {
     "job-start": "worldagent.bench.job_start:run",
     "edit-latency": "worldagent.bench.edit_latency:run",
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
+    "fracture": "worldagent.bench.fracture:run",
     "clearance": "worldagent.bench.clearance:run",
     "contact-scale": "worldagent.bench.contact_scale:run",
     "render": "worldagent.bench.render:run",

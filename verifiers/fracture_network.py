@@ -12,6 +12,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.bonds import WORLD
+from ..worlds.fracture import SHARES
 
 if TYPE_CHECKING:
     from ..worlds.bonds import Bonds
@@ -56,13 +57,19 @@ class Loaded:
         gaps = self._gaps(own, pieces)
         held = bool((self.bonds.pieces[own, 1] == WORLD).any())
         force = self._forces(own, gaps, lasting, held, 0.0)
-        if np.abs(sudden).max(initial=0.0) > 0:
-            force = force + self._forces(own, gaps, sudden, held, self.bond.contact_time, pieces)
+        if np.abs(sudden).max(initial=0.0) == 0:
+            return own, self._over(own, force)
+        times = [share * self.bond.contact_time for share in SHARES]
+        both = [self._over(own, force + self._forces(own, gaps, sudden, held, t, pieces)) for t in times]
+        return own, np.asarray(np.max(both, axis=0))
+
+    def _over(self, own: Any, force: F64) -> F64:
+        """Stress over strength, or the root of energy over toughness where that is less."""
         found = stress_ratios(self.bonds, self.bond, own, force)
         if self.bond.toughness > 0:
             energy = 0.5 * (force**2 / self.stiffness[own]).sum(axis=1)
             found = np.minimum(found, np.sqrt(energy / (self.bond.toughness * self.bonds.area[own])))
-        return own, found
+        return found
 
     def _gaps(self, own: Any, pieces: Any) -> Any:
         """Matrix from motions of the pieces to relative motions over the bonds, shape (6 b, 6 n)."""

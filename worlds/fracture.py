@@ -19,6 +19,9 @@ CRUMBLE = 0.01
 """Default thickness of what crumbles at a broken face, in parts of the middle piece's size."""
 TIGHT = 1e-4
 """Overlap of pieces in contact, in parts of the middle piece's size: contacts sink by that much under load."""
+SHARES = (0.125, 1.0)
+"""Parts of the contact time at which a blow is looked at: early, when it is felt near where it hits only, and at its end. What
+it breaks early it cannot use to bend the rest."""
 CORNERS = 20.0
 """Contact points over which a crumbled face carries its load."""
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.bonds import WORLD, components
+from ...worlds.fracture import SHARES
 from .clusters import Cluster, clusters_of
 from .network import BondNetwork, Factor
 
@@ -60,8 +61,8 @@ class _Body:
     """Contact force on each piece in the last step in which it had one, shape (n, 6)."""
     partner: Any
     """Tree of the model that a piece touched then; -1: none, or none that may sleep, shape (n,)."""
-    factors: dict[str, tuple[Factor, Factor]] = field(default_factory=dict)
-    """Per cluster its stiffness under lasting and under sudden loads."""
+    factors: dict[str, tuple[Factor, ...]] = field(default_factory=dict)
+    """Per cluster its stiffness under lasting loads, and under sudden ones at `SHARES` of the contact time."""
     solved: dict[str, tuple[F64, float]] = field(default_factory=dict)
     """Per cluster the loads last solved for, both kinds side by side, and the largest ratio found."""
     clusters: list[Cluster] = field(default_factory=list)
@@ -130,6 +131,10 @@ class Breakage:
     def whole(self) -> dict[str, Any]:
         """Which bonds hold, per entity."""
         return {n: b.whole.copy() for n, b in zip(self.names, self._bodies, strict=True)}
+
+    def clusters(self, entity: str) -> list[Cluster]:
+        """Present clusters of a member."""
+        return list(self._bodies[self.names.index(entity)].clusters)
 
     def bind(self, rigid: RigidModel) -> None:
         """Work with this model, whose bodies are the clusters of the present bonds."""
@@ -327,13 +332,15 @@ class Breakage:
         total = lasting + self._own_forces(body, cluster, lasting, turn, spin)
         case = -1
         while True:
-            factor, sudden = self._factors(body, cluster)
-            force = body.network.carry(factor, total)
-            if np.abs(loads[:, 6:]).max(initial=0.0) > 0:
-                force = force + body.network.carry(sudden, loads[:, 6:])
-            state = body.network.state(factor.bonds, force)
-            ratio = body.network.limit(factor.bonds, state)
-            worst = float(ratio.max(initial=0.0))
+            factor, *sudden = self._factors(body, cluster)
+            steady = body.network.carry(factor, total)
+            for within in sudden if np.abs(loads[:, 6:]).max(initial=0.0) > 0 else (None,):
+                force = steady if within is None else steady + body.network.carry(within, loads[:, 6:])
+                state = body.network.state(factor.bonds, force)
+                ratio = body.network.limit(factor.bonds, state)
+                worst = float(ratio.max(initial=0.0))
+                if worst > 1.0:
+                    break
             if worst <= 1.0:
                 peak = self._peak[index]
                 peak[factor.bonds] = np.maximum(peak[factor.bonds], ratio)
@@ -351,13 +358,14 @@ class Breakage:
             if self._fell_apart(body, cluster):
                 return True
 
-    def _factors(self, body: _Body, cluster: Cluster) -> tuple[Factor, Factor]:
+    def _factors(self, body: _Body, cluster: Cluster) -> tuple[Factor, ...]:
         known = body.factors.get(cluster.name)
         if known is None:
             pieces, network = np.array(cluster.pieces), body.network
+            time = body.breakable.bond.contact_time
             known = (
                 network.factor(pieces, body.whole, held=cluster.fixed),
-                network.factor(pieces, body.whole, held=cluster.fixed, within=body.breakable.bond.contact_time),
+                *(network.factor(pieces, body.whole, held=cluster.fixed, within=share * time) for share in SHARES),
             )
             body.factors[cluster.name] = known
         return known

@@ -1,0 +1,112 @@
+"""Benchmark `fracture`: an iron ball breaches a wall of about 500 bricks.
+
+Figures: processor time over simulated time (the engine runs in one thread, so other processes do not count), pieces, how many
+bonds broke and pieces fly, the energy and mass books, and the largest overlap of loose pieces in the engine's contacts.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from ..construction import build_entity
+from ..simulation.rigid import SolverRigid
+from ..worlds.spec import WorldSpec
+
+__all__ = ["run", "wall_world"]
+
+SECONDS = 1.5
+FPS = 24
+BALL = 0.12
+SPEED = 20.0
+WALL = (4.0, 0.12, 2.4)
+BRICK = (0.24, 0.11, 0.07)
+
+
+def wall_world(
+    *, seconds: float = SECONDS, speed: float = SPEED, wall: tuple[float, float, float] = WALL, tension: float = 5e5
+) -> WorldSpec:
+    """A brick wall bonded at its foot and an iron ball in front of it."""
+
+    def entity(
+        role: str, motion: str, material: str, shape: dict[str, Any], at: tuple[float, ...], **more: Any
+    ) -> dict[str, Any]:
+        size = shape.get("size") or (2 * shape["radius"],) * 3
+        return {
+            "role": role,
+            "motion": motion,
+            "material": material,
+            "dimensions": {"size": size},
+            "pose": {"position": at},
+            "parts": {"body": {"shape": shape}},
+            **more,
+        }
+
+    bond = {"tension": tension, "shear": 1.5 * tension}
+    broken = {"pattern": {"kind": "bricks", "size": BRICK, "joint": 0.01}, "bond": bond, "fixed": ["z-"]}
+    ball = {"category": "rigid", "linear_velocity": (0.0, speed, 0.0)}
+    entities = {
+        "ground": entity("ground", "static", "stone", {"kind": "box", "size": (30.0, 30.0, 0.4)}, (0.0, 0.0, -0.2)),
+        "wall": entity(
+            "wall", "dynamic", "brick", {"kind": "box", "size": wall}, (0.0, 0.0, wall[2] / 2 + 1e-3), breakable=broken
+        ),
+        "ball": entity("ball", "dynamic", "iron", {"kind": "sphere", "radius": BALL}, (0.03, -1.0, 0.6 * wall[2]), physics=ball),
+    }
+    return WorldSpec.model_validate(
+        {
+            "title": "breach",
+            "prompt": "A cannonball breaches a brick wall.",
+            "materials": {
+                "brick": {"density": 1800.0, "friction": 0.6, "appearance": {"color": (0.5, 0.16, 0.09), "roughness": 0.9}},
+                "iron": {"density": 7200.0, "friction": 0.4, "appearance": {"color": (0.08, 0.08, 0.09), "roughness": 0.5}},
+                "stone": {"density": 2600.0, "friction": 0.6, "appearance": {"color": (0.4, 0.42, 0.36), "roughness": 1.0}},
+            },
+            "entities": entities,
+            "simulation": {
+                "fps": FPS,
+                "frames": round(seconds * FPS) + 1,
+                "solvers": {"main": {"engine": "mujoco", "members": list(entities), "settings": {"step": 5e-4, "refine": 0}}},
+            },
+        }
+    )
+
+
+def run() -> dict[str, Any]:
+    """Measure; progress goes to stderr."""
+    spec = wall_world()
+    begin = time.process_time()
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    cutting = time.process_time() - begin
+    solver = SolverRigid(spec, built, "main")
+    solver.prepare()
+    start = solver.frame_data()
+    begin, slowest = time.process_time(), 0.0
+    for frame in range(1, spec.simulation.frames):
+        before = time.process_time()
+        solver.advance(frame)
+        slowest = max(slowest, time.process_time() - before)
+        print(f"frame {frame}: {time.process_time() - begin:.1f} s", file=sys.stderr, flush=True)
+    seconds = time.process_time() - begin
+    data = solver.frame_data()
+    clusters = solver.breakage.clusters("wall")
+    return {
+        "name": "fracture",
+        "pieces": len(built["wall"].bodies),
+        "bonds": len(data["bond/broken"]),
+        "broken": int(data["bond/broken"].sum()),
+        "loose_clusters": sum(not c.fixed for c in clusters),
+        "times_real_time": round(seconds / SECONDS, 2),
+        "slowest_frame_s": round(slowest, 2),
+        "cut_s": round(cutting, 2),
+        "step_s": spec.simulation.rigid["main"].settings.step,
+        "mass_drift": float(abs(data["record/mass"] / start["record/mass"] - 1)),
+        "fracture_energy_j": round(float(data["record/fracture_energy"]), 1),
+        "impact_energy_j": round(float(start["record/kinetic_energy"]), 1),
+    }
+
+
+if __name__ == "__main__":
+    print(json.dumps(run()))

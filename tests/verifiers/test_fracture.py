@@ -1,0 +1,169 @@
+"""Checks of bodies that break: a run of the engine passes, and each way of falsifying it is found."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.tests.physics.fracture_world import simulate, struck_wall
+from worldagent.verifiers import fracture
+from worldagent.verifiers.acceptance import approximations
+from worldagent.verifiers.predicates import evaluate
+from worldagent.worlds.cache import Cache, write_container
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.predicates import Breach, Broken, Debris
+from worldagent.worlds.spec import WorldSpec
+
+Channels = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    """A wall that a ball breaks in part."""
+    return simulate(tmp_path_factory.mktemp("fracture"), struck_wall(15.0, tension=4e5, seconds=0.4, size=(1.25, 0.72), refine=0))
+
+
+def changed(run: Candidate, folder: Path, change: Callable[[int, Channels], None], frames: range | None = None) -> Candidate:
+    """The run with its frames altered."""
+    shutil.copytree(run.caches["main"].folder, folder / "run" / "main", dirs_exist_ok=True)
+    cache = Cache(folder / "run" / "main")
+    for frame in frames or range(run.frame_count):
+        data = cache.read(frame)
+        change(frame, data)
+        write_container(cache.path(frame), data)
+    return dataclasses.replace(run, folder=folder, caches={"main": cache})
+
+
+def statuses(candidate: Candidate) -> dict[str, str]:
+    return {r.id.split(":")[2]: r.status for r in fracture.check_instance(candidate, "main")}
+
+
+def _hit(run: Candidate) -> int:
+    """Frame in which the first bonds broke."""
+    return next(f for f in range(run.frame_count) if run.caches["main"].read(f)["break/time"].size)
+
+
+def test_a_real_run_passes_with_bonds_that_broke_and_bonds_that_hold(run: Candidate) -> None:
+    last = run.caches["main"].read(run.last_frame)["bond/broken"]
+    assert 0 < last.sum() < len(last)
+    assert set(statuses(run).values()) == {"pass"}
+
+
+def test_the_wall_breaks_where_the_ball_hits_and_only_after(run: Candidate) -> None:
+    cache, hit = run.caches["main"], _hit(run)
+    events = [cache.read(f) for f in range(run.frame_count)]
+    touch = min(float(t) for e in events for t in e["event/time"])
+    assert min(float(t) for e in events for t in e["break/time"]) >= touch - 5e-4
+    assert not any(e["bond/broken"].any() for e in events[:hit])
+    first = events[hit]["break/point"][0]
+    assert np.linalg.norm(first[[0, 2]] - (0.01, 0.6 * 0.72)) < 0.25
+
+
+def test_bonds_that_heal_are_found(run: Candidate, tmp_path: Path) -> None:
+    def heal(frame: int, data: Channels) -> None:
+        if frame == run.last_frame:
+            data["bond/broken"][:] = 0
+
+    assert statuses(changed(run, tmp_path, heal))["events"] == "fail"
+
+
+def test_a_bond_that_breaks_without_an_event_is_found(run: Candidate, tmp_path: Path) -> None:
+    whole = int(np.flatnonzero(run.caches["main"].read(run.last_frame)["bond/broken"] == 0)[0])
+
+    def cut(frame: int, data: Channels) -> None:
+        if frame >= 1:
+            data["bond/broken"][whole] = 1
+
+    assert statuses(changed(run, tmp_path, cut))["events"] == "fail"
+
+
+def test_bonds_that_break_without_a_load_are_found(run: Candidate, tmp_path: Path) -> None:
+    def faint(frame: int, data: Channels) -> None:
+        del frame
+        data["case/load"] *= 1e-5
+
+    assert statuses(changed(run, tmp_path, faint))["cause"] == "fail"
+
+
+def test_a_cause_that_touched_nothing_is_found(run: Candidate, tmp_path: Path) -> None:
+    names = run.caches["main"].index.colliders
+    pair = sorted((names.index("wall"), names.index("ball")))
+
+    def part(frame: int, data: Channels) -> None:
+        del frame
+        keep = ~(data["contact/pair"] == pair).all(axis=1)
+        for name in ("contact/pair", "contact/impulse", "contact/max_force", "contact/min_gap"):
+            data[name] = data[name][keep]
+
+    assert statuses(changed(run, tmp_path, part))["cause"] == "fail"
+
+
+def test_a_bonded_piece_that_drifts_is_found(run: Candidate, tmp_path: Path) -> None:
+    built = run.built["wall"]
+    assert built.bonds is not None
+    whole = np.flatnonzero(run.caches["main"].read(run.last_frame)["bond/broken"] == 0)
+    name = built.bodies[int(built.bonds.pieces[whole[0], 0])].name
+    row = run.caches["main"].body_row("wall", name)
+
+    def drift(frame: int, data: Channels) -> None:
+        data["position"][row] += 1e-5 * frame
+
+    assert statuses(changed(run, tmp_path, drift))["bonded"] == "fail"
+
+
+def test_an_energy_record_that_is_not_that_of_the_events_is_found(run: Candidate, tmp_path: Path) -> None:
+    def more(frame: int, data: Channels) -> None:
+        data["record/fracture_energy"] = np.float64(data["record/fracture_energy"] + 5.0 * (frame > 3))
+
+    assert statuses(changed(run, tmp_path, more))["events"] == "fail"
+
+
+def test_bonds_that_hold_more_than_they_bear_are_found(run: Candidate) -> None:
+    """The same motion under a specification whose mortar could not carry the wall's weight in bending."""
+    data = run.spec.model_dump(mode="json")
+    data["entities"]["wall"]["breakable"]["bond"] |= {"tension": 10.0, "shear": 10.0, "friction": 0.0}
+    data["simulation"]["gravity"] = (0.0, 9.81, 0.0)
+    assert statuses(dataclasses.replace(run, spec=WorldSpec.model_validate(data)))["standing"] == "fail"
+
+
+def test_pieces_that_do_not_hold_the_volume_are_found(run: Candidate) -> None:
+    built = run.built["wall"]
+    part = built.parts[0]
+    small = dataclasses.replace(part, render=dataclasses.replace(part.render, vertices=0.99 * part.render.vertices))
+    wrong = dataclasses.replace(built, parts=(small, *built.parts[1:]))
+    assert statuses(dataclasses.replace(run, built={**run.built, "wall": wrong}))["pieces"] == "fail"
+
+
+def test_a_cache_without_bonds_proves_nothing(run: Candidate, tmp_path: Path) -> None:
+    def strip(frame: int, data: Channels) -> None:
+        del frame
+        del data["bond/broken"]
+
+    found = statuses(changed(run, tmp_path, strip))
+    assert {found[k] for k in ("bonded", "events", "cause", "standing")} == {"unverified"}
+
+
+def test_predicates_tell_what_broke_and_what_lies_about(run: Candidate) -> None:
+    span, hit = (0, run.last_frame), _hit(run)
+    assert evaluate(run, Broken(entity="wall", by="ball", min=0.01), span).first_true_frame == hit
+    assert evaluate(run, Broken(entity="wall", max=0.0, when="always"), (0, hit - 1)).status == "pass"
+    assert evaluate(run, Broken(entity="wall", min=0.999), span).status == "fail"
+    assert evaluate(run, Debris(entity="wall", min=1), span).status == "pass"
+    assert evaluate(run, Debris(entity="wall", max=0, when="always"), span).status == "fail"
+    through = {"entity": "wall", "direction": (0, 1, 0)}
+    hole = Breach(**through, point=(0.01, 0, 0.43), min_width=0.05, min_height=0.05)
+    assert evaluate(run, hole, span).status == "pass"
+    assert evaluate(run, hole, (0, hit - 1)).status == "fail"
+    gate = Breach(**through, point=(0.01, 0, 0.3), min_width=1.2, min_height=0.6)
+    assert evaluate(run, gate, span).status == "fail"
+
+
+def test_the_register_says_what_is_simplified(run: Candidate) -> None:
+    lines = [line["what"] for line in approximations(run)]
+    assert any("cut beforehand" in line for line in lines)
+    assert any("crumble" in line for line in lines)

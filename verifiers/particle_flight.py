@@ -16,6 +16,7 @@ from ..worlds.fields import fields_of
 from ..worlds.particles import sphere_drag
 from .findings import Finding
 from .liquid_solids import pieces_of
+from .particle_frames import matched
 from .particle_rows import baked_again, finer_step
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class Flight:
         """Compare one frame with the one before."""
         if self.swarm.granular or before is None:
             return
-        _, here, there = np.intersect1d(now.identity, before.identity, assume_unique=True, return_indices=True)
+        here, there = matched(now, before)
         here, there = here[: 4 * MOST], there[: 4 * MOST]
         path = self._flown(before, there)
         free = self._clear(np.concatenate([path, now.position[here][None]]), now.index)

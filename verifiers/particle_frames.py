@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
 from ..worlds.errors import EvidenceError
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.spec import ParticlePhysics
 
-__all__ = ["Swarm", "SwarmFrame", "swarm_of"]
+__all__ = ["Swarm", "SwarmFrame", "matched", "swarm_of"]
+
+Rows: TypeAlias = NDArray[np.intp]
 
 CHANNELS = ("origin", *(f"particle/{n}" for n in ("position", "velocity", "spin", "id", "member", "radius")))
 EXCHANGE = ("exchange/impulse", "exchange/reaction", "field/impulse", "outflow/momentum")
@@ -45,6 +48,12 @@ class SwarmFrame:
     def count(self) -> int:
         """How many there are."""
         return len(self.radius)
+
+
+def matched(now: SwarmFrame, before: SwarmFrame) -> tuple[Rows, Rows]:
+    """Rows of particles that are in both frames, in each; of an id that stands twice, the first."""
+    _, here, there = np.intersect1d(now.identity, before.identity, return_indices=True)
+    return here, there
 
 
 class Swarm:

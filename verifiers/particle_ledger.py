@@ -14,6 +14,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from .findings import Finding
 from .particle_contacts import stored_energy
+from .particle_frames import matched
 from .particle_rows import baked_again, finer_step
 from .rigid import energy_scale, largest_growth
 
@@ -70,7 +71,7 @@ class Identity:
             return now.index, "two particles have the same id"
         if before is None:
             return None
-        _, here, there = np.intersect1d(now.identity, before.identity, assume_unique=True, return_indices=True)
+        here, there = matched(now, before)
         if (now.radius[here] != before.radius[there]).any():
             return now.index, "a particle changes its radius"
         if (now.member[here] != before.member[there]).any():

@@ -14,7 +14,7 @@ from ..worlds.errors import EvidenceError
 from .findings import Finding
 from .particle_contacts import Contacts
 from .particle_flight import Flight
-from .particle_frames import swarm_of
+from .particle_frames import matched, swarm_of
 from .particle_ledger import Books, Identity
 from .particle_rows import SwarmWatch, finer_step, particle_row, stiffer
 from .particle_walls import Walls
@@ -55,7 +55,7 @@ class Numbers:
             self.fast = (now.index, speed)
         if before is None:
             return
-        _, here, there = np.intersect1d(now.identity, before.identity, assume_unique=True, return_indices=True)
+        here, there = matched(now, before)
         way = float(np.linalg.norm(now.position[here] - before.position[there], axis=1).max(initial=0.0))
         self.way = max(self.way, way)
         if way > (limit + 1.0) * self.swarm.duration and self.far is None:

@@ -195,7 +195,8 @@ def integrate(
     p = state.place[i]
     m = state.motion[i]
     r = radius_of(p)
-    mass = wp.float64(mass_of(r, density[kind_of(m)]))
+    big = wp.float64(r)
+    mass = wp.float64(4.18879020478639) * wp.float64(density[kind_of(m)]) * big * big * big
     f = force[i]
     t = torque[i]
     begin = wall_first[i]
@@ -214,7 +215,7 @@ def integrate(
         v = (v + rate * wp.vec3d(wp.float64(wind[0]), wp.float64(wind[1]), wp.float64(wind[2]))) / (wp.float64(1.0) + rate)
         state.blown[i] = state.blown[i] + single(v - was)
     w = double(state.spin[i]) + double(state.rest_spin[i])
-    w += t * (h / (wp.float64(0.4) * mass * wp.float64(r) * wp.float64(r)))
+    w += t * (h / (wp.float64(0.4) * mass * big * big))
     sv = single(v)
     sw = single(w)
     state.rest[i] = single(v - double(sv))

@@ -1,0 +1,212 @@
+"""Rows of particles on a small simulated world, and on the same with its cache broken on purpose: each breach fails its own row."""
+
+import dataclasses
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench.simulated_worlds import simulate
+from worldagent.bench.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
+from worldagent.verifiers import category, numerical
+from worldagent.verifiers.particle_contacts import Contacts, local_packing
+from worldagent.verifiers.particle_frames import SwarmFrame, swarm_of
+from worldagent.verifiers.particle_lines import particle_lines
+from worldagent.verifiers.particles import WATCHES
+from worldagent.worlds.cache import Cache, write_container
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import WorldSpec
+
+FRAMES = 7
+
+
+@pytest.fixture(scope="module")
+def sand(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    spec = sand_spec(radius=0.012, depth=0.05, frames=FRAMES, ball_at=0.12, young=1e7, preroll=0.1)
+    return simulate(tmp_path_factory.mktemp("sand"), WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
+
+
+@pytest.fixture(scope="module")
+def sparks(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    spec = spark_spec(frames=12, rate=200.0)
+    return simulate(tmp_path_factory.mktemp("sparks"), WorldSpec.model_validate({"prompt": SPARK_PROMPT, **spec}))
+
+
+def rows_of(candidate: Candidate, solver: str) -> dict[str, Row]:
+    """Rows of an instance by the name of their claim."""
+    rows = [r for r in (*category.check(candidate), *numerical.check(candidate)) if r.id.endswith(f":{solver}")]
+    return {r.id.split(":")[-2]: r for r in rows}
+
+
+def broken(candidate: Candidate, folder: Path, change: Callable[[int, dict[str, Any]], None], solver: str) -> Candidate:
+    """The candidate with another cache of an instance: `change(frame, channels)` on a copy of every frame."""
+    other = folder / solver
+    shutil.copytree(candidate.caches[solver].folder, other)
+    cache = Cache(other)
+    for frame in range(cache.index.frames):
+        data = {k: np.array(v) for k, v in cache.read(frame).items()}
+        change(frame, data)
+        write_container(cache.path(frame), data)
+    fresh = dataclasses.replace(candidate)
+    vars(fresh)["caches"] = {**candidate.caches, solver: Cache(other)}
+    return fresh
+
+
+def test_every_row_of_a_sound_world_passes_or_has_no_case(sand: Candidate) -> None:
+    rows = rows_of(sand, "grains")
+    assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest"}
+    assert {n for n, r in rows.items() if r.status == "not_applicable"} == {"flight"}
+    assert {n for n, r in rows.items() if r.status not in ("pass", "not_applicable")} == set()
+    rigid = rows_of(sand, "bodies")
+    assert {n: r.evidence["explanation"] for n, r in rigid.items() if r.status not in ("pass", "not_applicable")} == {}
+
+
+def test_every_row_of_flying_particles_passes_or_has_no_case(sparks: Candidate) -> None:
+    rows = rows_of(sparks, "flight")
+    assert {n: r.evidence["explanation"] for n, r in rows.items() if r.status not in ("pass", "not_applicable")} == {}
+    assert rows["flight"].status == "pass"
+    assert float(sparks.caches["flight"].series("record/inflow_count")[-1]) > 50
+
+
+def late(frame: int) -> bool:
+    return frame >= 4
+
+
+def vanish(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        for name in [n for n in data if n.startswith("particle/")]:
+            data[name] = data[name][1:]
+
+
+def grow(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        data["particle/radius"] = data["particle/radius"] * np.float32(1.01)
+
+
+def crowd(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        near = np.argsort(np.linalg.norm(data["particle/position"] - data["particle/position"][0], axis=1))[:2]
+        data["particle/position"][near[1]] = data["particle/position"][near[0]] + np.float32(0.008)
+
+
+def press(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        middle = data["particle/position"].mean(axis=0)
+        data["particle/position"] = middle + np.float32(0.7) * (data["particle/position"] - middle)
+
+
+def sink(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        lowest = int(np.argmin(data["particle/position"][:, 2]))
+        data["particle/position"][lowest, 2] -= np.float32(0.02)
+
+
+def lift(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        data["particle/position"][:, 2] += np.float32(0.05 * (frame - 3))
+        mass = float(data["record/mass"])
+        data["record/potential_energy"] = data["record/potential_energy"] + mass * 9.81 * 0.05 * (frame - 3)
+
+
+def shove(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        data["particle/velocity"] += np.float32([0.05, 0, 0])
+
+
+def cook(frame: int, data: dict[str, Any]) -> None:
+    data["record/kinetic_energy"] = data["record/kinetic_energy"] + 1e-3 * data["record/mass"] * frame
+
+
+def forge(frame: int, data: dict[str, Any]) -> None:
+    data["exchange/impulse"] = data["exchange/impulse"] * 1.01
+
+
+def hurry(frame: int, data: dict[str, Any]) -> None:
+    if frame == 4:
+        data["record/max_speed"] = np.float64(900.0)
+
+
+def swap(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        data["particle/id"][0] = data["particle/id"][1]
+
+
+def poison(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        data["particle/velocity"][0, 0] = np.nan
+
+
+BREACHES = [
+    (vanish, {"counts", "mass"}),
+    (grow, {"identity"}),
+    (crowd, {"overlap"}),
+    (press, {"overlap"}),
+    (sink, {"inside"}),
+    (lift, {"energy"}),
+    (shove, {"momentum", "records"}),
+    (cook, {"records"}),
+    (forge, {"exchange", "received"}),
+    (hurry, {"speed"}),
+    (swap, {"identity"}),
+    (poison, {"finite"}),
+]
+
+
+@pytest.mark.parametrize(("change", "caught"), BREACHES, ids=[b[0].__name__ for b in BREACHES])
+def test_a_breach_fails_its_rows(sand: Candidate, tmp_path: Path, change: Any, caught: set[str]) -> None:
+    rows = rows_of(broken(sand, tmp_path, change, "grains"), "grains")
+    failed = {n for n, r in rows.items() if r.status == "fail"}
+    assert caught <= failed
+    for name in caught:
+        assert rows[name].corrections or name == "finite"
+        assert rows[name].first_failing_frame is not None
+
+
+def lattice(face_centred: bool, spacing: float) -> SwarmFrame:
+    """Equal grains of radius 1 on a lattice of cubes of 12 cells."""
+    cell = np.stack(np.meshgrid(*[np.arange(12)] * 3, indexing="ij"), axis=-1).reshape(-1, 3).astype(float)
+    basis = [(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)] if face_centred else [(0, 0, 0)]
+    place = np.concatenate([cell + b for b in basis]) * spacing
+    n = len(place)
+    zero, number = np.zeros((n, 3)), np.arange(n, dtype=np.int32)
+    return SwarmFrame(0, place, zero, zero, number, np.zeros(n, dtype=np.int32), np.ones(n), np.ones(n))
+
+
+@pytest.mark.parametrize(("face_centred", "spacing", "share"), [(True, 2 * np.sqrt(2), 0.7405), (False, 2.0, 0.5236)])
+def test_the_packing_of_lattices_is_theirs(face_centred: bool, spacing: float, share: float) -> None:
+    frame = lattice(face_centred, spacing)
+    middle = np.argsort(np.linalg.norm(frame.position - frame.position.mean(axis=0), axis=1))[:5]
+    assert local_packing(frame, middle, 8.0) == pytest.approx(share, rel=0.03)
+
+
+def test_grains_denser_than_random_close_packing_are_told(sand: Candidate) -> None:
+    for spacing, status in ((2 * np.sqrt(2), "fail"), (3.2, "pass")):
+        watch = Contacts(swarm_of(sand, "grains"))
+        vars(watch.swarm).pop("_contacts", None)
+        watch.see(lattice(True, spacing), None)
+        assert watch.findings()["packing"].status == status
+    vars(watch.swarm).pop("_contacts", None)
+
+
+def test_a_particle_off_its_flight_is_caught(sparks: Candidate, tmp_path: Path) -> None:
+    def drift(frame: int, data: dict[str, Any]) -> None:
+        data["particle/position"][:, 0] += np.float32(0.02 * frame)
+
+    assert rows_of(broken(sparks, tmp_path, drift, "flight"), "flight")["flight"].status == "fail"
+
+
+def test_grains_that_push_an_uncoupled_ball_ask_for_a_coupling(tmp_path: Path) -> None:
+    spec = sand_spec(radius=0.02, depth=0.05, frames=3, ball_at=0.075, young=1e6, preroll=0.0, coupled=False)
+    candidate = simulate(tmp_path, WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
+    row = rows_of(candidate, "grains")["declared"]
+    assert (row.status, row.first_failing_entity) == ("fail", "ball")
+    assert any("do not push them" in line["what"] for line in particle_lines(candidate.spec))
+
+
+def test_no_cache_is_no_verdict(sand: Candidate) -> None:
+    fresh = dataclasses.replace(sand)
+    vars(fresh)["caches"] = {"bodies": sand.caches["bodies"]}
+    assert {r.status for r in rows_of(fresh, "grains").values()} == {"unverified"}

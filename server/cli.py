@@ -37,6 +37,7 @@ BENCHMARKS: dict[str, str] = {
     "island": "worldagent.bench.island:run",
     "liquid-flip": "worldagent.bench.liquid_flip:run",
     "forest": "worldagent.bench.forest:run",
+    "cloth": "worldagent.bench.cloth:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

@@ -49,10 +49,20 @@ def stands(c: wp.vec4d, kind: wp.vec2i):
     return (kind[1] & bit) != 0
 
 
+@wp.func
+def went(i: wp.int32, sheets: wp.int32, v: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d)):
+    """Velocity with which a vertex went in the last step."""
+    if i < sheets:
+        return v[i]
+    return u[i]
+
+
 @wp.kernel
 def meet(
     first: wp.int32,
+    sheets: wp.int32,
     x: wp.array(dtype=wp.vec3d),
+    v: wp.array(dtype=wp.vec3d),
     u: wp.array(dtype=wp.vec3d),
     radius: wp.array(dtype=wp.float64),
     pairs: wp.array(dtype=wp.vec4i),
@@ -62,11 +72,28 @@ def meet(
     normal: wp.array(dtype=wp.vec4d),
     wanted: wp.array(dtype=wp.float64),
     impulse: wp.array(dtype=wp.vec3d),
+    slack: wp.array(dtype=wp.float64),
 ):
     """Nearest points of each pair: signed shares of its vertices, direction from the second to the first thing with their distance, and
-    the relative velocity along it that is wanted where they would come within their shells in this step (else -1e30)."""
+    the relative velocity along it that is wanted where they would come within their shells in this step (else -1e30).
+
+    `slack` is how far apart their shells are at least [m]. While they cannot have closed it, the pair is left alone (-2e30)."""
     p = first + wp.tid()
     q = pairs[p]
+    left = slack[p]
+    if left > wp.float64(0.0):
+        va = went(q[0], sheets, v, u)
+        fast = wp.max(
+            wp.length(went(q[1], sheets, v, u) - va),
+            wp.max(wp.length(went(q[2], sheets, v, u) - va), wp.length(went(q[3], sheets, v, u) - va)),
+        )
+        # Of two edges both ends of the first move against those of the second.
+        away = wp.float64(2.0) * fast * clock[0]
+        left -= away
+        if left > wp.float64(2.0) * away + wp.float64(0.25) * (radius[q[0]] + radius[q[2]]):
+            slack[p] = left
+            wanted[p] = wp.float64(-2.0e30)
+            return
     x0 = x[q[0]]
     x1 = x[q[1]]
     x2 = x[q[2]]
@@ -90,6 +117,7 @@ def meet(
         aim = wp.min(PUSH * aim, FASTEST)
     if speed >= aim or not stands(c, kinds[p]):
         aim = wp.float64(-1.0e30)
+    slack[p] = gap
     share[p] = c
     normal[p] = wp.vec4d(n[0], n[1], n[2], d)
     wanted[p] = aim
@@ -165,6 +193,7 @@ def yield_to(
     first: wp.int32,
     start: wp.array(dtype=wp.int32),
     items: wp.array(dtype=wp.int32),
+    wanted: wp.array(dtype=wp.float64),
     share: wp.array(dtype=wp.vec4d),
     change: wp.array(dtype=wp.vec3d),
     inverse: wp.array(dtype=wp.float64),
@@ -179,7 +208,8 @@ def yield_to(
     for k in range(start[i], start[i + 1]):
         item = items[k]
         p = item / 4
-        total += share[p][item - 4 * p] * change[p]
+        if wanted[p] > wp.float64(-1.0e29):
+            total += share[p][item - 4 * p] * change[p]
     u[i] = u[i] + w * total
 
 
@@ -194,12 +224,16 @@ def bound(
     kinds: wp.array(dtype=wp.vec2i),
     share: wp.array(dtype=wp.vec4d),
     normal: wp.array(dtype=wp.vec4d),
+    wanted: wp.array(dtype=wp.float64),
     clock: wp.array(dtype=wp.float64),
     limit: wp.array(dtype=wp.vec4d),
 ):
     """Share of each vertex's displacement in this step after which it is still on its side of the plane between the pair, which moves
     along with both (after `divide and truncate`, Chen et al. 2025). Below 0: how far [m] a solid carries the plane on over it."""
     p = first + wp.tid()
+    if wanted[p] < wp.float64(-1.5e30):
+        limit[p] = wp.vec4d(wp.float64(1.0), wp.float64(1.0), wp.float64(1.0), wp.float64(1.0))
+        return
     q = pairs[p]
     c = share[p]
     n = wp.vec3d(normal[p][0], normal[p][1], normal[p][2])
@@ -259,6 +293,7 @@ def move(
     start: wp.array(dtype=wp.int32),
     items: wp.array(dtype=wp.int32),
     kinds: wp.array(dtype=wp.vec2i),
+    wanted: wp.array(dtype=wp.float64),
     limit: wp.array(dtype=wp.vec4d),
     normal: wp.array(dtype=wp.vec4d),
     mass: wp.array(dtype=wp.float64),
@@ -282,14 +317,15 @@ def move(
         for k in range(start[i], start[i + 1]):
             item = items[k]
             p = item / 4
-            part = wp.min(part, limit[p][item - 4 * p])
+            if wanted[p] > wp.float64(-1.5e30):
+                part = wp.min(part, limit[p][item - 4 * p])
         if part < wp.float64(1.0):
             speed = wp.max(part, wp.float64(0.0)) * speed
             for k in range(start[i], start[i + 1]):
                 item = items[k]
                 p = item / 4
                 c = limit[p][item - 4 * p]
-                if c < wp.float64(0.0):
+                if wanted[p] > wp.float64(-1.5e30) and c < wp.float64(0.0):
                     side = wp.float64(1.0)
                     if kinds[p][0] % 4 == 0:
                         side = wp.float64(-1.0)
@@ -314,6 +350,7 @@ def tell(
     pairs: wp.array(dtype=wp.vec4i),
     kinds: wp.array(dtype=wp.vec2i),
     share: wp.array(dtype=wp.vec4d),
+    wanted: wp.array(dtype=wp.float64),
     impulse: wp.array(dtype=wp.vec3d),
     center: wp.array(dtype=wp.vec3d),
     velocity: wp.array(dtype=wp.vec3d),
@@ -324,7 +361,7 @@ def tell(
     """Add what each contact with a solid gave to it, and about its centre of mass."""
     p = first + wp.tid()
     kind = kinds[p][0]
-    if kind < 2:
+    if kind < 2 or wanted[p] < wp.float64(-1.0e29):
         return
     b = (kind - 2) / 4
     q = pairs[p]

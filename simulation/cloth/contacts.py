@@ -163,6 +163,7 @@ class Contacts:
         self.wanted = wp.zeros(room, dtype=wp.float64, device=device)
         self.impulse = wp.zeros(room, dtype=wp.vec3d, device=device)
         self.change = wp.zeros(room, dtype=wp.vec3d, device=device)
+        self.slack = wp.zeros(room, dtype=wp.float64, device=device)
         self.limit = wp.zeros(room, dtype=wp.vec4d, device=device)
         self._items = wp.zeros(4 * room, dtype=wp.int32, device=device)
         self.given = wp.zeros(room, dtype=wp.vec3d, device=device)
@@ -241,6 +242,7 @@ class Contacts:
         self.host_kinds = kinds[:, 0]
         self.given.zero_()
         self.turned.zero_()
+        self.slack.zero_()
 
     def _fill(self, array: Any, values: I32) -> None:
         wp = warp()
@@ -254,17 +256,22 @@ class Contacts:
         if self.count:
             count = self.count
             made += [
-                p("meet", contact.meet, count, [s["x"], s["u"], s["radius"], self.pairs, self.kinds, s["clock"], self.share, self.normal, self.wanted, self.impulse]),
+                p("meet", contact.meet, count, [n, s["x"], s["v"], s["u"], s["radius"], self.pairs, self.kinds, s["clock"], self.share, self.normal, self.wanted, self.impulse, self.slack]),
                 p("crowd", contact.crowd, n, [self._start, self._items, self.wanted, s["inverse"], self.split]),
             ]  # fmt: skip
             press = p("press", contact.press, count, [s["u"], self.split, self.pairs, self.kinds, self.friction, self.share, self.normal, self.wanted, self.impulse, self.change])  # fmt: skip
-            yields = p("yield", contact.yield_to, n, [self._start, self._items, self.share, self.change, s["inverse"], s["u"]])
+            yields = p(
+                "yield",
+                contact.yield_to,
+                n,
+                [self._start, self._items, self.wanted, self.share, self.change, s["inverse"], s["u"]],
+            )
             made += [press, yields] * self.iterations
             if self.solid is not None:
-                made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
-            made.append(p("bound", contact.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, s["clock"], self.limit]))  # fmt: skip
+                made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
+            made.append(p("bound", contact.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
         made.append(
-            p("move", contact.move, n, [s["clock"], self._start, self._items, self.kinds, self.limit, self.normal, s["mass"], s["inverse"],
+            p("move", contact.move, n, [s["clock"], self._start, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
               self.anchor, self.drift, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
         )  # fmt: skip
         return made

@@ -84,7 +84,7 @@ def deformed_candidate(
         meshes: simulation mesh per deforming entity, in the frame of its one part.
         motions: world positions over time per deforming entity.
         travel: record of the farthest travel per step [m].
-        strain_energy: record of the stored energy [J], one for all frames or one each.
+        strain_energy: record of the stored energy [J], one for all frames or one each; None: what keeps the sum of energies.
         kinetic: factor on the record of the kinetic energy.
         residual: record of the residual of the solve.
         more: goes to `make_candidate`.
@@ -100,7 +100,9 @@ def deformed_candidate(
     index = replace(cache.index, bodies=bodies, deformables=names, vertices=tuple(len(m.vertices) for m in meshes.values()))
     digests, step = [], 1e-6
     left_out = set(more.get("without", ()))
-    stored = np.broadcast_to(np.asarray(strain_energy, dtype=float), (cache.index.frames,))
+    balanced = strain_energy is None
+    stored = np.broadcast_to(np.asarray(0.0 if balanced else strain_energy, dtype=float), (cache.index.frames,))
+    first: float | None = None
     weights = np.concatenate([built[n].bodies[0].mass * lumped(m) for n, m in meshes.items()])
     gravity = np.array(spec.simulation.gravity)
     for frame in range(cache.index.frames):
@@ -124,6 +126,10 @@ def deformed_candidate(
             "driver_work": 0.0,
             **{f"elastic_momentum_{a}": float(weights @ speed[:, k]) for k, a in enumerate("xyz")},
         }
+        if balanced:
+            moving = records["elastic_kinetic_energy"] + records["elastic_potential_energy"]
+            first = moving if first is None else first
+            records["strain_energy"] = first - moving
         channels |= {f"record/{n}": np.float64(v) for n, v in records.items() if f"record/{n}" not in channels}
         digests.append(write_container(cache.path(frame), {n: v for n, v in channels.items() if n not in left_out}))
     fresh = Cache(cache.folder)

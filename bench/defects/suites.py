@@ -23,6 +23,7 @@ CHECKS = (
     "navigability",
     "causal",
     "category",
+    "elastic",
     "liquid",
     "numerical",
     "contact",

@@ -96,3 +96,17 @@ def test_water_slides_along_a_smooth_bed_without_loss(solid: bool) -> None:
     advance(engine, 0.5, one_body(np.array([2.0, 0.25, 0.0])) if solid else None)
     found = engine.particles()
     assert (found.volume * found.velocity[:, 0]).sum() / found.volume.sum() == pytest.approx(1.0, abs=0.02)
+
+
+def test_drops_that_lie_on_a_bed_come_to_rest() -> None:
+    """Markers alone in their cells feel no pressure; on a bed that cuts cells they once fell on without moving, ever faster."""
+    cell = 0.1
+    bed = Boundary("bed", moved((3.0, 3.0, 0.3), (0.5, 0.5, 0.013)), "static")
+    drops = np.array([[0.15 + 0.3 * i, 0.15 + 0.3 * j, 0.25] for i in range(3) for j in range(3)])
+    setup = tank((1.0, 1.0, 0.6), drops, cell / 2, boundaries=(bed,))
+    engine = Flip(LiquidSetup(**{**vars(setup), "spacing": cell, "scattered": True}))
+    advance(engine, 1.0, no_bodies(1))
+    found = engine.particles()
+    assert len(found.position) == 9
+    assert np.abs(found.position[:, 2] - 0.163).max() < 0.2 * cell
+    assert np.linalg.norm(found.velocity, axis=1).max() < 0.5

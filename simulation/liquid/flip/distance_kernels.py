@@ -257,8 +257,12 @@ def near_distance(grid: Columns, points: wp.array(dtype=vec8), x: wp.vec3):
 def push_out(
     first: wp.int32, grid: Columns, points: wp.array(dtype=vec8), owner: wp.array(dtype=wp.vec4i), walls: Walls,
     cells_per_speed: float, lower: wp.vec3, upper: wp.vec3, sides: vec6i, position: wp.array(dtype=wp.vec4),
+    velocity: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
-    """Particles inside solids go to the nearest point outside, where the solid will be at the end of the step."""
+    """Particles inside solids go to the nearest point outside, where the solid will be at the end of the step.
+
+    Drops, which feel no pressure (the fourth component of velocity), lose their velocity into the solid: no face does that for them.
+    """
     p = first + wp.tid()
     q = position[p]
     x = wp.vec3(q[0], q[1], q[2])
@@ -267,13 +271,19 @@ def push_out(
         if points[c][0] < 4.0:
             shift = cells_per_speed * wall_speed(walls, owner[c][0], x)
             moved = int(0)
+            v = velocity[p]
             for _turn in range(2):
                 g = near_distance(grid, points, x - shift)
                 if g[3] < SKIN:
                     n = wp.normalize(wp.vec3(g[0], g[1], g[2]))
                     x = x + (SKIN - g[3]) * n
                     moved = 1
+                    if v[3] == 0.0:
+                        into = wp.dot(wp.vec3(v[0], v[1], v[2]) - wall_speed(walls, owner[c][0], x), n)
+                        if into < 0.0:
+                            v = v - into * wp.vec4(n[0], n[1], n[2], 0.0)
             if moved == 1:
+                velocity[p] = v
                 for axis in range(3):
                     if sides[2 * axis] == 0:
                         x[axis] = wp.max(x[axis], lower[axis] + 0.001)

@@ -396,7 +396,7 @@ class Flip:
         if self.solids.count:
             points = run.array("points", grid.cells, distances.vec8)
             state = [grid.columns, points, run.array("owner", grid.cells, wp.vec4i), exchange.path()]
-            run(distances.push_out, n, [*state, way, *self._box, self._sides, markers.position])
+            run(distances.push_out, n, [*state, way, *self._box, self._sides, markers.position, markers.velocity])
 
     def particles(self) -> Particles:
         """The marker particles, in the order of their cells."""

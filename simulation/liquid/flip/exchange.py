@@ -195,17 +195,15 @@ class Exchange:
         proportion to them.
         """
         count = self.solids.count
-        centers = self.bodies.center - self.solids._origin
-        about = impulse.copy()
-        about[:count, 3:] += np.cross(centers, impulse[:count, :3])
-        if len(self.mouths):
-            about[count:-1, 3:] += np.cross(self._mouth_centers(), impulse[count:-1, :3])
-        rest = change + about.sum(axis=0)
-        size = np.abs(about)
-        part = size / np.maximum(size.sum(axis=0), 1e-300)
-        felt = -about + part * rest
-        felt[:count, 3:] -= np.cross(centers, felt[:count, :3])
-        return np.asarray(felt[:count])
+        centers = np.zeros((len(impulse), 3))
+        centers[:count] = self.bodies.center - self.solids._origin
+        force, turn = impulse[:, :3], impulse[:, 3:]
+        more = _shared(force, change[:3] + force.sum(axis=0))
+        rest = change[3:] + (turn + np.cross(centers, force - more)).sum(axis=0)
+        return np.column_stack([more - force, _shared(turn, rest) - turn])[:count]
 
-    def _mouth_centers(self) -> F64:
-        return np.zeros((len(self.mouths), 3))
+
+def _shared(size: F64, rest: F64) -> F64:
+    """Parts of `rest` in proportion to the sizes of rows, axis by axis."""
+    part = np.abs(size)
+    return np.asarray(part / np.maximum(part.sum(axis=0), 1e-300) * rest)

@@ -33,7 +33,7 @@ class _Draw:
         self.rng = rng
         short = float(rng.uniform(0.05, 0.3))
         self.size = (short * float(rng.uniform(1.5, 3.0)), short, short)
-        self.at = np.array([*rng.uniform(-0.5, 0.5, 2), short / 2])
+        self.at: F64 = np.array([*rng.uniform(-0.5, 0.5, 2), short / 2])
         self.start = float(rng.uniform(0.1, 0.3))
         """When something begins to happen [s]."""
 
@@ -94,7 +94,7 @@ def mirrored(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
     def move(time: float, x: F64) -> F64:
         scale = np.array([1.0, 1.0 - (1.0 + magnitude) * draw.late(time), 1.0])
-        return draw.local(x) * scale + draw.at
+        return np.asarray(draw.local(x) * scale + draw.at)
 
     return draw.world(folder, move, physics={"max_strain": 1e3}, strain_energy=None)
 
@@ -109,7 +109,7 @@ def shrunk(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     draw = _Draw(rng)
 
     def move(time: float, x: F64) -> F64:
-        return draw.local(x) * (1.0 - magnitude * draw.late(time)) ** (1 / 3) + draw.at
+        return np.asarray(draw.local(x) * (1.0 - magnitude * draw.late(time)) ** (1 / 3) + draw.at)
 
     return draw.world(folder, move, physics={"max_strain": 0.5, "poisson_ratio": 0.49}, strain_energy=None)
 
@@ -208,7 +208,7 @@ def tumbles(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
         c, s = np.cos(magnitude * time), np.sin(magnitude * time)
         turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
         middle = draw.at + np.array([1.0 * time, 0, -0.5 * G * time * time])
-        return draw.local(x) @ turn.T + middle
+        return np.asarray(draw.local(x) @ turn.T + middle)
 
     return draw.world(folder, move, lift=4.0, touch=False, strain_energy=None)
 
@@ -218,7 +218,7 @@ def almost_overstretched(folder: Path, magnitude: float, rng: np.random.Generato
 
     def move(time: float, x: F64) -> F64:
         scale = np.array([1.0, 1.0, 1.0 - 0.3 * magnitude * np.sin(np.pi * np.clip(time / LAST, 0, 1)) ** 4])
-        return draw.local(x) * scale + draw.at
+        return np.asarray(draw.local(x) * scale + draw.at)
 
     return draw.world(folder, move, physics={"max_strain": 0.3}, strain_energy=None)
 
@@ -229,7 +229,9 @@ def swings(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
     def move(time: float, x: F64) -> F64:
         along = (draw.local(x)[:, 0] / draw.size[0] + 0.5) ** 2
-        return x - np.stack([0 * along, 0 * along, magnitude * draw.size[2] * along * np.sin(7 * max(time, 0.0))], axis=1)
+        return np.asarray(
+            x - np.stack([0 * along, 0 * along, magnitude * draw.size[2] * along * np.sin(7 * max(time, 0.0))], axis=1)
+        )
 
     return draw.world(folder, move, lift=1.0, touch=False, physics=_pinned(draw), strain_energy=None)
 
@@ -240,7 +242,7 @@ def yields(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
     def move(time: float, x: F64) -> F64:
         scale = np.array([1.0, 1.0, 1.0 - magnitude * draw.late(time)])
-        return draw.local(x) * scale + draw.at
+        return np.asarray(draw.local(x) * scale + draw.at)
 
     return draw.world(folder, move, physics={"yield_strain": 0.02}, strain_energy=None)
 

@@ -168,7 +168,6 @@ class Coupling:
         """Take the bodies' state at the start of a step and carry their samples there."""
         if self.count == 0:
             return
-        s = self.bodies
         position = np.asarray(state.position, dtype=float) - self.origin
         rotation = np.asarray(state.rotation, dtype=float)
         if self.fixed.count and not self.fixed._sorted:

@@ -281,6 +281,10 @@ def build(spec: WorldSpec, entity_id: str) -> BuiltEntity:
     contract = spec.entities[entity_id]
     if contract.generator is not None:
         return _build_rope(spec, entity_id, contract.generator)
+    if contract.physics.category == "cloth":
+        from ..construction.sheets import build_cloth
+
+        return build_cloth(spec, entity_id, contract, Path(), "")
     parts, weighed = [], []
     for name, part in contract.parts.items():
         mesh, placed = mesh_of(part.shape), pose_of(part.pose)

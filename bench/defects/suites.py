@@ -25,6 +25,7 @@ CHECKS = (
     "category",
     "elastic",
     "liquid",
+    "cloth",
     "numerical",
     "contact",
     "shots",

@@ -20,7 +20,11 @@ CATEGORIES: dict[str, dict[str, Any]] = {
         "engine": "mujoco",
         "covers": "elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
     },
-    "cloth": {"available": False},
+    "cloth": {
+        "available": True,
+        "engine": "shell",
+        "covers": "sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
+    },
     "liquid": {
         "available": True,
         "engine": "dfsph, flip",

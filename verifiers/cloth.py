@@ -37,8 +37,8 @@ CLAIMS: dict[str, tuple[str, Judge]] = {
     "energy": ("no energy comes from nowhere", energy),
 }
 NUMBERS: dict[str, tuple[str, Judge]] = {
-    "finite": ("every written number of the cloth is finite", finite),
-    "speed": ("no vertex is faster than limits.max_speed", slow),
+    "cloth_finite": ("every written number of the cloth is finite", finite),
+    "cloth_speed": ("no vertex is faster than limits.max_speed", slow),
     "cut": ("little momentum is lost where ways are cut short so that nothing crosses", uncut),
 }
 

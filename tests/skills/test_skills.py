@@ -10,6 +10,8 @@ from typing import Any, get_args
 import pytest
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.simulation.liquid.resolved import LEAST_WALL
+from worldagent.verifiers.cloth import CLAIMS as CLOTH
+from worldagent.verifiers.cloth import NUMBERS
 from worldagent.verifiers.diagnosis_table import TABLES
 from worldagent.verifiers.elastic_rows import PREDICATES as ELASTIC
 from worldagent.verifiers.liquid import WATCHES
@@ -59,7 +61,9 @@ def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) 
     assert _named((BUILDING / "reference" / "kinds.md").read_text(), heading) == kinds
 
 
-@pytest.mark.parametrize("name", ["rigid-bodies", "elastic-bodies", "repair", "world-building", "liquids", "coupled-systems"])
+@pytest.mark.parametrize(
+    "name", ["rigid-bodies", "elastic-bodies", "cloth", "repair", "world-building", "liquids", "coupled-systems"]
+)
 def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
     lines = (SKILLS / name / "SKILL.md").read_text().splitlines()
     assert lines[:2] == ["---", f"name: {name}"]
@@ -136,7 +140,15 @@ def test_every_check_has_a_diagnosis(check: str) -> None:
 
 
 ROWS = {
-    "audit": ["audit:ownership", "audit:clauses", "audit:bounds", "audit:density:wood", "audit:engine:cloud", "audit:elastic"],
+    "audit": [
+        "audit:ownership",
+        "audit:clauses",
+        "audit:bounds",
+        "audit:density:wood",
+        "audit:engine:cloud",
+        "audit:elastic",
+        "audit:cloth",
+    ],
     "terrain": [
         "terrain:land",
         *(f"terrain:land:{n}" for n in ("fill", "drainage", "water", "ledger", "plants", "ground:floor")),
@@ -150,6 +162,7 @@ ROWS = {
     "robustness": ["robustness:r:b"],
     "category": [
         *(f"category:elastic:{n}:jelly" for n in ELASTIC),
+        *(f"category:cloth:{n}:sheets" for n in CLOTH),
         *(f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")),
         *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.claims),
     ],
@@ -164,7 +177,10 @@ def _numerical() -> list[str]:
     from worldagent.verifiers.numerical import CLAIMS
 
     return (
-        [f"numerical:{name}:rigid" for name in CLAIMS] + [f"numerical:{n}:water" for n in Numbers.claims] + ["numerical:promise"]
+        [f"numerical:{name}:rigid" for name in CLAIMS]
+        + [f"numerical:{n}:sheets" for n in NUMBERS]
+        + [f"numerical:{n}:water" for n in Numbers.claims]
+        + ["numerical:promise"]
     )
 
 

@@ -31,8 +31,6 @@ CATCH = 0.3
 """Share of the distance of contact that a solid may move in a step."""
 STIFFENING = 4
 """Calls between two looks at how much stretch stiffens the sheets."""
-LOOK = 4
-"""Steps on a GPU between two looks at whether the lists of pairs still hold."""
 
 
 class Cloth:
@@ -257,7 +255,7 @@ class Cloth:
             passes = passes or self._passes()
             for one in passes:
                 one()
-            if contacts.active and (self.device == "cpu" or k % LOOK == LOOK - 1 or k == count - 1):
+            if contacts.active:
                 worn, broken = contacts.worn()
                 if broken:
                     raise EngineError(f"cloth moved further in a step of {dt:g} s than contacts are looked for; shorten max_step")

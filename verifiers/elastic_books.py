@@ -57,18 +57,8 @@ def _members(candidate: Candidate, solver: str) -> tuple[str, ...]:
     return tuple(m for m in members if candidate.spec.entities[m].physics.category == "elastic") or (solver,)
 
 
-def _carried(candidate: Candidate, names: tuple[str, ...]) -> list[str]:
-    """Bodies on paths that pins hang on: what they give is in no record."""
-    pins = [p.to for n in names for p in getattr(candidate.spec.entities[n].physics, "pins", {}).values()]
-    return [t for t in pins if t is not None and candidate.spec.entities[t].motion == "kinematic"]
-
-
 def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     names = _members(candidate, solver)
-    carried = _carried(candidate, names)
-    if carried:
-        text = f"{carried[0]!r} moves pins on a path; the work of that is in no record, so energy is not judged"
-        return elastic_row(candidate, "energy", solver, "not_applicable", text, entities=names)
     moving, stored = elastic_energies(cache)
     rigid_moving, rigid_stored, work = (
         np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")

@@ -23,9 +23,9 @@ __all__ = ["soft_part"]
 DIVISIONS = 2
 """Blocks of tetrahedra along the edge of a cell: one vertex per node of its quadratic displacements."""
 THIN_DIVISIONS = 4
-"""The same of bodies of one cell across, so that a bent surface has corners enough to be seen and touched as a curve."""
+"""The same along an axis with a single cell, so that faces have corners enough to be touched between their edges."""
 ROUND_BLOCKS = 8
-"""Blocks across the smallest extent of solids that are no boxes: their surface is cut out of these."""
+"""Least blocks along each axis of solids that are no boxes: their surface is cut out of these."""
 BOX_NOISE = 1e-9
 """Relative to the size: how far a vertex may lie from a corner of the bounding box and the mesh still be that box."""
 
@@ -40,10 +40,11 @@ def soft_part(part: BuiltPart, physics: ElasticPhysics) -> BuiltPart:
     low, high = part.render.vertices.min(0), part.render.vertices.max(0)
     cells = cells_of(high - low, physics.resolution)
     box = _is_box(part.render, low, high)
-    per_cell = THIN_DIVISIONS if min(cells) == 1 else DIVISIONS
-    if not box:
-        per_cell = max(DIVISIONS, math.ceil(ROUND_BLOCKS / min(cells)))
-    counts = (cells[0] * per_cell, cells[1] * per_cell, cells[2] * per_cell)
+    if box:
+        x, y, z = (THIN_DIVISIONS if c == 1 else DIVISIONS * c for c in cells)
+    else:
+        x, y, z = (c * max(DIVISIONS, math.ceil(ROUND_BLOCKS / c)) for c in cells)
+    counts = (x, y, z)
     points = grid_points(low, high, counts)
     lattice = np.array(cells, dtype=np.int32)
     if not box:

@@ -21,8 +21,8 @@ __all__ = [
 ]
 
 _MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
-_FALL = _MOTION - {"speed"}
-_BLOW = _MOTION | {"contact"}
+_FALL = _MOTION - {"speed"} | {"breach", "debris"}
+_BLOW = _MOTION | {"contact", "breach", "broken"}
 EVENTS: Mapping[str, frozenset[str] | None] = {
     **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
     **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION),

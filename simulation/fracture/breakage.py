@@ -61,6 +61,10 @@ class _Body:
     """Contact force on each piece in the last step in which it had one, shape (n, 6)."""
     partner: Any
     """Tree of the model that a piece touched then; -1: none, or none that may sleep, shape (n,)."""
+    ids: Any
+    """Body of the model that holds each piece, shape (n,)."""
+    middle: F64
+    """Centre of mass of each piece's cluster, entity's frame [m], shape (n, 3)."""
     factors: dict[str, tuple[Factor, ...]] = field(default_factory=dict)
     """Per cluster its stiffness under lasting loads, and under sudden ones at `SHARES` of the contact time."""
     solved: dict[str, tuple[F64, float]] = field(default_factory=dict)
@@ -151,10 +155,16 @@ class Breakage:
             body.clusters = clusters_of(body.built, body.whole)
             self._ids.append({c.name: model.body(c.name).id for c in body.clusters})
             row = {b.name: k for k, b in enumerate(body.built.bodies)}
+            bonded = np.zeros(len(body.mass), dtype=bool)
+            for cluster in body.clusters:
+                own = list(cluster.pieces)
+                body.ids[own], body.middle[own] = self._ids[index][cluster.name], cluster.center
+                bonded[own] = cluster.fixed or len(own) > 1
             for part in body.built.parts:
                 for k in range(len(part.collision)):
-                    geom = model.geom(f"{entity}/{part.part}/{k}").id
-                    self._row_of_geom[geom], self._entity_of_geom[geom] = row[part.body], index
+                    if bonded[row[part.body]]:  # what is loose has no bonds to load
+                        geom = model.geom(f"{entity}/{part.part}/{k}").id
+                        self._row_of_geom[geom], self._entity_of_geom[geom] = row[part.body], index
             # What belongs to clusters that are no more is forgotten.
             alive = {c.name: len(c.pieces) for c in body.clusters}
             body.factors = {k: f for k, f in body.factors.items() if alive.get(k) == len(f[0].pieces)}
@@ -299,12 +309,8 @@ class Breakage:
     def _placed(self, index: int, data: Any, piece: Any) -> tuple[F64, F64]:
         """Rotations (n, 3, 3) and centres (n, 3) of pieces in the world."""
         body = self._bodies[index]
-        ids, centers = np.zeros(len(body.mass), dtype=np.int64), np.zeros((len(body.mass), 3))
-        for cluster in body.clusters:
-            own = list(cluster.pieces)
-            ids[own], centers[own] = self._ids[index][cluster.name], cluster.center
-        turn = data.xmat[ids[piece]].reshape(-1, 3, 3)
-        return turn, data.xpos[ids[piece]] + np.einsum("nij,nj->ni", turn, body.centers[piece] - centers[piece])
+        turn = data.xmat[body.ids[piece]].reshape(-1, 3, 3)
+        return turn, data.xpos[body.ids[piece]] + np.einsum("nij,nj->ni", turn, body.centers[piece] - body.middle[piece])
 
     def _in_world(self, index: int, force: F64, data: Any) -> F64:
         turn, _ = self._placed(index, data, np.arange(len(force)))
@@ -467,6 +473,8 @@ def _body(spec: WorldSpec, built: BuiltEntity, name: str) -> _Body:
         load=np.zeros((len(built.bodies), 6)),
         pressing=np.zeros((len(built.bodies), 6)),
         partner=np.full(len(built.bodies), NO_CAUSE, dtype=np.int64),
+        ids=np.zeros(len(built.bodies), dtype=np.int64),
+        middle=np.zeros((len(built.bodies), 3)),
         lasting=np.zeros((len(built.bodies), 6)),
         cause=np.full(len(built.bodies), NO_CAUSE, dtype=np.int64),
     )

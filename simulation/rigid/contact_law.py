@@ -55,6 +55,9 @@ SLIP_PASSES = 3
 MORE_PASSES = 8
 """The same in steps of few contacts: for a ball the error falls by 3.5 mu^2 / (1 + 3.5 mu^2) only, 0.56 at friction 0.6."""
 FEW_CONTACTS = 40
+CROWD = 200
+FEW_PASSES = 2
+"""The same in steps of more than `CROWD` contacts of debris, where a solution takes tens of milliseconds."""
 SLIP_SPEED = 0.05
 """[m/s] Slower impacts are solved once: what they set sliding hops by mu^2 / 2 g of this squared at most, 30 micrometres."""
 SLIP_TOLERANCE = 0.01
@@ -164,7 +167,9 @@ class ContactLaw:
         acceleration = np.zeros(data.nefc)
         swung = np.zeros(len(rows), dtype=bool)
         fastest = float(-speed.min())
-        passes = MORE_PASSES if self.kin is not None and len(rows) <= FEW_CONTACTS else self._passes
+        passes = self._passes
+        if self.kin is not None:
+            passes = MORE_PASSES if len(rows) <= FEW_CONTACTS else FEW_PASSES if len(rows) > CROWD else SLIP_PASSES
         for k in range(passes if fastest > SLIP_SPEED else 0):
             data.efc_aref[rows] = own - lift
             self._solve(data)

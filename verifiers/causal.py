@@ -23,6 +23,7 @@ from ..worlds.predicates import Contact
 from ..worlds.requirements import Correction, Row, Status
 from ..worlds.spec import (
     DetachDriver,
+    EmitterDriver,
     FieldDriver,
     ForceDriver,
     InflowDriver,
@@ -91,7 +92,7 @@ def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str
     driver = plan.drivers[driver_id]
     if isinstance(driver, ReleaseDriver):
         return driver.time, (driver.entity,)
-    if isinstance(driver, ForceDriver | InflowDriver):
+    if isinstance(driver, ForceDriver | InflowDriver | EmitterDriver):
         return driver.start, (driver.entity,)
     if isinstance(driver, FieldDriver):
         return driver.start, acting_on(candidate.spec, driver)

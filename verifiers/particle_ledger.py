@@ -172,6 +172,8 @@ class Books:
             for j, v in ((reaction[row, :3], velocity), (reaction[row, 3:], spin)):
                 work += float(j @ (0.5 * (v[frame - 1] + v[frame])))
                 doubt += float(np.linalg.norm(j) * 0.5 * np.linalg.norm(v[frame] - v[frame - 1]))
+            # Before it hits within a frame, a body may have fallen for as long as that.
+            doubt += float(np.linalg.norm(reaction[row, :3]) * np.linalg.norm(self.swarm.gravity) * self.swarm.duration)
         return work, doubt
 
     def findings(self) -> dict[str, Finding]:

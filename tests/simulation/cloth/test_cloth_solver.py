@@ -100,4 +100,4 @@ def test_what_is_ignored_or_kept_apart_is_passed_through() -> None:
         x = solver.frame_data()["vertex/position"]
         lowest.append(x[np.linalg.norm(x[:, :2], axis=1) < 0.16, 2].min())
     assert lowest[0] == lowest[1] < 0.45
-    assert lowest[2] > 0.5
+    assert lowest[2] > 0.455

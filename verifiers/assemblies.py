@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..worlds.bonds import WORLD
 from ..worlds.spec import SpringJoint
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def assemblies_of(books: Books) -> tuple[NDArray[np.int64], Flags]:
         if parent is not None and child is not None:
             rows.append(acting * count + parent)
             cols.append(acting * count + child)
+    _bonded(books, joints)
     if not rows:
         return np.arange(spans * count).reshape(spans, count), joints
     row, col = np.concatenate(rows), np.concatenate(cols)
@@ -46,6 +48,18 @@ def assemblies_of(books: Books) -> tuple[NDArray[np.int64], Flags]:
     anchored = np.zeros(label.max(initial=0) + 1, dtype=bool)
     np.logical_or.at(anchored, label, (joints | (fixed & books.jointed)).ravel())
     return label.reshape(spans, count), anchored[label].reshape(spans, count)
+
+
+def _bonded(books: Books, joints: Flags) -> None:
+    """Mark breakable entities of which the world still holds a piece at an interval's start: what the world gives is not logged."""
+    first = 0
+    for name in books.cache.index.breakables:
+        bonds = books.candidate.entity(name).bonds
+        count = 0 if bonds is None else len(bonds)
+        if bonds is not None and name in books.row and (bonds.pieces[:, 1] == WORLD).any():
+            broken = np.asarray(books.cache.series("bond/broken"))[:-1, first : first + count]
+            joints[:, books.row[name]] |= (broken[:, bonds.pieces[:, 1] == WORLD] == 0).any(axis=1)
+        first += count
 
 
 def joined(books: Books) -> list[tuple[str, int | None, int | None]]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.tests.physics.fracture_world import simulate, struck_wall
-from worldagent.verifiers import fracture
+from worldagent.verifiers import fracture, rigid
 from worldagent.verifiers.acceptance import approximations
 from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.cache import Cache, write_container
@@ -167,3 +167,10 @@ def test_the_register_says_what_is_simplified(run: Candidate) -> None:
     lines = [line["what"] for line in approximations(run)]
     assert any("cut beforehand" in line for line in lines)
     assert any("crumble" in line for line in lines)
+
+
+def test_the_laws_of_rigid_bodies_hold_over_the_split(run: Candidate) -> None:
+    """Energy, momentum, motion and contacts of the pieces; what the foot of the wall takes up is not asked for."""
+    found = {r.id.split(":")[2]: r.status for r in rigid.check_instance(run, "main")}
+    assert set(found.values()) <= {"pass", "not_applicable"}
+    assert {found[k] for k in ("bodies", "mass", "energy", "records", "momentum", "motion", "contacts")} == {"pass"}

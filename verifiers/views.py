@@ -10,6 +10,7 @@ from . import motion
 from .predicates import beat_times
 from .reframing import reframe
 from .shot_rows import shot_row, shots_at, subjects_of
+from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -133,7 +134,18 @@ def visible(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat) -> Row
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
     if failed is not None and failed == tests[3] and first is not None:
         bad_frames = [first]
-    hints = [] if failed is None else reframe(candidate, sight, subject, best, beat.frames, seen_share < limits.beat_seen_frames)
+    if failed is not None and subject in candidate.particulates:
+        nearer = correction(
+            "particles are too small or too few to be seen from there",
+            "shots",
+            "bring the camera nearer, or show the beat when there are more of them",
+            pointers=("/shots",),
+        )
+        hints = [nearer]
+    else:
+        hints = (
+            [] if failed is None else reframe(candidate, sight, subject, best, beat.frames, seen_share < limits.beat_seen_frames)
+        )
     return shot_row(
         candidate,
         row_id,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 from worldagent.bench.simulated_worlds import simulate
 from worldagent.bench.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
 from worldagent.verifiers import category, numerical
@@ -15,8 +16,10 @@ from worldagent.verifiers.particle_contacts import Contacts, local_packing
 from worldagent.verifiers.particle_frames import SwarmFrame, swarm_of
 from worldagent.verifiers.particle_lines import particle_lines
 from worldagent.verifiers.particles import WATCHES
+from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.predicates import Predicate
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import WorldSpec
 
@@ -210,3 +213,23 @@ def test_no_cache_is_no_verdict(sand: Candidate) -> None:
     fresh = dataclasses.replace(sand)
     vars(fresh)["caches"] = {"bodies": sand.caches["bodies"]}
     assert {r.status for r in rows_of(fresh, "grains").values()} == {"unverified"}
+
+
+PREDICATES = [
+    ({"kind": "particle_count_in", "min": 1_000_000}, "fail"),
+    ({"kind": "particle_count_in", "max": 200}, "pass"),
+    ({"kind": "pile_height", "min": 0.02, "max": 0.08}, "pass"),
+    ({"kind": "pile_height", "min": 0.2}, "fail"),
+    ({"kind": "run_out", "center": [0, 0], "max": 0.18}, "pass"),
+    ({"kind": "run_out", "center": [1, 0], "max": 0.18}, "fail"),
+    ({"kind": "particles_settled", "max_speed": 1e-9}, "fail"),
+    ({"kind": "particles_settled", "max_speed": 2.0}, "pass"),
+]
+
+
+@pytest.mark.parametrize(("asked", "status"), PREDICATES, ids=[f"{p['kind']}-{s}" for p, s in PREDICATES])
+def test_predicates_are_judged_by_the_particles(sand: Candidate, asked: dict[str, Any], status: str) -> None:
+    predicate = TypeAdapter(Predicate).validate_python({"entity": "sand", **asked})
+    assert evaluate(sand, predicate, (0, FRAMES - 1)).status == status
+    other = TypeAdapter(Predicate).validate_python({**asked, "entity": "ball"})
+    assert evaluate(sand, other, (0, FRAMES - 1)).status == "fail"

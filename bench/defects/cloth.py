@@ -107,7 +107,7 @@ def _slipped(base: Candidate, k: int, data: Frame, much: float, rng: np.random.G
     from ...verifiers.cloth_frames import cloth_run
 
     x = data["vertex/position"].copy()
-    x[cloth_run(base, SOLVER).held[0].rows[0]] += [0.0, 0.0, -much]
+    x[cloth_run(base, SOLVER).held[0].rows[0], 2] -= much
     data["vertex/position"] = x
     return _settled(base, data)
 

@@ -10,11 +10,7 @@ __all__ = ["Deflection", "Strain"]
 
 
 class Deflection(Band):
-    """Farthest that a visible point of an elastic body or cloth is from where its rest shape has it [m].
-
-    The rest shape stands where it fits best: motion and turning of the whole do not count. `max` with `when: end` asks that it
-    came back to its shape.
-    """
+    """Farthest that a point of an elastic body is off its rest shape, where that fits best [m]."""
 
     kind: Literal["deflection"] = "deflection"
     entity: Subject
@@ -22,7 +18,7 @@ class Deflection(Band):
 
 
 class Strain(Band):
-    """Largest principal strain anywhere in an elastic body: stretch less 1, by amount, compression included."""
+    """Largest principal strain in an elastic body, by amount."""
 
     kind: Literal["strain"] = "strain"
     entity: Subject

@@ -25,12 +25,13 @@ CHECKS = (
     "category",
     "elastic",
     "liquid",
+    "particles",
     "cloth",
     "numerical",
     "contact",
     "shots",
 )
-"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. That of liquids is of the category check."""
+"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. Those of liquids and particles are of the category check."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""
 

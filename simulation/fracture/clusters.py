@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,13 +34,26 @@ class Cluster:
     """About the centre of mass [kg m^2], shape (3, 3)."""
 
 
+_known: deque[tuple[BuiltEntity, tuple[F64, F64, F64]]] = deque(maxlen=8)
+"""Mass, centre and inertia of the pieces of the latest entities: clusters are found anew at every break."""
+
+
+def _matter(built: BuiltEntity) -> tuple[F64, F64, F64]:
+    """Masses (n,), centres in the entity's frame (n, 3) and inertias (n, 3, 3) of the pieces."""
+    found = next((matter for entity, matter in _known if entity is built), None)
+    if found is None:
+        mass = np.array([b.mass for b in built.bodies])
+        middle = np.array([b.pose.apply(b.center[None])[0] for b in built.bodies])
+        found = mass, middle, np.array([b.inertia for b in built.bodies])
+        _known.append((built, found))
+    return found
+
+
 def clusters_of(built: BuiltEntity, whole: Any) -> list[Cluster]:
     """Clusters of a breakable entity whose bonds `whole`, shape (b,), hold; in the order of their first pieces."""
     assert built.bonds is not None
     labels, fixed = components(len(built.bodies), built.bonds, whole)
-    mass = np.array([b.mass for b in built.bodies])
-    middle = np.array([b.pose.apply(b.center[None])[0] for b in built.bodies])
-    own = np.array([b.inertia for b in built.bodies])
+    mass, middle, own = _matter(built)
     found = []
     for label, held in enumerate(fixed.tolist()):
         pieces = np.flatnonzero(labels == label)

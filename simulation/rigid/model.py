@@ -310,6 +310,9 @@ class _Builder:
             )
         centers = [b.pose.position for b in built.bodies]
         rows: dict[int, F64] = {}
+        parts: dict[str, list[BuiltPart]] = {}
+        for made in built.parts:
+            parts.setdefault(made.body, []).append(made)
         for cluster in clusters_of(built, self.whole.get(name, np.ones(len(built.bonds or ()), dtype=bool))):
             pose = compose(base, RigidPose(cluster.center, _ORIGIN.quaternion))
             body = self._child(self.out.worldbody, _ORIGIN, cluster.name, pose)
@@ -324,7 +327,7 @@ class _Builder:
                 piece = built.bodies[k]
                 rows[k] = cluster.center - centers[k]
                 self.body_of[f"{name}/{piece.name}"] = cluster.name
-                for part in built.parts_of(piece.name):
+                for part in parts[piece.name]:
                     self._geoms(body, name, part, rows[k], fixed=cluster.fixed)
         for k, piece in enumerate(built.bodies):
             self.body_names.append(f"{name}/{piece.name}")

@@ -158,7 +158,7 @@ def _collapsed(base: Candidate, k: int, data: Frame, much: float, rng: np.random
 def _pushed(base: Candidate, k: int, data: Frame, much: float, rng: np.random.Generator) -> Frame:
     """It moves sideways though nothing pushed it."""
     del k, rng
-    data["vertex/velocity"] = data["vertex/velocity"] + np.float32([0.0, much, 0.0])
+    data["vertex/velocity"] = data["vertex/velocity"] + np.array([0.0, much, 0.0], dtype=np.float32)
     return _settled(base, data)
 
 

@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 from ...geometry.launch import warp
 from ...worlds.arrays import F64, I32
 from ..passes import Pass, Passes
+from . import bound_kernels as bounds
 from . import contact_kernels as contact
 from . import near_kernels as near
 
@@ -269,9 +270,9 @@ class Contacts:
             made += [press, yields] * self.iterations
             if self.solid is not None:
                 made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
-            made.append(p("bound", contact.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
+            made.append(p("bound", bounds.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
         made.append(
-            p("move", contact.move, n, [s["clock"], self._start, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
+            p("move", bounds.move, n, [s["clock"], self._start, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
               self.anchor, self.drift, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
         )  # fmt: skip
         return made

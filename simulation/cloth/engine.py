@@ -15,6 +15,7 @@ from . import force_kernels as forces
 from . import step_kernels as steps
 from .contacts import Contacts
 from .mesh import adjacency
+from .pace import fastest_point, stiffening
 from .setup import ClothReport, ClothSetup
 from .stability import highest_frequency, longest_step
 
@@ -208,7 +209,7 @@ class Cloth:
         self._take_bodies(bodies)
         start, speed = self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
         push = self._blow(time, start)
-        solid_speed = self._solid_speed(bodies)
+        solid_speed = fastest_point(self.setup.boundaries, self.solid_place, self.solid_row, bodies)
         count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
         total = self._run(span / count, count, solid_speed)
         self.steps_done += count
@@ -228,11 +229,9 @@ class Cloth:
         return dt
 
     def _stiffer(self) -> float:
-        """How much higher the highest frequency is than at rest, about: tension stiffens across itself, squeezed triangles shear harder."""
+        """How much higher the highest frequency is than at rest, looked at now and then."""
         if self._looks % STIFFENING == 0:
-            x = self.x.numpy()
-            ratio = np.linalg.norm(x[self._edges[:, 0]] - x[self._edges[:, 1]], axis=1) / self._edge_length
-            self._stiffness = max(1.0 + 1.5 * (float(ratio.max()) - 1.0), min(1.0 / float(ratio.min()) ** 2, 4.0), 1.0)
+            self._stiffness = stiffening(self.x.numpy(), self._edges, self._edge_length)
         self._looks += 1
         return math.sqrt(self._stiffness)
 
@@ -266,17 +265,6 @@ class Cloth:
         clock = self.clock.numpy().copy()
         clock[2] = 0.0
         self.clock.assign(clock)
-
-    def _solid_speed(self, bodies: BodyState) -> float:
-        """Fastest point of any solid [m/s]."""
-        most = 0.0
-        for row, boundary in enumerate(self.setup.boundaries):
-            if boundary.motion == "static":
-                continue
-            arm = self.solid_place[self.solid_row == row] @ bodies.rotation[row].T + bodies.position[row] - bodies.center[row]
-            far = float(np.sqrt((arm**2).sum(1).max(initial=0.0)))
-            most = max(most, float(np.linalg.norm(bodies.velocity[row]) + far * np.linalg.norm(bodies.angular_velocity[row])))
-        return most
 
     def _blow(self, time: float, x: F64) -> F64:
         """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .errors import LimitError
-from .fracture import piece_count
 
 if TYPE_CHECKING:
     from .spec import Entity, WorldSpec
@@ -299,5 +298,7 @@ def _triangles(entity: Entity) -> int:
 def _bodies(entity: Entity) -> int:
     """Bodies that an entity becomes: one, its pieces, or the segments of its rope."""
     if entity.breakable is not None:
+        from .fracture import piece_count
+
         return piece_count(entity)
     return 1 if entity.generator is None else entity.generator.segments

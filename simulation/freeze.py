@@ -50,11 +50,13 @@ def open_freeze(
     equal motion (another camera, another story) keeps the caches and replaces the recorded specification.
     """
     freeze = freeze_hash(spec, built)
+    document = spec.model_dump(mode="json", exclude_none=True)
     record = {
         "freeze": freeze,
         "revision": revision,
-        "spec": spec.model_dump(mode="json", exclude_none=True),
+        "spec": document,
         "spec_digest": spec_digest(spec),
+        "document_digest": digest_of(document),
         "built": {name: [files[name], built[name].digest()] for name in sorted(built)},
         "versions": engine_versions(),
         "source": solver_source(),

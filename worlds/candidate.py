@@ -15,7 +15,7 @@ import numpy as np
 from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
-from .canonical import canonical_json
+from .canonical import digest_of, spec_digest
 from .coarsening import coarsened, read_overrides
 from .deforming import Deforming, deforming_of
 from .errors import EvidenceError, SpecError
@@ -297,7 +297,9 @@ def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "fu
     except (SpecError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise EvidenceError(f"candidate.json of {root.name!r} is damaged ({error}); call probe_sim again") from error
     # Of the document as it stands: what later versions add with defaults is no damage.
-    if record.get("spec_digest", told := hashlib.sha256(canonical_json(record["spec"])).hexdigest()) != told:
+    sealed = "document_digest" in record
+    told = record["document_digest"] if sealed else record.get("spec_digest", spec_digest(spec))
+    if told != (digest_of(record["spec"]) if sealed else spec_digest(spec)):
         raise EvidenceError(f"the specification in candidate.json of {root.name!r} is damaged; call probe_sim again")
     built = {}
     for entity, (file, digest) in files.items():

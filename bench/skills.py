@@ -10,7 +10,17 @@ import random
 from collections.abc import Callable
 from typing import Any
 
-from . import skill_building, skill_elastic, skill_liquids, skill_particles, skill_repair, skill_settings, skill_terrain
+from . import (
+    skill_building,
+    skill_cloth,
+    skill_elastic,
+    skill_fracture,
+    skill_liquids,
+    skill_particles,
+    skill_repair,
+    skill_settings,
+    skill_terrain,
+)
 
 __all__ = ["run"]
 
@@ -34,6 +44,8 @@ def run(*, variants: int | None = None, seed: int | None = None, checks: tuple[s
         flaws = tuple(random.Random(first).sample(sorted(skill_repair.cases()["flaws"]), FEW_FLAWS))
         arms = ("with", "without")
     evals: dict[str, Callable[[], dict[str, Any]]] = {
+        "cloth": lambda: skill_cloth.measure(seeds),
+        "fracture": lambda: skill_fracture.measure(seeds),
         "coupled-systems": lambda: skill_liquids.measure_floating(seeds),
         "elastic-bodies": lambda: skill_elastic.measure(seeds),
         "liquids": lambda: skill_liquids.measure_resolution(seeds),

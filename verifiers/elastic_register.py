@@ -48,6 +48,12 @@ def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
         if plan.liquid:
             text = f"liquids do not meet elastic bodies ({first!r})"
             found.append({"what": text, "effect": "omitted in both directions: a liquid runs through them"})
+        if plan.cloth or plan.particles:
+            met = " and ".join(k for k, some in (("cloth", plan.cloth), ("grains and sparks", plan.particles)) if some)
+            text = f"{met} do not meet elastic bodies ({first!r})"
+            found.append(
+                {"what": text, "effect": "omitted in both directions: they pass through each other, and overlaps are told"}
+            )
         if any(d.kind == "field" for d in plan.drivers.values()):
             found.append({"what": f"force fields do not act on elastic bodies ({first!r})", "effect": "wind does not move them"})
     return found

@@ -91,7 +91,8 @@ def guide(path: str, *, offset: int) -> dict[str, Any]:
         then = call("inspect_world", part="guide", pointer="world-building/SKILL.md")
         return answer({"part": "guide", "files": about}, "guides for building and repairing worlds", then)
     if wanted not in files:
-        close = difflib.get_close_matches(wanted, files, n=1, cutoff=0.3)
+        same = [f for f in files if f.rsplit("/", 1)[-1] == wanted.rsplit("/", 1)[-1]]
+        close = same or difflib.get_close_matches(wanted, files, n=1, cutoff=0.3)
         hint = f"; did you mean {close[0]!r}?" if close else ""
         raise InputError(f"there is no guide {path!r}{hint} inspect_world(part='guide') lists them")
     text = entry_of(files[wanted].read_text(), entry)

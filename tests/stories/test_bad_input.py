@@ -64,11 +64,11 @@ AUDIT: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an engine that is not there": (
         [(f"{BALL}/physics", {"category": "gas", "resolution": 0.01})],
         "engine:ball",
-        "no engine for 'gas' in this build; rigid and liquid are available",
+        "no engine for 'gas' in this build; there are engines for rigid",
     ),
     "a liquid in the engine of bodies": (
         [(f"{BALL}/physics", {"category": "liquid", "resolution": 0.01})],
-        "liquids",
+        "ownership",
         "'ball' is liquid, which engine 'mujoco' does not move",
     ),
 }  # fmt: skip

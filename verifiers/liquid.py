@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from ..worlds.errors import EvidenceError
 from .findings import Finding
+from .instance_rows import instance_row
 from .liquid_coupling import Coupling
 from .liquid_density import Density
 from .liquid_energy import Energy, Momentum
@@ -21,7 +22,7 @@ from .liquid_ledger import Books, Identity
 from .liquid_motion import Motion, Trapped
 from .liquid_numerical import Numbers
 from .liquid_resolved import Resolved
-from .liquid_rows import Watch, liquid_row
+from .liquid_rows import Watch
 from .liquid_sticking import Sticking
 from .liquid_surface import Shown
 from .liquid_walls import Walls
@@ -101,7 +102,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of the category check of one instance."""
     found = findings_of(candidate, solver)
     return [
-        liquid_row(candidate, solver, name, claim, finding)
+        instance_row(candidate, solver, name, claim, finding)
         for kind in WATCHES
         if kind is not Numbers
         for name, (claim, finding) in found[kind.__name__].items()
@@ -111,6 +112,6 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of its counters."""
     return [
-        liquid_row(candidate, solver, name, claim, finding, check="numerical", family="")
+        instance_row(candidate, solver, name, claim, finding, check="numerical", family="")
         for name, (claim, finding) in findings_of(candidate, solver)[Numbers.__name__].items()
     ]

@@ -17,8 +17,9 @@ from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
 from .exchanged import partners
 from .findings import Finding
+from .instance_rows import baked_again
 from .liquid_bodies import Bodies, exchanged
-from .liquid_rows import baked_again, longer_step
+from .liquid_rows import longer_step
 from .liquid_samples import sample_inside, share_under
 from .verdicts import correction
 

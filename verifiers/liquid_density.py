@@ -15,7 +15,8 @@ import numpy as np
 from ..geometry.launch import launch, warp
 from ..worlds.arrays import F64
 from .findings import Finding
-from .liquid_rows import baked_again, coarse, first_over, longer_step
+from .instance_rows import baked_again
+from .liquid_rows import coarse, first_over, longer_step
 from .verdicts import correction
 
 if TYPE_CHECKING:

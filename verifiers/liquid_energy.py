@@ -16,8 +16,9 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .findings import Finding
+from .instance_rows import baked_again
 from .liquid_bodies import Bodies, exchanged
-from .liquid_rows import baked_again, first_over, longer_step
+from .liquid_rows import first_over, longer_step
 from .verdicts import correction
 
 if TYPE_CHECKING:

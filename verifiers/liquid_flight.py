@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
 from .findings import Finding
-from .liquid_rows import baked_again, first_over, place
+from .instance_rows import baked_again
+from .liquid_rows import first_over, place
 from .liquid_solids import Piece, pieces_of
 from .verdicts import correction
 

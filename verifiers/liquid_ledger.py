@@ -18,7 +18,8 @@ from ..geometry import Solid, contains
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .findings import Finding
-from .liquid_rows import baked_again, first_over, longer_step, place
+from .instance_rows import baked_again
+from .liquid_rows import first_over, longer_step, place
 from .liquid_solids import deepest, pieces_of
 from .verdicts import correction
 

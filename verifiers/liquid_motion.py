@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from ..worlds.errors import EvidenceError
 from .findings import Finding
+from .instance_rows import baked_again
 from .liquid_bodies import Bodies
-from .liquid_rows import baked_again, first_over, longer_step, place
+from .liquid_rows import first_over, longer_step, place
 from .verdicts import correction
 
 if TYPE_CHECKING:

@@ -9,15 +9,14 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Check, Correction, Row
+from ..worlds.requirements import Correction
 from .findings import Finding
-from .verdicts import correction, make_row
+from .verdicts import correction
 
 if TYPE_CHECKING:
-    from ..worlds.candidate import Candidate
     from .liquid_frames import Liquid, Step
 
-__all__ = ["Watch", "baked_again", "coarse", "first_over", "liquid_row", "longer_step", "place", "worst"]
+__all__ = ["Watch", "coarse", "first_over", "longer_step", "place", "worst"]
 
 
 class Watch(Protocol):
@@ -41,42 +40,6 @@ class Watch(Protocol):
         Raises:
             EvidenceError: there is nothing to judge them by.
         """
-
-
-def liquid_row(
-    candidate: Candidate,
-    solver: str,
-    name: str,
-    predicate: str,
-    found: Finding,
-    *,
-    check: Check = "category",
-    family: str = "liquid:",
-) -> Row:
-    """The row of one claim about an instance."""
-    failed = found.status == "fail"
-    members = tuple(candidate.spec.simulation.liquid[solver].members)
-    named = tuple(dict.fromkeys(n for n in (found.entity, *members) if n))
-    return make_row(
-        candidate,
-        f"{check}:{family}{name}:{solver}",
-        check=check,
-        group="physical",
-        predicate=predicate,
-        status=found.status,
-        explanation=found.text,
-        frames=(0, candidate.last_frame),
-        measured=found.measured,
-        bound=found.bound,
-        comparison=found.comparison if found.measured is not None and found.bound is not None else "",
-        unit=found.unit,
-        entities=named,
-        first_failing_entity=(found.entity or named[0]) if failed else None,
-        first_failing_frame=(0 if found.frame is None else found.frame) if failed else None,
-        corrections=found.hints,
-        evidence={"solver": solver, "category": "liquid", **(found.evidence or {})},
-        extra=candidate.spec.simulation.limits.model_dump(mode="json"),
-    )
 
 
 def worst(values: F64, bound: float) -> tuple[float, int | None, int]:
@@ -126,8 +89,3 @@ def coarse(liquid: Liquid, cause: str, wanted: float | None = None) -> Correctio
     return correction(
         cause, "resolution", f"lower resolution from {liquid.spacing:g} m to {value:.3g} m", pointers=(pointer,), patch=patch
     )
-
-
-def baked_again(cause: str = "the cache was edited or is of another run") -> Correction:
-    """Bake again."""
-    return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
 from .findings import Finding
-from .liquid_rows import baked_again, coarse, place
+from .instance_rows import baked_again
+from .liquid_rows import coarse, place
 from .liquid_solids import deepest, pieces_of
 from .verdicts import correction
 

@@ -18,7 +18,8 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.liquid_surface import LiquidSurface, mesh_of
 from .findings import Finding
-from .liquid_rows import baked_again, first_over, place
+from .instance_rows import baked_again
+from .liquid_rows import first_over, place
 from .verdicts import correction
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from .findings import Finding
-from .liquid_rows import baked_again, coarse, longer_step, place
+from .instance_rows import baked_again
+from .liquid_rows import coarse, longer_step, place
 from .liquid_solids import deepest, pieces_of
 from .verdicts import correction
 

@@ -20,7 +20,8 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.waves import Sea, developed, heading, inward, sea_of, wavelength, waves_of
 from .findings import Finding
-from .liquid_rows import baked_again, coarse, place
+from .instance_rows import baked_again
+from .liquid_rows import coarse, place
 from .verdicts import correction
 
 if TYPE_CHECKING:

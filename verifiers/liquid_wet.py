@@ -16,7 +16,8 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.liquid_wet import Texels, WetMap
 from .findings import Finding
-from .liquid_rows import baked_again, place
+from .instance_rows import baked_again
+from .liquid_rows import place
 from .liquid_samples import scattered
 from .liquid_solids import Piece, pieces_of
 from .liquid_tracks import Carried

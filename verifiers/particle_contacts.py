@@ -14,7 +14,8 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.particles import CLOSE_PACKING
 from .findings import Finding
-from .particle_rows import baked_again, finer_step, stiffer
+from .instance_rows import baked_again
+from .particle_rows import finer_step, stiffer
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -15,9 +15,10 @@ from ..worlds.arrays import F64
 from ..worlds.fields import fields_of
 from ..worlds.particles import sphere_drag
 from .findings import Finding
+from .instance_rows import baked_again
 from .liquid_solids import pieces_of
 from .particle_frames import matched
-from .particle_rows import baked_again, finer_step
+from .particle_rows import finer_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -13,9 +13,10 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from .findings import Finding
+from .instance_rows import baked_again
 from .particle_contacts import stored_energy
 from .particle_frames import matched
-from .particle_rows import baked_again, finer_step
+from .particle_rows import finer_step
 from .rigid import energy_scale, largest_growth
 
 if TYPE_CHECKING:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from ..worlds.requirements import Check, Correction, Row
+from ..worlds.requirements import Correction
 from .findings import Finding
-from .verdicts import correction, make_row
+from .verdicts import correction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..worlds.candidate import Candidate
     from .particle_frames import Swarm, SwarmFrame
 
-__all__ = ["SwarmWatch", "baked_again", "finer_step", "particle_row", "stiffer"]
+__all__ = ["SwarmWatch", "finer_step", "stiffer"]
 
 
 class SwarmWatch(Protocol):
@@ -38,47 +37,6 @@ class SwarmWatch(Protocol):
         Raises:
             EvidenceError: there is nothing to judge them by.
         """
-
-
-def particle_row(
-    candidate: Candidate,
-    solver: str,
-    name: str,
-    predicate: str,
-    found: Finding,
-    *,
-    check: Check = "category",
-    family: str = "particles:",
-) -> Row:
-    """The row of one claim about an instance."""
-    failed = found.status == "fail"
-    members = tuple(candidate.spec.simulation.particles[solver].members)
-    named = tuple(dict.fromkeys(n for n in (found.entity, *members) if n))
-    return make_row(
-        candidate,
-        f"{check}:{family}{name}:{solver}",
-        check=check,
-        group="physical",
-        predicate=predicate,
-        status=found.status,
-        explanation=found.text,
-        frames=(0, candidate.last_frame),
-        measured=found.measured,
-        bound=found.bound,
-        comparison=found.comparison if found.measured is not None and found.bound is not None else "",
-        unit=found.unit,
-        entities=named,
-        first_failing_entity=(found.entity or named[0]) if failed else None,
-        first_failing_frame=(0 if found.frame is None else found.frame) if failed else None,
-        corrections=found.hints,
-        evidence={"solver": solver, "category": "particles", **(found.evidence or {})},
-        extra=candidate.spec.simulation.limits.model_dump(mode="json"),
-    )
-
-
-def baked_again(cause: str = "the cache was edited or is of another run") -> Correction:
-    """Bake again."""
-    return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))
 
 
 def finer_step(swarm: Swarm, cause: str) -> Correction:

@@ -9,8 +9,9 @@ import numpy as np
 from ..worlds.arrays import F64
 from .exchanged import partners
 from .findings import Finding
+from .instance_rows import baked_again
 from .liquid_solids import deepest, pieces_of
-from .particle_rows import baked_again, finer_step, stiffer
+from .particle_rows import finer_step, stiffer
 from .verdicts import correction
 
 if TYPE_CHECKING:

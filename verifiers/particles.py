@@ -12,11 +12,12 @@ import numpy as np
 
 from ..worlds.errors import EvidenceError
 from .findings import Finding
+from .instance_rows import instance_row
 from .particle_contacts import Contacts
 from .particle_flight import Flight
 from .particle_frames import matched, swarm_of
 from .particle_ledger import Books, Identity
-from .particle_rows import SwarmWatch, finer_step, particle_row, stiffer
+from .particle_rows import SwarmWatch, finer_step, stiffer
 from .particle_walls import Walls
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of the category check of one instance."""
     found = findings_of(candidate, solver)
     return [
-        particle_row(candidate, solver, name, claim, finding)
+        instance_row(candidate, solver, name, claim, finding)
         for kind in WATCHES
         if kind is not Numbers
         for name, (claim, finding) in found[kind.__name__].items()
@@ -149,6 +150,6 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of its counters."""
     return [
-        particle_row(candidate, solver, name, claim, finding, check="numerical", family="")
+        instance_row(candidate, solver, name, claim, finding, check="numerical", family="")
         for name, (claim, finding) in findings_of(candidate, solver)[Numbers.__name__].items()
     ]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -17,6 +15,7 @@ from ...worlds.errors import EngineError, InputError
 from ..bodies import CacheMotion, resting
 from ..boundaries import BodyState, Surround
 from ..protocol import SHORTEST, Channel, Intervention, Port
+from ..sealed import seal, unseal
 from .energy import bending_energy, edge_ratios, membrane_energy
 from .engine import Cloth
 from .scene import build_scene
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["SolverCloth"]
 
 MAGIC = b"WACL1"
-SEAL_BYTES = 32
-"""A checkpoint is MAGIC, the SHA-256 of what follows, and that."""
 CHANNELS = (
     Channel("vertex/position", "f8", "m", ("vertices", "3"), "vertex"),
     Channel("vertex/velocity", "f4", "m/s", ("vertices", "3"), "vertex"),
@@ -182,9 +179,7 @@ class SolverCloth:
     # ------------------------------------------------------------------ state
 
     def _bytes(self) -> bytes:
-        front = json.dumps(self._ledger, sort_keys=True).encode()
-        held = b"".join((len(front).to_bytes(4, "little"), front, self.engine.checkpoint()))
-        return b"".join((MAGIC, hashlib.sha256(held).digest(), held))
+        return seal(MAGIC, self._ledger, self.engine.checkpoint())
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes."""
@@ -198,14 +193,8 @@ class SolverCloth:
         Raises:
             EngineError: the bytes are damaged, or not a checkpoint of this cloth.
         """
-        start = len(MAGIC) + SEAL_BYTES
-        if state[: len(MAGIC)] != MAGIC:
-            raise EngineError("not a checkpoint of a cloth instance; delete the candidate's checkpoints and bake again")
-        if hashlib.sha256(state[start:]).digest() != state[len(MAGIC) : start]:
-            raise EngineError(f"the checkpoint of frame {frame} is damaged; delete it and bake again")
-        size = int.from_bytes(state[start : start + 4], "little")
-        ledger = json.loads(state[start + 4 : start + 4 + size])
-        self.engine.restore(state[start + 4 + size :])
+        ledger, held = unseal(MAGIC, state, frame, "cloth")
+        self.engine.restore(held)
         self._ledger, self.frame = ledger, frame
 
     # ------------------------------------------------------------------ output

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import fields
@@ -17,6 +15,7 @@ from ...worlds.errors import EngineError, InputError
 from ...worlds.liquids import declares_heat
 from ..boundaries import BodyState, Surround
 from ..protocol import SHORTEST, Channel, Intervention, Port
+from ..sealed import seal, unseal
 from .engine import Engine, LiquidSetup, StepReport
 from .scene import LiquidScene, build_scene
 
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["BodyMotion", "SolverLiquid", "make_engine"]
 
 MAGIC = b"WALQ1"
-SEAL_BYTES = 32
-"""A checkpoint is MAGIC, the SHA-256 of what follows, and that."""
 CHANNELS = (
     Channel("origin", "f8", "m", ("3",), "frame"),
     Channel("particle/position", "f4", "m", ("particles", "3"), "particle"),
@@ -251,9 +248,7 @@ class SolverLiquid:
     # ------------------------------------------------------------------ state
 
     def _bytes(self) -> bytes:
-        front = json.dumps(self._ledger, sort_keys=True).encode()
-        held = b"".join((len(front).to_bytes(4, "little"), front, self.engine.checkpoint()))
-        return b"".join((MAGIC, hashlib.sha256(held).digest(), held))
+        return seal(MAGIC, self._ledger, self.engine.checkpoint())
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes."""
@@ -267,16 +262,10 @@ class SolverLiquid:
         Raises:
             EngineError: the bytes are damaged, or not a checkpoint of this liquid.
         """
-        if state[: len(MAGIC)] != MAGIC:
-            raise EngineError("not a checkpoint of a liquid instance; delete the candidate's checkpoints and bake again")
-        start = len(MAGIC) + SEAL_BYTES
-        if hashlib.sha256(state[start:]).digest() != state[len(MAGIC) : start]:
-            raise EngineError(f"the checkpoint of frame {frame} is damaged; delete it and bake again")
-        size = int.from_bytes(state[start : start + 4], "little")
-        ledger = json.loads(state[start + 4 : start + 4 + size])
+        ledger, held = unseal(MAGIC, state, frame, "liquid")
         if len(ledger["in"]) != len(self.drivers):
             raise EngineError("checkpoint belongs to another liquid; delete the candidate's checkpoints and bake again")
-        self.engine.restore(state[start + 4 + size :])
+        self.engine.restore(held)
         self._ledger, self.frame = ledger, frame
 
     # ------------------------------------------------------------------ output

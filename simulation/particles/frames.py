@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,6 +14,7 @@ from ...worlds.errors import EngineError, InputError
 from ...worlds.fields import Fields, fields_of
 from ..boundaries import BodyState, Surround
 from ..protocol import SHORTEST, Channel, Intervention, Port
+from ..sealed import seal, unseal
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FramedParticles", "Taken"]
 
-SEAL_BYTES = 32
-"""A checkpoint is a magic word, the SHA-256 of what follows, and that."""
 CHANNELS = (
     Channel("origin", "f8", "m", ("3",), "frame"),
     Channel("particle/position", "f4", "m", ("particles", "3"), "particle"),
@@ -274,9 +271,7 @@ class FramedParticles(ABC):
     # ------------------------------------------------------------------ state
 
     def _bytes(self) -> bytes:
-        front = json.dumps(self._ledger, sort_keys=True).encode()
-        held = b"".join((len(front).to_bytes(4, "little"), front, self.pack()))
-        return b"".join((self.MAGIC, hashlib.sha256(held).digest(), held))
+        return seal(self.MAGIC, self._ledger, self.pack())
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes."""
@@ -290,17 +285,10 @@ class FramedParticles(ABC):
         Raises:
             EngineError: the bytes are damaged, or not a checkpoint of these particles.
         """
-        magic = self.MAGIC
-        if state[: len(magic)] != magic:
-            raise EngineError("not a checkpoint of this instance of particles; delete the candidate's checkpoints and bake again")
-        start = len(magic) + SEAL_BYTES
-        if hashlib.sha256(state[start:]).digest() != state[len(magic) : start]:
-            raise EngineError(f"the checkpoint of frame {frame} is damaged; delete it and bake again")
-        size = int.from_bytes(state[start : start + 4], "little")
-        ledger = json.loads(state[start + 4 : start + 4 + size])
+        ledger, held = unseal(self.MAGIC, state, frame, "particle")
         if set(ledger) != set(LEDGER):
             raise EngineError("checkpoint belongs to other particles; delete the candidate's checkpoints and bake again")
-        self.unpack(state[start + 4 + size :])
+        self.unpack(held)
         self._ledger, self.frame = ledger, frame
 
     # ------------------------------------------------------------------ output

@@ -1,7 +1,8 @@
 """What force fields gave to the bodies of a rigid instance, and whether it is what the fields say (R18, R63).
 
 The impulses are those that the engine applied. Row `category:rigid:fields:<solver>` asks the declared fields again at the poses
-and velocities of the frames: Simpson's rule over each interval, with the state in its middle from both ends.
+and velocities of the frames: Simpson's rule over each interval, with the state in its middle from both ends. Where contacts, joints,
+cloth or liquids may have turned a body's way between two frames, drag is known only so far (`_astray`).
 """
 
 from __future__ import annotations
@@ -132,6 +133,8 @@ def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:
     scale = max(
         h * float(np.linalg.norm(now, axis=1).max(initial=0.0)), h * float(np.linalg.norm(middle, axis=1).max(initial=0.0))
     )
+    if found.has_medium:
+        spread += h * _astray(books, body) * _resistance(books, body, found, vectors)
     off = np.linalg.norm(given - simpson, axis=1) - spread
     switch = [t for d in found.drivers for t in (d.start, d.start + d.rise, d.end) if t is not None]
     within = [(times[:-1] < t - 1e-9) & (times[1:] > t + 1e-9) for t in switch]
@@ -140,6 +143,35 @@ def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:
     if scale <= 0:
         return np.where(np.abs(given).max(axis=1) > 0, np.inf, 0.0)
     return np.where(silent, np.inf, np.where(steady, off / scale, -np.inf))
+
+
+def _astray(books: Books, body: int) -> F64:
+    """How far a body's velocity between two frames may be off the straight line between theirs [m/s], shape (F - 1,).
+
+    By all that contacts and coupled engines gave it, at whatever moments, and by its turn about a joint; but no farther than what
+    the fastest recorded speed leaves.
+    """
+    owner, speed = books.owner[body], np.linalg.norm(books.velocity[:, body], axis=1)
+    ends = np.maximum(speed[:-1], speed[1:])
+    given = books.contact_budget[:, owner] + np.linalg.norm(books.liquid.linear[:, owner], axis=1)
+    found = given / books.body_mass[body]
+    if books.jointed[owner] or not books.single[owner]:
+        turn = np.linalg.norm(books.spin[:, body], axis=1) * books.duration
+        found = found + ends * (1.0 - np.cos(np.minimum(0.5 * np.maximum(turn[:-1], turn[1:]), np.pi)))
+    return np.asarray(np.minimum(found, np.maximum(books.record("max_speed")[1:], ends) + ends))
+
+
+def _resistance(books: Books, body: int, found: Fields, vectors: F64) -> F64:
+    """Most that drag changes with a change of the velocity by what `_astray` says, per that change [N s/m], shape (F - 1,)."""
+    push, flow = np.zeros(books.frames), np.zeros(books.frames)
+    for k, time in enumerate(books.times.tolist()):
+        medium = found.medium(books.body_centers[k : k + 1, body], time)
+        push[k] = 0.5 * float(medium.density[0] * medium.coefficient[0])
+        flow[k] = float(np.linalg.norm(medium.velocity[0] - books.velocity[k, body]))
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    widest = 0.5 * np.abs(vectors @ (vectors / np.maximum(size, 1e-300)).T).sum(axis=0).max()
+    both = 2.0 * np.maximum(flow[:-1], flow[1:]) + _astray(books, body)
+    return np.asarray(np.maximum(push[:-1], push[1:]) * widest * both)
 
 
 def _forces(found: Fields, mass: float, vectors: F64, times: F64, center: F64, velocity: F64, turns: F64) -> F64:

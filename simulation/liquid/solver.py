@@ -1,32 +1,27 @@
-"""A liquid instance as a `Solver`: frames, ledgers and checkpoints around an engine of particles or of a grid."""
+"""A liquid instance as a `Solver`: what its engine, of particles or of a grid, is given, and what its frames hold."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.cache import CacheIndex
-from ...worlds.errors import EngineError, InputError
+from ...worlds.errors import EngineError
 from ...worlds.liquids import declares_heat
 from ..boundaries import BodyState, Surround
-from ..protocol import SHORTEST, Channel, Intervention, Port
-from ..sealed import seal, unseal
+from ..partner import SolverPartner, motion_records
+from ..protocol import SHORTEST, Channel
 from .engine import Engine, LiquidSetup, StepReport
 from .scene import LiquidScene, build_scene
 
 if TYPE_CHECKING:
-    from ...worlds.built import BuiltEntity
-    from ...worlds.cache import Cache
-    from ...worlds.spec import LiquidInstance, WorldSpec
+    from ...worlds.spec import LiquidInstance
 
-__all__ = ["BodyMotion", "SolverLiquid", "make_engine"]
+__all__ = ["SolverLiquid", "make_engine"]
 
-MAGIC = b"WALQ1"
 CHANNELS = (
     Channel("origin", "f8", "m", ("3",), "frame"),
     Channel("particle/position", "f4", "m", ("particles", "3"), "particle"),
@@ -50,13 +45,6 @@ DRIVEN = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_wo
 """Records of what zones of waves gave."""
 
 
-class BodyMotion(Protocol):
-    """Where a liquid's boundaries are at any time."""
-
-    def state(self, start: float, end: float) -> BodyState:
-        """Boundaries' bodies at `start` [s], moving so that they arrive where they are at `end`."""
-
-
 def make_engine(instance: LiquidInstance, setup: LiquidSetup) -> Engine:
     """The engine that an instance asks for."""
     from importlib import import_module
@@ -69,114 +57,57 @@ def make_engine(instance: LiquidInstance, setup: LiquidSetup) -> Engine:
     return made
 
 
-class SolverLiquid:
-    """One liquid instance.
+class SolverLiquid(SolverPartner):
+    """One liquid instance."""
 
-    Args:
-        spec: the specification.
-        built: its geometry.
-        name: the instance.
-        caches: of the rigid instances that move its boundaries; None: a coupling gives their states.
-        intervention: inflows and waves taken away; liquids that are held neither move nor act from then on.
-        recipe: hash of everything that decides this liquid's motion, for the cache's index.
-    """
+    MAGIC = b"WALQ1"
+    KIND = "liquid"
+    REMEDY = "shorten max_step or cfl"
 
-    def __init__(
-        self,
-        spec: WorldSpec,
-        built: Mapping[str, BuiltEntity],
-        name: str,
-        *,
-        caches: Mapping[str, Cache] | None = None,
-        intervention: Intervention | None = None,
-        recipe: str = "",
-    ) -> None:
-        self.spec, self.built, self.name, self.recipe = spec, built, name, recipe
-        self.instance = spec.simulation.liquid[name]
-        self._caches = caches
-        self.motion: BodyMotion | None = None
-        self.frame = 0
-        self._done = intervention or Intervention()
-        if any(set(pair) & set(self.instance.members) for pair in self._done.apart):
-            raise InputError(f"a liquid cannot be let through solids in this build ({sorted(self._done.apart)[:2]})")
-        self._frame_time = 1.0 / spec.simulation.fps
-
-    def prepare(self, *, resumed: bool = False) -> None:
-        """Fill the volume, make the engine, let the liquid settle around bodies at their places during the preroll.
-
-        Raises:
-            InputError: the liquid cannot be set up.
-        """
-        self.begin_run()
-        if not resumed:
-            self._settle()
-        self.start_frames()
-
-    def begin_run(self) -> None:
-        """Set the engine up, at the start of the preroll."""
+    def set_up(self) -> None:
+        """Fill the volume and make the engine."""
         self.scene: LiquidScene = build_scene(self.spec, self.built, self.name, without=self._done.without)
         setup = self.scene.setup
         self.engine = make_engine(self.instance, setup)
         self.drivers = tuple(
-            k
-            for k, d in self.spec.simulation.drivers.items()
-            if d.kind in ("inflow", "outflow") and d.entity in self.instance.members
+            k for k, d in self.spec.simulation.drivers.items() if d.kind in ("inflow", "outflow") and d.entity in self.members
         )
         self._row = {name: k for k, name in enumerate(self.drivers)}
         self._density = np.array([f.density for f in setup.fluids])
         self._heat = declares_heat(self.spec, self.name)
         self.origin = 0.5 * (setup.lower + setup.upper)
-        if self._caches:
-            from ..bodies import CacheMotion
-
-            self.motion = CacheMotion(self.surround, self._caches, self.spec.simulation.fps)
-        self._start_ledger()
-        self._begin_tally()
 
     @property
     def surround(self) -> Surround:
         """The bodies that it meets."""
         return self.scene.surround
 
-    def start_frames(self) -> None:
-        """The present state is frame 0: ledgers of flows start here."""
-        self._start_ledger()
-        particles = self.engine.particles()
-        self._ledger["mass"] = float((particles.volume * self._density[particles.fluid]).sum())
-        self.restore(self._bytes(), 0)
-        self._begin_tally()
-        self._finish_frame()
+    def open_ledger(self) -> dict[str, Any]:
+        """Sums since frame 0."""
+        count, p = len(self.drivers), self.engine.particles()
+        mass = float((p.volume * self._density[p.fluid]).sum())
+        return {"in": [0.0] * count, "out": [0.0] * count, DOMAIN: 0.0, "mass": mass, "driven": [0.0] * 4}
 
-    def _settle(self) -> None:
-        seconds, still = self.spec.simulation.preroll, self.still()
-        done = 0.0
-        while done < seconds - SHORTEST:
-            done += self.step(seconds - done, still, done - seconds).dt
-
-    def _start_ledger(self) -> None:
-        count = len(self.drivers)
-        self._ledger: dict[str, Any] = {"in": [0.0] * count, "out": [0.0] * count, DOMAIN: 0.0, "mass": 0.0, "driven": [0.0] * 4}
+    def open_tally(self) -> dict[str, Any]:
+        """Sums of a frame."""
+        count = len(self.surround.boundaries)
+        zero = {"steps": 0, "time": 0.0, "pressure": 0, "divergence": 0, "capped": 0, "mean": 0.0, "max": 0.0}
+        return {**zero, "impulse": np.zeros((count, 6)), "reaction": np.zeros((count, 6))}
 
     def max_stable_dt(self) -> float:
         """Largest stable step of the engine [s]."""
-        return min(self.engine.stable_dt(), self.instance.settings.max_step)
+        return min(self.engine.stable_dt(), float(self.instance.settings.max_step))
 
     # ------------------------------------------------------------------ stepping
 
-    def still(self) -> BodyState:
-        """All boundaries at rest at their places of frame 0."""
-        from ..bodies import resting
-
-        return resting(self.surround)
-
-    def held(self, time: float) -> bool:
-        """Whether an intervention keeps this liquid where it is at `time` [s]."""
-        return bool(self._done.held & set(self.instance.members)) and time >= self._done.since - SHORTEST
+    def next_span(self, left: float) -> float:
+        """Length [s] of the next exchange: the longest step beside bodies that move, all that is left beside others."""
+        return left if self.motion is None else min(self.max_stable_dt(), left)
 
     def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
         """One step of at most `limit` seconds from `time`, counted into the frame."""
         if self.held(time):
-            none = np.zeros((len(self.scene.setup.boundaries), 6))
+            none = np.zeros((len(self.surround.boundaries), 6))
             report = StepReport(limit, none, none, {}, {}, (0, 0), 0, (0.0, 0.0))
         else:
             allowed = self.max_stable_dt()
@@ -209,89 +140,36 @@ class SolverLiquid:
             else:
                 ledger["out"][self._row[name]] += mass
 
-    def begin_frame(self, frame: int) -> None:
-        """Start the next frame.
-
-        Raises:
-            InputError: not the next frame.
-        """
-        if frame != self.frame + 1:
-            raise InputError(f"advance({frame}) after frame {self.frame}; the next frame is {self.frame + 1}")
-        self._begin_tally()
-
-    def _begin_tally(self) -> None:
-        count = len(self.scene.setup.boundaries)
-        zero = {"steps": 0, "time": 0.0, "pressure": 0, "divergence": 0, "capped": 0, "mean": 0.0, "max": 0.0}
-        self._tally: dict[str, Any] = {**zero, "impulse": np.zeros((count, 6)), "reaction": np.zeros((count, 6))}
-
-    def end_frame(self) -> None:
-        """The frame that was begun is reached."""
-        self.frame += 1
-        self._finish_frame()
-
-    def advance(self, frame: int) -> None:
-        """Advance from frame - 1 to `frame`, the boundaries on their recorded paths.
-
-        Raises:
-            InputError: not the next frame.
-            EngineError: the liquid's state is not finite.
-        """
-        self.begin_frame(frame)
-        start, end = (frame - 1) * self._frame_time, frame * self._frame_time
-        time = start
-        while time < end - SHORTEST:
-            limit = min(self.max_stable_dt(), end - time)
-            bodies = self.still() if self.motion is None else self.motion.state(time, time + limit)
-            time += self.step(end - time if self.motion is None else limit, bodies, time).dt
-        self.end_frame()
-
     # ------------------------------------------------------------------ state
 
-    def _bytes(self) -> bytes:
-        return seal(MAGIC, self._ledger, self.engine.checkpoint())
+    def pack(self) -> bytes:
+        """State of the engine."""
+        return self.engine.checkpoint()
 
-    def checkpoint(self) -> bytes:
-        """The full state; the solver itself continues from exactly these bytes."""
-        state = self._bytes()
-        self.restore(state, self.frame)
-        return state
-
-    def restore(self, state: bytes, frame: int) -> None:
-        """Continue from a checkpoint taken at `frame`.
-
-        Raises:
-            EngineError: the bytes are damaged, or not a checkpoint of this liquid.
-        """
-        ledger, held = unseal(MAGIC, state, frame, "liquid")
-        if len(ledger["in"]) != len(self.drivers):
-            raise EngineError("checkpoint belongs to another liquid; delete the candidate's checkpoints and bake again")
-        self.engine.restore(held)
-        self._ledger, self.frame = ledger, frame
+    def unpack(self, state: bytes) -> None:
+        """Continue from such a state."""
+        self.engine.restore(state)
 
     # ------------------------------------------------------------------ output
 
-    def _finish_frame(self) -> None:
+    def coordinates(self) -> tuple[F64, F64]:
+        """Of the particles."""
+        p = self.engine.particles()
+        return p.position, p.velocity
+
+    def measured(self) -> dict[str, Any]:
+        """Channels and records of the frame that ends."""
         p, tally, ledger = self.engine.particles(), self._tally, self._ledger
-        if not (np.isfinite(p.position).all() and np.isfinite(p.velocity).all()):
-            raise EngineError(f"coordinates of {self.name!r} are not finite at frame {self.frame}; shorten max_step or cfl")
         mass = p.volume * self._density[p.fluid]
-        total = float(mass.sum())
-        momentum = mass @ p.velocity if len(mass) else np.zeros(3)
-        squared = np.einsum("ij,ij->i", p.velocity, p.velocity)
+        moved = motion_records(mass, p.position, p.velocity, self.scene.setup.gravity)
+        total = moved["mass"]
         flows = sum(ledger["in"]) - sum(ledger["out"]) - ledger[DOMAIN]
         missing = ledger["mass"] + flows - total
         one = total / len(mass) if len(mass) else float(self._density[0]) * self.scene.setup.spacing**3
-        gravity = self.scene.setup.gravity
         records = {
-            "mass": total,
+            **moved,
             "volume": float(p.volume.sum()),
             "particles": len(mass),
-            "momentum_x": momentum[0],
-            "momentum_y": momentum[1],
-            "momentum_z": momentum[2],
-            "kinetic_energy": 0.5 * float(mass @ squared),
-            "potential_energy": -float(mass @ (p.position @ gravity)),
-            "max_speed": float(np.sqrt(squared.max(initial=0.0))),
             "density_error_mean": tally["mean"],
             "density_error_max": tally["max"],
             "iterations_pressure": tally["pressure"],
@@ -305,7 +183,7 @@ class SolverLiquid:
             "domain_outflow": ledger[DOMAIN],
             **dict(zip(DRIVEN, ledger["driven"], strict=True)),
         }
-        self._data: dict[str, Any] = {
+        return {
             "origin": self.origin,
             "particle/position": (p.position - self.origin).astype(np.float32),
             "particle/velocity": p.velocity.astype(np.float32),
@@ -322,37 +200,10 @@ class SolverLiquid:
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
 
-    def frame_data(self) -> Mapping[str, Any]:
-        """Channels and records of the present frame."""
-        return self._data
-
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
         return (*CHANNELS, HEAT) if declares_heat(self.spec, self.name) else CHANNELS
 
-    def index(self) -> CacheIndex:
-        """Names behind the channels' rows."""
-        from importlib.metadata import version
-
-        return CacheIndex(
-            solver=self.name,
-            engine=self.instance.engine,
-            fps=self.spec.simulation.fps,
-            frames=self.spec.simulation.frames,
-            bodies=tuple(self.instance.members),
-            colliders=tuple(b.name for b in self.scene.setup.boundaries),
-            joints=(),
-            drivers=self.drivers,
-            settings=self.recipe,
-            versions={"numpy": np.__version__, "warp-lang": version("warp-lang")},
-        )
-
-    def ports(self) -> tuple[Port, ...]:
-        """Every boundary gives motion and takes a wrench."""
-        names = [b.name.split("/", 1) for b in self.scene.setup.boundaries]
-        return tuple(Port(entity, body, "wrench", "out") for entity, body in names)
-
-    def respond(self, port: Port, wrench: F64) -> F64:
-        """Boundaries are moved by others: no velocity change (6,)."""
-        del port, wrench
-        return np.zeros(6)
+    def driver_names(self) -> tuple[str, ...]:
+        """Drivers that channels of flows have a column of."""
+        return self.drivers

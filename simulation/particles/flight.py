@@ -96,7 +96,7 @@ class SolverFlight(FramedParticles):
         declared = np.array([self.physics(k).linear_velocity for k in range(len(self.members))], dtype=np.float64)
         self.now["velocity"] = self.now["velocity"] + declared[self.now["kind"]]
 
-    def longest(self) -> float:
+    def max_stable_dt(self) -> float:
         """Longest step [s]."""
         return float(getattr(self.instance.settings, "max_step", 2e-3))
 

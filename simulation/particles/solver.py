@@ -41,7 +41,7 @@ class SolverGrains(FramedParticles):
             given[c["identity"]] = declared[c["kind"]]
             self.engine.push(given)
 
-    def longest(self) -> float:
+    def max_stable_dt(self) -> float:
         """Longest exchange [s]."""
         return self._exchange
 

@@ -1,0 +1,280 @@
+"""What solvers beside the rigid one share: frames, ledgers and checkpoints around an engine that steps alone or with bodies.
+
+An engine's solver says how it is set up, how it steps and what a frame holds; see `coupling.Partner` for how it is driven.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..worlds.arrays import F64
+from ..worlds.cache import CacheIndex
+from ..worlds.errors import EngineError, InputError
+from .bodies import CacheMotion, resting
+from .boundaries import BodyState, Surround
+from .protocol import SHORTEST, Channel, Intervention, Port
+from .sealed import seal, unseal
+
+if TYPE_CHECKING:
+    from ..worlds.built import BuiltEntity
+    from ..worlds.cache import Cache
+    from ..worlds.spec import WorldSpec
+    from .coupling import Stepped
+
+__all__ = ["SolverPartner", "motion_records"]
+
+Books = dict[str, Any]
+"""Sums by name."""
+
+
+class SolverPartner(ABC):
+    """One instance that meets bodies (a `coupling.Partner`).
+
+    Args:
+        spec: the specification.
+        built: its geometry.
+        name: the instance.
+        caches: of the rigid instances that move what it meets; None: a coupling gives their states.
+        intervention: drivers taken away, members held where they are, entities that they pass through.
+        recipe: hash of everything that decides its motion, for the cache's index.
+    """
+
+    MAGIC = b""
+    """Of its checkpoints."""
+    KIND = ""
+    """Of the instance, for messages."""
+    REMEDY = ""
+    """What to do where its state is no longer finite."""
+    PASSES = False
+    """Whether an intervention may let it through solids."""
+
+    def __init__(
+        self,
+        spec: WorldSpec,
+        built: Mapping[str, BuiltEntity],
+        name: str,
+        *,
+        caches: Mapping[str, Cache] | None = None,
+        intervention: Intervention | None = None,
+        recipe: str = "",
+    ) -> None:
+        self.spec, self.built, self.name, self.recipe = spec, built, name, recipe
+        self.instance: Any = spec.simulation.solvers[name]
+        self.members: tuple[str, ...] = tuple(self.instance.members)
+        self._caches = caches
+        self.motion: CacheMotion | None = None
+        self.frame = 0
+        self._done = intervention or Intervention()
+        if not self.PASSES and any(set(pair) & set(self.members) for pair in self._done.apart):
+            raise InputError(f"{self.KIND} cannot be let through solids in this build ({sorted(self._done.apart)[:2]})")
+        self._frame_time = 1.0 / spec.simulation.fps
+
+    # ------------------------------------------------------------------ what engines do
+
+    @property
+    @abstractmethod
+    def surround(self) -> Surround:
+        """The bodies that it meets."""
+
+    @abstractmethod
+    def set_up(self) -> None:
+        """Make the engine, at the start of the preroll."""
+
+    @abstractmethod
+    def max_stable_dt(self) -> float:
+        """Longest exchange in the present state [s]."""
+
+    @abstractmethod
+    def step(self, limit: float, bodies: BodyState, time: float) -> Stepped:
+        """One exchange of at most `limit` seconds from `time`, counted into the frame."""
+
+    @abstractmethod
+    def open_ledger(self) -> Books:
+        """Sums since frame 0, as they start."""
+
+    @abstractmethod
+    def open_tally(self) -> Books:
+        """Sums of a frame, as they start."""
+
+    @abstractmethod
+    def coordinates(self) -> tuple[F64, F64]:
+        """Positions and velocities (n, 3) in the present state [m, m/s]."""
+
+    @abstractmethod
+    def measured(self) -> Mapping[str, Any]:
+        """Channels and records (`record/*`) of the frame that ends."""
+
+    @abstractmethod
+    def channels(self) -> tuple[Channel, ...]:
+        """What `frame_data` holds, records apart."""
+
+    @abstractmethod
+    def pack(self) -> bytes:
+        """State of the engine."""
+
+    @abstractmethod
+    def unpack(self, state: bytes) -> None:
+        """Continue from such a state."""
+
+    # ------------------------------------------------------------------ runs
+
+    def prepare(self, *, resumed: bool = False) -> None:
+        """Set up, and let it settle during the preroll around bodies at their places.
+
+        Raises:
+            InputError: the instance cannot be set up.
+        """
+        self.begin_run()
+        if not resumed:
+            seconds, still = self.spec.simulation.preroll, self.still()
+            done = 0.0
+            while done < seconds - SHORTEST:
+                done += self.step(seconds - done, still, done - seconds).dt
+        self.start_frames()
+
+    def begin_run(self) -> None:
+        """Set the engine up, at the start of the preroll."""
+        self.set_up()
+        self.motion = CacheMotion(self.surround, self._caches, self.spec.simulation.fps) if self._caches else None
+        self._ledger, self._tally = self.open_ledger(), self.open_tally()
+
+    def start_frames(self) -> None:
+        """The present state is frame 0: ledgers start here."""
+        self._ledger = self.open_ledger()
+        self.restore(self._bytes(), 0)
+        self._tally = self.open_tally()
+        self._finish_frame()
+
+    def still(self) -> BodyState:
+        """All bodies at rest at their places of frame 0."""
+        return resting(self.surround)
+
+    def held(self, time: float) -> bool:
+        """Whether an intervention keeps it where it is at `time` [s]."""
+        return bool(self._done.held & set(self.members)) and time >= self._done.since - SHORTEST
+
+    def begin_frame(self, frame: int) -> None:
+        """Start the next frame.
+
+        Raises:
+            InputError: not the next frame.
+        """
+        if frame != self.frame + 1:
+            raise InputError(f"advance({frame}) after frame {self.frame}; the next frame is {self.frame + 1}")
+        self._tally = self.open_tally()
+
+    def end_frame(self) -> None:
+        """The frame that was begun is reached."""
+        self.frame += 1
+        self._finish_frame()
+
+    def advance(self, frame: int) -> None:
+        """Advance from frame - 1 to `frame`, the bodies on their recorded paths.
+
+        Raises:
+            InputError: not the next frame.
+            EngineError: the state is not finite.
+        """
+        self.begin_frame(frame)
+        start, end = (frame - 1) * self._frame_time, frame * self._frame_time
+        time, still = start, self.still()
+        while time < end - SHORTEST:
+            seconds = self.next_span(end - time)
+            bodies = still if self.motion is None else self.motion.state(time, time + seconds)
+            time += self.step(seconds, bodies, time).dt
+        self.end_frame()
+
+    def next_span(self, left: float) -> float:
+        """Length [s] of the next exchange, `left` [s] before the end of the frame: all that are left are equal."""
+        return left / max(1, math.ceil(left / self.max_stable_dt() - 1e-6))
+
+    def _finish_frame(self) -> None:
+        if not all(np.isfinite(values).all() for values in self.coordinates()):
+            raise EngineError(f"coordinates of {self.name!r} are not finite at frame {self.frame}; {self.REMEDY}")
+        self._data = self.measured()
+
+    # ------------------------------------------------------------------ state
+
+    def _bytes(self) -> bytes:
+        return seal(self.MAGIC, self._ledger, self.pack())
+
+    def checkpoint(self) -> bytes:
+        """The full state; the solver itself continues from exactly these bytes."""
+        state = self._bytes()
+        self.restore(state, self.frame)
+        return state
+
+    def restore(self, state: bytes, frame: int) -> None:
+        """Continue from a checkpoint taken at `frame`.
+
+        Raises:
+            EngineError: the bytes are damaged, or not a checkpoint of this instance.
+        """
+        ledger, held = unseal(self.MAGIC, state, frame, self.KIND)
+        if _form(ledger) != _form(self._ledger):
+            raise EngineError(
+                f"the checkpoint of frame {frame} belongs to another {self.KIND} instance than {self.name!r}; "
+                "delete the candidate's checkpoints and bake again"
+            )
+        self.unpack(held)
+        self._ledger, self.frame = ledger, frame
+
+    # ------------------------------------------------------------------ output
+
+    def frame_data(self) -> Mapping[str, Any]:
+        """Channels and records of the present frame."""
+        return self._data
+
+    def index(self) -> CacheIndex:
+        """Names behind the channels' rows."""
+        from importlib.metadata import version
+
+        return CacheIndex(
+            solver=self.name,
+            engine=self.instance.engine,
+            fps=self.spec.simulation.fps,
+            frames=self.spec.simulation.frames,
+            bodies=self.members,
+            colliders=tuple(b.name for b in self.surround.boundaries),
+            joints=(),
+            drivers=self.driver_names(),
+            settings=self.recipe,
+            versions={"numpy": np.__version__, "warp-lang": version("warp-lang")},
+        )
+
+    def driver_names(self) -> tuple[str, ...]:
+        """Drivers that channels have rows of."""
+        return ()
+
+    def ports(self) -> tuple[Port, ...]:
+        """Every body gives motion and takes a wrench."""
+        names = [b.name.split("/", 1) for b in self.surround.boundaries]
+        return tuple(Port(entity, body, "wrench", "out") for entity, body in names)
+
+    def respond(self, port: Port, wrench: F64) -> F64:
+        """Bodies are moved by others: no velocity change (6,)."""
+        del port, wrench
+        return np.zeros(6)
+
+
+def _form(books: Books) -> dict[str, int]:
+    """Names of sums and how many values each has."""
+    return {name: len(held) if isinstance(held, list) else 1 for name, held in books.items()}
+
+
+def motion_records(mass: F64, position: F64, velocity: F64, gravity: F64) -> dict[str, float]:
+    """Mass, momentum, kinetic and potential energy of points, and how fast the fastest is; shapes (n,), (n, 3), (n, 3), (3,)."""
+    momentum = mass @ velocity if len(mass) else np.zeros(3)
+    squared = (velocity**2).sum(axis=1)
+    return {
+        "mass": float(mass.sum()),
+        **{f"momentum_{axis}": float(momentum[k]) for k, axis in enumerate("xyz")},
+        "kinetic_energy": 0.5 * float(mass @ squared),
+        "potential_energy": -float(mass @ (position @ gravity)),
+        "max_speed": float(np.sqrt(squared.max(initial=0.0))),
+    }

@@ -99,6 +99,7 @@ class Contacts:
         solid_faces: of all solids, among all vertices.
         solid_body: row of each of those triangles.
         holder: row of the body that holds each vertex, -1 for none.
+        kin: a number for each vertex of the sheets, the same for those that were one before a tear.
         friction: among sheets, then with each body.
         shortest: edge of the sheets [m].
         touch: largest distance of contact among sheets, and with solids [m].
@@ -115,6 +116,7 @@ class Contacts:
         solid_faces: I32,
         solid_body: I32,
         holder: I32,
+        kin: I32,
         friction: F64,
         *,
         shortest: float,
@@ -126,6 +128,7 @@ class Contacts:
         self.passes, self.state, self.n = passes, state, sheet_vertices
         self.self_collision, self.iterations, self.touch, self.shortest = self_collision, iterations, touch, shortest
         self.sheet = _Surface(faces, device)
+        self._kin = wp.array(np.ascontiguousarray(kin[faces], dtype=np.int32), dtype=wp.vec3i, device=device)
         self.solid = _Surface(solid_faces, device) if len(solid_faces) else None
         self.active = self_collision or self.solid is not None
         self.body_of = wp.array(solid_body.astype(np.int32), dtype=wp.int32, device=device)
@@ -203,7 +206,7 @@ class Contacts:
             o = self._own
             self.passes(
                 "near_self", near.near_self, s.count,
-                [s.tree.id, x, s.faces, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
+                [s.tree.id, x, s.faces, self._kin, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
             )()  # fmt: skip
             if o.fits():
                 found.append(o.collect())

@@ -158,6 +158,12 @@ class Cloth:
             wp.zeros(count, dtype=wp.vec3d, device=self.device) for _ in range(4)
         )
 
+    def _kin(self, setup: ClothSetup) -> I32:
+        """A number for each vertex, the same for those that were one before a tear."""
+        starts = np.cumsum([0, *(len(s.mass) for s in setup.sheets)])
+        own = [np.arange(len(s.mass)) if s.kin is None else s.kin for s in setup.sheets]
+        return np.concatenate([k + o for k, o in zip(own, starts, strict=False)]).astype(np.int32)
+
     def _make_contacts(self, setup: ClothSetup) -> Contacts:
         state = {
             "x": self.x, "u": self.u, "v": self.v, "inverse": self._inverse, "mass": self._mass, "radius": self._radius,
@@ -165,7 +171,7 @@ class Cloth:
         }  # fmt: skip
         shell = max(setup.shell)
         return Contacts(
-            self.passes, state, self.faces, self.n, self.solid_faces, self.solid_body, self.holder,
+            self.passes, state, self.faces, self.n, self.solid_faces, self.solid_body, self.holder, self._kin(setup),
             np.asarray(setup.friction, dtype=np.float64), shortest=min(float(s.edge_length.min()) for s in setup.sheets),
             touch=(2 * shell, shell), self_collision=setup.self_collision, iterations=setup.iterations,
         )  # fmt: skip

@@ -67,6 +67,8 @@ class Sheet:
     """(h, 3): stiffness [N/m], signed length at rest [m], damping [s]."""
     mass: F64
     """(n,) [kg]."""
+    kin: I32 | None = None
+    """(n,): the same number, below n, for vertices that were one before a tear; None: each is its own."""
 
 
 def adjacency(items: I32, count: int) -> Adjacency:

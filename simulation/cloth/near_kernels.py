@@ -146,6 +146,7 @@ def near_self(
     bvh: wp.uint64,
     x: wp.array(dtype=wp.vec3d),
     faces: wp.array(dtype=wp.vec3i),
+    kin: wp.array(dtype=wp.vec3i),
     owned: wp.array(dtype=wp.int32),
     lower: wp.array(dtype=wp.vec3),
     upper: wp.array(dtype=wp.vec3),
@@ -157,9 +158,11 @@ def near_self(
 ):
     """Pairs of a sheet with itself or another: this triangle's own vertices and edges with other triangles and their own edges.
 
-    `owned` holds bits: 1, 2, 4 for vertices 0, 1, 2 and 8, 16, 32 for the edges that start there."""
+    `owned` holds bits: 1, 2, 4 for vertices 0, 1, 2 and 8, 16, 32 for the edges that start there. `kin` is `faces` with one number for
+    all vertices that were one before a tear; what shares one of them is no pair."""
     t = first + wp.tid()
     f = faces[t]
+    n = kin[t]
     mine = owned[t]
     far = reach[0]
     wide = float(far)
@@ -169,10 +172,11 @@ def near_self(
     while wp.bvh_query_next(query, k):
         if k != t:
             g = faces[k]
+            m = kin[k]
             others = owned[k]
             for c in range(3):
                 i = f[c]
-                if (mine & (1 << c)) != 0 and i != g[0] and i != g[1] and i != g[2]:
+                if (mine & (1 << c)) != 0 and n[c] != m[0] and n[c] != m[1] and n[c] != m[2]:
                     if touch_triangle(x, i, g, far):
                         slot = put(slot, room, t, wp.vec4i(i, g[0], g[1], g[2]), 0, others, pairs, kinds)
             if t < k:
@@ -182,7 +186,11 @@ def near_self(
                         for d in range(3):
                             if (others & (8 << d)) != 0:
                                 o = wp.vec2i(g[d], g[(d + 1) % 3])
-                                if e[0] != o[0] and e[0] != o[1] and e[1] != o[0] and e[1] != o[1]:
+                                a = n[c]
+                                b = n[(c + 1) % 3]
+                                p = m[d]
+                                q = m[(d + 1) % 3]
+                                if a != p and a != q and b != p and b != q:
                                     if touch_edges(x, e, o, far):
                                         slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 1, 0, pairs, kinds)
     count[t] = slot

@@ -40,10 +40,14 @@ __all__ = ["AuditReport", "audit"]
 
 DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
     "steel": (7700, 8100),
+    "iron": (6800, 7900),
     "aluminium": (2600, 2850),
     "wood": (120, 1200),
     "stone": (1500, 3300),
     "concrete": (1200, 2600),
+    "brick": (1000, 2400),
+    "sand": (1300, 2750),
+    "soil": (900, 2300),
     "glass": (2200, 3200),
     "plastic": (850, 1600),
     "rubber": (850, 1600),
@@ -51,12 +55,14 @@ DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
     "ice": (880, 930),
     "paper": (250, 1200),
     "foam": (10, 400),
+    "fabric": (50, 1600),
+    "gel": (900, 1300),
     "water": (950, 1250),
     "oil": (700, 1000),
     "lava": (2000, 3000),
     "other": (0.5, 23000),
 }
-"""[kg/m^3], in bulk; from the material tables of the CRC Handbook, widened to the nearest round number."""
+"""[kg/m^3], in bulk (sand: from the heap to the grain; fabric: from fleece to fibre); from the material tables of the CRC Handbook, widened to the nearest round number."""
 _PARTICLES = frozenset(
     {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
     | {"origin", "exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}

@@ -69,10 +69,14 @@ class Material(SpecModel):
     restitution: Unit = Field(default=0.0, description="ratio of separation to approach speed in a normal impact")
     substance: Literal[
         "steel",
+        "iron",
         "aluminium",
         "wood",
         "stone",
         "concrete",
+        "brick",
+        "sand",
+        "soil",
         "glass",
         "plastic",
         "rubber",
@@ -80,6 +84,8 @@ class Material(SpecModel):
         "ice",
         "paper",
         "foam",
+        "fabric",
+        "gel",
         "water",
         "oil",
         "lava",

@@ -15,26 +15,21 @@ from .clauses import clauses_of
 from .cloth_audit import cloth_problems
 from .elastic_audit import elastic_problems
 from .field_audit import field_problems
-from .fields import acting_on, field_drivers
+from .fields import field_drivers
 from .fracture_audit import fracture_problems
-from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems
+from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems, replaced
 from .groups import group_of
-from .instances import bake_order, coupling_problems, instance_for, membership_problems
+from .instances import bake_order, coupling_problems
 from .liquid_audit import liquid_problems
-from .liquids import declares_heat
+from .ownership_audit import ownership_problems
 from .particle_audit import particle_problems
-from .predicates import PREDICATES, entities_of
-from .references import closest, cycle_in, kinds_of, mentions_joint, references, resolves
+from .references import closest, references, resolves
 from .requirements import Correction, Row
 from .spec import (
     MOVED,
-    DetachDriver,
-    FieldDriver,
-    MotorDriver,
-    PathDriver,
-    Supports,
     WorldSpec,
 )
+from .story_audit import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems
 
 __all__ = ["AuditReport", "audit"]
 
@@ -106,16 +101,11 @@ class AuditReport:
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
 
 
-def _replace(pointer: str, value: Any) -> dict[str, Any]:
-    return {"op": "replace", "path": pointer, "value": value}
-
-
 class _Audit:
     def __init__(self, spec: WorldSpec) -> None:
         self.spec = spec
         self.document = spec.model_dump(mode="json")
         self.rows: list[Row] = []
-        self.last = spec.simulation.frames - 1
         self.recipe = digest_of(self.document)[:32]
 
     def add(
@@ -165,10 +155,6 @@ class _Audit:
             )
         )
 
-    def _clip(self, pointer: str, frames: tuple[int, int]) -> dict[str, Any] | None:
-        """The edit that ends an interval with the sequence; None when it lies wholly beyond."""
-        return _replace(pointer, [frames[0], self.last]) if frames[0] <= self.last else None
-
     # ---------------------------------------------------------------- references
 
     def _known(self) -> dict[str, set[str]]:
@@ -196,75 +182,15 @@ class _Audit:
                 continue
             near = closest(value, known[target])
             text = f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first")
-            problems.append(Problem(place, text, _replace(place, near) if near else None))
+            problems.append(Problem(place, text, replaced(place, near) if near else None))
         self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
 
     # ---------------------------------------------------------------- ownership
 
     def ownership(self) -> None:
         """R27: every motion has a declared owner; every collider is in a solver."""
-        plan, problems = self.spec.simulation, membership_problems(self.spec)
-        member_of: dict[str, list[str]] = {}
-        for name, instance in plan.solvers.items():
-            for member in instance.members:
-                member_of.setdefault(member, []).append(name)
-        driven = {d.entity for d in plan.drivers.values() if isinstance(d, PathDriver)}
-        for name, entity in self.spec.entities.items():
-            place = f"/entities/{name}"
-            owners = member_of.get(name, [])
-            if not owners:
-                where = instance_for(self.spec, entity.physics.category)
-                problems.append(
-                    Problem(
-                        f"/simulation/solvers/{where}/members",
-                        f"{name!r} ({entity.motion}) is in no solver; add it to members",
-                        {"op": "add", "path": f"/simulation/solvers/{where}/members/-", "value": name},
-                    )
-                )
-            elif entity.motion != "static" and len(owners) > 1:
-                problems.append(Problem(f"/simulation/solvers/{owners[1]}/members", f"{name!r} is moved by {owners}; keep one"))
-            if entity.active is not None:
-                text = f"{name!r} has an active interval, but no engine of this build makes bodies appear or vanish; leave it out"
-                problems.append(Problem(f"{place}/active", text, {"op": "remove", "path": f"{place}/active"}))
-            if entity.motion == "kinematic" and name not in driven:
-                problems.append(
-                    Problem(
-                        f"{place}/motion",
-                        f"{name!r} is kinematic but no path driver moves it; add one or make it dynamic/static",
-                        _replace(f"{place}/motion", "dynamic"),
-                    )
-                )
-            if entity.motion == "static" and name in driven:
-                problems.append(
-                    Problem(
-                        f"{place}/motion",
-                        f"{name!r} is static but a path driver moves it; make it kinematic",
-                        _replace(f"{place}/motion", "kinematic"),
-                    )
-                )
-        for name, driver in plan.drivers.items():
-            target = getattr(driver, "entity", None)
-            if (
-                target in self.spec.entities
-                and not isinstance(driver, PathDriver)
-                and self.spec.entities[target].motion != "dynamic"
-            ):
-                problems.append(
-                    Problem(f"/simulation/drivers/{name}", f"{driver.kind} driver acts on {target!r}, which is not dynamic")
-                )
-            if (
-                isinstance(driver, DetachDriver)
-                and driver.joint in plan.joints
-                and plan.joints[driver.joint].kind not in ("weld", "spring")
-            ):
-                problems.append(Problem(f"/simulation/drivers/{name}", "only welds and springs can be detached"))
-            if (
-                isinstance(driver, MotorDriver)
-                and driver.joint in plan.joints
-                and plan.joints[driver.joint].kind not in ("hinge", "slide")
-            ):
-                problems.append(Problem(f"/simulation/drivers/{name}", "only hinges and slides can have a motor"))
-        self.add("ownership", "every moving entity has exactly one responsible solver or driver", problems)
+        text = "every moving entity has exactly one responsible solver or driver"
+        self.add("ownership", text, ownership_problems(self.spec))
 
     def categories(self) -> None:
         """Engines exist for the categories used."""
@@ -288,65 +214,10 @@ class _Audit:
 
     def story(self) -> None:
         """R14-R16, R28, R29: beats in range, owned, checkable, with evidence, causally ordered."""
-        plan, beats, problems, evidence = self.spec.simulation, self.spec.story.beats, [], []
-        channels = frozenset().union(*(ENGINE_CHANNELS.get(s.engine, frozenset()) for s in plan.solvers.values()))
-        channels |= BOND_CHANNELS if any(e.breakable is not None for e in self.spec.entities.values()) else frozenset()
-        channels |= {"particle/temperature"} if any(declares_heat(self.spec, n) for n in plan.liquid) else frozenset()
-        # Elastic members and cloth make their instances write vertices.
-        soft = {n for n, e in self.spec.entities.items() if e.physics.category in ("elastic", "cloth")}
-        if any(soft & set(s.members) for s in plan.solvers.values()):
-            channels |= {"vertex/position", "vertex/velocity"}
-        for name, beat in beats.items():
-            place = f"/story/beats/{name}"
-            if beat.frames[1] > self.last:
-                problems.append(
-                    Problem(
-                        f"{place}/frames",
-                        f"frames {list(beat.frames)} end after the last frame {self.last}",
-                        self._clip(f"{place}/frames", beat.frames),
-                    )
-                )
-            members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
-            driver = plan.drivers.get(beat.owner)
-            if members is not None and beat.subject not in members:
-                problems.append(Problem(f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
-            acts_on = acting_on(self.spec, driver) if isinstance(driver, FieldDriver) else None
-            if (acts_on is not None and beat.subject not in acts_on) or (
-                driver is not None and getattr(driver, "entity", beat.subject) != beat.subject
-            ):
-                problems.append(Problem(f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
-            for cause in beat.causes:
-                if cause in beats and beats[cause].frames[0] > beat.frames[1]:
-                    problems.append(
-                        Problem(
-                            f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends"
-                        )
-                    )
-            for cause in beat.margins:
-                if cause not in beat.causes:
-                    text = f"the margin names {cause!r}, which is not among the causes"
-                    problems.append(
-                        Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"})
-                    )
-            if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
-                problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
-            missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
-            if missing:
-                evidence.append(Problem(f"{place}/predicate", f"no engine in use writes {sorted(set(missing))}"))
-        cycle = cycle_in({n: list(b.causes) for n, b in beats.items()})
-        if cycle:
-            problems.append(Problem(f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
-        if not any(b.mandatory for b in beats.values()) and not any(r.mandatory for r in self.spec.story.requirements.values()):
-            problems.append(
-                Problem("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
-            )
-        self.add(
-            "story",
-            "beats lie in the sequence, have owners, and their causes are ordered and acyclic",
-            problems,
-            group="temporal",
-        )
-        self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", evidence, group="temporal")
+        text = "beats lie in the sequence, have owners, and their causes are ordered and acyclic"
+        self.add("story", text, story_problems(self.spec), group="temporal")
+        unseen = evidence_problems(self.spec, ENGINE_CHANNELS, BOND_CHANNELS)
+        self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", unseen, group="temporal")
 
     def liquids(self) -> None:
         """R57, R58, R66: liquids have an engine that resolves them, couplings can be carried out."""
@@ -381,32 +252,8 @@ class _Audit:
 
     def graph(self) -> None:
         """Support is acyclic and carried by something; relations lie in the sequence."""
-        relations, problems = self.spec.graph.relations, []
-        below: dict[str, list[str]] = {}
-        for name, relation in relations.items():
-            place = f"/graph/relations/{name}"
-            if relation.a == relation.b:
-                problems.append(Problem(place, f"{relation.a!r} is related to itself"))
-            if isinstance(relation, Supports):
-                below.setdefault(relation.b, []).append(relation.a)
-            frames = getattr(relation, "frames", None)
-            if frames is not None and frames[1] > self.last:
-                problems.append(
-                    Problem(
-                        f"{place}/frames",
-                        f"frames {list(frames)} end after the last frame {self.last}",
-                        self._clip(f"{place}/frames", frames),
-                    )
-                )
-        cycle = cycle_in(below)
-        if cycle:
-            problems.append(
-                Problem(
-                    "/graph/relations",
-                    f"support runs in a circle: {' on '.join(cycle)}; one of them must stand on something else",
-                )
-            )
-        self.add("graph", "support relations are acyclic, relations lie in the sequence", problems, group="spatial")
+        text = "support relations are acyclic, relations lie in the sequence"
+        self.add("graph", text, graph_problems(self.spec), group="spatial")
 
     # ---------------------------------------------------------------- numbers
 
@@ -416,7 +263,7 @@ class _Audit:
             low, high = DENSITY_RANGES[material.substance]
             ok = low <= material.density <= high
             problem = [] if ok else [
-                Problem(f"/materials/{name}/density", f"{material.density:g} kg/m^3 is no {material.substance}: allowed {low:g} to {high:g}", _replace(f"/materials/{name}/density", min(max(material.density, low), high)))
+                Problem(f"/materials/{name}/density", f"{material.density:g} kg/m^3 is no {material.substance}: allowed {low:g} to {high:g}", replaced(f"/materials/{name}/density", min(max(material.density, low), high)))
             ]  # fmt: skip
             self.add(
                 f"density:{name}",
@@ -487,40 +334,8 @@ class _Audit:
 
     def shots(self) -> Mapping[str, tuple[str, ...]]:
         """R24: shots lie in the sequence and every observed beat has one."""
-        problems, coverage = [], {}
-        for name, shot in self.spec.shots.items():
-            place = f"/shots/{name}"
-            if shot.frames[1] > self.last:
-                problems.append(
-                    Problem(
-                        f"{place}/frames",
-                        f"frames {list(shot.frames)} end after the last frame {self.last}",
-                        self._clip(f"{place}/frames", shot.frames),
-                    )
-                )
-            if not shot.covers and not shot.subjects:
-                problems.append(Problem(f"{place}/covers", "the shot covers no beat and names no subject"))
-            for key, camera in shot.keys.items():
-                if not shot.frames[0] <= camera.frame <= shot.frames[1]:
-                    problems.append(
-                        Problem(f"{place}/keys/{key}/frame", f"frame {camera.frame} lies outside the shot {list(shot.frames)}")
-                    )
-        for name, beat in self.spec.story.beats.items():
-            covering = tuple(
-                s for s, shot in self.spec.shots.items()
-                if shot.frames[0] <= beat.frames[1] and shot.frames[1] >= beat.frames[0] and name in shot.covers
-            )  # fmt: skip
-            coverage[name] = covering
-            if beat.observe and beat.mandatory and not covering:
-                problems.append(
-                    Problem("/shots", f"beat {name!r} (frames {list(beat.frames)}) is covered by no shot that overlaps it")
-                )
-        self.add(
-            "shots",
-            "every observed beat is covered by a shot, camera keys lie inside their shots",
-            problems,
-            group="observational",
-        )
+        coverage, text = coverage_of(self.spec), "every observed beat is covered by a shot, camera keys lie inside their shots"
+        self.add("shots", text, shot_problems(self.spec, coverage), group="observational")
         return coverage
 
 

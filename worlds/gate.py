@@ -19,7 +19,7 @@ from .scenery_words import missing_scenery
 from .spec import Beat, Clause, Fastened, ReleaseDriver, WorldSpec
 from .wording import EVENTS, event_words, has_pronoun, lasting_words, names_in, numbers_in, objects_in, way_words
 
-__all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems"]
+__all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems", "replaced"]
 
 UNMET_SHARE = 0.5
 """Own choice: with more of its clauses given up, a world is not the prompt's any more."""
@@ -47,6 +47,11 @@ class Problem(NamedTuple):
     pointer: str
     text: str
     patch: dict[str, Any] | None = None
+
+
+def replaced(pointer: str, value: Any) -> dict[str, Any]:
+    """The edit that puts `value` at `pointer`."""
+    return {"op": "replace", "path": pointer, "value": value}
 
 
 def _names(spec: WorldSpec, beat: Beat) -> set[str]:

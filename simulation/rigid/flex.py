@@ -97,7 +97,7 @@ def _bases(builder: Any, name: str, physics: ElasticPhysics) -> dict[str, tuple[
 
 
 def add_flex(builder: Any, name: str) -> FlexBody:
-    """Add an elastic entity to the model that `model._Builder` makes.
+    """Add an elastic entity to the model that a `builder.ModelBuilder` makes.
 
     Raises:
         InputError: it is not built as an elastic body, a pin holds no node, or no rigid body carries it.

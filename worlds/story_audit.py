@@ -1,0 +1,160 @@
+"""Audit of what happens when: beats, their evidence, relations and shots lie in the sequence and follow from one another (R14-R16, R24, R28, R29)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .fields import acting_on
+from .gate import Problem, replaced
+from .liquids import declares_heat
+from .predicates import PREDICATES, entities_of
+from .references import cycle_in, kinds_of, mentions_joint
+from .spec import FieldDriver, Supports, WorldSpec
+
+__all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems"]
+
+
+def story_problems(spec: WorldSpec) -> list[Problem]:
+    """R14-R16, R28: beats in range, owned, checkable, causally ordered."""
+    plan, beats, problems = spec.simulation, spec.story.beats, []
+    for name, beat in beats.items():
+        place = f"/story/beats/{name}"
+        if beat.frames[1] > _last(spec):
+            problems.append(
+                Problem(
+                    f"{place}/frames",
+                    f"frames {list(beat.frames)} end after the last frame {_last(spec)}",
+                    _clip(spec, f"{place}/frames", beat.frames),
+                )
+            )
+        members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
+        driver = plan.drivers.get(beat.owner)
+        if members is not None and beat.subject not in members:
+            problems.append(Problem(f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
+        acts_on = acting_on(spec, driver) if isinstance(driver, FieldDriver) else None
+        if (acts_on is not None and beat.subject not in acts_on) or (
+            driver is not None and getattr(driver, "entity", beat.subject) != beat.subject
+        ):
+            problems.append(Problem(f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
+        for cause in beat.causes:
+            if cause in beats and beats[cause].frames[0] > beat.frames[1]:
+                problems.append(
+                    Problem(f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends")
+                )
+        for cause in beat.margins:
+            if cause not in beat.causes:
+                text = f"the margin names {cause!r}, which is not among the causes"
+                problems.append(Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"}))
+        if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
+            problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
+    cycle = cycle_in({n: list(b.causes) for n, b in beats.items()})
+    if cycle:
+        problems.append(Problem(f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
+    if not any(b.mandatory for b in beats.values()) and not any(r.mandatory for r in spec.story.requirements.values()):
+        problems.append(
+            Problem("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
+        )
+    return problems
+
+
+def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bonds: frozenset[str]) -> list[Problem]:
+    """R29: what predicates read is written by an engine in use.
+
+    Args:
+        spec: the specification.
+        written: channels per engine.
+        bonds: channels of breakable members.
+    """
+    plan, problems = spec.simulation, []
+    channels = frozenset().union(*(written.get(s.engine, frozenset()) for s in plan.solvers.values()))
+    channels |= bonds if any(e.breakable is not None for e in spec.entities.values()) else frozenset()
+    channels |= {"particle/temperature"} if any(declares_heat(spec, n) for n in plan.liquid) else frozenset()
+    # Elastic members and cloth make their instances write vertices.
+    soft = {n for n, e in spec.entities.items() if e.physics.category in ("elastic", "cloth")}
+    if any(soft & set(s.members) for s in plan.solvers.values()):
+        channels |= {"vertex/position", "vertex/velocity"}
+    for name, beat in spec.story.beats.items():
+        missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
+        if missing:
+            problems.append(Problem(f"/story/beats/{name}/predicate", f"no engine in use writes {sorted(set(missing))}"))
+    return problems
+
+
+def graph_problems(spec: WorldSpec) -> list[Problem]:
+    """Support is acyclic and carried by something; relations lie in the sequence."""
+    relations, problems = spec.graph.relations, []
+    below: dict[str, list[str]] = {}
+    for name, relation in relations.items():
+        place = f"/graph/relations/{name}"
+        if relation.a == relation.b:
+            problems.append(Problem(place, f"{relation.a!r} is related to itself"))
+        if isinstance(relation, Supports):
+            below.setdefault(relation.b, []).append(relation.a)
+        frames = getattr(relation, "frames", None)
+        if frames is not None and frames[1] > _last(spec):
+            problems.append(
+                Problem(
+                    f"{place}/frames",
+                    f"frames {list(frames)} end after the last frame {_last(spec)}",
+                    _clip(spec, f"{place}/frames", frames),
+                )
+            )
+    cycle = cycle_in(below)
+    if cycle:
+        problems.append(
+            Problem(
+                "/graph/relations",
+                f"support runs in a circle: {' on '.join(cycle)}; one of them must stand on something else",
+            )
+        )
+    return problems
+
+
+def shot_problems(spec: WorldSpec, coverage: Mapping[str, tuple[str, ...]]) -> list[Problem]:
+    """R24: shots lie in the sequence and every observed beat has one."""
+    problems = []
+    for name, shot in spec.shots.items():
+        place = f"/shots/{name}"
+        if shot.frames[1] > _last(spec):
+            problems.append(
+                Problem(
+                    f"{place}/frames",
+                    f"frames {list(shot.frames)} end after the last frame {_last(spec)}",
+                    _clip(spec, f"{place}/frames", shot.frames),
+                )
+            )
+        if not shot.covers and not shot.subjects:
+            problems.append(Problem(f"{place}/covers", "the shot covers no beat and names no subject"))
+        for key, camera in shot.keys.items():
+            if not shot.frames[0] <= camera.frame <= shot.frames[1]:
+                problems.append(
+                    Problem(f"{place}/keys/{key}/frame", f"frame {camera.frame} lies outside the shot {list(shot.frames)}")
+                )
+    for name, beat in spec.story.beats.items():
+        if beat.observe and beat.mandatory and not coverage[name]:
+            problems.append(
+                Problem("/shots", f"beat {name!r} (frames {list(beat.frames)}) is covered by no shot that overlaps it")
+            )
+    return problems
+
+
+def coverage_of(spec: WorldSpec) -> dict[str, tuple[str, ...]]:
+    """Shots that overlap each beat's frames and cover it."""
+    return {
+        name: tuple(
+            s for s, shot in spec.shots.items()
+            if shot.frames[0] <= beat.frames[1] and shot.frames[1] >= beat.frames[0] and name in shot.covers
+        )
+        for name, beat in spec.story.beats.items()
+    }  # fmt: skip
+
+
+def _last(spec: WorldSpec) -> int:
+    """The last frame."""
+    return spec.simulation.frames - 1
+
+
+def _clip(spec: WorldSpec, pointer: str, frames: tuple[int, int]) -> dict[str, Any] | None:
+    """The edit that ends an interval with the sequence; None when it lies wholly beyond."""
+    return replaced(pointer, [frames[0], _last(spec)]) if frames[0] <= _last(spec) else None

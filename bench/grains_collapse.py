@@ -195,7 +195,9 @@ GLASS_WALL = 0.5
 """Their friction against walls."""
 ROLLED, ROLLED_WALL = 5e-5, 1e-4
 """[m] Their rolling friction among beads and against walls, in Zhou's lengths: torque over normal force."""
-PLATE, OUTLET, DEEP = 20.0, 6.0, 14.0
+SOFT = 2.16e8
+"""[Pa/m] Modulus per diameter: 2.16e6 Pa at 10 mm as theirs; so the weight of as many beads overlaps them by the same share."""
+PLATE, OUTLET, DEEP = 16.0, 5.0, 10.0
 """[diameters] Half the plate that the heap stays on, the opening at either side, and the depth of beads before they drain."""
 
 
@@ -207,10 +209,10 @@ class Heap(NamedTuple):
     diameter: float
 
 
-def heap(diameter: float, device: str, *, thick: float = 10.0, smooth: bool = True) -> Heap:
+def heap(diameter: float, device: str, *, thick: float = 8.0, smooth: bool = True) -> Heap:
     """Beads of one diameter [m] between a front and a rear wall `thick` diameters apart."""
     d, r = diameter, 0.5 * diameter
-    kind = replace(GLASS, rolling=ROLLED / (0.5 * r))
+    kind = replace(GLASS, rolling=ROLLED / (0.5 * r), young=SOFT * d)
     side, high, half = (PLATE + OUTLET) * d, 1.2 * DEEP * d, 0.5 * thick * d
     t = 4 * d
     doors = [

@@ -124,10 +124,11 @@ class Walls:
 
     def settle(self, run: Passes, buffer: Buffer) -> None:
         """Add up what pairs gave so far, before their lists go."""
-        from . import wall_kernels as kernels
+        from . import body_kernels as kernels
 
         if self.count and buffer.pair_count:
-            run("settle", kernels.settle, self.count, [self.count, buffer.pairs, self.span, self.reaction], smallest=1)()
+            inputs = [self.width, buffer.pairs, self.span, self.reaction]
+            run("settle", kernels.settle, self.count * self.width, inputs, smallest=ALONE)()
 
     def passes(self, run: Passes, now: Buffer, laws: Any, density: Any, unit: float, dt: Any, clock: Any) -> list[Any]:
         """Contacts of one step."""
@@ -144,7 +145,7 @@ class Walls:
 
     def moves(self, run: Passes, now: Buffer, dt: Any, clock: Any) -> list[Any]:
         """Motion of the bodies over one step."""
-        from . import wall_kernels as kernels
+        from . import body_kernels as kernels
 
         if not self.count:
             return []
@@ -159,7 +160,7 @@ class Walls:
 
     def list_pairs(self, grains: Any, old: Buffer, new: Buffer, *, known: bool) -> None:
         """List which grains are near which bodies, and the triangles that they may meet."""
-        from . import wall_kernels as kernels
+        from . import pair_kernels as kernels
 
         if not self.count:
             return

@@ -35,7 +35,7 @@ SAND = Kind("sand", 2600.0, 1e7, 0.25, 0.3, 0.5, 0.1, 0.0)
 SPREAD = 0.15
 COVERED = 0.5
 """Of the ground by grains seen from above: where it is less, the deposit has ended and single grains lie about."""
-EXCHANGE = 2e-3
+EXCHANGE = 1e-2
 """[s] Between looks of the host at the walls, which stand still."""
 CALM = 5e-3
 """Of the run-out: a front that moved less during half of sqrt(H / g) has stopped."""
@@ -224,17 +224,17 @@ def heap(diameter: float, device: str, *, thick: float = 8.0, smooth: bool = Tru
     )
     walls = [
         _slab((-PLATE * d, -half, -t), (PLATE * d, half, 0), "plate/body"),
-        _slab((-side - t, -half, -30 * d), (-side, half, high), "west/body"),
-        _slab((side, -half, -30 * d), (side + t, half, high), "east/body"),
-        _slab((-side - t, -half - t, -30 * d), (side + t, -half, high), "south/body"),
-        _slab((-side - t, half, -30 * d), (side + t, half + t, high), "north/body"),
+        _slab((-side - t, -half, -8 * d), (-side, half, high), "west/body"),
+        _slab((side, -half, -8 * d), (side + t, half, high), "east/body"),
+        _slab((-side - t, -half - t, -8 * d), (side + t, -half, high), "south/body"),
+        _slab((-side - t, half, -8 * d), (side + t, half + t, high), "north/body"),
         Boundary("doors/body", gate, "static", True, 0.0),
     ]
     low, top = np.array([-side, -half, 0]), np.array([side, half, DEEP * d])
     position, sizes = fill_box(low, top, r, share=0.58, spread=0.0, seed=3)
     inside = (position > low + sizes[:, None]).all(axis=1) & (position < top - sizes[:, None]).all(axis=1)
     setup = _setup(
-        kind, position[inside], sizes[inside], walls, {3, 4} if smooth else set(), (-side - t, -half - t, -28 * d),
+        kind, position[inside], sizes[inside], walls, {3, 4} if smooth else set(), (-side - t, -half - t, -5 * d),
         (side + t, half + t, high), device,
     )  # fmt: skip
     rough = {b: wall_law(replace(kind, rolling=ROLLED_WALL / r), GLASS_WALL, kind.restitution) for b in range(len(walls))}

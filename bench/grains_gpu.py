@@ -2,7 +2,7 @@
 
     python -m worldagent.bench.grains_gpu [--grains 1000000] [--device cuda] [--settle 1500] [--steps 400]
 
-Needs numpy and warp-lang only, and this package on the path.
+Needs numpy, scipy and warp-lang only, and this package on the path.
 """
 
 from __future__ import annotations

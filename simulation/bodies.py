@@ -9,16 +9,28 @@ import numpy as np
 from ..worlds.arrays import F64, RigidPose, rotation_matrix
 from ..worlds.cache import Cache
 from ..worlds.errors import EvidenceError
-from .boundaries import BodyState, Surround
+from .boundaries import BodyState, SoftBoundary, Surround
+from .soft_surfaces import VertexPath
 
-__all__ = ["CacheMotion", "resting"]
+__all__ = ["CacheMotion", "lay_vertices", "resting"]
 
 
 def resting(surround: Surround) -> BodyState:
     """All boundaries at rest at their places of frame 0, none of them reacting."""
     rotation = np.array([rotation_matrix(p.quaternion) for p in surround.start]).reshape(-1, 3, 3)
     position = np.array([p.position for p in surround.start]).reshape(-1, 3)
-    return _fixed(position, rotation, _centers(surround, position, rotation))
+    state = _fixed(position, rotation, _centers(surround, position, rotation))
+    for row in surround.soft:
+        place = surround.boundaries[row].mesh.vertices
+        state.vertices[row] = (place, np.zeros_like(place))
+    return state
+
+
+def lay_vertices(state: BodyState, row: int, soft: SoftBoundary, places: F64, speeds: F64) -> None:
+    """Write the vertices of a deforming boundary, shape (v, 3) [m] and [m/s], and with them its centre of mass."""
+    share = soft.mass / soft.mass.sum()
+    state.vertices[row] = (places, speeds)
+    state.center[row], state.velocity[row] = share @ places, share @ speeds
 
 
 def _centers(surround: Surround, position: F64, rotation: F64) -> F64:
@@ -39,7 +51,7 @@ class CacheMotion:
 
     Args:
         surround: the boundaries that move.
-        caches: of rigid instances, by id.
+        caches: of rigid instances and of cloth, by id.
         fps: of the caches.
 
     Raises:
@@ -51,7 +63,7 @@ class CacheMotion:
         self._resting = resting(surround)
         self._rows: list[tuple[int, Cache, int]] = []
         for row, boundary in enumerate(surround.boundaries):
-            if boundary.motion == "static":
+            if boundary.motion == "static" or boundary.deforming:
                 continue
             entity, body = boundary.name.split("/", 1)
             found = [(row, c, at) for c in caches.values() if (at := c.body_row(entity, body)) is not None]
@@ -59,6 +71,7 @@ class CacheMotion:
                 raise EvidenceError(f"no rigid cache moves {boundary.name!r}; bake its instance first")
             self._rows.append(found[0])
         self._kept: dict[int, dict[int, tuple[F64, F64]]] = {}
+        self._paths = {row: VertexPath(soft, caches, fps) for row, soft in surround.soft.items()}
 
     def _frame(self, frame: int) -> list[RigidPose]:
         """Poses of the moving rows at a frame."""
@@ -76,7 +89,7 @@ class CacheMotion:
     def state(self, start: float, end: float) -> BodyState:
         """Bodies at `start` [s], with the velocity of the frame that the interval lies in."""
         rest = self._resting
-        if not self._rows:
+        if not self._rows and not self._paths:
             return rest
         from scipy.spatial.transform import Rotation
 
@@ -96,4 +109,6 @@ class CacheMotion:
             velocity[row], spin[row] = (ends[1] - ends[0]) * self._fps, turn * self._fps
         state = _fixed(position, rotation, center)
         state.velocity, state.angular_velocity = velocity, spin
+        for row, path in self._paths.items():
+            lay_vertices(state, row, self._surround.soft[row], *path.at(frame, share))
         return state

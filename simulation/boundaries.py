@@ -1,4 +1,4 @@
-"""The rigid bodies that liquid, cloth or grains meet: their surfaces, and what is exchanged about them at every step."""
+"""The bodies that liquid, cloth or grains meet: their surfaces, and what is exchanged about them at every step."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
 if TYPE_CHECKING:
     from ..worlds.spec import Entity, WorldSpec
 
-__all__ = ["BodyState", "Boundary", "Surround", "meets_domain", "surround_of"]
+__all__ = ["BodyState", "Boundary", "SoftBoundary", "Surround", "meets_domain", "surround_of"]
 
 HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """The surface of one rigid body (or of fixed ground) that matter of another instance can meet."""
+    """The surface of one body (or of fixed ground) that matter of another instance can meet."""
 
     name: str
     """`entity/body`; its place in `Surround.boundaries` is its row in `BodyState` and in wrenches."""
     mesh: TriangleMesh
-    """Outward faces; in the body's frame, of static ones in the world's: the pose of those is the identity, always. A height field comes
-    as its closed solid."""
+    """Outward faces; in the body's frame, of static and deforming ones in the world's at frame 0: the pose of those is the identity,
+    always. A height field comes as its closed solid."""
     motion: Literal["static", "kinematic", "dynamic"]
     closed: bool = True
     """False: a sheet, met from both sides."""
@@ -37,6 +37,17 @@ class Boundary:
     """Of liquids: viscosity felt at the wall in units of the liquid's, 0 free slip, 1 no slip. Of cloth and grains: Coulomb coefficient."""
     deforming: bool = False
     """Its vertices move by themselves (cloth, elastic bodies); rows of `BodyState.vertices` replace the mesh's."""
+
+
+@dataclass(frozen=True)
+class SoftBoundary:
+    """What a deforming boundary is the surface of."""
+
+    entity: str
+    parts: tuple[str, ...]
+    """Their simulation vertices stand one after the other."""
+    mass: F64
+    """That belongs to each vertex (v,) [kg]; the boundary's centre of mass is theirs."""
 
 
 @dataclass
@@ -61,6 +72,8 @@ class BodyState:
     """Linear acceleration (b, 3) from everything but the partner (gravity, contacts, drivers) [m/s^2]."""
     vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
     """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
+    vertex_lightness: dict[int, F64] = field(default_factory=dict)
+    """Of those that react: row -> 1/mass of each vertex as if it were alone (v,) [1/kg]."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +86,9 @@ class Surround:
     start: tuple[RigidPose, ...]
     """Pose of each boundary's body at frame 0; the identity of static ones."""
     parts: tuple[tuple[int, TriangleMesh], ...] = ()
-    """Single surfaces that the boundaries are made of: (row, mesh in the frame of the boundary's)."""
+    """Single surfaces that the rigid boundaries are made of: (row, mesh in the frame of the boundary's)."""
+    soft: Mapping[int, SoftBoundary] = field(default_factory=dict)
+    """Of deforming boundaries, by row."""
 
 
 def meets_domain(entity: Entity, built: BuiltEntity, box: tuple[F64, F64], margin: float) -> bool:
@@ -96,8 +111,9 @@ def surround_of(
     margin: float,
     *,
     friction: float | None = None,
+    soft: tuple[str, ...] = (),
 ) -> Surround:
-    """Rigid bodies and ground that reach into a box; what moves may always come there.
+    """Rigid bodies and ground that reach into a box; what moves may always come there. Deforming entities come last.
 
     Args:
         spec: the specification.
@@ -105,7 +121,10 @@ def surround_of(
         box: least and greatest corner (3,) [m]; may be infinite.
         margin: how far outside the box they still count [m].
         friction: of every boundary; None takes the largest Coulomb coefficient of its parts' materials.
+        soft: deforming entities that are met too.
     """
+    from .soft_surfaces import soft_boundaries
+
     boundaries: list[Boundary] = []
     bodies: list[BuiltBody] = []
     start: list[RigidPose] = []
@@ -130,7 +149,13 @@ def surround_of(
             boundaries.append(Boundary(f"{entity}/{body.name}", _joined(meshes), contract.motion, closed, rough))
             bodies.append(body)
             start.append(pose)
-    return Surround(tuple(boundaries), tuple(bodies), tuple(start), tuple(surfaces))
+    deforming = {}
+    for made in soft_boundaries(spec, built, soft, friction=friction):
+        deforming[len(boundaries)] = made.soft
+        boundaries.append(made.boundary)
+        bodies.append(made.body)
+        start.append(HERE)
+    return Surround(tuple(boundaries), tuple(bodies), tuple(start), tuple(surfaces), deforming)
 
 
 def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:

@@ -1,4 +1,4 @@
-"""Two-way coupling of a rigid instance with partners: liquids, cloth, grains (R66, R67). They step together and exchange impulses.
+"""Two-way coupling of a rigid instance with partners: liquids, cloth, grains (R66-R68). They step together and exchange impulses.
 
 At every sub-step a partner gets the bodies as they are, with their inverse mass and inertia and their acceleration without it,
 so that its solve can let them give way (which keeps light bodies stable). What it gave them over the step is applied to the
@@ -6,19 +6,23 @@ MuJoCo bodies as a constant wrench over the same time, in which they make their 
 counted by itself: `exchange/impulse` and `exchange/reaction` in the partner's cache, `exchange/impulse` of what MuJoCo
 integrated in the rigid one's.
 
+Surfaces that deform are met at their vertices: those of elastic members of the rigid instance, and those of cloth for the
+other partners. Impulses at vertices are taken to what carries them, nodes or the cloth's vertices, over the same time. Cloth
+steps last of the partners, so that it has all that the others gave it.
+
 A frame at whose end surfaces of bodies could overlap is redone by all instances with half the rigid step, from their
 states at its start; so every frame starts from checkpoint bytes, and a resumed run equals an unbroken one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from ..worlds.arrays import F64
-from .bodies import resting
+from .bodies import lay_vertices, resting
 from .boundaries import BodyState, Surround
 from .protocol import SHORTEST, Solver
 from .rigid.coupled import MovingBodies, RigidBodies
@@ -37,6 +41,10 @@ class Stepped(Protocol):
     @property
     def impulse(self) -> F64:
         """Given to each boundary, linear and angular about `BodyState.center` (b, 6) [N s, N m s]."""
+
+    @property
+    def vertex_impulse(self) -> Mapping[int, F64]:
+        """Of that, what each vertex of the deforming boundaries that react got: row -> (v, 3) [N s]."""
 
 
 class Partner(Solver, Protocol):
@@ -62,11 +70,36 @@ class Partner(Solver, Protocol):
         """The frame that was begun is reached."""
 
 
+@runtime_checkable
+class Deforms(Protocol):
+    """A partner whose vertices are boundaries of other partners."""
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Its entities."""
+
+    def vertices_of(self, entity: str) -> tuple[F64, F64]:
+        """Places [m] and velocities [m/s] of an entity's vertices, each (v, 3)."""
+
+    def load(self, forces: Mapping[str, F64]) -> None:
+        """Forces at the vertices of its entities from now on, each (v, 3) [N]."""
+
+
+class _Soft(NamedTuple):
+    """A deforming boundary of a partner."""
+
+    row: int
+    entity: str
+    owner: int
+    """The partner that it belongs to; -1: the rigid instance."""
+
+
 class CoupledRun:
     """A rigid instance and the partners that it exchanges forces with."""
 
     def __init__(self, rigid: SolverRigid, partners: Sequence[Partner]) -> None:
-        self.rigid, self.partners = rigid, tuple(partners)
+        self.rigid = rigid
+        self.partners = tuple(sorted(partners, key=lambda p: isinstance(p, Deforms)))
         self.frame = 0
         self._frame_time = 1.0 / rigid.spec.simulation.fps
 
@@ -78,6 +111,7 @@ class CoupledRun:
         self._bodies = RigidBodies(self.rigid)
         self._rest = [resting(partner.surround) for partner in self.partners]
         self._rows = [self._moving_rows(partner) for partner in self.partners]
+        self._soft = [self._soft_rows(partner) for partner in self.partners]
         preroll = self.rigid.spec.simulation.preroll
         if preroll > 0 and not resumed:
             self.rigid.begin_attempt(0)
@@ -92,6 +126,11 @@ class CoupledRun:
         """(row among the partner's boundaries, row among the moving bodies)."""
         known = {name: row for row, name in enumerate(self.rigid.rigid.bodies)}
         return [(k, known[b.name]) for k, b in enumerate(partner.surround.boundaries) if b.name in known]
+
+    def _soft_rows(self, partner: Partner) -> list[_Soft]:
+        """Deforming boundaries of a partner, and who moves them."""
+        owners = {m: k for k, p in enumerate(self.partners) if isinstance(p, Deforms) for m in p.members}
+        return [_Soft(row, s.entity, owners.get(s.entity, -1)) for row, s in partner.surround.soft.items()]
 
     def advance(self, frame: int) -> None:
         """Advance all from frame - 1 to `frame`.
@@ -122,23 +161,30 @@ class CoupledRun:
         """Step all from `start` to `end` [s]; the first partner sets the pace."""
         time = start
         while time < end - SHORTEST:
-            bodies = self._bodies.state()
+            bodies, surfaces = self._bodies.state(), self._bodies.surfaces()
             wrench = np.zeros((len(self.rigid.rigid.bodies), 6))
+            given_to: dict[int, dict[str, F64]] = {}
             taken = 0.0
             for number, partner in enumerate(self.partners):
-                given = self._bodies_of(number, bodies)
+                if isinstance(partner, Deforms):
+                    partner.load({n: j / taken for n, j in given_to.get(number, {}).items()})
+                given = self._bodies_of(number, bodies, surfaces)
                 if number == 0:
                     report = partner.step(end - time, given, time)
-                    taken, impulse = report.dt, report.impulse
+                    taken, impulse, at_vertices = report.dt, report.impulse, dict(report.vertex_impulse)
                 else:
-                    impulse = _steps(partner, given, time, taken)
+                    impulse, at_vertices = _steps(partner, given, time, taken)
                 for boundary, body in self._rows[number]:
                     wrench[body] += impulse[boundary]
+                for soft in self._soft[number]:
+                    held = given_to.setdefault(soft.owner, {})
+                    held[soft.entity] = held.get(soft.entity, 0.0) + at_vertices[soft.row]
             until = end if end - time - taken < SHORTEST else time + taken
-            self.rigid.step_to(until, wrench / (until - time), start=time)
+            loads = {n: j / (until - time) for n, j in given_to.get(-1, {}).items()}
+            self.rigid.step_to(until, wrench / (until - time), start=time, loads=loads)
             time = until
 
-    def _bodies_of(self, number: int, moving: MovingBodies) -> BodyState:
+    def _bodies_of(self, number: int, moving: MovingBodies, surfaces: Mapping[str, tuple[F64, F64]]) -> BodyState:
         """States of one partner's boundaries: those at rest at their places, the others as they are."""
         rest, rows = self._rest[number], self._rows[number]
         found = BodyState(
@@ -149,15 +195,24 @@ class CoupledRun:
             own, other = (list(k) for k in zip(*rows, strict=True))
             for field in MovingBodies._fields:
                 getattr(found, field)[own] = getattr(moving, field)[other]
+        for soft in self._soft[number]:
+            owner = self.partners[soft.owner]
+            state = surfaces[soft.entity] if soft.owner < 0 or not isinstance(owner, Deforms) else owner.vertices_of(soft.entity)
+            surface = self.partners[number].surround.soft[soft.row]
+            lay_vertices(found, soft.row, surface, *state)
+            found.vertex_lightness[soft.row] = 1.0 / surface.mass
         return found
 
 
-def _steps(partner: Partner, bodies: BodyState, time: float, seconds: float) -> F64:
-    """Let a partner step for `seconds` from `time`; the impulse that it gave, shape (b, 6)."""
+def _steps(partner: Partner, bodies: BodyState, time: float, seconds: float) -> tuple[F64, dict[int, F64]]:
+    """Let a partner step for `seconds` from `time`; the impulses that it gave, shape (b, 6), and those at vertices."""
     total: F64 = np.zeros((len(partner.surround.boundaries), 6))
+    at_vertices: dict[int, F64] = {}
     done = 0.0
     while done < seconds - SHORTEST:
         report = partner.step(seconds - done, bodies, time + done)
         total += report.impulse
+        for row, given in report.vertex_impulse.items():
+            at_vertices[row] = at_vertices.get(row, 0.0) + given
         done += report.dt
-    return total
+    return total, at_vertices

@@ -33,7 +33,7 @@ CLAIMS: dict[str, tuple[str, Judge]] = {
     "pins": ("what is held stays where its holder takes it", pinned),
     "mass": ("mass is area density times area at rest", kept_mass),
     "records": ("recorded momentum and energy are those of the vertices", kept_records),
-    "momentum": ("momentum changes by what gravity, air, holders and solids gave", momentum),
+    "momentum": ("momentum changes by what gravity, air, holders, solids and other matter gave", momentum),
     "energy": ("no energy comes from nowhere", energy),
 }
 NUMBERS: dict[str, tuple[str, Judge]] = {

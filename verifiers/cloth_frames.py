@@ -12,6 +12,7 @@ import numpy as np
 from ..worlds.arrays import F64, I32, compose, pose_of
 from ..worlds.cloth import held_by, release_time
 from ..worlds.errors import EvidenceError
+from ..worlds.instances import soft_met
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
@@ -56,7 +57,7 @@ class Held:
 
 @dataclass(frozen=True)
 class Solid:
-    """Visible surface of a part of a rigid entity that collides."""
+    """Visible surface of a part of a rigid entity that collides, or of an elastic one."""
 
     entity: str
     part: str
@@ -134,14 +135,16 @@ class ClothRun:
 
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
-        """What the cloth meets: surfaces of rigid entities that collide, but for those that every member passes through."""
+        """What the cloth meets: surfaces of rigid entities that collide and of elastic ones, but for those that every member passes
+        through."""
         ignored = set.intersection(*(set(p.physics.ignores) for p in self.pieces)) if self.pieces else set()
         spec, found = self.candidate.spec, []
+        soft = soft_met(spec, self.solver)
         for name, contract in spec.entities.items():
-            if contract.physics.category != "rigid" or name in ignored:
+            if (contract.physics.category != "rigid" and name not in soft) or name in ignored:
                 continue
             for part in self.candidate.entity(name).parts:
-                if part.collision:
+                if part.collision or name in soft:
                     found.append(Solid(name, part.part, part.body, part.render.faces, contract.motion != "static"))
         return tuple(found)
 

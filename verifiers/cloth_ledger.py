@@ -23,7 +23,7 @@ BOOKS = 1e-6
 """Own choice: share of the momentum that passed through the cloth by which its books may be off."""
 CUT = 0.02
 """Own choice: share of the momentum exchanged that cut ways may take."""
-GIVERS = ("air", "hold", "solid", "cut")
+GIVERS = ("air", "hold", "solid", "load", "cut")
 
 
 def _worst(series: F64, bound: F64) -> tuple[int, float, float, bool]:
@@ -125,7 +125,7 @@ def energy(run: ClothRun) -> Finding:
     """Energy beyond that of frame 0 and all work done on the cloth, against the scale of the energies."""
     _, kinetic, potential = _vertices(run)
     total = kinetic + potential + run.record("stretch_energy") + run.record("bending_energy")
-    work = run.record("air_work") + run.record("hold_work") + run.record("solid_work")
+    work = sum(run.record(f"{giver}_work") for giver in GIVERS if giver != "cut")
     gain = total - total[0] - work
     moved = np.abs(np.diff(work, prepend=0.0)).cumsum()
     scale = max(float(kinetic.max()), float(np.ptp(potential)), float(moved[-1]), 1e-9)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, pose_of
 from ..worlds.errors import EvidenceError
+from .elastic_exchange import soft_impulses
 from .elastic_rows import elastic_row, physics_of
 from .rows import pointer
 from .strains import deflections, require_deforming, strains_of
@@ -95,10 +96,17 @@ def _load(candidate: Candidate, soft: Deforming, entity: str) -> float:
     row = soft.cache.index.colliders.index(entity)
     touching = (log["contact/pair"] == row).any(axis=1)
     force += float(np.abs(log["contact/impulse"][touching]).sum()) * plan.fps
+    force += float(np.linalg.norm(_given(candidate, soft)[candidate.last_frame])) * plan.fps
     column = force * length / (physics.young_modulus * area)
     beam = force * length**3 / (8.0 * physics.young_modulus * area * thin**2 / 12.0)
     bends = bool(physics.pins) or length > 3.0 * thin
     return LOAD_SHARE * (column + (beam if bends else 0.0))
+
+
+def _given(candidate: Candidate, soft: Deforming) -> F64:
+    """Impulse of coupled cloth, grains and liquids over each frame [N s], shape (F, 3)."""
+    owners = [name.split("/", 1)[0] for name in soft.cache.index.deformables]
+    return soft_impulses(candidate, soft.cache)[:, owners.index(soft.entity), :3]
 
 
 def pins(candidate: Candidate, entity: str) -> Row:
@@ -168,6 +176,7 @@ def flight(candidate: Candidate, entity: str) -> Row:
     row = soft.cache.index.colliders.index(entity)
     pairs = [f["contact/pair"] for f in soft.cache.ragged("contact/pair", "contact/impulse")]
     alone = np.array([not (p == row).any() for p in pairs[1:count]], dtype=bool)
+    alone &= ~_given(candidate, soft)[1:count].any(axis=1)
     released = [d.time for d in plan.drivers.values() if d.kind == "release" and d.entity == entity]
     alone &= np.arange(count - 1) / plan.fps >= max(released, default=0.0) - 1e-9
     if physics.pins or any(d.kind == "field" for d in plan.drivers.values()):

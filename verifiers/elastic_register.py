@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..worlds.instances import coupled_groups, soft_met
 from ..worlds.spec import ElasticPhysics
 
 if TYPE_CHECKING:
@@ -45,17 +46,27 @@ def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
             )
     if soft:
         first = next(iter(soft))
-        if plan.liquid:
-            text = f"liquids do not meet elastic bodies ({first!r})"
-            found.append({"what": text, "effect": "omitted in both directions: a liquid runs through them"})
-        if plan.cloth or plan.particles:
-            met = " and ".join(k for k, some in (("cloth", plan.cloth), ("grains and sparks", plan.particles)) if some)
-            text = f"{met} do not meet elastic bodies ({first!r})"
-            found.append(
-                {"what": text, "effect": "omitted in both directions: they pass through each other, and overlaps are told"}
-            )
+        found += _met(candidate, first)
         if any(d.kind == "field" for d in plan.drivers.values()):
             found.append({"what": f"force fields do not act on elastic bodies ({first!r})", "effect": "wind does not move them"})
+    return found
+
+
+def _met(candidate: Candidate, first: str) -> list[dict[str, str]]:
+    """Who meets elastic bodies, and how."""
+    found, spec = [], candidate.spec
+    for name, instance in spec.simulation.solvers.items():
+        if name in spec.simulation.rigid:
+            continue
+        if not soft_met(spec, name):
+            text = f"{instance.moves[0]} of {name!r} does not meet elastic bodies ({first!r})"
+            found.append({"what": text, "effect": "omitted in both directions: they pass through each other"})
+        elif any(name in group for group in coupled_groups(spec)):
+            text = f"{name!r} takes the surfaces of elastic bodies as giving way like their vertices alone within an exchange"
+            found.append({"what": text, "effect": "energy that the exchange makes or loses is told by category:elastic:together"})
+        else:
+            text = f"{name!r} is pushed by elastic bodies ({first!r}) and does not push them"
+            found.append({"what": text, "effect": "omitted reaction: they fall through what cannot hold them back"})
     return found
 
 

@@ -26,6 +26,9 @@ PREDICATES = {
     "flight": "where nothing touches or pins the body, its centre of mass falls freely",
     "energy": "energy less the work of drivers never grows by more than limits.energy_growth of the energy in play",
     "solve": "the elastic solve of every step converges, or ends within a relative residual of 1e-3",
+    "exchange": "what elastic members received is what cloth, grains and liquids gave them",
+    "together": "energy of elastic bodies and the cloth coupled with them, less work from outside, never grows by more than "
+    "limits.energy_growth of the energy in play",
     "records": "recorded energies and momentum of elastic members are those of their vertices",
     "mass": "simulation meshes hold the volume that was built",
 }

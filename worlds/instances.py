@@ -10,12 +10,24 @@ from .gate import Problem
 if TYPE_CHECKING:
     from .spec import Coupling, WorldSpec
 
-__all__ = ["bake_order", "coupled_groups", "coupling_problems", "instance_for", "membership_problems"]
+__all__ = ["bake_order", "coupled_groups", "coupling_problems", "instance_for", "membership_problems", "soft_met"]
+
+MEETS_ELASTIC = ("shell",)
+"""Engines whose matter meets elastic bodies as it meets rigid ones."""
 
 
 def instance_for(spec: WorldSpec, category: str) -> str:
     """Id of the first instance whose engine moves a category; of one that would have to be made, the category."""
     return next((n for n, i in spec.simulation.solvers.items() if category in i.moves), category)
+
+
+def soft_met(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Deforming entities whose surfaces an instance meets, by name: all elastic bodies, if its engine can."""
+    plan = spec.simulation
+    if name not in plan.solvers or plan.solvers[name].engine not in MEETS_ELASTIC:
+        return ()
+    members = {m for r in plan.rigid.values() for m in r.members if m in spec.entities}
+    return tuple(sorted(m for m in members if spec.entities[m].physics.category == "elastic"))
 
 
 def membership_problems(spec: WorldSpec) -> list[Problem]:

@@ -13,6 +13,7 @@ from ..passes import Pass, Passes
 from . import bound_kernels as bounds
 from . import contact_kernels as contact
 from . import near_kernels as near
+from . import soft_kernels as softly
 
 __all__ = ["Contacts", "ownership"]
 
@@ -105,6 +106,7 @@ class Contacts:
         touch: largest distance of contact among sheets, and with solids [m].
         self_collision: whether sheets meet themselves and each other.
         iterations: rounds of impulses.
+        soft: whether vertices of solids move by themselves, so that what each got is counted.
     """
 
     def __init__(
@@ -123,6 +125,7 @@ class Contacts:
         touch: tuple[float, float],
         self_collision: bool,
         iterations: int,
+        soft: bool = False,
     ) -> None:
         wp, device = warp(), passes.device
         self.passes, self.state, self.n = passes, state, sheet_vertices
@@ -138,7 +141,9 @@ class Contacts:
         self._own = _Slots(self.sheet.count, 8, device)
         self._others = _Slots(self.sheet.count, 16, device)
         self.count, self._room = 0, 0
-        self._start = wp.zeros(sheet_vertices + 1, dtype=wp.int32, device=device)
+        self._soft, self._felt = soft, np.zeros((len(state["x"]) - sheet_vertices if soft else 0, 3))
+        self._work_by_row, self._yielding = np.zeros(self.bodies), len(state["x"]) if soft else sheet_vertices
+        self._start = wp.zeros(self._yielding + 1, dtype=wp.int32, device=device)
         self.split = wp.zeros(len(state["x"]), dtype=wp.float64, device=device)
         self.anchor = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         self.drift = wp.zeros(1, dtype=wp.vec3d, device=device)
@@ -172,6 +177,8 @@ class Contacts:
         self._items = wp.zeros(4 * room, dtype=wp.int32, device=device)
         self.given = wp.zeros(room, dtype=wp.vec3d, device=device)
         self.turned = wp.zeros(room, dtype=wp.vec3d, device=device)
+        self.felt = wp.zeros(4 * room if self._soft else 1, dtype=wp.vec3d, device=device)
+        self.worked = wp.zeros(room if self._soft else 1, dtype=wp.float64, device=device)
 
     # ------------------------------------------------------------------ search
 
@@ -237,8 +244,8 @@ class Contacts:
             self._start.zero_()
             return
         flat = pairs.ravel()
-        inside = np.flatnonzero(flat < self.n).astype(np.int32)
-        order = csr_matrix((inside, (flat[inside], np.arange(len(inside)))), shape=(self.n, len(inside)))
+        inside = np.flatnonzero(flat < self._yielding).astype(np.int32)
+        order = csr_matrix((inside, (flat[inside], np.arange(len(inside)))), shape=(self._yielding, len(inside)))
         self._start.assign(order.indptr.astype(np.int32))
         self._fill(self._items, order.data.astype(np.int32))
         self._fill(self.pairs, np.ascontiguousarray(pairs, dtype=np.int32))
@@ -246,6 +253,8 @@ class Contacts:
         self.host_kinds = kinds[:, 0]
         self.given.zero_()
         self.turned.zero_()
+        self.felt.zero_()
+        self.worked.zero_()
         self.slack.zero_()
 
     def _fill(self, array: Any, values: I32) -> None:
@@ -261,18 +270,20 @@ class Contacts:
             count = self.count
             made += [
                 p("meet", contact.meet, count, [n, s["x"], s["v"], s["u"], s["radius"], self.pairs, self.kinds, s["clock"], self.share, self.normal, self.wanted, self.impulse, self.slack]),
-                p("crowd", contact.crowd, n, [self._start, self._items, self.wanted, s["inverse"], self.split]),
+                p("crowd", contact.crowd, self._yielding, [self._start, self._items, self.wanted, s["inverse"], self.split]),
             ]  # fmt: skip
             press = p("press", contact.press, count, [s["u"], self.split, self.pairs, self.kinds, self.friction, self.share, self.normal, self.wanted, self.impulse, self.change])  # fmt: skip
             yields = p(
                 "yield",
                 contact.yield_to,
-                n,
+                self._yielding,
                 [self._start, self._items, self.wanted, self.share, self.change, s["inverse"], s["u"]],
             )
             made += [press, yields] * self.iterations
             if self.solid is not None:
                 made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
+            if self._soft:
+                made.append(p("tell_vertices", softly.tell_vertices, count, [n, self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["u"], self.felt, self.worked]))  # fmt: skip
             made.append(p("bound", bounds.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
         made.append(
             p("move", bounds.move, n, [s["clock"], self._start, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
@@ -296,6 +307,20 @@ class Contacts:
             both = np.concatenate([self.given.numpy()[solid], self.turned.numpy()[solid]], axis=1)
             for k in range(6):
                 total[:, k] = np.bincount(rows, weights=both[:, k], minlength=self.bodies)
+            if self._soft:
+                corner = self.pairs.numpy()[solid]
+                theirs = corner >= self.n
+                felt = self.felt.numpy()[: 4 * self.count].reshape(-1, 4, 3)[solid]
+                np.add.at(self._felt, corner[theirs] - self.n, felt[theirs])
+                self._work_by_row += np.bincount(rows, weights=self.worked.numpy()[solid], minlength=self.bodies)
+                self.felt.zero_()
+                self.worked.zero_()
         self.given.zero_()
         self.turned.zero_()
         return total
+
+    def felt_by_vertices(self) -> tuple[F64, F64]:
+        """Impulses given to the vertices of solids by what was collected since the last call, (m, 3), and work on the solids (b,)."""
+        found = self._felt.copy(), self._work_by_row.copy()
+        self._felt[:], self._work_by_row[:] = 0.0, 0.0
+        return found

@@ -17,6 +17,7 @@ from .contacts import Contacts
 from .mesh import adjacency
 from .pace import fastest_point, stiffening
 from .setup import ClothReport, ClothSetup
+from .soft_solids import SoftSolids
 from .stability import highest_frequency, longest_step
 
 if TYPE_CHECKING:
@@ -51,6 +52,9 @@ class Cloth:
         self.mass = np.concatenate([s.mass for s in setup.sheets])
         hinges = np.concatenate([s.hinges + o for s, o in zip(setup.sheets, offsets, strict=False)]).astype(np.int32)
         self._solids(setup)
+        self._soft = SoftSolids(setup.boundaries, self.solid_row)
+        self.loads: F64 | None = None
+        """Forces of others at the sheets' vertices, until told anew (n, 3) [N]."""
         self._lay(setup, hinges)
         self._hold(setup)
         beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
@@ -136,7 +140,7 @@ class Cloth:
                 vertex.append(hold.vertices)
                 row.append(np.full(len(hold.vertices), hold.boundary))
                 place.append(hold.place)
-        moving = [b.motion != "static" for b in setup.boundaries]
+        moving = [b.motion != "static" and not b.deforming for b in setup.boundaries]
         solid = np.flatnonzero(np.array(moving, dtype=bool)[self.solid_row]) if len(self.solid_row) else np.empty(0, int)
         vertex.append((self.n + solid).astype(np.int32))
         row.append(self.solid_row[solid])
@@ -173,7 +177,7 @@ class Cloth:
         return Contacts(
             self.passes, state, self.faces, self.n, self.solid_faces, self.solid_body, self.holder, self._kin(setup),
             np.asarray(setup.friction, dtype=np.float64), shortest=min(float(s.edge_length.min()) for s in setup.sheets),
-            touch=(2 * shell, shell), self_collision=setup.self_collision, iterations=setup.iterations,
+            touch=(2 * shell, shell), self_collision=setup.self_collision, iterations=setup.iterations, soft=bool(self._soft.rows),
         )  # fmt: skip
 
     # ------------------------------------------------------------------ step
@@ -187,6 +191,7 @@ class Cloth:
         if self.total > self.n:
             rotation, origin = bodies.rotation[self.solid_row], bodies.position[self.solid_row]
             place = np.einsum("nij,nj->ni", rotation, self.solid_place) + origin
+            self._soft.place(bodies, place)
             whole = self.x.numpy().copy() if self.device != "cpu" else self.x.numpy()
             whole[self.n :] = place
             if self.device != "cpu":
@@ -194,7 +199,7 @@ class Cloth:
         self._known = True
         self._contacts.fresh = False
 
-    def _take_bodies(self, bodies: BodyState) -> None:
+    def _take_bodies(self, bodies: BodyState, span: float) -> None:
         if len(self.setup.boundaries) == 0:
             return
         self._rotation.assign(bodies.rotation)
@@ -202,6 +207,13 @@ class Cloth:
         self._center.assign(bodies.center)
         self._velocity.assign(bodies.velocity)
         self._spin.assign(bodies.angular_velocity)
+        if self._soft.rows:
+            speeds, inverse = self.u.numpy(), self._inverse.numpy()
+            self._soft.aim(bodies, span, self.x.numpy()[self.n :], speeds[self.n :])
+            self._soft.lightness(bodies, inverse[self.n :])
+            if self.device != "cpu":
+                self.u.assign(speeds)
+                self._inverse.assign(inverse)
 
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
         """Go on for at most `limit` seconds, with bodies that go on as they move at its start.
@@ -212,14 +224,16 @@ class Cloth:
         if not self._known:
             self.place_solids(bodies)
         span = limit / max(1, math.ceil(limit / self.setup.exchange - 1e-6))
-        self._take_bodies(bodies)
+        self._take_bodies(bodies, span)
         start, speed = self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
         push = self._blow(time, start)
         solid_speed = fastest_point(self.setup.boundaries, self.solid_place, self.solid_row, bodies)
+        solid_speed = max(solid_speed, self._soft.fastest(self.u.numpy()[self.n :]))
         count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
         total = self._run(span / count, count, solid_speed)
+        pressed, worked = self._contacts.felt_by_vertices()
         self.steps_done += count
-        return self._report(span, bodies, start, push, total, count)
+        return self._report(span, bodies, start, push, total, pressed, worked, count)
 
     def _longest(self, speed: F64, push: F64, span: float, solid_speed: float) -> float:
         """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
@@ -275,13 +289,15 @@ class Cloth:
     def _blow(self, time: float, x: F64) -> F64:
         """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""
         setup, p, n = self.setup, self.passes, self.n
-        if setup.acceleration is not None:
-            self._pulled.assign(setup.gravity + setup.acceleration(x, time))
+        pulled = setup.acceleration is not None or self.loads is not None
+        if pulled:
+            pull = np.zeros((n, 3)) if setup.acceleration is None else setup.acceleration(x, time)
+            self._pulled.assign(setup.gravity + pull + (0.0 if self.loads is None else self.loads / self.mass[:, None]))
         if self.blown:
             self._air.assign(setup.air(x[self.faces].mean(axis=1), time))
             p("blow", steps.blow, len(self.faces), [self.x, self.v, self._faces, self._air, self._drag, self._blast])()
             p("catch", steps.catch_air, n, [self._mass, *self._corners, self._blast, self._pulled, self._acceleration])()
-        elif setup.acceleration is not None:
+        elif pulled:
             warp().copy(self._acceleration, self._pulled)
         return np.asarray(self._acceleration.numpy() - setup.gravity)
 
@@ -299,17 +315,21 @@ class Cloth:
               self._acceleration, self._inverse, self.target, self.clock, self._reaction, self.u])
         )  # fmt: skip
         made += self._contacts.steps()
-        if self.led_count and self.total > self.n:
+        if (self.led_count or self._soft.rows) and self.total > self.n:
             made.append(p("carry", steps.carry, self.total - n, [n, self.clock, self.u, self.x]))
         made.append(p("tick", steps.tick, 1, [self.clock]))
         return [p.chain("step", made)] if self.device != "cpu" else made
 
-    def _report(self, span: float, bodies: BodyState, start: F64, push: F64, total: F64, count: int) -> ClothReport:
+    def _report(
+        self, span: float, bodies: BodyState, start: F64, push: F64, total: F64, pressed: F64, worked: F64, count: int
+    ) -> ClothReport:
         x = self.x.numpy()[: self.n]
         if not np.isfinite(x).all():
             raise EngineError("the cloth's coordinates are not finite; shorten max_step")
         moved = x - start
-        given = self.mass[:, None] * push
+        loads = np.zeros((self.n, 3)) if self.loads is None else self.loads
+        load = np.array([*(loads.sum(0) * span), float((loads * moved).sum())])
+        given = self.mass[:, None] * push - loads
         air = np.array([*(given.sum(0) * span), float((given * moved).sum())])
         reaction = np.zeros(4)
         impulse = total.copy()
@@ -332,9 +352,13 @@ class Cloth:
             back.zero_()
         work = 0.0
         if len(total):
-            work = -float((total[:, :3] * bodies.velocity).sum() + (total[:, 3:] * bodies.angular_velocity).sum())
+            twist = np.concatenate([bodies.velocity, bodies.angular_velocity], axis=1)
+            soft = np.array([b.deforming for b in self.setup.boundaries])
+            work = -float(np.where(soft, worked, (total * twist).sum(axis=1)).sum())
         fastest = float(np.sqrt((self.v.numpy() ** 2).sum(1).max()))
-        return ClothReport(span, impulse, total, count, air, reaction, cut, work, self._contacts.count, fastest)
+        return ClothReport(
+            span, impulse, total, count, air, reaction, cut, work, self._contacts.count, fastest, load, self._soft.given(pressed)
+        )
 
     # ------------------------------------------------------------------ state
 

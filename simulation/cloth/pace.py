@@ -45,7 +45,7 @@ def fastest_point(boundaries: Sequence[Boundary], place: F64, row: I32, bodies: 
     """
     most = 0.0
     for k, boundary in enumerate(boundaries):
-        if boundary.motion == "static":
+        if boundary.motion == "static" or boundary.deforming:
             continue
         arm = place[row == k] @ bodies.rotation[k].T + bodies.position[k] - bodies.center[k]
         far = float(np.sqrt((arm**2).sum(1).max(initial=0.0)))

@@ -13,6 +13,7 @@ from ...worlds.built import BuiltPart, TriangleMesh
 from ...worlds.cloth import THIN, held_by, touching_distance
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
+from ...worlds.instances import soft_met
 from ..boundaries import Boundary, Surround, surround_of
 from .mesh import Fabric, Sheet, sheet_of
 from .setup import Air, ClothSetup, Hold
@@ -67,7 +68,7 @@ def build_scene(
         shells.append(0.5 * apart_by)
         drags.append((physics.drag, physics.skin_drag))
         velocity.append(np.tile(physics.linear_velocity, (len(sheet.mass), 1)))
-    surround = _surround(spec, built, members, apart)
+    surround = _surround(spec, built, name, members, apart)
     counts = [len(s.mass) for s in sheets]
     offsets = dict(zip([f"{m}/{p.part}" for m, p in parts], np.cumsum([0, *counts[:-1]]), strict=True))
     fields = {m: fields_of(spec, m, without) for m in members}
@@ -120,12 +121,13 @@ def _sheet(entity: Entity, physics: ClothPhysics, part: BuiltPart) -> Sheet:
 
 
 def _surround(
-    spec: WorldSpec, built: Mapping[str, BuiltEntity], members: list[str], apart: frozenset[tuple[str, str]]
+    spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, members: list[str], apart: frozenset[tuple[str, str]]
 ) -> Surround:
-    """All rigid bodies; those that the cloth passes through have no surface."""
-    found = surround_of(spec, built, EVERYWHERE, 0.0)
+    """All rigid and elastic bodies; those that the cloth passes through have no surface."""
     through = {e for m in members for e in _physics(spec.entities[m]).ignores}
     through |= {b if a in members else a for a, b in apart if {a, b} & set(members)}
+    soft = tuple(n for n in soft_met(spec, name) if n not in through)
+    found = surround_of(spec, built, EVERYWHERE, 0.0, soft=soft)
     none = TriangleMesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int32))
     kept = tuple(replace(b, mesh=none) if b.name.split("/")[0] in through else b for b in found.boundaries)
     return replace(found, boundaries=kept)

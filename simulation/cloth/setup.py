@@ -92,3 +92,7 @@ class ClothReport:
     """Pairs that were looked at in the last step."""
     fastest: float = 0.0
     """Fastest vertex at its end [m/s]."""
+    load: F64 = field(default_factory=lambda: np.zeros(4))
+    """Momentum and energy that others gave to the vertices, (4,)."""
+    vertex_impulse: dict[int, F64] = field(default_factory=dict)
+    """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -26,7 +27,7 @@ CHANNELS = (
     Channel("vertex/velocity", "f4", "m/s", ("vertices", "3"), "vertex"),
     Channel("exchange/impulse", "f8", "N s, N m s", ("boundaries", "6"), "body"),
 )
-SUMS = ("air", "hold", "cut", "solid")
+SUMS = ("air", "hold", "cut", "solid", "load")
 """What gives momentum to cloth, summed since frame 0."""
 
 
@@ -55,6 +56,24 @@ class SolverCloth(SolverPartner):
         """What it was given since frame 0: impulse and work."""
         return {name: [0.0] * 4 for name in SUMS}
 
+    def _rows(self, entity: str) -> slice:
+        ends = np.cumsum([0, *self.scene.counts])
+        own = [k for k, name in enumerate(self.scene.deformables) if name.split("/", 1)[0] == entity]
+        return slice(int(ends[own[0]]), int(ends[own[-1] + 1]))
+
+    def vertices_of(self, entity: str) -> tuple[F64, F64]:
+        """Places [m] and velocities [m/s] of an entity's vertices, each (v, 3)."""
+        places, speeds = self.engine.vertices()
+        return places[self._rows(entity)], speeds[self._rows(entity)]
+
+    def load(self, forces: Mapping[str, F64]) -> None:
+        """Forces of others at the vertices of its entities from now on, each (v, 3) [N]."""
+        if not forces and self.engine.loads is None:
+            return
+        self.engine.loads = np.zeros((self.engine.n, 3))
+        for entity, given in forces.items():
+            self.engine.loads[self._rows(entity)] = given
+
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
         return {
@@ -77,7 +96,8 @@ class SolverCloth(SolverPartner):
         if self.held(time):
             none = np.zeros((len(self.surround.boundaries), 6))
             left = self._let_go - time
-            return ClothReport(min(limit, left) if left > SHORTEST else limit, none, none, 0)
+            still = {row: np.zeros((len(s.mass), 3)) for row, s in self.surround.soft.items()}
+            return ClothReport(min(limit, left) if left > SHORTEST else limit, none, none, 0, vertex_impulse=still)
         report = self.engine.step(limit, bodies, time)
         tally, ledger = self._tally, self._ledger
         tally["steps"] += report.steps
@@ -88,7 +108,9 @@ class SolverCloth(SolverPartner):
         tally["fastest"] = max(tally["fastest"], report.fastest)
         tally["cut"] += int(report.cut[3])
         solid = np.array([*(-report.contact[:, :3].sum(0)), report.work])
-        for name, given in zip(SUMS, (report.air, report.held, np.array([*report.cut[:3], 0.0]), solid), strict=True):
+        for name, given in zip(
+            SUMS, (report.air, report.held, np.array([*report.cut[:3], 0.0]), solid, report.load), strict=True
+        ):
             ledger[name] = [a + float(b) for a, b in zip(ledger[name], given, strict=True)]
         return report
 

@@ -86,6 +86,14 @@ class Lattice:
         index, weight = self.vertex_weights
         return np.asarray(np.einsum("pk,pkc->pc", weight, values[index]))
 
+    def to_nodes(self, forces: F64) -> F64:
+        """Forces at the simulation vertices, shape (v, 3), taken to the nodes, shape (n, 3): the transpose of `at_vertices`."""
+        index, weight = self.vertex_weights
+        found = np.zeros((len(self.nodes), 3))
+        touched = np.flatnonzero(forces.any(axis=1))
+        np.add.at(found, index[touched], weight[touched][..., None] * forces[touched, None])
+        return found
+
     @cached_property
     def used(self) -> NDArray[np.bool_]:
         """Nodes of cells that hold some of the body, shape (n,)."""

@@ -147,6 +147,8 @@ class StepReport:
     """Mean and largest relative compression at the end of the step."""
     driven: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum [N s] and energy [J] that zones of waves gave to the liquid, (4,)."""
+    vertex_impulse: dict[int, F64] = field(default_factory=dict)
+    """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""
 
 
 @dataclass

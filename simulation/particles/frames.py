@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -61,6 +63,8 @@ class Taken(NamedTuple):
     came: tuple[int, float] = (0, 0.0)
     """Number and mass of what was let in."""
     died: tuple[int, float] = (0, 0.0)
+    vertex_impulse: Mapping[int, F64] = MappingProxyType({})
+    """See `coupling.Stepped`."""
 
 
 class FramedParticles(SolverPartner):

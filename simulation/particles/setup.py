@@ -120,3 +120,5 @@ class GrainReport:
     """Of fields [J]."""
     left: F64
     """What left the domain: number, mass, momentum (5,)."""
+    vertex_impulse: dict[int, F64] = field(default_factory=dict)
+    """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""

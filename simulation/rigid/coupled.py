@@ -57,6 +57,10 @@ class RigidBodies:
             origin, rotation, data.xipos[ids].copy(), linear[ids], angular[ids], mass, inertia, self._accelerations()
         )
 
+    def surfaces(self) -> dict[str, tuple[F64, F64]]:
+        """Places [m] and velocities [m/s] of the simulation vertices of elastic members at present, each (v, 3)."""
+        return {} if self._solver.flexes is None else self._solver.flexes.surfaces(self._solver.data)
+
     def _mobility(self) -> tuple[F64, F64]:
         """1/mass (n,) and inverse inertia (n, 3, 3) of each body alone.
 
@@ -91,6 +95,8 @@ class RigidBodies:
         return light, inverse
 
     def _accelerations(self) -> F64:
+        if not len(self._solver.rigid.body_ids):
+            return np.zeros((0, 3))
         mujoco, solver, probe = self._mj, self._solver, self._probe
         model, ids = solver.model, solver.rigid.body_ids
         mujoco.mj_copyData(probe, model, solver.data)

@@ -232,14 +232,22 @@ class Flexes:
         speed = np.sqrt(sum(data.qvel[self._dofs + k] ** 2 for k in range(3)))
         self.travel = max(self.travel, float(speed.max(initial=0.0)) * dt)
 
+    def places(self, data: Any, body: FlexBody) -> F64:
+        """Places of a body's nodes [m], shape (n, 3)."""
+        turn = data.xmat[body.body_ids].reshape(-1, 3, 3)
+        return np.asarray(data.xpos[body.body_ids] + np.einsum("nij,nj->ni", turn, body.offsets))
+
     def nodes(self, data: Any, body: FlexBody) -> tuple[F64, F64]:
         """Places [m] and velocities [m/s] of a body's nodes, each (n, 3)."""
-        turn = data.xmat[body.body_ids].reshape(-1, 3, 3)
-        arm = np.einsum("nij,nj->ni", turn, body.offsets)
-        places = data.xpos[body.body_ids] + arm
+        places = self.places(data, body)
         linear, angular = velocities(self.model, data)
         speeds = linear[body.body_ids] + np.cross(angular[body.body_ids], places - data.xipos[body.body_ids])
         return places, speeds
+
+    def surfaces(self, data: Any) -> dict[str, tuple[F64, F64]]:
+        """Places [m] and velocities [m/s] of every entity's simulation vertices, each (v, 3)."""
+        found = {b.entity: (b.lattice, self.nodes(data, b)) for b in self.bodies}
+        return {n: (lattice.at_vertices(p), lattice.at_vertices(v)) for n, (lattice, (p, v)) in found.items()}
 
     def channels(self, data: Any) -> dict[str, Any]:
         """Channels and records of the present state."""

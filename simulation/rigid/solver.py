@@ -22,6 +22,7 @@ from ..protocol import Channel, Intervention, Port
 from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
 from .contact_law import rest_speed, set_contact_law
 from .flex import SOFT_CHANNELS
+from .flex_loads import SOFT_EXCHANGED, SoftLoads
 from .holds import FIXED
 from .parts import Parts, carry_over, make_parts
 from .records import velocities
@@ -108,6 +109,7 @@ class SolverRigid:
         self.relaxation = open_skins(self.rigid, self.data, self.settings)
         self.drivers.remember_poses(self.data)
         self._received = np.zeros((len(self.rigid.bodies), 6))
+        self._soft = None if self.flexes is None or not self._coupled else SoftLoads(self.flexes)
 
     def _parts(self) -> Parts:
         """A model of the present clusters."""
@@ -188,7 +190,7 @@ class SolverRigid:
         self.drivers.set_model(since)
         self.drivers.set_data(self.data, since)
         if self._wrench is not None:
-            self.data.xfrc_applied += spread(self.rigid, self.data, self._wrench)
+            self.data.xfrc_applied += self._from_others()
         self.drivers.plan_paths(now, dt, count)
 
     def _segment(self, start: float, dt: float, count: int) -> int:
@@ -244,12 +246,16 @@ class SolverRigid:
         self._settle_kinematics()
         if working:
             self._work += self.work.end(velocities(model, data), dt)
+        if self._soft is not None:
+            self._soft.take(data.xfrc_applied - self.work.pushes, data, count * dt)
         return count
 
     def _taken_in(self) -> F64:
         """Wrenches of others that the engine integrates in this step, per row."""
         assert self._wrench is not None
         own = (self.data.xfrc_applied - self.work.pushes)[self.rigid.body_ids]
+        if self._soft is not None:
+            own -= self._soft.wrench[self.rigid.body_ids]
         if self.fields:
             own[:, :3] -= self.fields.present
         # Pieces of one cluster are pushed together; what each was given is what the cluster got.
@@ -300,15 +306,25 @@ class SolverRigid:
         self.time = self.frame * self._frame_time
         self._before = None
         self._received[:] = 0.0
+        if self._soft is not None:
+            self._soft.begin()
         self.fields.begin()
 
-    def step_to(self, end: float, wrench: F64 | None = None, *, start: float | None = None) -> None:
+    def step_to(
+        self,
+        end: float,
+        wrench: F64 | None = None,
+        *,
+        start: float | None = None,
+        loads: Mapping[str, F64] | None = None,
+    ) -> None:
         """Step on to `end` [s] under a constant wrench on the moving bodies.
 
         Args:
             end: [s].
             wrench: force and torque about the centre of mass, world axes, per entry of `rigid.bodies`, shape (n, 6) [N, N m].
             start: where time stands; default: where the last call of this frame ended.
+            loads: forces at the simulation vertices of elastic entities, each (v, 3) [N].
         """
         begin = self.time if start is None else start
         # Bodies on paths take what they are given without giving way: the engine need not know of it, nor their drivers' work.
@@ -317,7 +333,11 @@ class SolverRigid:
         self._wrench = None if wrench is None else np.where(absorbs[:, None], 0.0, wrench)
         self._absorbed = None if wrench is None else np.where(absorbs[:, None], wrench, 0.0)
         step = self.settings.step / 2**self.refined
+        if self._soft is not None:
+            self._soft.lay(self.data, loads or {})
         self._taken += self._run(begin, end, step, self._before)
+        if self._soft is not None:
+            self._soft.lift(self.data)
         self._wrench = None
         self.time = end
 
@@ -338,7 +358,12 @@ class SolverRigid:
         """What others apply to all bodies, shape (nbody, 6): its work is no driver's."""
         if self._wrench is None:
             return None
-        return spread(self.rigid, self.data, self._wrench)
+        return self._from_others()
+
+    def _from_others(self) -> F64:
+        assert self._wrench is not None
+        found = spread(self.rigid, self.data, self._wrench)
+        return found if self._soft is None else found + self._soft.wrench
 
     _joint_error = 0.0
 
@@ -465,6 +490,7 @@ class SolverRigid:
             "iterations_capped": self.monitor.capped,
             "overflows": self._overflows,
             "joint_error": self._joint_error,
+            **({} if self._soft is None else {"soft_exchange_work": self._soft.work}),
             **({"fracture_energy": self.breakage.energy} if self.breakage else {}),
         }
         start = max(0, self.frame - 1) * self._frame_time
@@ -480,6 +506,7 @@ class SolverRigid:
             **({"field/impulse": self.fields.impulse.copy()} if self.fields else {}),
             **self.monitor.arrays(),
             **({} if self.flexes is None else self.flexes.channels(data)),
+            **({} if self._soft is None else {"exchange/soft": self._soft.impulse.copy()}),
             **(self.breakage.arrays() if self.breakage else {}),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
@@ -491,6 +518,7 @@ class SolverRigid:
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
         soft = () if self.flexes is None else SOFT_CHANNELS
+        soft = soft if self._soft is None else (*soft, SOFT_EXCHANGED)
         more = (*((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
         return (*CHANNELS, *soft, *more, *(BROKEN if self.breakage else ()))
 

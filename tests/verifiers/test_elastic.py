@@ -52,7 +52,8 @@ def statuses(rows):
 def test_a_block_at_rest_passes(tmp_path):
     rows = judged(tmp_path, still)
     held = {"shape", "strain", "self", "volume", "step", "recovery", "energy", "solve", "records", "mass"}
-    assert statuses(rows) == dict.fromkeys(held, "pass") | {"pins": "not_applicable", "flight": "not_applicable"}
+    none = dict.fromkeys(("pins", "flight", "exchange", "together"), "not_applicable")
+    assert statuses(rows) == dict.fromkeys(held, "pass") | none
 
 
 def test_free_fall_passes_and_hovering_fails(tmp_path):

@@ -1,0 +1,134 @@
+"""A small world of soft matter of several kinds, for tests and seeded defects: a jelly drops on a cloth between four posts over a tray of sand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .small_cloth import COTTON
+from .small_grains import tray
+
+__all__ = ["HAMMOCK_PROMPT", "hammock_spec"]
+
+HAMMOCK_PROMPT = "A jelly drops on a cloth hung between four posts over a tray of sand."
+HALF, HIGH, POST = 0.22, 0.3, 0.012
+"""Half the side of the cloth, its height, and the posts' radius [m]."""
+SIDE = 0.1
+"""Of the jelly [m]."""
+
+
+def _entity(role: str, motion: str, material: str, parts: dict[str, Any], size: list[float], at: list[float]) -> dict[str, Any]:
+    return {
+        "role": role,
+        "motion": motion,
+        "material": material,
+        "dimensions": {"size": size},
+        "pose": {"position": at},
+        "parts": parts,
+    }
+
+
+def _matter() -> dict[str, Any]:
+    return {
+        "jelly": {"density": 1050, "friction": 0.5, "appearance": {"color": [0.72, 0.05, 0.06], "roughness": 0.15}},
+        "cotton": {"density": 250, "friction": 0.5, "appearance": {"color": [0.85, 0.83, 0.75], "roughness": 0.9}},
+        "wood": {"density": 600, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.45, 0.3, 0.16], "pattern": "wood"}},
+        "stone": {"density": 2500, "substance": "stone", "friction": 0.5, "appearance": {"color": [0.42, 0.42, 0.44]}},
+        "sand": {"density": 2600, "friction": 0.6, "restitution": 0.3, "appearance": {"color": [0.7, 0.55, 0.33], "roughness": 1.0}},
+    }  # fmt: skip
+
+
+def hammock_spec(
+    *,
+    frames: int = 20,
+    edge: float = 0.03,
+    drop: float = 0.1,
+    radius: float | None = 0.008,
+    coupled: bool = True,
+    **changes: Any,
+) -> dict[str, Any]:
+    """A specification without its prompt; `changes` replace top-level members.
+
+    Args:
+        frames: at 24 per second.
+        edge: of the cloth's squares [m].
+        drop: height of the jelly over the cloth at frame 0 [m].
+        radius: of the grains [m]; None: no sand.
+        coupled: whether jelly and cloth act on each other.
+    """
+    corners = {"a": (-1, -1), "b": (1, -1), "c": (-1, 1), "d": (1, 1)}
+    away = HALF + POST
+    posts = {
+        k: {"shape": {"kind": "cylinder", "radius": POST, "height": HIGH + 0.03}, "pose": {"position": [x * away, y * away, 0]}}
+        for k, (x, y) in corners.items()
+    }
+    ground = {"slab": {"shape": {"kind": "box", "size": [1.6, 1.6, 0.1]}}}
+    sheet = {"sheet": {"shape": {"kind": "sheet", "size": [2 * HALF, 2 * HALF], "resolution": edge}}}
+    entities: dict[str, Any] = {
+        "ground": _entity("stone floor", "static", "stone", ground, [1.6, 1.6, 0.1], [0, 0, -0.05]),
+        "posts": _entity(
+            "four posts", "static", "wood", posts, [2 * away + 2 * POST, 2 * away + 2 * POST, HIGH + 0.03], [0, 0, (HIGH + 0.03) / 2]
+        ),
+        "cloth": _entity("cloth between the posts", "dynamic", "cotton", sheet, [2 * HALF, 2 * HALF, COTTON["thickness"]], [0, 0, HIGH]),
+        "jelly": _entity(
+            "jelly that drops on the cloth", "dynamic", "jelly", {"body": {"shape": {"kind": "box", "size": [SIDE, SIDE, 0.06]}}},
+            [SIDE, SIDE, 0.06], [0.01, 0, HIGH + drop + 0.03],
+        ),
+        "tray": {**tray(0.26, 0.02, 0.05), "pose": {"position": [0, 0, 0.02]}},
+    }  # fmt: skip
+    entities["cloth"]["physics"] = {
+        "category": "cloth", **COTTON, "stretch_stiffness": 4000.0, "max_stretch": 0.15,
+        "pins": {k: {"center": [x * HALF, y * HALF, 0], "radius": 0.02, "to": "posts"} for k, (x, y) in corners.items()},
+    }  # fmt: skip
+    entities["jelly"]["physics"] = {
+        "category": "elastic", "young_modulus": 12000, "poisson_ratio": 0.4, "damping": 0.003, "resolution": 0.05,
+    }  # fmt: skip
+    solvers: dict[str, Any] = {
+        "bodies": {
+            "engine": "mujoco",
+            "members": ["ground", "posts", "tray", "jelly"],
+            "settings": {"step": 0.0005, "skin": 0.001},
+        },
+        "cloth": {"engine": "shell", "members": ["cloth"]},
+    }
+    if radius is not None:
+        entities["sand"] = {
+            **_entity("sand in the tray", "dynamic", "sand", {"bed": {"shape": {"kind": "box", "size": [0.25, 0.25, 0.04]}}}, [0.25, 0.25, 0.04], [0, 0, 0.042]),
+            "physics": {"category": "particles", "radius": radius, "young_modulus": 1e7, "rolling": 0.1},
+        }  # fmt: skip
+        domain = {"center": [0, 0, 0.25], "size": [0.5, 0.5, 0.7]}
+        solvers["grains"] = {"engine": "dem", "members": ["sand"], "settings": {"domain": domain}}
+    both = {"source": "cloth", "target": "bodies", "direction": "two_way", "variables": ["motion", "wrench"]}
+    return {
+        "title": "Jelly on a cloth",
+        "materials": _matter(),
+        "entities": entities,
+        "graph": {},
+        "story": {
+            "beats": {
+                "drops": {
+                    "text": "the jelly drops on the cloth", "owner": "bodies", "subject": "jelly", "frames": [0, frames - 1],
+                    "predicate": {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.08},
+                }
+            }
+        },
+        "shots": {
+            "main": {
+                "frames": [0, frames - 1], "covers": ["drops"],
+                "keys": {"k0": {"frame": 0, "position": [0.8, -0.85, 0.6], "target": [0, 0, 0.2], "fov_deg": 40}},
+            }
+        },
+        "clauses": {"c1": {"met_by": ["/story/beats/drops", "/entities/posts", "/entities/tray", "/entities/sand"][: 3 + (radius is not None)]}},
+        "simulation": {
+            "fps": 24,
+            "frames": frames,
+            "preroll": 0.1 if radius is not None else 0.0,
+            "solvers": solvers,
+            "drivers": {
+                "let_go": {"kind": "release", "entity": "jelly", "time": 0.0},
+                "air": {"kind": "field", "field": {"kind": "drag"}},
+            },
+            "couplings": {"both": both} if coupled else {},
+        },
+        "look": {"width": 480, "height": 360, "samples": 16},
+        **changes,
+    }  # fmt: skip

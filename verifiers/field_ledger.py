@@ -207,6 +207,14 @@ def field_lines(spec: WorldSpec) -> list[dict[str, str]]:
                         "effect": "by the area of their convex hulls, without lift and without torque",
                     }
                 )
+            if any(spec.entities[n].physics.category == "liquid" for n in felt):
+                found.append(
+                    {
+                        "what": f"field {name!r} blows on the surface of liquids: pressure on what faces it, the stress of open water along it",
+                        "effect": "drops below a spacing are one spacing thick, bodies of less than ten feel up to half too little, and "
+                        "within two to four spacings of solids there is a lee; no ripples smaller than that",
+                    }
+                )
         deaf = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in felt)
         if deaf and driver.entities is None:
             found.append({"what": f"field {name!r} does not act on {', '.join(deaf)}", "effect": "their engines read no fields"})

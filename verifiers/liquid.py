@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from ..worlds.errors import EvidenceError
 from .findings import Finding
 from .instance_rows import instance_row
+from .liquid_blown import Blown
 from .liquid_coupling import Coupling
 from .liquid_density import Density
 from .liquid_energy import Energy, Momentum
@@ -53,6 +54,7 @@ WATCHES: tuple[type[Watch], ...] = (
         Coupling,
         Shown,
         Waves,
+        Blown,
         Wetted,
     ),
 )

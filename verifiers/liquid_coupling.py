@@ -205,7 +205,11 @@ class Coupling:
         flow = np.array(self.flow).reshape(len(impulse), len(self.judged))
         worst, culprit, when, judged, told = 0.0, None, None, 0, ""
         for column, row in enumerate(self.judged):
-            if coupled(self.liquid, self.bodies.entities[row]) != "two_way" or self.liquid.strength < 1e-6:
+            if (
+                coupled(self.liquid, self.bodies.entities[row]) != "two_way"
+                or self.liquid.strength < 1e-6
+                or self.liquid.attracted
+            ):
                 continue
             excess, push, wanted = self._excess(
                 row, impulse[:, row, :3] @ self.liquid.up, sunk[:, column], flow[:, column], window

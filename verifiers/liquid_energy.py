@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from .liquid_frames import Liquid, Step
 
-__all__ = ["CALM", "MOMENTUM", "Energy", "Momentum"]
+__all__ = ["CALM", "MOMENTUM", "Energy", "Momentum", "blown"]
 
 MOMENTUM = 0.02
 """Own choice: share of a frame's weight and boundary impulses that may be unexplained (grids conserve momentum only nearly)."""
@@ -44,27 +44,39 @@ TENSION = 0.1
 
 
 DRIVEN_RECORDS = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
+BLOWN_RECORDS = ("field_impulse_x", "field_impulse_y", "field_impulse_z", "field_work")
 
 
 def driven(step: Step) -> F64:
-    """Momentum [N s] and energy [J] that zones of waves gave in a frame, (4,); zero where no waves are planned.
+    """Momentum [N s] and energy [J] that zones of waves and force fields gave in a frame, (4,); zero where none are planned.
 
     Raises:
-        EvidenceError: waves are planned and their records are missing.
+        EvidenceError: some are planned and their records are missing.
     """
-    if not step.liquid.waves or step.before is None:
+    waves = _since(step, DRIVEN_RECORDS) if step.liquid.waves else np.zeros(4)
+    return waves + blown(step)
+
+
+def blown(step: Step) -> F64:
+    """The same of force fields alone."""
+    return _since(step, BLOWN_RECORDS) if step.liquid.fields else np.zeros(4)
+
+
+def _since(step: Step, names: tuple[str, ...]) -> F64:
+    """What sums gained in a frame, shape (4,)."""
+    if step.before is None:
         return np.zeros(4)
-    missing = [n for n in DRIVEN_RECORDS if f"record/{n}" not in step.now.others or f"record/{n}" not in step.before.others]
+    missing = [n for n in names if f"record/{n}" not in step.now.others or f"record/{n}" not in step.before.others]
     if missing:
         raise EvidenceError(f"frame {step.now.index} of {step.liquid.solver!r} lacks record/{missing[0]}; bake again")
-    return np.array([float(step.now.others[f"record/{n}"]) - float(step.before.others[f"record/{n}"]) for n in DRIVEN_RECORDS])
+    return np.array([float(step.now.others[f"record/{n}"]) - float(step.before.others[f"record/{n}"]) for n in names])
 
 
 class Energy:
     """Kinetic and potential energy of every frame, with what brought or took any."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "energy": "mechanical energy less what inflow, waves and bodies brought never grows by more than limits.energy_growth of that in play",
+        "energy": "mechanical energy less what inflow, waves, fields and bodies brought never grows by more than limits.energy_growth of that in play",
         "calm": f"undriven liquid with a resting surface has at most {CALM:g} of weight x height / 2 as kinetic energy",
     }
 
@@ -105,7 +117,8 @@ class Energy:
         self.doubt.append(doubt)
         inflow = any(liquid.active(n, frame.index) for n in liquid.inflows)
         waves = any(w.start < frame.index * liquid.duration for w in liquid.waves.values())
-        self.driven.append(bool(inflow or waves or len(step.gone) or self.bodies.moving[frame.index] > DRIVEN))
+        blowing = any(f.acts((frame.index - 1) * liquid.duration, frame.index * liquid.duration) for f in liquid.fields)
+        self.driven.append(bool(inflow or waves or blowing or len(step.gone) or self.bodies.moving[frame.index] > DRIVEN))
 
     def _bodies(self, step: Step) -> tuple[float, float]:
         """Work of moving boundaries on the liquid in the frame [J], and how far the frame's ends leave it open."""
@@ -175,7 +188,7 @@ class Momentum:
     """Change of the liquid's momentum per frame against its causes."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "momentum": f"momentum changes by gravity, boundaries, waves, inflow and outflow, within {MOMENTUM:.0%} of a frame's weight and impulses"
+        "momentum": f"momentum changes by gravity, boundaries, waves, fields, inflow and outflow, within {MOMENTUM:.0%} of a frame's weight and impulses"
     }
 
     def __init__(self, liquid: Liquid) -> None:

@@ -65,7 +65,7 @@ class Flight:
         mean: F64 = np.stack(
             [np.bincount(mine[keep], change[:, a] * frame.mass[step.here[keep]], len(free)) for a in range(3)], axis=1
         )
-        mean = mean[free] / mass[free, None]
+        mean = mean[free] / mass[free, None] - self._attracted(step, mine, keep, mass)[free]
         slip = np.linalg.norm(mean - liquid.gravity * step.duration, axis=1)
         bound = max(FLIGHT * liquid.strength * step.duration, LEAST_SLIP)
         self.judged += len(slip)
@@ -77,6 +77,17 @@ class Flight:
             worst = int(np.flatnonzero(free)[int(np.argmax(slip))])
             rows = clusters == worst
             self.first = (frame.index, int(rows.sum()), place(frame.position[rows].mean(axis=0)), float(slip.max()))
+
+    def _attracted(self, step: Step, mine: NDArray[np.intp], keep: NDArray[np.bool_], mass: F64) -> F64:
+        """Mean change of velocity of every cluster by attracting fields [m/s]; the mean of both frames'."""
+        found = np.zeros((len(mass), 3))
+        if not self.liquid.attracted or step.before is None:
+            return found
+        gain = 0.5 * (self.liquid.pull(step.now, ending=True)[step.here] + self.liquid.pull(step.before)[step.there])[keep]
+        weight = gain * step.now.mass[step.here[keep], None]
+        for axis in range(3):
+            found[:, axis] = np.bincount(mine[keep], weight[:, axis], len(mass))
+        return np.asarray(step.duration * found / np.maximum(mass, 1e-300)[:, None])
 
     def _of(self, frame: Frame) -> NDArray[np.intp]:
         """Cluster of every particle of a frame."""
@@ -100,6 +111,8 @@ class Flight:
         travel = 2.0 * liquid.spacing + step.duration * frame.speed
         near = np.zeros(frame.count, dtype=bool)
         near[step.new] = True
+        if liquid.fields:  # drops that a medium drags are no free fall
+            near |= liquid.air(frame)[1] | liquid.switches(frame.index)
         rows = np.flatnonzero(same[clusters])
         near[rows] |= self._touching(frame.position[rows], travel[rows], frame.index)
         for name in liquid.inflows:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, pose_of, rotation_matrix
 from ..worlds.errors import EvidenceError
+from ..worlds.fields import fields_of
 from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.spec import InflowDriver, LiquidPhysics, OutflowDriver
 from ..worlds.waves import waves_of
@@ -141,6 +142,9 @@ class Liquid:
         }
         self.waves = waves_of(spec, solver)
         """Declared seas, by driver."""
+        found = tuple(fields_of(spec, m) for m in self.members)
+        self.fields = found if any(found) else ()
+        """Force fields on each member, or none at all."""
         self.outflows = {
             n: d for n, d in spec.simulation.drivers.items() if isinstance(d, OutflowDriver) and d.entity in self.members
         }
@@ -150,6 +154,41 @@ class Liquid:
         physics = self.candidate.spec.entities[member].physics
         assert isinstance(physics, LiquidPhysics)
         return physics
+
+    def switches(self, index: int) -> bool:
+        """Whether a field begins, reaches its strength or ends within the interval that ends at a frame."""
+        last, now = (index - 1) * self.duration, index * self.duration
+        times = [t for f in self.fields for d in f.drivers for t in (d.start, d.start + d.rise, d.end) if t is not None]
+        return any(last + 1e-9 < t < now - 1e-9 for t in times)
+
+    def pull(self, frame: Frame, *, ending: bool = False) -> F64:
+        """Acceleration of attracting fields at the particles of a frame [m/s^2], shape (n, 3).
+
+        Args:
+            frame: where the particles are.
+            ending: just before the frame's time, not from it on.
+        """
+        time = max(frame.index * self.duration - (1e-9 if ending else 0.0), 0.0)
+        found: F64 = np.zeros((frame.count, 3))
+        for member, fields in enumerate(self.fields):
+            rows = np.flatnonzero(frame.fluid == member)
+            found[rows] = fields.acceleration(frame.position[rows], time)
+        return found
+
+    def air(self, frame: Frame) -> tuple[F64, NDArray[np.bool_]]:
+        """Velocity of the medium at the particles of a frame [m/s], shape (n, 3), and where there is any, shape (n,)."""
+        velocity, there = np.zeros((frame.count, 3)), np.zeros(frame.count, dtype=bool)
+        for member, fields in enumerate(self.fields):
+            if fields.has_medium:
+                rows = np.flatnonzero(frame.fluid == member)
+                medium = fields.medium(frame.position[rows], frame.index * self.duration)
+                velocity[rows], there[rows] = medium.velocity, medium.density > 0
+        return velocity, there
+
+    @property
+    def attracted(self) -> bool:
+        """Whether a field of the plan accelerates any of it."""
+        return any(d.field.kind == "attraction" for f in self.fields for d in f.drivers)
 
     @cached_property
     def strength(self) -> float:

@@ -22,7 +22,7 @@ from .verdicts import correction
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from .liquid_frames import Liquid, Rows, Step
+    from .liquid_frames import Frame, Liquid, Rows, Step
 
 __all__ = ["Motion", "Trapped"]
 
@@ -78,7 +78,7 @@ class Motion:
         v0, v1 = before.velocity[step.there], frame.velocity[step.here]
         missed = np.linalg.norm(moved - 0.5 * h * (v0 + v1), axis=1)
         speeds = before.speed[step.there] + frame.speed[step.here]
-        allowed = 0.5 * h * (speeds + self.liquid.strength * h)
+        allowed = 0.5 * h * (speeds + (self.liquid.strength + self._pulled(frame)) * h)
         excess = (missed - allowed) / s
         worst = int(np.argmax(excess))
         self.jump.append(max(0.0, float(excess[worst])))
@@ -89,6 +89,14 @@ class Motion:
                 place(frame.position[step.here[worst]]),
                 float(speeds[worst]),
             )
+
+    def _pulled(self, frame: Frame) -> float:
+        """Largest acceleration of an attracting field at a particle [m/s^2]."""
+        return (
+            max(float(np.linalg.norm(self.liquid.pull(frame, ending=e), axis=1).max(initial=0.0)) for e in (True, False))
+            if self.liquid.fields
+            else 0.0
+        )
 
     def _spikes(self, step: Step) -> None:
         frame, liquid = step.now, self.liquid
@@ -105,6 +113,10 @@ class Motion:
                 self.given = max(self.given, driver.flow_speed)
                 self.top = max(self.top, float(liquid.inflow_frame(name)[0] @ liquid.up))
         self.given = max(self.given, 2.0 * float(self.bodies.moving[frame.index]))
+        if liquid.fields:
+            velocity, _ = liquid.air(frame)
+            self.given = max(self.given, float(np.linalg.norm(velocity, axis=1).max()))
+            self.given += self._pulled(frame) * liquid.duration
         fall = max(self.top - self.lowest, 0.0) + 2.0 * liquid.spacing
         allowed = JET * np.sqrt(self.given**2 + 2.0 * liquid.strength * fall) + 0.05
         speed = frame.speed

@@ -71,6 +71,8 @@ class Sticking:
     def _falls(self, member: int) -> bool:
         """Whether drops of a spacing fall off: larger ones than surface tension holds do."""
         liquid = self.liquid
+        if liquid.fields and liquid.fields[member]:  # it may be drawn to where it is, or blown
+            return False
         tension = liquid.physics(liquid.members[member]).surface_tension
         return bool(liquid.strength * liquid.rest_density[member] * liquid.spacing**2 > tension)
 

@@ -30,7 +30,7 @@ GUSTS = 8
 """Waves that gusts are made of."""
 FACINGS = 128
 """Directions into which the faces of a body are gathered when it has more of them."""
-FELT = frozenset({"rigid", "particles", "cloth", "elastic"})
+FELT = frozenset({"rigid", "particles", "cloth", "elastic", "liquid"})
 """Categories of entities that feel fields."""
 
 

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .canonical import digest_of
+from .fields import acting_on, field_drivers
 from .instances import coupled_groups
 from .liquids import domain_box, initial_box, spacing_of
 from .requirements import Row
@@ -119,7 +120,8 @@ def liquid_slice(spec: WorldSpec, name: str, meeting: Iterable[str]) -> dict[str
             k: d.model_dump(mode="json")
             for k, d in plan.drivers.items()
             if d.kind in ("inflow", "outflow", "waves") and d.entity in members
-        },
+        }
+        | {k: d.model_dump(mode="json") for k, d in field_drivers(spec).items() if set(members) & set(acting_on(spec, d))},
         "clock": [plan.fps, plan.preroll, list(plan.gravity), plan.seed],
     }
 

@@ -42,6 +42,11 @@ _ALL = (
     Quantity("driver_impulse_x", "kg m/s", "momentum that zones of waves gave to a liquid since frame 0", of=_LIQUID),
     Quantity("driver_impulse_y", "kg m/s", "momentum that zones of waves gave to a liquid since frame 0", of=_LIQUID),
     Quantity("driver_impulse_z", "kg m/s", "momentum that zones of waves gave to a liquid since frame 0", of=_LIQUID),
+    *(
+        Quantity(f"field_impulse_{a}", "kg m/s", "momentum that force fields gave to a liquid since frame 0", of=_LIQUID)
+        for a in "xyz"
+    ),
+    Quantity("field_work", "J", "work that force fields did on a liquid since frame 0", of=_LIQUID),
     Quantity("mass", "kg", "sum over moving bodies; of a liquid, what is in the domain", conserved=True, of=_BOTH),
     Quantity("body_count", "1", "moving bodies", conserved=True),
     Quantity("max_speed", "m/s", "fastest centre of mass or particle over all steps of the frame", of=_BOTH),

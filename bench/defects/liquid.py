@@ -17,6 +17,7 @@ from ...worlds.spec import Pose
 from .. import small_worlds as sw
 from ..liquid_worlds import DENSITY, Flow, stream
 from . import _liquid_scenes as scenes
+from ._liquid_fields import drawn, undrawn
 from ._liquid_resolution import apex, clinging, ledge, narrow_way, parted, thin_wall, tight_drain, tight_tap
 from ._liquid_scenes import SPACING
 from ._liquid_waves import flat_waves, slow_waves, waving
@@ -389,6 +390,8 @@ SUITE = Suite(
         _defect("shifted", "places of the wet map lie off the surfaces", shifted, 2e-5, 0.01, "m", 1e-5),
         _defect("flat_waves", "waves lack a share of their declared height", flat_waves, 0.28, 1.0, "1", 0.25),
         _defect("slow_waves", "waves have a longer period than declared", slow_waves, 0.06, 0.5, "1", 0.05),
+        _defect("undrawn", "a force field gave less than it says", undrawn, 0.06, 1.0, "1", 0.05),
+        _clean("drawn", "a field draws falling water aside", lambda rng, m: drawn(rng, pull=m), 0.5, 20.0, "m/s^2"),
         _clean("waves", "waves travel from one zone to the other", lambda rng, m: waving(rng, height=m), 0.02, 0.04, "m"),
         Mechanism("wetted", "a swaying pool with its wet maps", False, wetted, 0.001, 0.006, "m"),
         _clean("parted", "a way that is just resolved", lambda rng, m: parted(rng, m * SPACING), 3.03, 6.0, "spacings"),

@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from ...worlds.arrays import F64, I32
+from ...worlds.fields import Fields
 from ...worlds.waves import Sea
 from ..boundaries import BodyState, Boundary
 
@@ -119,6 +120,10 @@ class LiquidSetup:
     inflows: tuple[Inflow, ...] = ()
     outflows: tuple[Outflow, ...] = ()
     waves: tuple[WaveZones, ...] = ()
+    fields: tuple[Fields, ...] = ()
+    """Of each fluid, or none at all."""
+    preroll: float = 0.0
+    """Time of the engine at which that of the fields begins [s]."""
     scattered: bool = False
     """The particles lie off the points of a lattice already: no engine adds offsets of its own."""
     device: str = "cpu"
@@ -149,6 +154,8 @@ class StepReport:
     """Momentum [N s] and energy [J] that zones of waves gave to the liquid, (4,)."""
     vertex_impulse: dict[int, F64] = field(default_factory=dict)
     """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""
+    blown: F64 = field(default_factory=lambda: np.zeros(4))
+    """The same from force fields, (4,)."""
 
 
 @dataclass

@@ -13,6 +13,7 @@ from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of, rotation_matrix
 from ...worlds.built import BuiltEntity
 from ...worlds.errors import InputError
+from ...worlds.fields import Fields, fields_of
 from ...worlds.liquids import domain_box, spacing_of
 from ...worlds.provenance import DOMAIN_MARGIN
 from ...worlds.waves import sea_of, waves_of
@@ -75,6 +76,8 @@ def build_scene(
         inflows=tuple(i for i in _inflows(spec, instance) if i.name not in without),
         outflows=tuple(_outflows(spec, instance)),
         waves=tuple(w for w in _waves(spec, name, spacing) if w.name not in without),
+        fields=_fields(spec, instance, without),
+        preroll=plan.preroll,
         scattered=instance.engine == "flip",
         device=instance.settings.device,
         seed=plan.seed,
@@ -97,6 +100,11 @@ def _fluid(spec: WorldSpec, member: str) -> Fluid:
         heat_capacity=physics.heat_capacity,
         activation=physics.activation,
     )
+
+
+def _fields(spec: WorldSpec, instance: LiquidInstance, without: frozenset[str]) -> tuple[Fields, ...]:
+    found = tuple(fields_of(spec, member, without) for member in instance.members)
+    return found if any(found) else ()
 
 
 # ---------------------------------------------------------------- particles

@@ -42,6 +42,7 @@ ENGINES = {"dfsph": ("dfsph", "Dfsph"), "flip": ("flip", "Flip")}
 DOMAIN = "domain"
 """Name under which engines report what left through open sides."""
 DRIVEN = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
+BLOWN = ("field_impulse_x", "field_impulse_y", "field_impulse_z", "field_work")
 """Records of what zones of waves gave."""
 
 
@@ -86,7 +87,7 @@ class SolverLiquid(SolverPartner):
         """Sums since frame 0."""
         count, p = len(self.drivers), self.engine.particles()
         mass = float((p.volume * self._density[p.fluid]).sum())
-        return {"in": [0.0] * count, "out": [0.0] * count, DOMAIN: 0.0, "mass": mass, "driven": [0.0] * 4}
+        return {"in": [0.0] * count, "out": [0.0] * count, DOMAIN: 0.0, "mass": mass, "driven": [0.0] * 4, "blown": [0.0] * 4}
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
@@ -131,7 +132,8 @@ class SolverLiquid(SolverPartner):
         tally["capped"] += int(report.capped > 0)
         tally["mean"] = max(tally["mean"], report.density_error[0])
         tally["max"] = max(tally["max"], report.density_error[1])
-        ledger["driven"] = [a + float(b) for a, b in zip(ledger["driven"], report.driven, strict=True)]
+        for name, given in (("driven", report.driven), ("blown", report.blown)):
+            ledger[name] = [a + float(b) for a, b in zip(ledger[name], given, strict=True)]
         for name, mass in report.added.items():
             ledger["in"][self._row[name]] += mass
         for name, mass in report.removed.items():
@@ -182,6 +184,7 @@ class SolverLiquid(SolverPartner):
             "outflow_mass": sum(ledger["out"]),
             "domain_outflow": ledger[DOMAIN],
             **dict(zip(DRIVEN, ledger["driven"], strict=True)),
+            **dict(zip(BLOWN, ledger["blown"], strict=True)),
         }
         return {
             "origin": self.origin,

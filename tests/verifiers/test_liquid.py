@@ -35,7 +35,7 @@ def test_still_water_passes_every_row_that_has_a_case(tmp_path: Path) -> None:
     assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest"}
     assert {n for n, r in rows.items() if r.status == "not_applicable"} == {
         *("source", "openings", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop", "wet"),
-        *("waves_height", "waves_period"),
+        *("waves_height", "waves_period", "fields"),
     }
     assert {r.status for r in rows.values()} == {"pass", "not_applicable"}
 
@@ -71,6 +71,7 @@ BREACHES = [
     ("shifted", 1e-3, {"wet"}),
     ("flat_waves", 0.5, {"waves_height"}),
     ("slow_waves", 0.3, {"waves_period"}),
+    ("undrawn", 0.2, {"fields", "momentum"}),
 ]
 
 

@@ -11,6 +11,7 @@ from ....worlds.arrays import F64
 from ....worlds.errors import EngineError
 from ...boundaries import BodyState
 from ...passes import Pass, Passes
+from ..blowing import Blowing
 from ..engine import LiquidSetup, Particles, StepReport
 from ..zones import Zones
 from .bodies import Coupling, sampled_boundaries
@@ -95,6 +96,7 @@ class Dfsph:
         self.viscosity = Viscosity(setup, self._density, self.passes)
         self.dissipation = Dissipation(setup, self.passes)
         self.zones = Zones(setup, self.origin, self.device)
+        self.blowing = Blowing(setup)
         self._host = np.zeros(SETTINGS, dtype=np.float32)
         self._work: Work | None = None
         self._sorted = 0
@@ -165,6 +167,7 @@ class Dfsph:
         self.coupling.meet(w, s.x, s.volume, w.lift, self.keep_out.surfaces, self.h, n)
         launch, pull = (lambda k, many, of: run("zones", k, many, of)()), [s.x, s.volume, w.lightness, s.v]
         driven = self.zones.pull(launch, "pull_particles", n, pull, self.time, dt)
+        blown = self._blow(s, w, bodies, n, dt)
         run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
         self.tension.apply(w, s, self.coupling, self._grid, self._sides, self.h, n)
         self.coupling.advance()
@@ -191,8 +194,20 @@ class Dfsph:
         given, taken = self.coupling.wrenches()
         capped = int(pressed.capped) + int(spread.capped) + int(not thin)
         return StepReport(
-            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven
+            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven, blown
         )
+
+    def _blow(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> F64:
+        """Let force fields act on the particles; momentum and energy that they gave, (4,)."""
+        if not self.blowing.acts(self.time, dt):
+            return np.zeros(4)
+        place, v = s.x.numpy()[:n].astype(np.float64) + self.origin, s.v.numpy().copy()
+        volume, fluid = s.volume.numpy()[:n].astype(np.float64), s.fluid.numpy()[:n].astype(np.int64)
+        free = (w.lightness.numpy()[:n] > 0).astype(np.float64)
+        found = self.blowing.kick(place, v[:n].astype(np.float64), volume, fluid, free, bodies, self.time, dt)
+        v[:n] += found.change.astype(np.float32)
+        s.v.assign(v)
+        return found.given
 
     def _solve(self, w: Work, *, density: bool) -> Solved:
         s, k = self.store.now, self.settings

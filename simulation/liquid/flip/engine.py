@@ -13,6 +13,7 @@ from ....geometry.launch import chosen_device, warp
 from ....worlds.arrays import F64
 from ....worlds.errors import EngineError, EvidenceError, LimitError
 from ...boundaries import BodyState
+from ..blowing import Blowing
 from ..engine import LiquidSetup, Particles, StepReport
 from ..zones import Zones
 from . import column_kernels as columns
@@ -86,6 +87,7 @@ class Flip:
         self.solids = Solids(self.run, setup, self._origin)
         self.sources = Sources(self.run, setup, self._origin)
         self.zones = Zones(setup, self._origin, self.device)
+        self.blowing = Blowing(setup)
         self.viscosity = Viscosity(self.run, setup)
         self.time = 0.0
         self._begun = False
@@ -124,7 +126,7 @@ class Flip:
             return self._close(dt, np.zeros((self.solids.count, 6)), np.zeros((self.solids.count, 6)), (0, 0), 0, (0.0, 0.0))
         grid = self._build_grid()
         self._dt = dt
-        driven = self._pull(dt)
+        driven, blown = self._pull(dt), self._blow(bodies, dt)
         self._to_faces(grid, dt)
         mouths, half = self.sources.speeds(self.time, dt)
         self._cut(grid, half)
@@ -151,13 +153,30 @@ class Flip:
         reaction = exchange.felt(impulse, change)
         self._advance(grid, exchange, ratio)
         report = self._close(dt, impulse[: self.solids.count], reaction, (iterations, moved.iterations), capped, excess)
-        return replace(report, driven=driven)
+        return replace(report, driven=driven, blown=blown)
 
     def _pull(self, dt: float) -> F64:
         """Draw particles in zones of waves towards them."""
         markers = self.markers
         state = [self._cell, self._density * self._cell**3, markers.position, markers.velocity]
         return self.zones.pull(partial(self.run, grain=8), "pull_cells", markers.total, state, self.time, dt)
+
+    def _blow(self, bodies: BodyState, dt: float) -> F64:
+        """Let force fields act on the markers; momentum and energy that they gave, (4,)."""
+        if not self.blowing.acts(self.time, dt):
+            return np.zeros(4)
+        markers, count = self.markers, self.markers.total
+        place, speed = self.run.read(markers.position, count), self.run.read(markers.velocity, count)
+        rows = np.flatnonzero(place[:, 3] > 0)
+        volume = place[rows, 3].astype(np.float64) * self._cell**3
+        fluid = markers.fluid[self.run.read(markers.slot, count)[rows]].astype(np.int64)
+        world = place[rows, :3].astype(np.float64) * self._cell + markers.origin
+        found = self.blowing.kick(
+            world, speed[rows, :3].astype(np.float64), volume, fluid, np.ones(len(rows)), bodies, self.time, dt
+        )
+        speed[rows, :3] += found.change.astype(np.float32)
+        markers.velocity.assign(speed)
+        return found.given
 
     def _close(
         self, dt: float, impulse: F64, reaction: F64, iterations: tuple[int, int], capped: int, excess: tuple[float, float]

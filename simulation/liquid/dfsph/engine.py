@@ -194,7 +194,7 @@ class Dfsph:
         given, taken = self.coupling.wrenches()
         capped = int(pressed.capped) + int(spread.capped) + int(not thin)
         return StepReport(
-            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven, blown
+            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven, blown=blown
         )
 
     def _blow(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> F64:

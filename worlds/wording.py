@@ -21,11 +21,12 @@ __all__ = [
 ]
 
 _MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
-_FALL = _MOTION - {"speed"} | {"breach", "debris"}
+_GRAINS = frozenset({"particle_count_in", "particle_volume_in", "run_out", "pile_height"})
+_FALL = _MOTION - {"speed"} | {"breach", "debris"} | _GRAINS
 _BLOW = _MOTION | {"contact", "breach", "broken"}
 EVENTS: Mapping[str, frozenset[str] | None] = {
     **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
-    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION),
+    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION | _GRAINS),
     **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), _BLOW),
     **dict.fromkeys(
         ("break", "burst", "drip", "explode", "flood", "leak", "overflow", "pour", "shatter", "slosh", "spill", "splash"), None

@@ -42,7 +42,7 @@ SLOPES = ((0.2, 0.0), (0.5, 0.0), (0.5, 0.1), (0.5, 0.2), (0.7, 0.3))
 
 def zhou(diameter: float) -> float:
     """Slope [degrees] of a heap of glass beads of a diameter [m], with friction and rolling lengths held (Zhou et al. 2002)."""
-    return 29.6 * (1e3 * diameter) ** -0.206
+    return 29.6 * math.pow(1e3 * diameter, -0.206)
 
 
 class Heap(NamedTuple):

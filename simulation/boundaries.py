@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
 if TYPE_CHECKING:
     from ..worlds.spec import Entity, WorldSpec
 
-__all__ = ["BodyState", "Boundary", "SoftBoundary", "Surround", "meets_domain", "surround_of"]
+__all__ = ["BodyState", "Boundary", "MovingSurface", "SoftBoundary", "Surround", "meets_domain", "surround_of"]
 
 HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
@@ -50,6 +50,17 @@ class SoftBoundary:
     """That belongs to each vertex (v,) [kg]; the boundary's centre of mass is theirs."""
 
 
+class MovingSurface(NamedTuple):
+    """The vertices of a deforming entity at one time."""
+
+    places: F64
+    """(v, 3) [m]"""
+    speeds: F64
+    """(v, 3) [m/s]"""
+    lightness: F64
+    """What each alone is sped up by an impulse at it (v,) [1/kg]; 0 of what is held."""
+
+
 @dataclass
 class BodyState:
     """State of the boundaries' bodies at one time, one row per boundary."""
@@ -73,7 +84,7 @@ class BodyState:
     vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
     """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
     vertex_lightness: dict[int, F64] = field(default_factory=dict)
-    """Of those that react: row -> 1/mass of each vertex as if it were alone (v,) [1/kg]."""
+    """Of those that react: row -> what each vertex alone is sped up by an impulse at it (v,) [1/kg]."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from .bodies import lay_vertices, resting
-from .boundaries import BodyState, Surround
+from .boundaries import BodyState, MovingSurface, Surround
 from .protocol import SHORTEST, Solver
 from .rigid.coupled import MovingBodies, RigidBodies
 from .rigid.solver import SolverRigid
@@ -78,8 +78,8 @@ class Deforms(Protocol):
     def members(self) -> tuple[str, ...]:
         """Its entities."""
 
-    def vertices_of(self, entity: str) -> tuple[F64, F64]:
-        """Places [m] and velocities [m/s] of an entity's vertices, each (v, 3)."""
+    def surface(self, entity: str) -> MovingSurface:
+        """An entity's vertices at present."""
 
     def load(self, forces: Mapping[str, F64]) -> None:
         """Forces at the vertices of its entities from now on, each (v, 3) [N]."""
@@ -184,7 +184,7 @@ class CoupledRun:
             self.rigid.step_to(until, wrench / (until - time), start=time, loads=loads)
             time = until
 
-    def _bodies_of(self, number: int, moving: MovingBodies, surfaces: Mapping[str, tuple[F64, F64]]) -> BodyState:
+    def _bodies_of(self, number: int, moving: MovingBodies, surfaces: Mapping[str, MovingSurface]) -> BodyState:
         """States of one partner's boundaries: those at rest at their places, the others as they are."""
         rest, rows = self._rest[number], self._rows[number]
         found = BodyState(
@@ -197,10 +197,9 @@ class CoupledRun:
                 getattr(found, field)[own] = getattr(moving, field)[other]
         for soft in self._soft[number]:
             owner = self.partners[soft.owner]
-            state = surfaces[soft.entity] if soft.owner < 0 or not isinstance(owner, Deforms) else owner.vertices_of(soft.entity)
-            surface = self.partners[number].surround.soft[soft.row]
-            lay_vertices(found, soft.row, surface, *state)
-            found.vertex_lightness[soft.row] = 1.0 / surface.mass
+            now = owner.surface(soft.entity) if soft.owner >= 0 and isinstance(owner, Deforms) else surfaces[soft.entity]
+            lay_vertices(found, soft.row, self.partners[number].surround.soft[soft.row], now.places, now.speeds)
+            found.vertex_lightness[soft.row] = now.lightness
         return found
 
 

@@ -18,6 +18,7 @@ from .particle_contacts import stored_energy
 from .particle_frames import matched
 from .particle_rows import finer_step
 from .rigid import energy_scale, largest_growth
+from .soft_solids import soft_walls
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -140,6 +141,7 @@ class Books:
         self.work: list[float] = []
         self.doubt: list[float] = []
         self._walls = _walls_of(swarm)
+        self._soft = soft_walls(swarm.candidate, swarm.solver) if swarm.granular else {}
 
     def see(self, now: SwarmFrame, before: SwarmFrame | None) -> None:
         """Add one frame up."""
@@ -175,6 +177,15 @@ class Books:
                 doubt += float(np.linalg.norm(j) * 0.5 * np.linalg.norm(v[frame] - v[frame - 1]))
             # Before it hits within a frame, a body may have fallen for as long as that.
             doubt += float(np.linalg.norm(reaction[row, :3]) * np.linalg.norm(self.swarm.gravity) * self.swarm.duration)
+        for row, name in enumerate(self.swarm.cache.index.colliders):
+            soft = self._soft.get(name.split("/", 1)[0])
+            if soft is not None and frame > 0 and reaction[row, :3].any():
+                # Which vertices were pushed is not told: any of them.
+                speeds = 0.5 * (soft.velocities(frame - 1) + soft.velocities(frame))
+                mean = speeds.mean(axis=0)
+                work += float(reaction[row, :3] @ mean)
+                spread = float(np.linalg.norm(speeds - mean, axis=1).max())
+                doubt += float(np.linalg.norm(reaction[row, :3])) * spread
         return work, doubt
 
     def findings(self) -> dict[str, Finding]:

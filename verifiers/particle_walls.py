@@ -12,6 +12,7 @@ from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_solids import deepest, pieces_of
 from .particle_rows import finer_step, stiffer
+from .soft_solids import soft_depths
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Walls:
     """Particles against solids."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "inside": "no particle's middle is inside a solid",
+        "inside": "no particle's middle is inside a solid, one that deforms included",
         "exchange": f"impulse given to each body + what the particles lost through it = 0 within {REACTION:g} of its largest",
         "received": "what coupled bodies received is what the particles gave",
         "declared": "freely moving bodies that grains push are coupled both ways, or declared one-way",
@@ -59,6 +60,14 @@ class Walls:
                 worst = int(np.argmax(found.value))
                 where = [round(float(c), 4) for c in now.position[found.rows[worst]]]
                 self.first = (now.index, found.piece.entity, found.piece.part, int(deep.sum()), float(found.value.max()), where)
+        if self.swarm.granular:
+            for soft in soft_depths(self.swarm.candidate, self.swarm.solver, now.position, now.index):
+                self.total += len(soft.rows)
+                self.depth = max(self.depth, float(soft.value.max()))
+                if self.first is None:
+                    worst = int(np.argmax(soft.value))
+                    where = [round(float(c), 4) for c in now.position[soft.rows[worst]]]
+                    self.first = (now.index, soft.entity, soft.part, len(soft.rows), float(soft.value.max()), where)
         data = self.swarm.exchange(now.index)
         self.impulse.append(data["exchange/impulse"])
         self.reaction.append(data["exchange/reaction"])

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["bake_order", "coupled_groups", "coupling_problems", "instance_for", "membership_problems", "soft_met"]
 
-MEETS_ELASTIC = ("shell",)
+MEETS_ELASTIC = ("shell", "dem")
 """Engines whose matter meets elastic bodies as it meets rigid ones."""
 
 
@@ -22,9 +22,11 @@ def instance_for(spec: WorldSpec, category: str) -> str:
 
 
 def soft_met(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Deforming entities whose surfaces an instance meets, by name: all elastic bodies, if its engine can."""
+    """Deforming entities whose surfaces an instance meets, by name: all elastic bodies, if its engine can (grains on a CPU)."""
     plan = spec.simulation
     if name not in plan.solvers or plan.solvers[name].engine not in MEETS_ELASTIC:
+        return ()
+    if name in plan.particles and getattr(plan.particles[name].settings, "device", "cpu") != "cpu":
         return ()
     members = {m for r in plan.rigid.values() for m in r.members if m in spec.entities}
     return tuple(sorted(m for m in members if spec.entities[m].physics.category == "elastic"))

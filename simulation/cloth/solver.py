@@ -12,7 +12,7 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
 from ...worlds.cloth import release_time
-from ..boundaries import BodyState, Surround
+from ..boundaries import BodyState, MovingSurface, Surround
 from ..partner import SolverPartner, motion_records
 from ..protocol import SHORTEST, Channel
 from .energy import bending_energy, edge_ratios, membrane_energy
@@ -61,10 +61,11 @@ class SolverCloth(SolverPartner):
         own = [k for k, name in enumerate(self.scene.deformables) if name.split("/", 1)[0] == entity]
         return slice(int(ends[own[0]]), int(ends[own[-1] + 1]))
 
-    def vertices_of(self, entity: str) -> tuple[F64, F64]:
-        """Places [m] and velocities [m/s] of an entity's vertices, each (v, 3)."""
-        places, speeds = self.engine.vertices()
-        return places[self._rows(entity)], speeds[self._rows(entity)]
+    def surface(self, entity: str) -> MovingSurface:
+        """An entity's vertices at present."""
+        own, (places, speeds) = self._rows(entity), self.engine.vertices()
+        lightness = np.where(self.engine.holder == -2, 1.0 / self.engine.mass, 0.0)
+        return MovingSurface(places[own], speeds[own], lightness[own])
 
     def load(self, forces: Mapping[str, F64]) -> None:
         """Forces of others at the vertices of its entities from now on, each (v, 3) [N]."""

@@ -186,7 +186,8 @@ class Grains:
         impulse = self.walls.end()
         reaction = self.walls.taken(self.passes, self.now)
         blown, work = self._blown()
-        return GrainReport(seconds, impulse, reaction, taken, speed, blown, work, self.left)
+        given = self.walls.soft.given()
+        return GrainReport(seconds, impulse, reaction, taken, speed, blown, work, self.left, given)
 
     def _run(self, batch: int) -> int:
         """Queue steps; how many were done before the lists were used up."""

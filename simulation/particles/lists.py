@@ -79,6 +79,8 @@ class Buffer:
         made.force, made.torque, made.turn, made.given, made.twisted = (
             wp.zeros(pairs, dtype=wp.vec3d, device=self.device) for _ in range(5)
         )
+        made.face = wp.zeros((pairs, SLOTS), dtype=wp.int32, device=self.device)
+        made.share, made.load = (wp.zeros((pairs, SLOTS), dtype=wp.vec3d, device=self.device) for _ in range(2))
         self.pairs = made
         self.key, self.value = (wp.zeros(2 * pairs, dtype=wp.int32, device=self.device) for _ in range(2))
         self.grain = wp.zeros(pairs, dtype=wp.int32, device=self.device)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of
 from ...worlds.errors import InputError
+from ...worlds.instances import soft_met
 from ...worlds.particles import particle_box
 from ..boundaries import Surround, surround_of
 from .packing import fill_box
@@ -39,7 +41,7 @@ def surround_for(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -
     """Bodies that reach into an instance's domain."""
     low, high = particle_box(spec.simulation.particles[name])
     largest = max((p.radius * (1 + p.radius_spread) for p in _physics(spec, name)), default=0.0)
-    return surround_of(spec, built, (low, high), MARGIN * largest)
+    return surround_of(spec, built, (low, high), MARGIN * largest, soft=soft_met(spec, name))
 
 
 def _physics(spec: WorldSpec, name: str) -> list[ParticlePhysics]:
@@ -56,7 +58,11 @@ def build_grains(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -
     instance, plan = spec.simulation.particles[name], spec.simulation
     low, high = particle_box(instance)
     surround = surround_for(spec, built, name)
-    solids = [Placed(Solid.from_mesh(mesh, closed=True), surround.start[row]) for row, mesh in surround.parts]
+    surfaces = [*surround.parts, *((row, surround.boundaries[row].mesh) for row in surround.soft)]
+    solids = [
+        Placed(Solid.from_mesh(mesh, closed=row not in surround.soft or surround.boundaries[row].closed), surround.start[row])
+        for row, mesh in surfaces
+    ]
     position, radius, kind = _fill(spec, built, name, [s for s in solids if s.solid.closed])
     kinds = tuple(_kind(spec, m) for m in instance.members)
     walls = {
@@ -64,6 +70,8 @@ def build_grains(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -
         for b, boundary in enumerate(surround.boundaries)
         for k, one in enumerate(kinds)
     }
+    # Vertices take no couples: on surfaces that deform, nothing resists rolling.
+    walls |= {key: replace(pair, rolling=0.0) for key, pair in walls.items() if key[0] in surround.soft}
     setup = GrainSetup(
         lower=low,
         upper=high,

@@ -20,6 +20,7 @@ SLOT_COUNT = wp.constant(SLOTS)
 Rows = wp.types.matrix(shape=(SLOTS, 3), dtype=wp.float64)
 Stored = wp.types.matrix(shape=(SLOTS, 3), dtype=wp.float32)
 Depths = wp.types.vector(length=SLOTS, dtype=wp.float64)
+Faces = wp.types.vector(length=SLOTS, dtype=wp.int32)
 SAME = wp.constant(wp.float64(0.94))
 """Cosine between the directions of two contacts that count as one."""
 AGAIN = wp.constant(wp.float64(0.7))
@@ -52,6 +53,10 @@ class Bodies:
     mesh: wp.array(dtype=wp.uint64)
     offset: wp.array(dtype=wp.int32)
     """First triangle of each body."""
+    soft: wp.array(dtype=wp.int32)
+    """Whether its vertices move by themselves; its pose is then that of the world."""
+    speed: wp.array(dtype=wp.vec3d)
+    """Of such vertices, among those of all bodies."""
 
 
 @wp.struct
@@ -77,6 +82,12 @@ class Pairs:
     """Impulse on the grain since the sums were taken [N s]."""
     twisted: wp.array(dtype=wp.vec3d)
     """Angular impulse on the grain about the body's centre since then [N m s]."""
+    face: wp.array2d(dtype=wp.int32)
+    """First corner of the triangle that each contact is on; -1 where there is none, or its vertices do not move by themselves."""
+    share: wp.array2d(dtype=wp.vec3d)
+    """Barycentric weights of the contact on it."""
+    load: wp.array2d(dtype=wp.vec3d)
+    """Force of the contact on the grain."""
 
 
 @wp.func
@@ -143,6 +154,8 @@ class Contacts:
     normal: Rows
     point: Rows
     depth: Depths
+    face: Faces
+    """First corner of the triangle."""
     number: wp.int32
     faces: wp.int32
     """How many of them are on faces."""
@@ -159,7 +172,7 @@ def lies_under(found: Contacts, c: wp.vec3d, big: wp.float64):
 
 
 @wp.func
-def joined(found: Contacts, n: wp.vec3d, c: wp.vec3d, deep: wp.float64):
+def joined(found: Contacts, n: wp.vec3d, c: wp.vec3d, deep: wp.float64, face: wp.int32):
     """The contacts with one more; of two in about the same direction, the deeper one stays."""
     at = found.number
     for s in range(found.number):
@@ -172,6 +185,7 @@ def joined(found: Contacts, n: wp.vec3d, c: wp.vec3d, deep: wp.float64):
             found.normal[at, a] = n[a]
             found.point[at, a] = c[a]
         found.depth[at] = deep
+        found.face[at] = face
         if at == found.number:
             found.number += 1
     return found
@@ -206,10 +220,20 @@ def contacts_of(
                 n = away / gap
                 before = closed == 0 or wp.dot(n, wp.cross(vb - va, vc - va)) >= zero
                 if before and (face or lies_under(found, c, big) == 0):
-                    found = joined(found, n, c, big - gap)
+                    found = joined(found, n, c, big - gap, f)
         if stage == 0:
             found.faces = found.number
     return found
+
+
+@wp.func
+def shares(p: wp.vec3d, a: wp.vec3d, b: wp.vec3d, c: wp.vec3d):
+    """Barycentric weights of a point of a triangle."""
+    normal = wp.cross(b - a, c - a)
+    double = wp.max(wp.length_sq(normal), wp.float64(1.0e-300))
+    v = wp.dot(wp.cross(p - a, c - a), normal) / double
+    w = wp.dot(wp.cross(b - a, p - a), normal) / double
+    return wp.vec3d(wp.float64(1.0) - v - w, v, w)
 
 
 @wp.func
@@ -274,10 +298,21 @@ def walls(
     mass = mass_of(r, density[kind])
     for k in range(SLOT_COUNT):
         n = wp.vec3(0.0, 0.0, 0.0)
+        pairs.face[q, k] = -1
         if k < found.number:
             n = single(wp.quat_rotate(turned, row_of(found.normal, k)))
             arm = bodies.position[b] + wp.quat_rotate(turned, row_of(found.point, k)) - center
-            slip = speed - single(bodies.velocity[b] + wp.cross(bodies.spin[b], arm)) - wp.cross(r * w, n)
+            there = bodies.velocity[b] + wp.cross(bodies.spin[b], arm)
+            face = wp.int32(-1)
+            if bodies.soft[b] != 0:
+                face = found.face[k]
+                one_at = corner[face]
+                two_at = corner[face + 1]
+                three_at = corner[face + 2]
+                part = shares(row_of(found.point, k), vertex[one_at], vertex[two_at], vertex[three_at])
+                there = part[0] * bodies.speed[one_at] + part[1] * bodies.speed[two_at] + part[2] * bodies.speed[three_at]
+                pairs.share[q, k] = part
+            slip = speed - single(there) - wp.cross(r * w, n)
             one = touch(
                 law, n, wp.float32(found.depth[k]), r, mass, slip, w - single(bodies.spin[b]), kept_of(spring, k),
                 kept_of(roll, k), dt[0],
@@ -286,6 +321,8 @@ def walls(
             force += given
             torque += double(wp.cross(n, one.force) * (-r) + one.couple)
             turn -= wp.cross(arm, given) + double(one.couple)
+            pairs.face[q, k] = face
+            pairs.load[q, k] = given
             pairs.spring[q, k] = one.spring
             pairs.roll[q, k] = one.roll
         pairs.way[q, k] = n

@@ -12,6 +12,7 @@ from ..boundaries import BodyState
 from ..passes import ALONE, BLOCK, Passes
 from .lists import Buffer
 from .setup import GrainSetup
+from .soft_walls import SoftWalls
 
 __all__ = ["Walls"]
 
@@ -51,12 +52,13 @@ class Walls:
             "position": wp.vec3d, "rotation": wp.quatd, "center": wp.vec3d, "velocity": wp.vec3d, "spin": wp.vec3d,
             "lightness": wp.float64, "ease": wp.mat33d, "acceleration": wp.vec3d, "impulse": wp.vec3d, "twist": wp.vec3d,
             "reach": wp.float64, "drift": wp.float64, "closed": wp.int32, "mesh": wp.uint64, "offset": wp.int32,
+            "soft": wp.int32,
         }  # fmt: skip
         for name, kind in kinds.items():
             setattr(made, name, wp.zeros(rows, dtype=kind, device=device))
         self.bodies = made
         vertices, corners, offsets, faces, base = [np.zeros((1, 3))], [], [], 0, 1
-        self._meshes = []
+        self.meshes = []
         self.reach = np.zeros(rows)
         ids = np.zeros(rows, dtype=np.uint64)
         for k, boundary in enumerate(setup.boundaries):
@@ -69,7 +71,7 @@ class Walls:
                 points=wp.array(np.asarray(mesh.vertices, dtype=np.float32), dtype=wp.vec3, device=device),
                 indices=wp.array(np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel(), dtype=wp.int32, device=device),
             )
-            self._meshes.append(tree)
+            self.meshes.append(tree)
             ids[k] = tree.id
             center = setup.centers[k] if setup.centers else np.zeros(3)
             self.reach[k] = float(np.linalg.norm(np.asarray(mesh.vertices) - center, axis=1).max())
@@ -78,13 +80,17 @@ class Walls:
             made.reach.assign(self.reach)
             made.rotation.assign(np.tile([0.0, 0.0, 0.0, 1.0], (b, 1)))
             made.offset.assign(np.array(offsets, dtype=np.int32))
+            made.soft.assign(np.array([int(x.deforming) for x in setup.boundaries], dtype=np.int32))
             made.closed.assign(np.array([int(x.closed) for x in setup.boundaries], dtype=np.int32))
         self.vertex = wp.array(np.concatenate(vertices), dtype=wp.vec3d, device=device)
+        made.speed = wp.zeros(len(self.vertex), dtype=wp.vec3d, device=device)
         joined = np.concatenate(corners).astype(np.int32).ravel() if b else np.zeros(3, dtype=np.int32)
         self.corner = wp.array(joined, dtype=wp.int32, device=device)
         self.span = wp.zeros(rows, dtype=wp.vec2i, device=device)
         self.drift = wp.zeros(1, dtype=wp.float32, device=device)
         self.reaction = wp.zeros((rows, 6), dtype=wp.float64, device=device)
+        self.soft = SoftWalls(self, setup)
+        self._rigid = np.array([not x.deforming for x in setup.boundaries], dtype=bool)
 
     def begin(self, state: BodyState | None) -> float:
         """Take the bodies as they are at the start of an exchange; the greatest speed of a surface [m/s]."""
@@ -97,7 +103,7 @@ class Walls:
         shift = np.linalg.norm(state.center - self.origin - made.center.numpy()[: self.count], axis=1)
         turned = quaternions(state.rotation)
         turn = 2.0 * np.arccos(np.clip(np.abs((turned * made.rotation.numpy()[: self.count]).sum(axis=1)), 0.0, 1.0))
-        made.drift.assign(made.drift.numpy() + shift + self.reach * turn)
+        made.drift.assign(made.drift.numpy() + np.where(self._rigid, shift + self.reach * turn, 0.0))
         made.position.assign(state.position - self.origin)
         made.center.assign(state.center - self.origin)
         made.rotation.assign(turned)
@@ -105,11 +111,12 @@ class Walls:
             ("velocity", state.velocity), ("spin", state.angular_velocity), ("lightness", state.inverse_mass),
             ("ease", state.inverse_inertia), ("acceleration", state.acceleration),
         ):  # fmt: skip
-            getattr(made, name).assign(np.ascontiguousarray(values, dtype=np.float64))
+            rigid = self._rigid.reshape(-1, *(1,) * (values.ndim - 1))
+            getattr(made, name).assign(np.ascontiguousarray(np.where(rigid, values, 0.0), dtype=np.float64))
         made.impulse.zero_()
         made.twist.zero_()
         speed = np.linalg.norm(state.velocity, axis=1) + self.reach * np.linalg.norm(state.angular_velocity, axis=1)
-        return float(speed.max(initial=0.0))
+        return max(float(speed[self._rigid].max(initial=0.0)), self.soft.begin(state))
 
     def end(self) -> F64:
         """What the bodies got since the exchange began, shape (b, 6)."""
@@ -152,6 +159,7 @@ class Walls:
         inputs = [self.width, self.span, now.pairs, self.bodies, dt, clock]
         return [
             run("bodies", kernels.move_bodies, self.count * self.width, inputs, smallest=ALONE),
+            *self.soft.passes(run, now, dt, clock),
             run("farthest", kernels.farthest, 1, [self.count, self.bodies, self.drift], smallest=ALONE),
         ]
 
@@ -165,6 +173,7 @@ class Walls:
         if not self.count:
             return
         wp, run, n = warp(), grains.passes, grains.count
+        self.soft.refit()
         unit, skin = self._unit(grains.unit), self.__dict__.setdefault("_skin_kept", wp.float64(grains.skin))
         while True:
             near = [new.state, self.bodies, self.count, unit, skin, new.near_bodies, new.found, new.wall_count]
@@ -184,6 +193,7 @@ class Walls:
         self.bodies.drift.zero_()
         self.drift.zero_()
         if not total:
+            self.soft.forget()
             return
         inputs = [new.wall_first, new.wall_count, new.found, new.near_bodies, new.key, new.value, new.grain]
         run("enlist", kernels.enlist, n, inputs)()
@@ -206,3 +216,5 @@ class Walls:
             run("place_pairs", kernels.place_pairs, total, [new.key, new.value, new.grain, new.pairs, new.at])()
         then = [grains._index, old.wall_first, old.wall_count, old.at, old.pairs, new.pairs, int(known and old.pair_count > 0)]
         run("carry", kernels.carry, total, then)()
+        if self.soft.count:
+            self.soft.list_near(new.pairs, total)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64
+from ..boundaries import MovingSurface
 from .records import velocities
 
 if TYPE_CHECKING:
@@ -57,8 +58,8 @@ class RigidBodies:
             origin, rotation, data.xipos[ids].copy(), linear[ids], angular[ids], mass, inertia, self._accelerations()
         )
 
-    def surfaces(self) -> dict[str, tuple[F64, F64]]:
-        """Places [m] and velocities [m/s] of the simulation vertices of elastic members at present, each (v, 3)."""
+    def surfaces(self) -> dict[str, MovingSurface]:
+        """Simulation vertices of elastic members at present."""
         return {} if self._solver.flexes is None else self._solver.flexes.surfaces(self._solver.data)
 
     def _mobility(self) -> tuple[F64, F64]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ...worlds.arrays import F64, I64, RigidPose, pose_of
 from ...worlds.built import BuiltPart
 from ...worlds.errors import InputError
 from ...worlds.spec import ElasticPhysics, Pin, WorldSpec
+from ..boundaries import MovingSurface
 from ..elastic import Lattice
 from ..protocol import Channel
 from .contact_law import IMPEDANCE
@@ -57,6 +59,13 @@ class FlexBody:
     body_ids: I64 = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     free: Any = None
     """Which nodes move by themselves, shape (n,)."""
+
+    @cached_property
+    def lightness(self) -> F64:
+        """What each simulation vertex alone is sped up by an impulse at it [1/kg], shape (v,)."""
+        index, weight = self.lattice.vertex_weights
+        ease = np.where(self.free, 1.0 / np.maximum(self.masses, 1e-300), 0.0)
+        return np.asarray((weight**2 * ease[index]).sum(axis=1))
 
     @property
     def own(self) -> list[str]:
@@ -244,10 +253,13 @@ class Flexes:
         speeds = linear[body.body_ids] + np.cross(angular[body.body_ids], places - data.xipos[body.body_ids])
         return places, speeds
 
-    def surfaces(self, data: Any) -> dict[str, tuple[F64, F64]]:
-        """Places [m] and velocities [m/s] of every entity's simulation vertices, each (v, 3)."""
-        found = {b.entity: (b.lattice, self.nodes(data, b)) for b in self.bodies}
-        return {n: (lattice.at_vertices(p), lattice.at_vertices(v)) for n, (lattice, (p, v)) in found.items()}
+    def surfaces(self, data: Any) -> dict[str, MovingSurface]:
+        """Simulation vertices of every entity."""
+        found = {}
+        for body in self.bodies:
+            places, speeds = (body.lattice.at_vertices(value) for value in self.nodes(data, body))
+            found[body.entity] = MovingSurface(places, speeds, body.lightness)
+        return found
 
     def channels(self, data: Any) -> dict[str, Any]:
         """Channels and records of the present state."""

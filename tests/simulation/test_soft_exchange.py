@@ -75,3 +75,41 @@ def test_one_way_the_cloth_follows_the_jelly_of_the_cache_which_falls_freely(tmp
     assert fallen == pytest.approx(0.5 * 9.81 * ((FRAMES - 1) / 24) ** 2, rel=0.01)
     assert np.abs(caches["cloth"].series("exchange/impulse")[:, -1]).max() > 0
     assert sheet[-1, :, 2].min() < jelly[-1, :, 2].min()
+
+
+def sand_under_jelly(frames: int) -> dict[str, Any]:
+    """A specification without its prompt: the jelly falls into the tray, no cloth in between."""
+    spec = hammock_spec(frames=frames, radius=0.01)
+    del spec["entities"]["cloth"], spec["simulation"]["solvers"]["cloth"]
+    spec["entities"]["jelly"]["pose"]["position"] = [0.0, 0.0, 0.1]
+    spec["simulation"]["couplings"] = {
+        "both": {"source": "bodies", "target": "grains", "direction": "two_way", "variables": ["motion", "wrench"]}
+    }
+    return spec
+
+
+@pytest.mark.slow
+def test_a_jelly_rests_on_sand_and_both_get_what_the_other_gives() -> None:
+    """Law: impulses are equal and opposite; at rest sand carries the jelly's weight, and no grain is in it."""
+    frames = 12
+    spec = parse_spec({**sand_under_jelly(frames), "prompt": HAMMOCK_PROMPT})
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    (group,) = groups_of(spec)
+    run = make_run(spec, built, group)
+    run.prepare()
+    grains, bodies = run.solvers["grains"], run.solvers["bodies"]
+    row, given, work = grains.index().colliders.index("jelly/body"), [], 0.0
+    for k in range(1, frames):
+        run.advance(k)
+        mine, theirs = grains.frame_data(), bodies.frame_data()["exchange/soft"][0]
+        assert mine["exchange/impulse"][row, :3] == pytest.approx(theirs[:3], abs=1e-12)
+        assert mine["exchange/impulse"][row] == pytest.approx(-mine["exchange/reaction"][row], abs=1e-12)
+        given.append(mine["exchange/impulse"][row, 2])
+        work += float(bodies.frame_data()["record/soft_exchange_work"])
+    weight = built["jelly"].bodies[0].mass * 9.81
+    assert np.mean(given[-6:]) * 24 == pytest.approx(weight, rel=0.25)
+    assert work < 0
+    surface = bodies.frame_data()["vertex/position"]
+    top = (mine["particle/position"] + mine["origin"])[:, 2].max()
+    assert surface[:, 2].min() > 0.02
+    assert top < surface[:, 2].max()

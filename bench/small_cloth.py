@@ -5,10 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-__all__ = ["CATCH_PROMPT", "DRAPE_PROMPT", "FLAG_PROMPT", "catch_spec", "drape_spec", "flag_spec"]
+import numpy as np
+
+from ..worlds.cloth import sheet_grid
+from ..worlds.spec import Sheet
+
+__all__ = ["CATCH_PROMPT", "DRAPE_PROMPT", "FLAG_PROMPT", "PULLED_PROMPT", "catch_spec", "drape_spec", "flag_spec", "pulled_spec"]
 
 FLAG_PROMPT = "A flag flies in the wind."
 DRAPE_PROMPT = "A cloth falls over a ball and drapes it."
+PULLED_PROMPT = "A strip of cloth between two rods is pulled until it tears."
 CATCH_PROMPT = "A ball falls into a cloth held at its corners."
 COTTON = {"area_density": 0.15, "thickness": 0.0006, "stretch_stiffness": 1000.0, "bend_stiffness": 2e-5}
 MATERIALS: dict[str, Any] = {
@@ -181,5 +187,58 @@ def catch_spec(*, frames: int = 24, resolution: float = 0.05, coupled: bool = Tr
             "predicate": {"kind": "displacement", "entity": "ball", "min": 0.1},
         },
         {"position": [1.3, -1.6, 1.3], "target": [0.0, 0.0, 0.7], "fov_deg": 40},
+        changes,
+    )
+
+
+def pulled_spec(
+    *, stretch: float = 0.12, strength: float | None = 100.0, frames: int = 12, resolution: float = 0.05, notch: bool = False, **changes: Any
+) -> dict[str, Any]:
+    """A strip in the air between a rod that stands and one that is drawn away by `stretch` of its length, without weight."""
+    size, made_of = [0.5, 0.25], {**COTTON, "bend_stiffness": 1e-6}
+    shape: dict[str, Any] = {"kind": "sheet", "size": size, "resolution": resolution}
+    if notch:
+        points, faces = sheet_grid(Sheet(size=(size[0], size[1]), resolution=resolution))
+        middle = points[faces].mean(axis=1)
+        kept = faces[(np.abs(middle[:, 0]) > resolution) | (middle[:, 1] < 0.5 * size[1] - resolution)]
+        used, own = np.unique(kept, return_inverse=True)
+        shape = {"kind": "mesh", "vertices": points[used].tolist(), "faces": own.reshape(-1, 3).tolist()}
+    strip = _entity("strip", "dynamic", "cotton", shape, [*size, COTTON["thickness"]], [0.0, 0.0, 1.0])
+    strip["physics"] = {
+        "category": "cloth",
+        **made_of,
+        "max_stretch": 0.5,
+        "damping": 1e-4,
+        "pins": {"still": {"edge": "-x", "to": "post"}, "drawn": {"edge": "+x", "to": "rod"}},
+    }
+    if strength is not None:
+        strip["physics"]["tear"] = {"strength": strength}
+    rod = {"kind": "box", "size": [0.02, 0.3, 0.02]}
+    post = _entity("post", "static", "steel", rod, rod["size"], [-0.26, 0.0, 1.0])
+    drawn = _entity("rod", "kinematic", "steel", rod, rod["size"], [0.26, 0.0, 1.0])
+    seconds = (frames - 1) / 24
+    keys = {
+        "k0": {"time": 0.0, "pose": {"position": [0.26, 0.0, 1.0]}},
+        "k1": {"time": 0.8 * seconds, "pose": {"position": [0.26 + stretch * size[0], 0.0, 1.0]}},
+    }
+    return _world(
+        "Strip",
+        {"post": post, "rod": drawn, "strip": strip},
+        {
+            "frames": frames,
+            "gravity": [0.0, 0.0, 0.0],
+            "solvers": {
+                "rigid": {"engine": "mujoco", "members": ["post", "rod"]},
+                "cloth": {"engine": "shell", "members": ["strip"]},
+            },
+            "drivers": {"pull": {"kind": "path", "entity": "rod", "keys": keys}},
+        },
+        {
+            "text": "the strip tears",
+            "owner": "cloth",
+            "subject": "strip",
+            "predicate": {"kind": "displacement", "entity": "rod", "min": 0.02},
+        },
+        {"position": [0.0, -1.0, 1.5], "target": [0.0, 0.0, 1.0], "fov_deg": 45},
         changes,
     )

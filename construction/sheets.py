@@ -1,4 +1,4 @@
-"""Cloth parts (R54, R63): one surface that is drawn and simulated, seen from both sides."""
+"""Cloth parts (R54, R63): one surface that is drawn and simulated, seen from both sides; of one that can tear, corner by corner."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from ..worlds.cloth import sheet_grid
 from ..worlds.errors import InputError
 from ..worlds.simulation_mesh import SimulationMesh
 from ..worlds.spec import Entity, Part, WorldSpec
+from ..worlds.tears import corners_of
 from .imports import load_surface
 
 __all__ = ["build_cloth"]
@@ -37,6 +38,8 @@ def build_cloth(spec: WorldSpec, name: str, entity: Entity, assets: Path, recipe
         area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
         if area.min(initial=np.inf) < LEAST:
             raise InputError(f"/entities/{name}/parts/{key}/shape: triangle {int(area.argmin())} has no area; merge its vertices")
+        if physics.tear is not None:
+            vertices, faces = corners_of(vertices, faces)
         count = len(vertices)
         mesh = SimulationMesh(
             vertices,

@@ -15,6 +15,7 @@ from .cloth_frames import ClothRun, cloth_run
 from .cloth_ledger import energy, kept_mass, kept_records, momentum, uncut
 from .cloth_numerical import finite, slow
 from .cloth_shape import pinned, shaped, stretched
+from .cloth_tears import held_strength, torn_with_cause
 from .findings import Finding
 from .verdicts import make_row
 
@@ -30,6 +31,8 @@ CLAIMS: dict[str, tuple[str, Judge]] = {
     "shape": ("no triangle collapses or grows out of shape", shaped),
     "self": ("no edge of a sheet goes through a triangle of a sheet", free_of_itself),
     "solids": ("no sheet goes through a solid", apart),
+    "tears": ("what tore was pulled harder than its strength, and nothing parts without a tear", torn_with_cause),
+    "strength": ("nothing stays whole that is pulled harder than its strength", held_strength),
     "pins": ("what is held stays where its holder takes it", pinned),
     "mass": ("mass is area density times area at rest", kept_mass),
     "records": ("recorded momentum and energy are those of the vertices", kept_records),

@@ -30,6 +30,9 @@ def free_of_itself(run: ClothRun) -> Finding:
     for k in range(run.candidate.frame_count):
         x, _ = run.frame(k)
         found = pierced(x, edges, faces)
+        if run.kin is not None:
+            shared = (run.kin[edges[found[:, 0]]][:, :, None] == run.kin[faces[found[:, 1]]][:, None, :]).any(axis=(1, 2))
+            found = found[~shared]
         total += len(found)
         if len(found) and first is None:
             first, entity = k, run.pieces[int(owner[found[0, 0]])].entity

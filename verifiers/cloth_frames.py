@@ -120,6 +120,19 @@ class ClothRun:
         return total
 
     @cached_property
+    def kin(self) -> I32 | None:
+        """The vertex of the whole sheet that each vertex belongs to; None where nothing can tear. The lips of a tear pass each other."""
+        if not any(p.physics.tear for p in self.pieces):
+            return None
+        found, start = [], 0
+        for piece in self.pieces:
+            _, own = np.unique(piece.vertices, axis=0, return_inverse=True)
+            own = own.ravel() if piece.physics.tear is not None else np.arange(len(piece.vertices))
+            found.append(own + start)
+            start += len(piece.vertices)
+        return np.concatenate(found).astype(np.int32)
+
+    @cached_property
     def held(self) -> tuple[Held, ...]:
         """All pins."""
         found = []

@@ -34,6 +34,22 @@ Channels written by an instance with deforming members (v vertices of the simula
 |---|---|---|
 | `vertex/position` | f8 (v, 3) | world [m] |
 | `vertex/velocity` | f4 (v, 3) | world [m/s] |
+
+With cloth that can tear also (its vertices are corners of triangles: 3 t, 3 t + 1, 3 t + 2 of triangle t, counted from the part's first;
+a side leads from a corner to the next and has its row; e vertices tore in the frame, k sides opened, m triangles were around them):
+
+| channel | dtype, shape | meaning |
+|---|---|---|
+| `edge/open` | u1 (v,) | the side that begins at this corner is open |
+| `tear/time` | f8 (e,) | [s] |
+| `tear/corner` | i4 (e,) | a corner at the vertex that tore |
+| `tear/point` | f8 (e, 3) | where, world [m] |
+| `tear/tension` | f8 (e,) | around it, the largest over all directions [N/m] |
+| `tear/cause` | i4 (e,) | index into `CacheIndex.colliders` of the moving body that pulled or pushed most; -1: air, weight or its own motion |
+| `tear/side` | i4 (k, 3) | which tear, a side, and the one along it |
+| `tear/triangle` | i4 (m, 2) | which tear, and the first corner of a triangle around it |
+| `tear/place` | f8 (m, 3, 3) | where that triangle's corners were [m] |
+
 With breakable members also (b bonds, those of the entities of `CacheIndex.breakables` one after the other; a piece, counted in the
 same way, has a row in `CacheIndex.bodies` and moves with those it is bonded to; e bonds broke in the frame, under c load cases):
 

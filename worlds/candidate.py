@@ -16,6 +16,7 @@ from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .canonical import digest_of, spec_digest
+from .cloth import tears
 from .coarsening import coarsened, read_overrides
 from .deforming import Deforming, deforming_of
 from .errors import EvidenceError, SpecError
@@ -80,6 +81,7 @@ class Candidate:
         soft = {n: c for n, c in self.rigid_caches.items() if c.index.deformables}
         cloth = self.cloth_caches
         broken = {n: c for n, c in self.rigid_caches.items() if c.index.breakables}
+        torn = {n: c for n, c in cloth.items() if any(tears(self.spec, m) for m in self.spec.simulation.cloth[n].members)}
         of = {
             "fracture": broken,
             "rigid": self.rigid_caches,
@@ -87,6 +89,7 @@ class Candidate:
             "liquid": liquids,
             "surface": surfaces,
             "cloth": cloth,
+            "tearing": torn,
             "particles": self.particle_caches,
         }
         return [c for category in quantity.of for c in of[category].values()]

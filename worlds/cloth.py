@@ -22,6 +22,7 @@ __all__ = [
     "release_time",
     "sheet_grid",
     "stiffest_step",
+    "tears",
     "touching_distance",
     "vertices_of",
 ]
@@ -32,6 +33,8 @@ MARGIN = 0.15
 """Own choice: distance of contact in shortest edges where none is declared: contact stays smooth where triangles meet triangles."""
 STIFFEST = 2.6
 """Highest frequency of a square grid of triangles times its edge over the speed of sound in it, measured on 30 x 30 squares."""
+CORNERS = 6
+"""Corners of triangles per vertex of a large sheet."""
 ON_EDGE = 1e-6
 """Share of a sheet's size within which a vertex lies on its edge."""
 
@@ -42,6 +45,8 @@ class ClothEstimate(NamedTuple):
     vertices: float
     steps: float
     """Of the whole run, preroll included."""
+    written: float
+    """Vertices of its frames: those of sheets that can tear are corners of triangles."""
 
 
 def sheet_grid(shape: Sheet) -> tuple[F64, I32]:
@@ -67,13 +72,20 @@ def held_by(pin: ClothPin, vertices: F64) -> I32:
         found = np.flatnonzero(along >= along.max() - ON_EDGE * max(float(np.ptp(vertices, axis=0).max()), 1e-9))
     else:
         distance = np.linalg.norm(vertices - np.array(pin.center), axis=1)
-        found = np.flatnonzero(distance <= pin.radius) if pin.radius > 0 else distance.argmin()[None]
+        nearest = vertices[distance.argmin()]
+        found = np.flatnonzero(distance <= pin.radius if pin.radius > 0 else (vertices == nearest).all(axis=1))
     return np.asarray(found, dtype=np.int32)
 
 
 def pins_of(entity: Entity) -> dict[str, ClothPin]:
     """Pins of a cloth entity by id."""
     return entity.physics.pins if entity.physics.category == "cloth" else {}
+
+
+def tears(spec: WorldSpec, name: str) -> bool:
+    """Whether an entity is cloth that can tear."""
+    entity = spec.entities.get(name)
+    return entity is not None and entity.physics.category == "cloth" and entity.physics.tear is not None
 
 
 def touching_distance(thickness: float, shortest: float, margin: float | None) -> float:
@@ -119,16 +131,17 @@ def cloth_estimate(spec: WorldSpec, name: str) -> ClothEstimate:
     """Vertices and steps that an instance will take; meshes in files are counted when they are read."""
     plan, instance = spec.simulation, spec.simulation.cloth[name]
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
-    vertices, step = 0.0, instance.settings.max_step
+    vertices, written, step = 0.0, 0.0, instance.settings.max_step
     for member in instance.members:
         entity = spec.entities.get(member)
         if entity is None or entity.physics.category != "cloth":
             continue
         for count, edge in grids_of(entity):
             vertices += count
+            written += count * (1 if entity.physics.tear is None else CORNERS)
             if edge > 0 and math.isfinite(edge):
                 step = min(step, stiffest_step(entity.physics, edge))
-    return ClothEstimate(vertices, seconds / step)
+    return ClothEstimate(vertices, seconds / step, written)
 
 
 def release_time(spec: WorldSpec, name: str, without: frozenset[str] = frozenset()) -> float:

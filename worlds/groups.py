@@ -34,7 +34,7 @@ GROUPS: dict[str, GroupInfo] = {
         GroupInfo("bonds", "solver", "strength, stiffness and toughness of what holds the pieces of breakable bodies together"),
         GroupInfo("initial_state", "solver", "velocities and temperatures at frame 0"),
         GroupInfo("liquid", "solver", "viscosity, surface tension, heat of liquids, friction and roughness of walls"),
-        GroupInfo("cloth", "solver", "stiffness, thickness, drag of cloth, what it passes through"),
+        GroupInfo("cloth", "solver", "stiffness, strength, thickness, drag of cloth, what it passes through"),
         GroupInfo("grains", "solver", "rolling resistance, cohesion, packing and life of particles"),
         GroupInfo("resolution", "solver", "particle spacing or cell size of liquids, cells of elastic bodies, radius of grains"),
         GroupInfo("domain", "solver", "box in which a liquid or particles are simulated, and its sides"),
@@ -61,7 +61,7 @@ _RULES: tuple[tuple[str, str], ...] = (
     (r"/entities/[^/]+/physics/pins(/.*)?", "joints"),
     (
         r"/entities/[^/]+/physics/(thickness|stretch_stiffness|weft_stiffness|shear_stiffness|bend_stiffness|self_collision"
-        r"|drag|skin_drag|flat|ignores(/.*)?)",
+        r"|drag|skin_drag|flat|(ignores|tear)(/.*)?)",
         "cloth",
     ),
     (r"/entities/[^/]+/physics/(max_strain|max_stretch|recovery)", "limits"),

@@ -181,7 +181,7 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
         "particle_steps": particle_steps,
         "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME
         + particles * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME
-        + sum(e.vertices for e in sheets) * plan.frames * CACHE_BYTES_PER_VERTEX_FRAME,
+        + sum(e.written for e in sheets) * plan.frames * CACHE_BYTES_PER_VERTEX_FRAME,
         "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values())
         + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values())
         + sum(e.cells for e in liquids),

@@ -43,6 +43,7 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
         "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
         **({"resolution": entity.physics.resolution} if isinstance(entity.physics, ElasticPhysics) else {}),
         **({"sheet": [entity.physics.area_density, entity.physics.thickness]} if entity.physics.category == "cloth" else {}),
+        **({"tears": True} if entity.physics.category == "cloth" and entity.physics.tear is not None else {}),
     }
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "elastic", "cloth", "liquid", "surface", "fracture", "particles"]
+Category = Literal["rigid", "elastic", "cloth", "liquid", "surface", "fracture", "particles", "tearing"]
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Quantity:
     meaning: str
     conserved: bool = False
     of: tuple[Category, ...] = ("rigid",)
-    """Instances of these categories write it; `elastic`, `fracture`: rigid ones with elastic or breakable members; `surface`: it stands beside the surfaces of a liquid."""
+    """Instances of these categories write it; `elastic`, `fracture`: rigid ones with elastic or breakable members; `tearing`: cloth that can tear; `surface`: it stands beside the surfaces of a liquid."""
 
 
 _BOTH: tuple[Category, ...] = ("rigid", "liquid", "cloth", "particles")
@@ -87,6 +87,7 @@ _ALL = (
     Quantity("lost", "1", "particles that are no longer there and that nothing took away, since frame 0", of=_MATTER),
     Quantity("inflow_mass", "kg", "let in by inflows or emitters since frame 0", of=_MATTER),
     Quantity("outflow_mass", "kg", "taken away by outflows since frame 0", of=_LIQUID),
+    Quantity("torn_length", "m", "of all open edges of cloth, at rest", of=("tearing",)),
     Quantity("stretch_energy", "J", "elastic, of stretch and shear of cloth", of=_CLOTH),
     Quantity("bending_energy", "J", "elastic, of the bending of cloth", of=_CLOTH),
     Quantity("stretch_max", "1", "largest extension of an edge of cloth over its length at rest", of=_CLOTH),

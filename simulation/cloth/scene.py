@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I32, pose_of
-from ...worlds.built import BuiltPart, TriangleMesh
+from ...worlds.built import TriangleMesh
 from ...worlds.cloth import THIN, held_by, touching_distance
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
 from ...worlds.instances import soft_met
 from ..boundaries import Boundary, Surround, surround_of
-from .mesh import Fabric, Sheet, sheet_of
+from .pieces import Piece, piece_of
 from .setup import Air, ClothSetup, Hold
 
 if TYPE_CHECKING:
@@ -33,9 +34,39 @@ class ClothScene:
 
     setup: ClothSetup
     surround: Surround
+    pieces: tuple[Piece, ...]
     deformables: tuple[str, ...]
     """`entity/part` in the order of their vertices."""
     counts: tuple[int, ...]
+    """Written vertices of each."""
+    weld: I32
+    """Vertex of the sheets at each written vertex."""
+    holds: tuple[Hold, ...]
+    """Of written vertices."""
+    drawn: Drawn | None
+
+    def laid(self, position: F64 | None = None, velocity: F64 | None = None) -> ClothScene:
+        """The same with its sheets as far as they are whole now, with the written vertices (c, 3) where they are [m], [m/s]."""
+        welds = [p.weld() for p in self.pieces]
+        sheets = [p.sheet(w) for p, w in zip(self.pieces, welds, strict=True)]
+        starts = np.cumsum([0, *(len(s.mass) for s in sheets)])
+        weld = np.concatenate([w + o for w, o in zip(welds, starts, strict=False)]).astype(np.int32)
+        first = np.unique(weld, return_index=True)[1]
+        if position is not None:
+            place = position[first]
+            sheets = [replace(s, position=place[o : o + len(s.mass)]) for s, o in zip(sheets, starts, strict=False)]
+        holds = []
+        for hold in self.holds:
+            vertices, one = np.unique(weld[hold.vertices], return_index=True)
+            holds.append(Hold(vertices.astype(np.int32), hold.boundary, hold.place[one]))
+        setup = replace(
+            self.setup,
+            sheets=tuple(sheets),
+            holds=tuple(holds),
+            velocity=None if velocity is None else velocity[first],
+            acceleration=None if self.drawn is None else self.drawn.at(np.repeat([p.member for p in self.pieces], self.counts)[first]),
+        )
+        return replace(self, setup=setup, weld=weld)
 
 
 def build_scene(
@@ -49,75 +80,56 @@ def build_scene(
     """Sheets, what holds them and what they meet; `without` some fields, `apart` from some entities.
 
     Raises:
-        InputError: layers would touch where they are flat, or a pin holds nothing.
+        InputError: layers would touch where they are flat, a pin holds nothing, or a mesh cannot tear and has to.
     """
     instance, settings = spec.simulation.cloth[name], spec.simulation.cloth[name].settings
     members = list(instance.members)
     parts = [(m, p) for m in members for p in built[m].parts]
-    sheets, shells, drags, velocity = [], [], [], []
-    for member, part in parts:
-        entity, physics = spec.entities[member], _physics(spec.entities[member])
-        sheet = _sheet(entity, physics, part)
-        shortest = float(sheet.edge_length.min())
+    pieces = tuple(piece_of(m, spec.entities[m], _physics(spec.entities[m]), p) for m, p in parts)
+    shells, drags, velocity = [], [], []
+    for piece in pieces:
+        physics = _physics(spec.entities[piece.member])
+        corner = piece.rest[piece.faces]
+        shortest = float(np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).min())
         apart_by = touching_distance(physics.thickness, shortest, settings.margin)
         if apart_by > THIN * shortest:
             raise InputError(
-                f"layers of {member!r} touch at {apart_by:g} m, more than {THIN:g} of its shortest edge {shortest:.4g} m; use longer edges"
+                f"layers of {piece.member!r} touch at {apart_by:g} m, more than {THIN:g} of its shortest edge {shortest:.4g} m; use longer edges"
             )
-        sheets.append(sheet)
         shells.append(0.5 * apart_by)
         drags.append((physics.drag, physics.skin_drag))
-        velocity.append(np.tile(physics.linear_velocity, (len(sheet.mass), 1)))
+        velocity.append(np.tile(np.asarray(physics.linear_velocity, dtype=np.float64), (len(piece.rest), 1)))
     surround = _surround(spec, built, name, members, apart)
-    counts = [len(s.mass) for s in sheets]
+    counts = [len(p.rest) for p in pieces]
     offsets = dict(zip([f"{m}/{p.part}" for m, p in parts], np.cumsum([0, *counts[:-1]]), strict=True))
     fields = {m: fields_of(spec, m, without) for m in members}
-    owner = np.concatenate([np.full(c, members.index(m)) for (m, _), c in zip(parts, counts, strict=True)])
-    faces = np.concatenate([np.full(len(s.faces), members.index(m)) for (m, _), s in zip(parts, sheets, strict=True)])
+    faces = np.concatenate([np.full(len(p.faces), members.index(p.member)) for p in pieces])
     blown = any(f and f.has_medium for f in fields.values())
     drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)
     setup = ClothSetup(
-        sheets=tuple(sheets),
+        sheets=(),
         shell=tuple(shells),
         drag=tuple(drags) if blown else tuple((0.0, 0.0) for _ in drags),
         friction=_friction(spec, members, surround),
         gravity=np.array(spec.simulation.gravity, dtype=np.float64),
         boundaries=surround.boundaries,
-        holds=tuple(_holds(spec, built, members, offsets, surround)),
-        velocity=np.concatenate(velocity),
         air=_air(fields, members, faces),
-        acceleration=_pull(fields, members, owner) if drawn else None,
         self_collision=any(_physics(spec.entities[m]).self_collision for m in members),
         max_step=settings.max_step,
         exchange=settings.exchange,
         iterations=settings.iterations,
         device=settings.device,
     )
-    return ClothScene(setup, surround, tuple(offsets), tuple(counts))
+    holds = tuple(_holds(spec, built, members, offsets, surround))
+    scene = ClothScene(
+        setup, surround, pieces, tuple(offsets), tuple(counts), np.empty(0, dtype=np.int32), holds, Drawn(fields) if drawn else None
+    )
+    return scene.laid(velocity=np.concatenate(velocity))
 
 
 def _physics(entity: Entity) -> ClothPhysics:
     assert entity.physics.category == "cloth"
     return entity.physics
-
-
-def _sheet(entity: Entity, physics: ClothPhysics, part: BuiltPart) -> Sheet:
-    if part.simulation is None:
-        raise InputError(f"part {part.part!r} has no simulation mesh; call place_object again")
-    pose = pose_of(entity.pose)
-    stretch = physics.stretch_stiffness
-    fabric = Fabric(
-        area_density=physics.area_density,
-        stretch=(stretch, physics.weft_stiffness or stretch),
-        shear=physics.shear_stiffness or 0.1 * stretch,
-        bend=physics.bend_stiffness,
-        damping=physics.damping,
-        thickness=physics.thickness,
-    )
-    turn = pose.apply(np.eye(3)) - pose.position
-    axis = pose_of(entity.parts[part.part].pose)
-    warp = (axis.apply(np.eye(3)) - axis.position)[0] @ turn
-    return sheet_of(pose.apply(part.simulation.vertices), part.simulation.faces, fabric, warp=warp, flat=physics.flat)
 
 
 def _surround(
@@ -190,13 +202,21 @@ def _air(fields: Mapping[str, Fields], members: list[str], owner: I32) -> Air:
     return at
 
 
-def _pull(fields: Mapping[str, Fields], members: list[str], owner: I32) -> Air:
-    def at(points: F64, time: float) -> F64:
-        result = np.zeros((len(points), 3))
-        for k, member in enumerate(members):
-            own = owner == k
-            if fields[member]:
-                result[own] = fields[member].acceleration(points[own], time)
-        return result
+@dataclass(frozen=True)
+class Drawn:
+    """Accelerations of fields by member."""
 
-    return at
+    fields: Mapping[str, Fields]
+
+    def at(self, owner: NDArray[np.str_]) -> Air:
+        """Of vertices with these owners."""
+
+        def pull(points: F64, time: float) -> F64:
+            result = np.zeros((len(points), 3))
+            for member, found in self.fields.items():
+                own = owner == member
+                if found and own.any():
+                    result[own] = found.acceleration(points[own], time)
+            return result
+
+        return pull

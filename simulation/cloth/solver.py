@@ -8,10 +8,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
 from ...worlds.cloth import release_time
+from ...worlds.errors import EngineError
 from ..boundaries import BodyState, MovingSurface, Surround
 from ..partner import SolverPartner, motion_records
 from ..protocol import SHORTEST, Channel
@@ -19,6 +21,7 @@ from .energy import bending_energy, edge_ratios, membrane_energy
 from .engine import Cloth
 from .scene import build_scene
 from .setup import ClothReport
+from .tear_log import TearEvent, cause_of, tear_channels, torn_length
 
 __all__ = ["SolverCloth"]
 
@@ -26,6 +29,17 @@ CHANNELS = (
     Channel("vertex/position", "f8", "m", ("vertices", "3"), "vertex"),
     Channel("vertex/velocity", "f4", "m/s", ("vertices", "3"), "vertex"),
     Channel("exchange/impulse", "f8", "N s, N m s", ("boundaries", "6"), "body"),
+)
+TEAR_CHANNELS = (
+    Channel("edge/open", "u1", "1", ("vertices",), "vertex"),
+    Channel("tear/time", "f8", "s", ("tears",), "event"),
+    Channel("tear/corner", "i4", "1", ("tears",), "event"),
+    Channel("tear/point", "f8", "m", ("tears", "3"), "event"),
+    Channel("tear/tension", "f8", "N/m", ("tears",), "event"),
+    Channel("tear/cause", "i4", "1", ("tears",), "event"),
+    Channel("tear/side", "i4", "1", ("sides", "3"), "event"),
+    Channel("tear/triangle", "i4", "1", ("triangles", "2"), "event"),
+    Channel("tear/place", "f8", "m", ("triangles", "3", "3"), "event"),
 )
 SUMS = ("air", "hold", "cut", "solid", "load")
 """What gives momentum to cloth, summed since frame 0."""
@@ -45,6 +59,7 @@ class SolverCloth(SolverPartner):
         """Make the sheets and the engine."""
         self.scene = build_scene(self.spec, self.built, self.name, without=self._done.without, apart=frozenset(self._done.apart))
         self.engine = Cloth(self.scene.setup)
+        self._tears = any(p.tearing is not None for p in self.scene.pieces)
         self._let_go = release_time(self.spec, self.name, self._done.without)
 
     @property
@@ -79,7 +94,7 @@ class SolverCloth(SolverPartner):
         """Sums of a frame."""
         return {
             "steps": 0, "exchanges": 0, "time": 0.0, "contacts": 0, "cut": 0, "fastest": 0.0,
-            "impulse": np.zeros((len(self.surround.boundaries), 6)),
+            "impulse": np.zeros((len(self.surround.boundaries), 6)), "tears": [],
         }  # fmt: skip
 
     def max_stable_dt(self) -> float:
@@ -113,17 +128,52 @@ class SolverCloth(SolverPartner):
             SUMS, (report.air, report.held, np.array([*report.cut[:3], 0.0]), solid, report.load), strict=True
         ):
             ledger[name] = [a + float(b) for a, b in zip(ledger[name], given, strict=True)]
+        if self._tears and time > -SHORTEST:
+            self._tear(report, time + report.dt)
         return report
+
+    def _tear(self, report: ClothReport, time: float) -> None:
+        """Open what is pulled too hard at `time` [s], and go on with the sheets that are left."""
+        x, v = self.engine.vertices()
+        vertex, corner, torn = 0, 0, False
+        for piece, sheet in zip(self.scene.pieces, self.scene.setup.sheets, strict=True):
+            count = len(sheet.mass)
+            if piece.tearing is not None:
+                found = piece.tearing.tear(sheet, x[vertex : vertex + count])
+                self._tally["tears"] += [TearEvent(time, corner, cause_of(report, self.surround), t) for t in found]
+                torn = torn or bool(found)
+            vertex, corner = vertex + count, corner + len(piece.rest)
+        if torn:
+            weld = self.scene.weld
+            self.scene = self.scene.laid(x[weld], v[weld])
+            self.engine = Cloth(self.scene.setup)
 
     # ------------------------------------------------------------------ state
 
     def pack(self) -> bytes:
-        """State of the engine."""
-        return self.engine.checkpoint()
+        """State of the engine, after the sides that are open."""
+        return self._opened().tobytes() + self.engine.checkpoint()
 
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
-        self.engine.restore(state)
+        opened = self._opened()
+        wanted = np.frombuffer(state[: len(opened)], dtype=np.uint8)
+        if len(wanted) < len(opened):
+            raise EngineError("checkpoint belongs to another cloth; delete the candidate's checkpoints and bake again")
+        if not np.array_equal(opened, wanted):
+            start = 0
+            for piece in self.scene.pieces:
+                if piece.tearing is not None:
+                    piece.tearing.opened[:] = wanted[start : start + len(piece.rest)]
+                    start += len(piece.rest)
+            self.scene = self.scene.laid()
+            self.engine = Cloth(self.scene.setup)
+        self.engine.restore(state[len(opened) :])
+
+    def _opened(self) -> NDArray[np.uint8]:
+        """Which sides are open, of all parts that can tear."""
+        found = [p.tearing.opened for p in self.scene.pieces if p.tearing is not None]
+        return np.concatenate(found).astype(np.uint8) if found else np.empty(0, dtype=np.uint8)
 
     # ------------------------------------------------------------------ output
 
@@ -135,7 +185,7 @@ class SolverCloth(SolverPartner):
         """Channels and records of the frame that ends."""
         x, v = self.engine.vertices()
         setup, tally, mass = self.scene.setup, self._tally, self.engine.mass
-        place = np.cumsum([0, *self.scene.counts])
+        place, weld = np.cumsum([0, *(len(s.mass) for s in setup.sheets)]), self.scene.weld
         own = [x[a:b] for a, b in pairwise(place)]
         ratios = np.concatenate([edge_ratios(s, p) for s, p in zip(setup.sheets, own, strict=True)])
         moved = motion_records(mass, x, v, setup.gravity)
@@ -157,16 +207,19 @@ class SolverCloth(SolverPartner):
             records |= {f"{name}_impulse_{axis}": given[k] for k, axis in enumerate("xyz")}
             if name != "cut":
                 records[f"{name}_work"] = given[3]
+        if self._tears:
+            records["torn_length"] = torn_length(self.scene.pieces)
         return {
-            "vertex/position": x,
-            "vertex/velocity": v.astype(np.float32),
+            "vertex/position": x[weld],
+            "vertex/velocity": v[weld].astype(np.float32),
             "exchange/impulse": tally["impulse"].copy(),
+            **(tear_channels(self.scene.pieces, tally["tears"]) if self._tears else {}),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
 
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
-        return CHANNELS
+        return (*CHANNELS, *TEAR_CHANNELS) if self._tears else CHANNELS
 
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""

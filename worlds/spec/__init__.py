@@ -1,7 +1,7 @@
 """Specification models. `WorldSpec` is the root."""
 
 from ..vocabulary import Ref, SpecModel
-from .cloth import ClothInstance, ClothPin, ClothSettings
+from .cloth import ClothInstance, ClothPin, ClothSettings, ClothTear
 from .elastic import ElasticPhysics, Pin
 from .entities import (
     Appearance,
@@ -101,6 +101,7 @@ __all__ = [
     "ClothPhysics",
     "ClothPin",
     "ClothSettings",
+    "ClothTear",
     "Connects",
     "ContactPair",
     "Contains",

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from ..vocabulary import EntityRef, NonNegative, SpecModel, Vec3
+from ..vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 
-__all__ = ["ClothInstance", "ClothPin", "ClothSettings"]
+__all__ = ["ClothInstance", "ClothPin", "ClothSettings", "ClothTear"]
 
 
 class ClothPin(SpecModel):
@@ -29,6 +29,18 @@ class ClothPin(SpecModel):
         if (self.edge is None) == (self.center is None):
             raise ValueError("give either edge or center")
         return self
+
+
+class ClothTear(SpecModel):
+    """The sheet tears where it is pulled too hard: edges of its triangles open, across the pull.
+
+    Each corner of each triangle is then a vertex of its own, which moves with its neighbours' until they part.
+    """
+
+    strength: Positive = Field(
+        description="largest force per length across any line that it bears [N/m], as a mean over the triangles around a vertex; "
+        "it stretches there by strength / stretch_stiffness, which max_stretch has to allow"
+    )
 
 
 class ClothSettings(SpecModel):

@@ -17,7 +17,7 @@ from ..vocabulary import (
     Text,
     Vec3,
 )
-from .cloth import ClothPin
+from .cloth import ClothPin, ClothTear
 from .elastic import ElasticPhysics
 from .fracture import Breakable
 from .shapes import Pose, Shape
@@ -152,6 +152,7 @@ class ClothPhysics(SpecModel):
     ignores: Annotated[list[EntityRef], Field(max_length=64)] = Field(
         default=[], description="rigid entities that it passes through; listed as an approximation"
     )
+    tear: ClothTear | None = Field(default=None, description="what tears it; default: it never tears")
     max_stretch: Positive = Field(default=0.05, le=1, description="largest allowed extension of an edge / its length at rest")
 
 

@@ -192,7 +192,13 @@ def catch_spec(*, frames: int = 24, resolution: float = 0.05, coupled: bool = Tr
 
 
 def pulled_spec(
-    *, stretch: float = 0.12, strength: float | None = 100.0, frames: int = 12, resolution: float = 0.05, notch: bool = False, **changes: Any
+    *,
+    stretch: float = 0.12,
+    strength: float | None = 100.0,
+    frames: int = 12,
+    resolution: float = 0.05,
+    notch: bool = False,
+    **changes: Any,
 ) -> dict[str, Any]:
     """A strip in the air between a rod that stands and one that is drawn away by `stretch` of its length, without weight."""
     size, made_of = [0.5, 0.25], {**COTTON, "bend_stiffness": 1e-6}

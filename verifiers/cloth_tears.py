@@ -35,7 +35,11 @@ REACH = 1.001
 """Allowance on recorded peak speeds for ways between frames."""
 UPRIGHT = 0.3
 """A warp that stands steeper across a triangle than this share of it in its plane is laid along the next axis."""
-CHANNELS = ("vertex/position", "edge/open", *(f"tear/{n}" for n in ("time", "corner", "tension", "cause", "side", "triangle", "place")))
+CHANNELS = (
+    "vertex/position",
+    "edge/open",
+    *(f"tear/{n}" for n in ("time", "corner", "tension", "cause", "side", "triangle", "place")),
+)
 
 
 class _Event(NamedTuple):
@@ -109,7 +113,10 @@ class TearingPiece:
     def _frame(self, k: int) -> tuple[F64, Flags, list[_Event]]:
         data = self.run.cache.read(k, CHANNELS)
         rows, count = self.rows, sum(self.run.cache.index.vertices)
-        if data["edge/open"].shape != (count,) or len({len(data[f"tear/{n}"]) for n in ("time", "corner", "tension", "cause")}) != 1:
+        if (
+            data["edge/open"].shape != (count,)
+            or len({len(data[f"tear/{n}"]) for n in ("time", "corner", "tension", "cause")}) != 1
+        ):
             raise EvidenceError(f"the log of tears of frame {k} of {self.run.solver!r} is not whole; bake again")
         found = []
         for e, corner in enumerate(data["tear/corner"].tolist()):
@@ -132,9 +139,12 @@ class TearingPiece:
 
     def open_length(self, frame: int) -> float:
         """Length at rest of its open edges [m]."""
+        return 0.5 * self.length_of(np.flatnonzero(self.frames[frame][1]).astype(np.int32))
+
+    def length_of(self, sides: I32) -> float:
+        """Summed length at rest of sides [m]."""
         flat = self.rest.reshape(-1, 3)
-        side = np.flatnonzero(self.frames[frame][1]).astype(np.int32)
-        return 0.5 * float(np.linalg.norm(flat[following(side)] - flat[side], axis=1).sum())
+        return float(np.linalg.norm(flat[following(sides)] - flat[sides], axis=1).sum())
 
 
 def tearing_pieces(run: ClothRun) -> tuple[TearingPiece, ...]:
@@ -167,7 +177,9 @@ def torn_with_cause(run: ClothRun) -> Finding:
             for event in events:
                 logged[event.sides] = True
             if not np.array_equal(logged, now):
-                return _bad(piece, k, f"{int((logged != now).sum())} sides of {piece.entity} opened or closed without a tear in the log")
+                return _bad(
+                    piece, k, f"{int((logged != now).sum())} sides of {piece.entity} opened or closed without a tear in the log"
+                )
             label = welded(piece.seams, now)
             first = np.unique(label, return_index=True)[1]
             gap = float(np.linalg.norm(x - x[first][label], axis=1).max())

@@ -22,7 +22,7 @@ def cloth_problems(spec: WorldSpec) -> list[Problem]:
     found: list[Problem] = []
     for name, entity in spec.entities.items():
         if entity.physics.category == "cloth":
-            found += [*_entity(name, entity), *_resolution(spec, name, entity), *_pins(spec, name, entity)]
+            found += [*_entity(name, entity), *_resolution(spec, name, entity), *_pins(spec, name, entity), *_tear(name, entity)]
         else:
             for key, part in entity.parts.items():
                 if part.shape.kind == "sheet":
@@ -80,6 +80,20 @@ def _resolution(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]
                 f"sheet {key!r} of {name!r} has fewer than {LEAST_EDGES} edges across; use a resolution of at most {most:.3g} m"
             )
             yield Problem(where, text, {"op": "replace", "path": where, "value": most})
+
+
+def _tear(name: str, entity: Entity) -> Iterator[Problem]:
+    physics = entity.physics
+    if physics.category != "cloth" or physics.tear is None:
+        return
+    softest = min(physics.stretch_stiffness, physics.weft_stiffness or physics.stretch_stiffness)
+    stretch = physics.tear.strength / softest
+    if stretch > physics.max_stretch:
+        text = (
+            f"{name!r} tears at {physics.tear.strength:g} N/m, where it is stretched by {stretch:.3g}, and max_stretch is "
+            f"{physics.max_stretch:g}: it would fail before it tears; lower strength, or raise stretch_stiffness or max_stretch"
+        )
+        yield Problem(f"/entities/{name}/physics/tear/strength", text)
 
 
 def _pins(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:

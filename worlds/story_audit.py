@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from .cloth import tears
 from .fields import acting_on
 from .gate import Problem, replaced
 from .liquids import declares_heat
@@ -13,6 +14,9 @@ from .references import cycle_in, kinds_of, mentions_joint
 from .spec import FieldDriver, Supports, WorldSpec
 
 __all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems"]
+
+TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
+"""Evidence of cloth that can tear."""
 
 
 def story_problems(spec: WorldSpec) -> list[Problem]:
@@ -74,6 +78,8 @@ def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bo
     soft = {n for n, e in spec.entities.items() if e.physics.category in ("elastic", "cloth")}
     if any(soft & set(s.members) for s in plan.solvers.values()):
         channels |= {"vertex/position", "vertex/velocity"}
+    if any(tears(spec, n) for s in plan.cloth.values() for n in s.members):
+        channels |= TEAR_CHANNELS
     for name, beat in spec.story.beats.items():
         missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
         if missing:

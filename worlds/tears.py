@@ -45,17 +45,19 @@ def seams_of(corners: F64) -> Seams:
     Raises:
         InputError: a side has more than one partner, triangles face different ways, or meet in a point alone.
     """
-    _, first, kin = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    _, first, place_of = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first, kind="stable"), kind="stable")
-    kin = order[kin.ravel()].astype(np.int32)
+    kin: I32 = np.asarray(order[place_of.ravel()], dtype=np.int32)
     side = np.arange(len(corners), dtype=np.int32)
     start, end = kin.astype(np.int64), kin[following(side)].astype(np.int64)
     key, back = start * len(corners) + end, end * len(corners) + start
     if len(np.unique(key)) != len(key):
-        raise InputError("a sheet that can tear has an edge with three triangles, or triangles that face different ways; mend the mesh")
+        raise InputError(
+            "a sheet that can tear has an edge with three triangles, or triangles that face different ways; mend the mesh"
+        )
     row = np.argsort(key, kind="stable")
     place = np.minimum(np.searchsorted(key, back, sorter=row), len(key) - 1)
-    mate = np.where(key[row[place]] == back, row[place], -1).astype(np.int32)
+    mate: I32 = np.asarray(np.where(key[row[place]] == back, row[place], -1), dtype=np.int32)
     seams = Seams(kin, mate)
     if int(welded(seams, np.zeros(len(corners), dtype=bool)).max()) != int(kin.max()):
         raise InputError("triangles of a sheet that can tear meet in a point alone; let them share an edge, or split the vertex")

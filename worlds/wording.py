@@ -32,13 +32,15 @@ EVENTS: Mapping[str, frozenset[str] | None] = {
         ("break", "burst", "drip", "explode", "flood", "leak", "overflow", "pour", "shatter", "slosh", "spill", "splash"), None
     ),
     "float": None,
+    **dict.fromkeys(("rip", "tear"), frozenset({"torn", "broken", "breach"})),
+    **dict.fromkeys(("flap", "flutter"), frozenset({"flutters"})),
 }
 """Verbs that tell an event, and the kinds of predicate that can tell it; None: any kind of event."""
 TRANSITIVE = frozenset({"hit", "knock", "push", "smash", "strike", "throw"})
 """Of these, those by which one thing does something to another."""
 _FORMS = {
     "break": "broke|broken", "fall": "fell|fallen", "fly": "flies|flew|flown", "hit": "hits|hit", "slide": "slid", "strike": "struck",
-    "swing": "swung", "drip": "dripped", "spill": "spilt|spilled", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
+    "tear": "tore|torn", "rip": "ripped", "flap": "flapped", "swing": "swung", "drip": "dripped", "spill": "spilt|spilled", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
 }  # fmt: skip
 _NOUNS = re.compile(
     r"\b(?:a|an|the|some|two|three|several|of|its|his|her|their|no|each|every|playground|rain|water)\s+$", re.IGNORECASE

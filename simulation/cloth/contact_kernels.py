@@ -7,7 +7,7 @@ from .near_kernels import on_segments, on_triangle
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["crowd", "meet", "press", "tell", "yield_to"]
+__all__ = ["crowd", "lean", "meet", "press", "tell", "yield_to"]
 
 PUSH = wp.constant(wp.float64(0.1))
 """Of an overlap of the contact shells that one step takes back."""
@@ -241,3 +241,25 @@ def tell(
                 place -= c[k] * x[q[k]]
     given[p] = given[p] + own
     turned[p] = turned[p] + wp.cross(place - center[b] - clock[1] * velocity[b], own)
+
+
+@wp.kernel
+def lean(
+    first: wp.int32,
+    held: wp.array(dtype=wp.int32),
+    start: wp.array(dtype=wp.int32),
+    items: wp.array(dtype=wp.int32),
+    wanted: wp.array(dtype=wp.float64),
+    share: wp.array(dtype=wp.vec4d),
+    impulse: wp.array(dtype=wp.vec3d),
+    reaction: wp.array(dtype=wp.vec3d),
+):
+    """Contacts' impulses on held vertices, which what holds them feels."""
+    i = held[first + wp.tid()]
+    total = wp.vec3d()
+    for k in range(start[i], start[i + 1]):
+        item = items[k]
+        p = item / 4
+        if wanted[p] > wp.float64(-1.0e29):
+            total += share[p][item - 4 * p] * impulse[p]
+    reaction[i] = reaction[i] + total

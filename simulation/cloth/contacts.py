@@ -94,7 +94,7 @@ class Contacts:
 
     Args:
         passes: where its kernels are kept.
-        state: arrays of the engine by name (x, u, v, inverse, mass, radius, clock).
+        state: arrays of the engine by name (x, u, v, inverse, mass, radius, clock, held, reaction).
         faces: of the sheets.
         sheet_vertices: how many vertices are the sheets'; the others are the solids'.
         solid_faces: of all solids, among all vertices.
@@ -134,6 +134,7 @@ class Contacts:
         self._kin = wp.array(np.ascontiguousarray(kin[faces], dtype=np.int32), dtype=wp.vec3i, device=device)
         self.solid = _Surface(solid_faces, device) if len(solid_faces) else None
         self.active = self_collision or self.solid is not None
+        self.held_count = int((holder != -2).sum())
         self.body_of = wp.array(solid_body.astype(np.int32), dtype=wp.int32, device=device)
         self.holder = wp.array(holder.astype(np.int32), dtype=wp.int32, device=device)
         self.friction = wp.array(friction, dtype=wp.float64, device=device)
@@ -280,6 +281,8 @@ class Contacts:
                 [self._start, self._items, self.wanted, self.share, self.change, s["inverse"], s["u"]],
             )
             made += [press, yields] * self.iterations
+            if self.held_count:
+                made.append(p("lean", contact.lean, self.held_count, [s["held"], self._start, self._items, self.wanted, self.share, self.impulse, s["reaction"]]))  # fmt: skip
             if self.solid is not None:
                 made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
             if self._soft:

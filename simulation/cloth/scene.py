@@ -64,7 +64,9 @@ class ClothScene:
             sheets=tuple(sheets),
             holds=tuple(holds),
             velocity=None if velocity is None else velocity[first],
-            acceleration=None if self.drawn is None else self.drawn.at(np.repeat([p.member for p in self.pieces], self.counts)[first]),
+            acceleration=None
+            if self.drawn is None
+            else self.drawn.at(np.repeat([p.member for p in self.pieces], self.counts)[first]),
         )
         return replace(self, setup=setup, weld=weld)
 
@@ -122,7 +124,14 @@ def build_scene(
     )
     holds = tuple(_holds(spec, built, members, offsets, surround))
     scene = ClothScene(
-        setup, surround, pieces, tuple(offsets), tuple(counts), np.empty(0, dtype=np.int32), holds, Drawn(fields) if drawn else None
+        setup,
+        surround,
+        pieces,
+        tuple(offsets),
+        tuple(counts),
+        np.empty(0, dtype=np.int32),
+        holds,
+        Drawn(fields) if drawn else None,
     )
     return scene.laid(velocity=np.concatenate(velocity))
 

@@ -50,9 +50,7 @@ def tear_channels(pieces: Sequence[Piece], events: Sequence[TearEvent]) -> dict[
     """Channels of a frame in which these tears happened."""
     opened = [np.zeros(len(p.rest), dtype=np.uint8) if p.tearing is None else p.tearing.opened.astype(np.uint8) for p in pieces]
     sides = [np.column_stack([np.full(len(e.tear.sides), k), e.tear.sides + e.first]) for k, e in enumerate(events)]
-    around = [
-        np.column_stack([np.full(len(e.tear.triangles), k), e.first + 3 * e.tear.triangles]) for k, e in enumerate(events)
-    ]
+    around = [np.column_stack([np.full(len(e.tear.triangles), k), e.first + 3 * e.tear.triangles]) for k, e in enumerate(events)]
     places = [e.tear.places for e in events]
     return {
         "edge/open": np.concatenate(opened),

@@ -83,7 +83,11 @@ def tensions(sheet: Sheet, x: F64, least: float) -> tuple[I32, F64, F64]:
     triangle = (np.arange(len(corner)) // 3)[row >= 0]
     u, v, n = stress.warp[triangle], stress.weft[triangle], stress.values[triangle, :, None, None]
     across = u[:, :, None] * v[:, None, :]
-    tensor = n[:, 0] * u[:, :, None] * u[:, None, :] + n[:, 1] * v[:, :, None] * v[:, None, :] + n[:, 2] * (across + across.swapaxes(1, 2))
+    tensor = (
+        n[:, 0] * u[:, :, None] * u[:, None, :]
+        + n[:, 1] * v[:, :, None] * v[:, None, :]
+        + n[:, 2] * (across + across.swapaxes(1, 2))
+    )
     total = np.zeros((len(which), 3, 3))
     np.add.at(total, row[row >= 0], sheet.area[triangle, None, None] * tensor)
     value, direction = np.linalg.eigh(total / whole[which, None, None])

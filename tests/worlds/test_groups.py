@@ -24,7 +24,7 @@ CASES = {
                       "/entities/a/physics/temperature"],
     "liquid": ["/entities/a/physics/viscosity", "/entities/a/physics/activation", "/simulation/solvers/s/settings/wall_friction",
                "/simulation/solvers/s/settings/roughness"],
-    "cloth": ["/entities/a/physics/stretch_stiffness", "/entities/a/physics/thickness", "/entities/a/physics/ignores/0"],
+    "cloth": ["/entities/a/physics/stretch_stiffness", "/entities/a/physics/tear/strength", "/entities/a/physics/thickness", "/entities/a/physics/ignores/0"],
     "resolution": ["/entities/a/physics/resolution", "/entities/a/physics/radius"],
     "grains": ["/entities/a/physics/rolling", "/entities/a/physics/cohesion", "/entities/a/physics/packing", "/entities/a/physics/life"],
     "domain": ["/simulation/solvers/s/settings/domain", "/simulation/solvers/s/settings/domain/size/0"],

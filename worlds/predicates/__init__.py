@@ -1,5 +1,6 @@
 """Predicate models: what a beat or requirement asks, as typed data. Evaluators live in `verifiers/predicates/`."""
 
+from .cloth import Drape, Flutters, Pinned, Torn
 from .elastic import Deflection, Strain
 from .fracture import Breach, Broken, Debris
 from .landscape import LandscapeField, LandscapeWater
@@ -61,7 +62,9 @@ __all__ = [
     "Debris",
     "Deflection",
     "Displacement",
+    "Drape",
     "Eventually",
+    "Flutters",
     "JointAngle",
     "LandscapeField",
     "LandscapeWater",
@@ -78,6 +81,7 @@ __all__ = [
     "ParticleVolumeIn",
     "ParticlesSettled",
     "PileHeight",
+    "Pinned",
     "Predicate",
     "PredicateInfo",
     "Reaches",
@@ -92,6 +96,7 @@ __all__ = [
     "Supported",
     "Tilts",
     "Topples",
+    "Torn",
     "Until",
     "WetArea",
     "Within",

@@ -22,6 +22,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .cloth import Drape, Flutters, Pinned, Torn
 from .elastic import Deflection, Strain
 from .fields import Band, Subject, When
 from .fracture import Breach, Broken, Debris
@@ -313,6 +314,10 @@ Atom = (
     | Broken
     | Breach
     | Debris
+    | Drape
+    | Flutters
+    | Torn
+    | Pinned
 )
 Combinator = Count | Always | Eventually | Until | Before | After | Within | And | Or | Not
 Predicate = Annotated[Atom | Combinator, Field(discriminator="kind")]

@@ -32,6 +32,7 @@ _BAND: dict[str, Tightens] = {"min": "up", "max": "down"}
 _POSE = ("position", "quaternion")
 _LIQUID = ("origin", "particle/position", "particle/fluid", "particle/volume")
 _GRAINS = ("origin", "particle/position", "particle/member", "particle/radius")
+_SHEETS = ("vertex/position",)
 _BONDS = ("bond/broken", "break/time", "break/bond", "break/cause")
 _KINDS = (
     PredicateInfo("reaches", "m", _POSE),
@@ -73,6 +74,15 @@ _KINDS = (
     PredicateInfo("broken", "1", _BONDS, _BAND),
     PredicateInfo("breach", "m", (*_POSE, *_BONDS), {"min_width": "up", "min_height": "up"}),
     PredicateInfo("debris", "1", (*_POSE, *_BONDS), _BAND | {"min_distance": "up"}),
+    PredicateInfo("drape", "1", _SHEETS, _BAND),
+    PredicateInfo(
+        "flutters",
+        "m",
+        _SHEETS,
+        {"min_amplitude": "up", "max_amplitude": "down", "min_cycles": "up", "min_frequency": "up", "max_frequency": "down"},
+    ),
+    PredicateInfo("torn", "m", (*_SHEETS, "edge/open", "tear/corner", "tear/side", "tear/cause"), _BAND),
+    PredicateInfo("pinned", "m", _SHEETS, {"max_slip": "down"}),
     PredicateInfo("count", "1", (), _BAND),
     PredicateInfo("always", "1", ()),
     PredicateInfo("eventually", "1", ()),

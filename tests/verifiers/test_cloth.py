@@ -1,0 +1,204 @@
+"""Rows and predicates of cloth on worlds that keep them and on worlds broken on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench.simulated_worlds import simulate
+from worldagent.bench.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, PULLED_PROMPT, drape_spec, flag_spec, pulled_spec
+from worldagent.verifiers.cloth import check_instance
+from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.predicates.cloth import shadow
+from worldagent.worlds.cache import Cache, write_container
+from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.predicates import Drape, Flutters, Pinned, Torn
+
+Frame = dict[str, Any]
+FRAMES, STRENGTH = 10, 20.0
+
+
+def _rows(candidate: Candidate) -> dict[str, Any]:
+    return {r.id.split(":")[2]: r for r in check_instance(candidate, "cloth")}
+
+
+def _strip(folder: Path, strength: float | None, **changes: Any) -> Candidate:
+    spec = pulled_spec(stretch=0.018, strength=strength, frames=FRAMES, notch=True)
+    spec["simulation"] |= changes
+    return simulate(folder, parse_spec({**spec, "prompt": PULLED_PROMPT}))
+
+
+def _edited(base: Candidate, folder: Path, change: Callable[[int, Frame], None]) -> Candidate:
+    """The same candidate with other frames of its cloth."""
+    old, new = base.caches["cloth"], Cache(folder / "cloth")
+    new.folder.mkdir(parents=True)
+    new.write_index(old.index)
+    new.begin_digests([])
+    for k in range(old.index.frames):
+        data = {name: np.array(values) for name, values in old.read(k).items()}
+        change(k, data)
+        new.add_digest(write_container(new.path(k), data))
+    caches = {**base.caches, "cloth": new}
+    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
+
+
+@pytest.fixture(scope="module")
+def torn_strip(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    return _strip(tmp_path_factory.mktemp("torn"), STRENGTH)
+
+
+def _first(candidate: Candidate) -> int:
+    return next(k for k in range(FRAMES) if len(candidate.caches["cloth"].read(k)["tear/time"]))
+
+
+def test_a_strip_that_tears_passes_every_row(torn_strip: Candidate) -> None:
+    rows = _rows(torn_strip)
+    assert {n: r.status for n, r in rows.items() if r.status != "pass"} == {}
+    assert rows["tears"].measured >= 1.0
+
+
+def test_tears_without_a_pull_or_a_log_are_found(torn_strip: Candidate, tmp_path: Path) -> None:
+    first = _first(torn_strip)
+
+    def eased(k: int, data: Frame) -> None:
+        places = data["tear/place"]
+        if k == first:
+            data["tear/place"] = places.mean(axis=(0, 1)) + 0.99 * (places - places.mean(axis=(0, 1)))
+
+    def louder(k: int, data: Frame) -> None:
+        data["tear/tension"] *= 1.1
+
+    def silent(k: int, data: Frame) -> None:
+        for name in [n for n in data if n.startswith("tear/")]:
+            data[name] = data[name][:0]
+
+    def healed(k: int, data: Frame) -> None:
+        if k == FRAMES - 1:
+            data["edge/open"][:] = 0
+
+    def parted(k: int, data: Frame) -> None:
+        if k == 1:
+            data["vertex/position"][0, 2] += 1e-6
+
+    def elsewhere(k: int, data: Frame) -> None:
+        data["tear/place"] += 0.5
+
+    def early(k: int, data: Frame) -> None:
+        data["tear/time"] -= 1 / 24
+
+    def blamed(k: int, data: Frame) -> None:
+        data["tear/cause"][:] = 1
+        data["exchange/impulse"][:] = 0.0
+
+    said = {eased: "below the strength", louder: "is logged with", silent: "without a tear in the log", healed: "without a tear", parted: "apart though", elsewhere: "cannot have been", early: "not of its frame", blamed: "gave nothing"}  # fmt: skip
+    for change, text in said.items():
+        row = _rows(_edited(torn_strip, tmp_path / change.__name__, change))["tears"]
+        assert row.status == "fail", change.__name__
+        assert text in row.evidence["explanation"], (change.__name__, row.evidence["explanation"])
+
+
+def test_a_sheet_that_stays_whole_over_its_strength_is_found(tmp_path: Path) -> None:
+    """The run of a stronger fabric, judged by the contract of a weaker one."""
+    strong = _strip(tmp_path, 1000.0)
+    assert _rows(strong)["strength"].status == "pass"
+    entity = strong.spec.entities["strip"]
+    weak = entity.model_copy(update={"physics": entity.physics.model_copy(update={"tear": entity.physics.tear.model_copy(update={"strength": 12.0})})})  # fmt: skip
+    spec = strong.spec.model_copy(update={"entities": {**strong.spec.entities, "strip": weak}})
+    row = _rows(replace(strong, spec=spec))["strength"]
+    assert (row.status, row.first_failing_entity) == ("fail", "strip")
+    assert row.measured > 1.2
+
+
+def test_torn_counts_what_opened_and_by_whom(torn_strip: Candidate) -> None:
+    last, first = FRAMES - 1, _first(torn_strip)
+    whole = evaluate(torn_strip, Torn(entity="strip", min=0.05), (0, last))
+    assert whole.status == "pass"
+    assert whole.first_true_frame >= first
+    assert evaluate(torn_strip, Torn(entity="strip", by="rod", min=0.05), (0, last)).value == pytest.approx(whole.value)
+    assert evaluate(torn_strip, Torn(entity="strip", by="post", min=0.05), (0, last)).status == "fail"
+    assert evaluate(torn_strip, Torn(entity="strip", max=0.0, when="always"), (0, first - 1)).status == "pass"
+    assert evaluate(torn_strip, Torn(entity="rod", max=0.0), (0, last)).status == "unverified"
+
+
+def test_pins_on_a_rod_that_moves_and_turns_keep_the_cloth_and_a_slip_is_found(tmp_path: Path) -> None:
+    spec = pulled_spec(stretch=0.02, strength=None, frames=6)
+    spec["simulation"]["drivers"]["pull"]["keys"]["k1"]["pose"]["euler"] = [0.3, 0.0, 0.1]
+    spec["simulation"]["drivers"]["pull"]["keys"]["k1"]["pose"]["position"][2] = 1.05
+    sound = simulate(tmp_path / "sound", parse_spec({**spec, "prompt": PULLED_PROMPT}))
+    row = _rows(sound)["pins"]
+    assert row.status == "pass"
+    assert evaluate(sound, Pinned(entity="strip", pin="drawn"), (0, 5)).status == "pass"
+    held = np.flatnonzero(sound.caches["cloth"].read(0)["vertex/position"][:, 0] > 0.2499)
+    moved = sound.caches["cloth"].read(5)["vertex/position"][held] - sound.caches["cloth"].read(0)["vertex/position"][held]
+    assert np.linalg.norm(moved, axis=1).min() > 0.02
+
+    def late(k: int, data: Frame) -> None:
+        if k == 3:
+            data["vertex/position"][held] = sound.caches["cloth"].read(2)["vertex/position"][held]
+
+    def loose(k: int, data: Frame) -> None:
+        if k >= 4:
+            data["vertex/position"][held[0], 2] -= 3e-5
+
+    for change, frame in ((late, 3), (loose, 4)):
+        broken = _edited(sound, tmp_path / change.__name__, change)
+        row = _rows(broken)["pins"]
+        assert (row.status, row.first_failing_frame) == ("fail", frame), row.evidence
+        slip = Pinned(entity="strip", max_slip=1e-5)
+        assert evaluate(broken, slip, (0, 5)).first_failing_frame == frame
+        assert evaluate(broken, Pinned(entity="strip", pin="still", max_slip=1e-5), (0, 5)).status == "pass"
+    assert evaluate(sound, Pinned(entity="strip", pin="no"), (0, 5)).status == "unverified"
+
+
+def test_a_flutter_is_measured_and_what_does_not_go_to_and_fro_is_rejected(tmp_path: Path) -> None:
+    """Written motions: 2.9 Hz with 0.2 m at the tip, a bend to one side, none at all."""
+    frames = 33
+    spec = flag_spec(frames=frames, resolution=0.2)
+    spec["simulation"]["drivers"] = {}
+    base = simulate(tmp_path / "base", parse_spec({**spec, "prompt": FLAG_PROMPT}))
+    rest = base.caches["cloth"].read(0)["vertex/position"]
+    along = (rest[:, 0] - rest[:, 0].min()) / np.ptp(rest[:, 0])
+
+    def moved(name: str, way: Callable[[float], float]) -> Candidate:
+        def change(k: int, data: Frame) -> None:
+            data["vertex/position"] = rest + np.outer(along * way(k / 24), [0.0, 1.0, 0.0])
+
+        return _edited(base, tmp_path / name, change)
+
+    asked = Flutters(entity="flag", min_amplitude=0.15)
+    waving = moved("waves", lambda t: 0.2 * float(np.sin(2 * np.pi * 2.9 * t + 0.4)))
+    found = evaluate(waving, asked, (0, frames - 1))
+    assert (found.status, found.value) == ("pass", pytest.approx(0.2, rel=0.05))
+    assert found.details["frequency_hz"] == pytest.approx(2.9, rel=0.2)
+    for changes in (
+        {"min_frequency": 5.0},
+        {"max_frequency": 2.0},
+        {"min_amplitude": 0.3},
+        {"max_amplitude": 0.1},
+        {"min_cycles": 6.0},
+    ):
+        assert evaluate(waving, asked.model_copy(update=changes), (0, frames - 1)).status == "fail", changes
+    middle = evaluate(waving, asked.model_copy(update={"point": (0.0, 0.0, 0.0)}), (0, frames - 1))
+    assert (middle.status, middle.value) == ("fail", pytest.approx(0.1, rel=0.05))
+    for still in (moved("bends", lambda t: 0.5 * t), moved("stands", lambda t: 0.0)):
+        assert evaluate(still, asked, (0, frames - 1)).status == "fail"
+
+
+def test_a_drape_is_told_by_its_shadow(tmp_path: Path) -> None:
+    square = np.array([[0, 0, 0], [2, 0, 1], [2, 1, 0], [0, 1, 5.0]])
+    assert shadow(square, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1]], dtype=np.int32)) == pytest.approx(2.0, rel=0.01)
+    draped = simulate(tmp_path, parse_spec({**drape_spec(frames=20, resolution=0.1), "prompt": DRAPE_PROMPT}))
+    asked = Drape(entity="cloth", over="ball", max=0.6)
+    start = evaluate(draped, asked, (0, 0))
+    assert (start.status, start.value) == ("fail", pytest.approx(1.0, abs=0.01))
+    end = evaluate(draped, asked, (0, 19))
+    assert end.status == "pass"
+    assert 0.0 < end.value < 0.6
+    assert evaluate(draped, asked.model_copy(update={"min": 0.0, "max": 0.01}), (0, 19)).status == "fail"
+    assert evaluate(draped, asked.model_copy(update={"over": "ground"}), (0, 19)).status == "unverified"
+    assert evaluate(draped, asked.model_copy(update={"entity": "ball"}), (0, 19)).status == "unverified"

@@ -1,0 +1,232 @@
+"""Evaluators of predicates about cloth."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...worlds.arrays import F64, I32
+from ...worlds.errors import EvidenceError
+from ...worlds.predicates import Drape, Flutters, Pinned, Torn
+from ..cloth_frames import cloth_run
+from ..cloth_tears import TearingPiece, tearing_pieces
+from .outcome import Comparison, Outcome, Series, band, judge
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.spec import SpecModel
+    from ..cloth_frames import ClothRun
+    from .scope import Scope
+
+__all__ = ["drape", "flutters", "pinned", "torn"]
+
+P = TypeVar("P")
+CELLS = 300
+"""Own choice: cells across the longer side of a shadow; its area is then right to about a thousandth."""
+NOISE = 0.2
+"""Own choice, of the amplitude: a crossing of the mean counts once the point was this far on its other side."""
+
+
+def _typed(predicate: SpecModel, kind: type[P]) -> P:
+    assert isinstance(predicate, kind)
+    return predicate
+
+
+def _run(candidate: Candidate, entity: str) -> ClothRun:
+    contract = candidate.spec.entities.get(entity)
+    if contract is None:
+        raise EvidenceError(f"entity {entity!r} is not in the specification")
+    if contract.physics.category != "cloth":
+        raise EvidenceError(f"{entity!r} is {contract.physics.category}, not cloth")
+    for solver, instance in candidate.spec.simulation.cloth.items():
+        if entity in instance.members:
+            return cloth_run(candidate, solver)
+    raise EvidenceError(f"no cloth instance moves {entity!r}; add it to members")
+
+
+# ---------------------------------------------------------------------- drape
+
+
+def shadow(points: F64, faces: I32) -> float:
+    """Area that triangles cover together, seen from above [m^2]: points (n, 3) or (n, 2), faces (t, 3)."""
+    corner = points[faces][:, :, :2]
+    low, high = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
+    cell = float((high - low).max()) / CELLS
+    if not cell > 0.0:
+        return 0.0
+    size = np.ceil((high - low) / cell).astype(int) + 1
+    covered: NDArray[np.bool_] = np.zeros((size[0], size[1]), dtype=bool)
+    first = np.clip(np.ceil((corner.min(axis=1) - low) / cell - 0.5).astype(int), 0, None)
+    last = np.floor((corner.max(axis=1) - low) / cell - 0.5).astype(int)
+    for (a, b, c), (i0, j0), (i1, j1) in zip(corner, first.tolist(), last.tolist(), strict=True):
+        if i1 < i0 or j1 < j0:
+            continue
+        x = low[0] + (np.arange(i0, i1 + 1)[:, None] + 0.5) * cell
+        y = low[1] + (np.arange(j0, j1 + 1)[None, :] + 0.5) * cell
+        sides = [(q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) for p, q in ((a, b), (b, c), (c, a))]
+        inside = (sides[0] >= 0) & (sides[1] >= 0) & (sides[2] >= 0) | (sides[0] <= 0) & (sides[1] <= 0) & (sides[2] <= 0)
+        covered[i0 : i1 + 1, j0 : j1 + 1] |= inside
+    return float(covered.sum()) * cell * cell
+
+
+def _shadow_of(candidate: Candidate, entity: str, frame: int) -> float:
+    points, faces, start = [], [], 0
+    for part in candidate.entity(entity).parts:
+        points.append(candidate.surface(entity, part.part, frame))
+        faces.append(part.render.faces + start)
+        start += len(points[-1])
+    return shadow(np.concatenate(points), np.concatenate(faces).astype(np.int32))
+
+
+def drape(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: the drape coefficient."""
+    p = _typed(predicate, Drape)
+    candidate = scope.candidate
+    run = _run(candidate, p.entity)
+    if p.over not in candidate.spec.entities or candidate.spec.entities[p.over].physics.category != "rigid":
+        raise EvidenceError(f"{p.over!r} is no rigid entity that {p.entity!r} could drape over")
+    flat = float(sum(piece.area.sum() for piece in run.pieces if piece.entity == p.entity))
+    value: list[float] = []
+    bodies: list[float] = []
+    still = candidate.spec.entities[p.over].motion == "static"
+    for frame in range(scope.frames[0], scope.frames[1] + 1):
+        bodies.append(bodies[0] if still and bodies else _shadow_of(candidate, p.over, frame))
+        value.append((_shadow_of(candidate, p.entity, frame) - bodies[-1]) / (flat - bodies[-1]))
+    if max(bodies) >= flat:
+        raise EvidenceError(f"{p.entity!r} is {flat:.4g} m^2, no larger than {p.over!r} seen from above, {max(bodies):.4g} m^2")
+    found = np.array(value)
+    margin, side = band(found, p.min, p.max)
+
+    def tell(i: int) -> str:
+        return f"the drape coefficient of {p.entity} over {p.over} was {found[i]:.3f} at frame {scope.frames[0] + i}"
+
+    return judge(Series(scope.frames, found, margin, "1", p.entity, side, tell), p.when)
+
+
+# ---------------------------------------------------------------------- flutter
+
+
+def _tip(run: ClothRun, p: Flutters) -> int:
+    """Row of the vertex that is asked about."""
+    own = [piece for piece in run.pieces if piece.entity == p.entity]
+    rows = np.concatenate([np.arange(piece.rows.start, piece.rows.stop) for piece in own])
+    rest = np.concatenate([piece.vertices for piece in own])
+    if p.point is not None:
+        return int(rows[np.linalg.norm(rest - np.array(p.point), axis=1).argmin()])
+    held = np.isin(rows, np.concatenate([np.empty(0, dtype=np.int32), *(h.rows for h in run.held)]))
+    from_ = rest[held] if held.any() else rest.mean(axis=0)[None]
+    return int(rows[np.linalg.norm(rest[:, None] - from_[None], axis=2).min(axis=1).argmax()])
+
+
+def _cycles(signal: F64, noise: float) -> float:
+    """How often a signal about its mean goes to and fro: half its changes of side, those within the noise left out."""
+    sides = np.sign(signal[np.abs(signal) > noise])
+    return 0.5 * float((sides[1:] != sides[:-1]).sum())
+
+
+def flutters(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: half the width of the point's motion; it has to change sides often enough, and fast enough."""
+    p = _typed(predicate, Flutters)
+    run = _run(scope.candidate, p.entity)
+    tip, (first, last) = _tip(run, p), scope.frames
+    places = np.array([run.frame(k)[0][tip] for k in range(first, last + 1)])
+    away = places - places.mean(axis=0)
+    signal = away @ np.linalg.svd(away, full_matrices=False)[2][0]
+    middle = 0.5 * float(signal.max() + signal.min())
+    amplitude = 0.5 * float(np.ptp(signal))
+    cycles = _cycles(signal - middle, NOISE * amplitude)
+    rate = cycles * scope.candidate.spec.simulation.fps / max(last - first, 1)
+    checks: list[tuple[bool, float, Comparison, float]] = [
+        (amplitude >= p.min_amplitude, p.min_amplitude, ">=", amplitude - p.min_amplitude),
+        (
+            p.max_amplitude is None or amplitude <= p.max_amplitude,
+            p.max_amplitude or 0.0,
+            "<=",
+            (p.max_amplitude or 0.0) - amplitude,
+        ),
+    ]
+    steady = cycles >= p.min_cycles and rate >= p.min_frequency and (p.max_frequency is None or rate <= p.max_frequency)
+    bad = next((c for c in checks if not c[0]), None)
+    chosen = bad or checks[0]
+    ok = bad is None and steady
+    wanted = f"at least {p.min_amplitude:g} m and {p.min_cycles:g} cycles" + (
+        f" at {p.min_frequency:g} to {p.max_frequency or np.inf:g} Hz" if p.min_frequency or p.max_frequency else ""
+    )
+    text = f"a point of {p.entity} went {amplitude:.3g} m to and fro, {cycles:g} times, {rate:.3g} Hz; asked: {wanted}"
+    return Outcome(
+        "pass" if ok else "fail",
+        scope.frames,
+        "m",
+        text,
+        value=amplitude,
+        bound=chosen[1],
+        comparison=chosen[2],
+        margin=chosen[3] if bad is not None or steady else -amplitude,
+        first_true_frame=first + int(np.argmax(np.abs(signal - signal[0]) >= 0.5 * amplitude)) if ok else None,
+        first_failing_entity=None if ok else p.entity,
+        first_failing_frame=None if ok else last,
+        failing=() if ok else (p.entity,),
+        details={"amplitude_m": amplitude, "cycles": cycles, "frequency_hz": rate, "vertex": tip},
+    )
+
+
+# ---------------------------------------------------------------------- tears and pins
+
+
+def _opened(piece: TearingPiece, frame: int, since: int, by: str | None, colliders: tuple[str, ...]) -> float:
+    """Length of its edges that opened in the frames (since, frame] [m], by a cause that is asked for."""
+    if by is None:
+        return piece.open_length(frame) - piece.open_length(since)
+    sides = [
+        event.sides[:, 0]
+        for k in range(since + 1, frame + 1)
+        for event in piece.frames[k][2]
+        if event.cause >= 0 and colliders[event.cause].split("/", 1)[0] == by
+    ]
+    return sum(piece.length_of(s) for s in sides)
+
+
+def torn(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: length at rest of the edges that opened since the interval began."""
+    p = _typed(predicate, Torn)
+    run = _run(scope.candidate, p.entity)
+    pieces = [q for q in tearing_pieces(run) if q.entity == p.entity]
+    if not pieces:
+        raise EvidenceError(f"{p.entity!r} cannot tear; give its physics tear with a strength")
+    first, last = scope.frames
+    since, names = max(0, first - 1), run.cache.index.colliders
+    value = np.array([sum(_opened(q, f, since, p.by, names) for q in pieces) for f in range(first, last + 1)])
+    margin, side = band(value, p.min, p.max)
+
+    def tell(i: int) -> str:
+        by = "" if p.by is None else f" by {p.by}"
+        return f"{value[i]:.3g} m of {p.entity} were torn{by} at frame {first + i}"
+
+    return judge(Series(scope.frames, value, margin, "m", p.entity, side, tell), p.when)
+
+
+def pinned(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: farthest that a held vertex is off the place where its holder takes it."""
+    p = _typed(predicate, Pinned)
+    run = _run(scope.candidate, p.entity)
+    held = [h for h in run.held if h.entity == p.entity and p.pin in (None, h.pin)]
+    if not held:
+        raise EvidenceError(f"no pin {p.pin or ''!r} holds {p.entity!r}; give its physics pins")
+    value = []
+    for frame in range(scope.frames[0], scope.frames[1] + 1):
+        x, slips = run.frame(frame)[0], [0.0]
+        for each in held:
+            place = run.led(each, frame)
+            if place is None:
+                raise EvidenceError(f"pin {each.pin!r} is held by {each.to!r}, which has several bodies")
+            slips.append(float(np.linalg.norm(x[each.rows] - place, axis=1).max()))
+        value.append(max(slips))
+    found = np.array(value)
+    margin, side = band(found, None, p.max_slip)
+
+    def tell(i: int) -> str:
+        return f"what pins hold of {p.entity} was at most {found[i]:.3g} m off its place at frame {scope.frames[0] + i}"
+
+    return judge(Series(scope.frames, found, margin, "m", p.entity, side, tell), p.when)

@@ -1,0 +1,58 @@
+"""Predicates about cloth: how it drapes and flutters, where it tears, whether its pins keep it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ..vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Vec3
+from .fields import Band, Subject, When
+
+__all__ = ["Drape", "Flutters", "Pinned", "Torn"]
+
+
+class Drape(Band):
+    """Drape coefficient of a cloth over what it hangs from: (its shadow - the body's) / (its flat area - the body's shadow).
+
+    Shadows are seen from above. 0: it hangs straight down around it; 1: it stays flat. (Cusick's coefficient for a disc on a disc.)
+    """
+
+    kind: Literal["drape"] = "drape"
+    entity: Subject
+    over: EntityRef = Field(description="rigid entity that carries it")
+    when: When = "end"
+
+
+class Flutters(SpecModel):
+    """A point of a cloth goes to and fro: half the width of its motion along its main direction [m], over the whole interval."""
+
+    kind: Literal["flutters"] = "flutters"
+    entity: Subject
+    point: Vec3 | None = Field(
+        default=None, description="of the cloth, in the entity's frame [m]; default: the one farthest from all that is held"
+    )
+    min_amplitude: Positive = Field(description="[m]")
+    max_amplitude: Positive | None = Field(default=None, description="[m]")
+    min_cycles: Positive = Field(default=2.0, description="to and fro about the mean, within the interval")
+    min_frequency: NonNegative = Field(default=0.0, description="[Hz]")
+    max_frequency: Positive | None = Field(default=None, description="[Hz]; frames tell frequencies below half their rate only")
+
+
+class Torn(Band):
+    """Length of the edges of a cloth that opened since the interval began, as they were at rest [m]."""
+
+    kind: Literal["torn"] = "torn"
+    entity: Subject
+    by: EntityRef | None = Field(default=None, description="count only tears whose logged cause is this entity; default: all")
+    when: When = "eventually"
+
+
+class Pinned(SpecModel):
+    """What pins hold of a cloth is where they take it: in space, or on the body that takes it along."""
+
+    kind: Literal["pinned"] = "pinned"
+    entity: Subject
+    pin: Id | None = Field(default=None, description="one of its pins; default: all")
+    max_slip: NonNegative = Field(default=1e-4, description="farthest that a held vertex may be off [m]")
+    when: When = "always"

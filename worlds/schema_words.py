@@ -33,7 +33,7 @@ UNIONS = {
 ROOT = "World"
 NESTED = 6
 """A part brings the parts that only it needs along, at most so many."""
-LONGEST = 6500
+LONGEST = 7800
 """Characters of a union: its longest members are then named only, and told when they are asked for."""
 SHORT_DEFAULT = 40
 UNSAID = 1e9

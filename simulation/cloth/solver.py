@@ -78,7 +78,7 @@ class SolverCloth(SolverPartner):
 
     def surface(self, entity: str) -> MovingSurface:
         """An entity's vertices at present."""
-        own, (places, speeds) = self._rows(entity), self.engine.vertices()
+        own, (places, speeds) = self.scene.weld[self._rows(entity)], self.engine.vertices()
         lightness = np.where(self.engine.holder == -2, 1.0 / self.engine.mass, 0.0)
         return MovingSurface(places[own], speeds[own], lightness[own])
 
@@ -88,7 +88,7 @@ class SolverCloth(SolverPartner):
             return
         self.engine.loads = np.zeros((self.engine.n, 3))
         for entity, given in forces.items():
-            self.engine.loads[self._rows(entity)] = given
+            np.add.at(self.engine.loads, self.scene.weld[self._rows(entity)], given)
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
@@ -144,9 +144,13 @@ class SolverCloth(SolverPartner):
                 torn = torn or bool(found)
             vertex, corner = vertex + count, corner + len(piece.rest)
         if torn:
-            weld = self.scene.weld
+            weld, loads = self.scene.weld, self.engine.loads
+            share = None if loads is None else (loads / self.engine.mass[:, None])[weld]
             self.scene = self.scene.laid(x[weld], v[weld])
             self.engine = Cloth(self.scene.setup)
+            if share is not None:
+                first = np.unique(self.scene.weld, return_index=True)[1]
+                self.engine.loads = share[first] * self.engine.mass[:, None]
 
     # ------------------------------------------------------------------ state
 

@@ -13,10 +13,7 @@ __all__ = ["Drape", "Flutters", "Pinned", "Torn"]
 
 
 class Drape(Band):
-    """Drape coefficient of a cloth over what it hangs from: (its shadow - the body's) / (its flat area - the body's shadow).
-
-    Shadows are seen from above. 0: it hangs straight down around it; 1: it stays flat. (Cusick's coefficient for a disc on a disc.)
-    """
+    """Drape coefficient (Cusick): (shadow of a cloth from above - the body's) / (its flat area - the body's shadow); 1: it stays flat."""
 
     kind: Literal["drape"] = "drape"
     entity: Subject
@@ -25,7 +22,7 @@ class Drape(Band):
 
 
 class Flutters(SpecModel):
-    """A point of a cloth goes to and fro: half the width of its motion along its main direction [m], over the whole interval."""
+    """A point of a cloth goes to and fro, by so much to either side along its main direction."""
 
     kind: Literal["flutters"] = "flutters"
     entity: Subject
@@ -40,7 +37,7 @@ class Flutters(SpecModel):
 
 
 class Torn(Band):
-    """Length of the edges of a cloth that opened since the interval began, as they were at rest [m]."""
+    """Length of the edges of a cloth that opened since the interval began [m]."""
 
     kind: Literal["torn"] = "torn"
     entity: Subject
@@ -49,7 +46,7 @@ class Torn(Band):
 
 
 class Pinned(SpecModel):
-    """What pins hold of a cloth is where they take it: in space, or on the body that takes it along."""
+    """What pins hold of a cloth is where they take it."""
 
     kind: Literal["pinned"] = "pinned"
     entity: Subject

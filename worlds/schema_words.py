@@ -33,7 +33,7 @@ UNIONS = {
 ROOT = "World"
 NESTED = 6
 """A part brings the parts that only it needs along, at most so many."""
-LONGEST = 7800
+LONGEST = 6900
 """Characters of a union: its longest members are then named only, and told when they are asked for."""
 SHORT_DEFAULT = 40
 UNSAID = 1e9
@@ -128,7 +128,7 @@ def _union(name: str) -> dict[str, Any]:
     for kind in sorted(own, key=lambda k: len(json.dumps(own[k])), reverse=True):
         if len(json.dumps(found)) < LONGEST:
             break
-        own[kind] = {**{k: v for k, v in own[kind].items() if k == "about"}, "part": kinds[kind]}
+        own[kind] = {**{k: v.split(". ")[0] for k, v in own[kind].items() if k == "about"}, "part": kinds[kind]}
     return found
 
 

@@ -54,7 +54,7 @@ def test_long_members_of_a_union_are_parts_of_their_own() -> None:
     named = {kind: o["part"] for kind, o in options.items() if "part" in o}
     assert named["landscape_water"] == "LandscapeWater"
     assert "ends_in" in described(named["landscape_water"])["fields"]
-    assert "fields" in options["crosses"]
+    assert "fields" in options["contact"]
 
 
 def test_ranges_and_defaults_are_told() -> None:

@@ -23,7 +23,7 @@ FPS = 24
 BALL = 0.12
 SPEED = 20.0
 WALL = (4.0, 0.12, 2.4)
-SETTINGS = {"step": 5e-4, "refine": 0, "impratio": 1.0, "tolerance": 1e-5}
+SETTINGS = {"step": 1e-3, "refine": 0, "impratio": 1.0, "tolerance": 1e-5}
 """Friction of debris need not hold to the last digit: half the time of the defaults."""
 BRICK = (0.24, 0.11, 0.07)
 

@@ -6,6 +6,7 @@ import base64
 import json
 import math
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,8 @@ from ...worlds.arrays import F64
 from ...worlds.bonds import WORLD, components
 from ...worlds.fracture import SHARES
 from .clusters import Cluster, clusters_of
-from .network import BondNetwork, Factor
+from .network import BondNetwork
+from .stiffness import Stiffness
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import Breakable, WorldSpec
     from ..rigid.model import RigidModel
 
-__all__ = ["Breakage"]
+__all__ = ["Breakage", "Fate"]
 
 TOGETHER = 0.6
 """Bonds of the two pieces at the worst bond that are loaded to this share of it break with it. A load that grows breaks bonds
@@ -65,8 +67,8 @@ class _Body:
     """Body of the model that holds each piece, shape (n,)."""
     middle: F64
     """Centre of mass of each piece's cluster, entity's frame [m], shape (n, 3)."""
-    factors: dict[str, tuple[Factor, ...]] = field(default_factory=dict)
-    """Per cluster its stiffness under lasting loads, and under sudden ones at `SHARES` of the contact time."""
+    factors: dict[tuple[str, float], Stiffness] = field(default_factory=dict)
+    """Per cluster and share of the contact time its stiffness; 0: under lasting loads."""
     solved: dict[str, tuple[F64, float]] = field(default_factory=dict)
     """Per cluster the loads last solved for, both kinds side by side, and the largest ratio found."""
     clusters: list[Cluster] = field(default_factory=list)
@@ -91,6 +93,16 @@ class _Case:
     loads: F64
     """Lasting and sudden, shape (n, 12)."""
     spin: F64
+
+
+class Fate(Enum):
+    """What becomes of the clusters in a step."""
+
+    WHOLE = "whole"
+    AGAIN = "again"
+    """Some fell apart; the step is to be taken again with the pieces apart."""
+    AFTER = "after"
+    """Some fall apart at its end."""
 
 
 class _Pushed(NamedTuple):
@@ -145,7 +157,7 @@ class Breakage:
         model = rigid.model
         self._row_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
         self._entity_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
-        self._collider_of_geom = rigid.geom_collider
+        self._collider_of_geom, self._names = rigid.geom_collider, rigid.colliders
         self._tree_of_geom = model.body_treeid[model.geom_bodyid]
         self._ids: list[dict[str, int]] = []
         for index, body in enumerate(self._bodies):
@@ -167,7 +179,7 @@ class Breakage:
                         self._row_of_geom[geom], self._entity_of_geom[geom] = row[part.body], index
             # What belongs to clusters that are no more is forgotten.
             alive = {c.name: len(c.pieces) for c in body.clusters}
-            body.factors = {k: f for k, f in body.factors.items() if alive.get(k) == len(f[0].pieces)}
+            body.factors = _inherited(body)
             body.solved = {k: s for k, s in body.solved.items() if alive.get(k) == len(s[0])}
 
     # ------------------------------------------------------------------ frames and checkpoints
@@ -212,17 +224,21 @@ class Breakage:
 
     # ------------------------------------------------------------------ per step
 
-    def watch(self, data: Any, time: float, dt: float, still: frozenset[str]) -> bool:
-        """Load the bonds with the contact forces of the step that ends at `time` [s]; whether clusters fell apart.
+    def watch(self, data: Any, time: float, dt: float, still: frozenset[str], *, last: bool = False) -> Fate:
+        """Load the bonds with the contact forces of the step that ends at `time` [s]; what becomes of clusters.
 
         Args:
             data: state with solved contacts, before the integration.
             time: end of the step.
             dt: its length [s].
             still: entities that something holds; their bonds do not break.
+            last: the step is not taken again, whatever breaks.
+
+        Where pieces of the body itself push others off, through faces that crumble, they push no harder than those bear, whether
+        what they push gives way or not: that goes apart at the step's end. What another body hits gives way at once.
         """
         pushed = self._contacts(data)
-        apart = False
+        apart, struck = False, False
         known = [(b.load, b.lasting, b.cause) for b in self._bodies]
         for index, body in enumerate(self._bodies):
             share = -math.expm1(-dt / body.breakable.bond.contact_time)
@@ -236,8 +252,9 @@ class Breakage:
                 continue
             # Every cluster is judged, whatever became of the others.
             for cluster in body.clusters:
-                apart |= self._judge(index, cluster, data, time)
-        if apart:
+                if self._judge(index, cluster, data, time):
+                    apart, struck = True, struck or self._struck(body, cluster)
+        if struck and not last:
             # The step is taken again, with the pieces apart.
             for body, (load, lasting, cause) in zip(self._bodies, known, strict=True):
                 body.load, body.lasting, body.cause = load, lasting, cause
@@ -247,7 +264,9 @@ class Breakage:
                 if force is not None:
                     self._given[index] += dt * self._in_world(index, force, data)
                 self._remember(body, pushed.get(index))
-        return apart
+        if not apart:
+            return Fate.WHOLE
+        return Fate.AGAIN if struck and not last else Fate.AFTER
 
     def _felt(self, body: _Body, pushed: _Pushed | None, data: Any) -> tuple[F64 | None, Any]:
         """Forces on an entity's pieces: those of listed contacts, and of what fell asleep on them, whose contacts are not."""
@@ -273,6 +292,7 @@ class Breakage:
         contact = data.contact
         geoms = contact.geom
         hit = (self._entity_of_geom[geoms] >= 0).any(axis=1) & (contact.efc_address >= 0)
+        hit[hit] = data.efc_force[contact.efc_address[hit]] != 0.0
         if not hit.any():
             return {}
         rows, sizes = contact.efc_address[hit], contact.dim[hit]
@@ -319,7 +339,23 @@ class Breakage:
     # ------------------------------------------------------------------ bonds
 
     def _judge(self, index: int, cluster: Cluster, data: Any, time: float) -> bool:
-        """Break what a cluster's load breaks; whether it fell apart."""
+        """Break what a cluster's load breaks; whether it fell apart.
+
+        What the world still holds is judged again at once: what pushes it pushes no less where other pieces give way. What
+        came off is pushed less, and waits for the step to be taken again.
+        """
+        if not self._break(index, cluster, data, time):
+            return False
+        body, todo = self._bodies[index], [cluster]
+        while todo:
+            held = set(todo.pop().pieces)
+            for part in clusters_of(body.built, body.whole):
+                if part.fixed and part.pieces[0] in held and self._break(index, part, data, time):
+                    todo.append(part)
+        return True
+
+    def _break(self, index: int, cluster: Cluster, data: Any, time: float) -> bool:
+        """Break what the load of a cluster breaks until it falls apart; whether it does."""
         body = self._bodies[index]
         if len(cluster.pieces) == 1 and not cluster.fixed:
             return False
@@ -333,47 +369,47 @@ class Breakage:
             scale = max(float(np.abs(known[0]).max(initial=0.0)), least)
             if float(np.abs(loads - known[0]).max(initial=0.0)) <= allowed * scale:
                 return False
-        turn = data.xmat[self._ids[index][cluster.name]].reshape(3, 3)
-        spin = np.zeros(3) if cluster.fixed else turn.T @ data.cvel[self._ids[index][cluster.name], :3]
+        owner = int(body.ids[cluster.pieces[0]])
+        turn = data.xmat[owner].reshape(3, 3)
+        spin = np.zeros(3) if cluster.fixed else turn.T @ data.cvel[owner, :3]
         total = lasting + self._own_forces(body, cluster, lasting, turn, spin)
         case = -1
+        shares = SHARES if np.abs(loads[:, 6:]).max(initial=0.0) > 0 else (0.0,)
         while True:
-            factor, *sudden = self._factors(body, cluster)
-            steady = body.network.carry(factor, total)
-            for within in sudden if np.abs(loads[:, 6:]).max(initial=0.0) > 0 else (None,):
-                force = steady if within is None else steady + body.network.carry(within, loads[:, 6:])
-                state = body.network.state(factor.bonds, force)
-                ratio = body.network.limit(factor.bonds, state)
+            stiffness = self._stiffness(body, cluster, 0.0)
+            steady = body.network.carry(stiffness, total)
+            for share in shares:
+                force = steady
+                if share:
+                    force = steady + body.network.carry(self._stiffness(body, cluster, share), loads[:, 6:])
+                ratio, energy = body.network.limit(stiffness.faces, force)
                 worst = float(ratio.max(initial=0.0))
                 if worst > 1.0:
                     break
             if worst <= 1.0:
                 peak = self._peak[index]
-                peak[factor.bonds] = np.maximum(peak[factor.bonds], ratio)
+                peak[stiffness.bonds] = np.maximum(peak[stiffness.bonds], ratio)
                 body.solved[cluster.name] = (loads.copy(), worst)
                 return False
-            ends = body.network.bonds.pieces[factor.bonds]
+            ends = body.network.bonds.pieces[stiffness.bonds]
             around = np.isin(ends, [e for e in ends[int(ratio.argmax())] if e != WORLD]).any(axis=1)
             broken = np.flatnonzero(around & (ratio > 1.0) & (ratio >= TOGETHER * worst))
             if case < 0:
                 case = self._keep_case(index, pieces, loads, spin, time)
-            self._note(index, cluster, factor.bonds[broken], ratio[broken], state.energy[broken], case, data, time)
-            body.whole[factor.bonds[broken]] = False
-            del body.factors[cluster.name]
+            self._note(index, cluster, stiffness.bonds[broken], ratio[broken], energy[broken], case, data, time)
+            body.whole[stiffness.bonds[broken]] = False
             body.solved.pop(cluster.name, None)
             if self._fell_apart(body, cluster):
                 return True
 
-    def _factors(self, body: _Body, cluster: Cluster) -> tuple[Factor, ...]:
-        known = body.factors.get(cluster.name)
-        if known is None:
-            pieces, network = np.array(cluster.pieces), body.network
-            time = body.breakable.bond.contact_time
-            known = (
-                network.factor(pieces, body.whole, held=cluster.fixed),
-                *(network.factor(pieces, body.whole, held=cluster.fixed, within=share * time) for share in SHARES),
-            )
-            body.factors[cluster.name] = known
+    def _stiffness(self, body: _Body, cluster: Cluster, share: float) -> Stiffness:
+        """A cluster's stiffness under loads that act for a share of the contact time; 0: for ever."""
+        key, pieces = (cluster.name, share), np.array(cluster.pieces)
+        known = body.factors.get(key)
+        if known is None or not known.follow(pieces, body.whole):
+            within = share * body.breakable.bond.contact_time
+            known = Stiffness(body.network, pieces, body.whole, held=cluster.fixed, within=within)
+            body.factors[key] = known
         return known
 
     def _own_forces(self, body: _Body, cluster: Cluster, loads: F64, turn: F64, spin: F64) -> F64:
@@ -410,12 +446,15 @@ class Breakage:
     ) -> None:
         """Record bonds that break, with the energy that they hold when the growing load reaches their strength."""
         body = self._bodies[index]
-        turn = data.xmat[self._ids[index][cluster.name]].reshape(3, 3)
-        origin = data.xpos[self._ids[index][cluster.name]]
+        owner = int(body.ids[cluster.pieces[0]])
+        turn, origin = (
+            data.xmat[owner].reshape(3, 3),
+            data.xpos[owner] - data.xmat[owner].reshape(3, 3) @ body.middle[cluster.pieces[0]],
+        )
         cause = self._cause(body, cluster)
         first = int(self._first_bond[index])
         for bond, times, held in zip(broken.tolist(), ratio.tolist(), energy.tolist(), strict=True):
-            at = origin + turn @ (body.network.bonds.point[bond] - cluster.center)
+            at = origin + turn @ body.network.bonds.point[bond]
             spent = held / times**2
             self.energy += spent
             self._breaks.append(_Break(time, first + bond, at, cause, times, spent, case))
@@ -428,6 +467,11 @@ class Breakage:
         heaviest = int(strength.argmax())
         weight = float(np.linalg.norm(self.gravity)) * float(body.mass[pieces].mean())
         return int(body.cause[pieces[heaviest]]) if strength[heaviest] > FAINT_CAUSE * weight else NO_CAUSE
+
+    def _struck(self, body: _Body, cluster: Cluster) -> bool:
+        """Whether another body pushes the cluster most, or its own weight."""
+        cause = self._cause(body, cluster)
+        return cause == NO_CAUSE or self._names[cause] != body.built.entity
 
     # ------------------------------------------------------------------ output
 
@@ -478,6 +522,16 @@ def _body(spec: WorldSpec, built: BuiltEntity, name: str) -> _Body:
         lasting=np.zeros((len(built.bodies), 6)),
         cause=np.full(len(built.bodies), NO_CAUSE, dtype=np.int64),
     )
+
+
+def _inherited(body: _Body) -> dict[tuple[str, float], Stiffness]:
+    """What is known of the stiffness of clusters, handed to the largest part of each that is left."""
+    found: dict[tuple[str, float], Stiffness] = {}
+    for (_, share), stiffness in body.factors.items():
+        parts = [c for c in body.clusters if c.pieces[0] in stiffness.pieces and c.fixed == stiffness.held]
+        if parts:
+            found[max(parts, key=lambda c: len(c.pieces)).name, share] = stiffness
+    return found
 
 
 def _text(values: Any) -> str:

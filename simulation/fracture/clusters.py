@@ -36,6 +36,8 @@ class Cluster:
 
 _known: deque[tuple[BuiltEntity, tuple[F64, F64, F64]]] = deque(maxlen=8)
 """Mass, centre and inertia of the pieces of the latest entities: clusters are found anew at every break."""
+_found: deque[tuple[BuiltEntity, bytes, list[Cluster]]] = deque(maxlen=8)
+"""The latest clusters: model and loads are made of the same ones."""
 
 
 def _matter(built: BuiltEntity) -> tuple[F64, F64, F64]:
@@ -51,17 +53,38 @@ def _matter(built: BuiltEntity) -> tuple[F64, F64, F64]:
 
 def clusters_of(built: BuiltEntity, whole: Any) -> list[Cluster]:
     """Clusters of a breakable entity whose bonds `whole`, shape (b,), hold; in the order of their first pieces."""
+    key = np.asarray(whole, dtype=bool).tobytes()
+    found = next((clusters for entity, bonds, clusters in _found if entity is built and bonds == key), None)
+    if found is None:
+        found = _clusters(built, whole)
+        _found.append((built, key, found))
+    return list(found)
+
+
+def _clusters(built: BuiltEntity, whole: Any) -> list[Cluster]:
     assert built.bonds is not None
     labels, fixed = components(len(built.bodies), built.bonds, whole)
     mass, middle, own = _matter(built)
-    found = []
-    for label, held in enumerate(fixed.tolist()):
-        pieces = np.flatnonzero(labels == label)
-        total = float(mass[pieces].sum())
-        center = mass[pieces] @ middle[pieces] / total
-        arm = middle[pieces] - center
-        square = np.einsum("ni,ni->n", arm, arm)
-        inertia = own[pieces].sum(axis=0) + (mass[pieces] @ square) * np.eye(3) - (mass[pieces, None] * arm).T @ arm
-        name = f"{built.entity}/{built.bodies[pieces[0]].name}"
-        found.append(Cluster(built.entity, name, tuple(pieces.tolist()), bool(held), total, center, inertia))
-    return found
+    order = np.argsort(labels, kind="stable")
+    pieces = np.split(order, np.cumsum(np.bincount(labels))[:-1])
+    total = np.bincount(labels, weights=mass)
+    center = np.zeros((len(fixed), 3))
+    np.add.at(center, labels, mass[:, None] * middle)
+    center /= total[:, None]
+    arm = middle - center[labels]
+    square = np.einsum("ni,ni->n", arm, arm)
+    about = own + (mass * square)[:, None, None] * np.eye(3) - mass[:, None, None] * arm[:, :, None] * arm[:, None, :]
+    inertia = np.zeros((len(fixed), 3, 3))
+    np.add.at(inertia, labels, about)
+    return [
+        Cluster(
+            built.entity,
+            f"{built.entity}/{built.bodies[own_pieces[0]].name}",
+            tuple(own_pieces.tolist()),
+            bool(held),
+            float(total[k]),
+            center[k],
+            inertia[k],
+        )
+        for k, (held, own_pieces) in enumerate(zip(fixed.tolist(), pieces, strict=True))
+    ]

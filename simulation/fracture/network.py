@@ -17,30 +17,27 @@ from ...worlds.bonds import WORLD, Bonds
 
 if TYPE_CHECKING:
     from ...worlds.spec import Bond
+    from .stiffness import Stiffness
 
-__all__ = ["BondNetwork", "BondState", "Factor"]
-
-
-class BondState(NamedTuple):
-    """What bonds carry, one row per bond."""
-
-    ratio: F64
-    """Largest stress in parts of the strength, shape (b,)."""
-    energy: F64
-    """Elastic energy of the pieces beside the face [J], shape (b,)."""
+__all__ = ["BondNetwork", "Faces"]
 
 
-class Factor(NamedTuple):
-    """A factorised cluster."""
+class Faces(NamedTuple):
+    """Some bonds, one row each."""
 
-    solve: Any
-    """Right-hand side -> displacements of the free pieces."""
     pieces: Any
-    """Pieces of the cluster, sorted."""
-    bonds: Any
-    """Whole bonds of the cluster."""
-    free: Any
-    """Which of the cluster's pieces are unknowns: all, but one where the world holds none of them."""
+    motion: F64
+    """From the motions of the two pieces to what the bond carries, shape (b, 6, 12)."""
+    compliance: F64
+    """Half the inverse stiffness, shape (b, 6)."""
+    area: F64
+    corners: F64
+    """Stress at each corner per bending moment [1/m^3], shape (b, k, 2)."""
+    reach: F64
+    """Shear stress at the farthest corner per twisting moment [1/m^3], shape (b,)."""
+    tension: F64
+    """Strength [Pa], shape (b,)."""
+    shear: F64
 
 
 def _cross(arms: F64) -> F64:
@@ -91,86 +88,57 @@ class BondNetwork:
         motion[held, :, 6:] = 0.0
         self.motion = motion
         """Relative motion over each face from the motions of its two pieces, shape (b, 6, 12)."""
+        self.rooted: F64 = np.sqrt(self.stiffness)[:, :, None] * motion
+        """The same times the roots of the stiffness, shape (b, 6, 12)."""
+        self.blocks: F64 = self.rooted.transpose(0, 2, 1) @ self.rooted
+        """Stiffness of each bond between its two pieces, shape (b, 12, 12)."""
         self.reach = np.linalg.norm(bonds.corners, axis=2).max(axis=1)
         """Farthest corner from the centroid [m], shape (b,)."""
 
-    def factor(self, pieces: Any, whole: Any, *, held: bool, within: float = 0.0) -> Factor:
-        """Factorise the stiffness of a connected cluster.
+    def faces(self, rows: Any) -> Faces:
+        """What is needed of some bonds to find what they carry."""
+        bonds, bond = self.bonds, self.bond
+        second = bonds.second[rows]
+        corners = np.stack([bonds.corners[rows, :, 1] / second[:, :1], -bonds.corners[rows, :, 0] / second[:, 1:]], axis=2)
+        return Faces(
+            pieces=bonds.pieces[rows],
+            motion=self.stiffness[rows, :, None] * self.motion[rows],
+            compliance=0.5 / self.stiffness[rows],
+            area=bonds.area[rows],
+            corners=corners,
+            reach=self.reach[rows] / second.sum(axis=1),
+            tension=bonds.factor[rows] * bond.tension,
+            shear=bonds.factor[rows] * bond.shear,
+        )
 
-        Args:
-            pieces: its pieces, sorted.
-            whole: which of the entity's bonds hold, shape (b,).
-            held: whether the world holds one of them.
-            within: time in which the loads act [s]: the pieces' own inertia then carries what stiffness does not, as in one
-                step of backward Euler; 0: for ever, so that only bonds carry.
-        """
-        from scipy.sparse import coo_array
-        from scipy.sparse.linalg import splu
-
-        own = np.flatnonzero(np.asarray(whole, dtype=bool) & np.isin(self.bonds.pieces[:, 0], pieces))
-        row = np.full(int(max(pieces)) + 1, -1)
-        free = np.arange(len(pieces)) if held or within else np.arange(1, len(pieces))
-        row[np.asarray(pieces)[free]] = np.arange(len(free))
-        ends = self.bonds.pieces[own]
-        place = np.where(ends == WORLD, -1, row[np.maximum(ends, 0)])
-        motion, stiffness = self.motion[own], self.stiffness[own]
-        blocks = np.einsum("bki,bk,bkj->bij", motion, stiffness, motion)
-        index = np.where(place[:, :, None] >= 0, 6 * place[:, :, None] + np.arange(6), -1).reshape(len(own), 12)
-        rows, columns = np.repeat(index, 12, axis=1).ravel(), np.tile(index, (1, 12)).ravel()
-        inside = (rows >= 0) & (columns >= 0)
-        size = 6 * len(free)
-        matrix = coo_array((blocks.ravel()[inside], (rows[inside], columns[inside])), shape=(size, size)).tocsc()
-        if within:
-            matrix = matrix + self._inertia_over(np.asarray(pieces)[free], within)
-        solved = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        return Factor(solved.solve, np.asarray(pieces), own, free)
-
-    def _inertia_over(self, pieces: Any, within: float) -> Any:
-        from scipy.sparse import block_diag
-
-        blocks = np.zeros((len(pieces), 6, 6))
-        blocks[:, :3, :3] = self.mass[pieces, None, None] * np.eye(3)
-        blocks[:, 3:, 3:] = self.inertia[pieces]
-        return block_diag(list(blocks / within**2), format="csc")
-
-    def carry(self, factor: Factor, loads: F64) -> F64:
+    def carry(self, stiffness: Stiffness, loads: F64) -> F64:
         """What the bonds of a cluster carry under loads on its pieces: opening force, two sliding forces, twisting, two
         bending moments, shape (b, 6) [N, N m].
 
         Args:
-            factor: the cluster.
+            stiffness: the cluster's.
             loads: forces and torques about the pieces' centres, in the entity's frame, shape (pieces, 6) [N, N m]; where the
                 world holds no piece they must be in balance, unless they act for a limited time.
         """
-        moved = np.zeros((len(factor.pieces), 6))
-        if len(factor.free):
-            moved[factor.free] = factor.solve(loads[factor.free].ravel()).reshape(-1, 6)
-        row = np.zeros(int(factor.pieces.max()) + 1, dtype=np.int64)
-        row[factor.pieces] = np.arange(len(factor.pieces))
-        ends = self.bonds.pieces[factor.bonds]
-        both = np.concatenate([moved[row[ends[:, 0]]], moved[row[np.maximum(ends[:, 1], ends[:, 0])]]], axis=1)
-        return np.asarray(self.stiffness[factor.bonds] * np.einsum("bij,bj->bi", self.motion[factor.bonds], both))
+        moved = np.zeros((len(self.mass) + 1, 6))
+        moved[stiffness.pieces] = stiffness.moved(loads)
+        # What is bonded to the world has no second piece: the last row stays at rest.
+        both = moved[stiffness.faces.pieces].reshape(-1, 12, 1)
+        return np.asarray((stiffness.faces.motion @ both)[:, :, 0])
 
-    def state(self, rows: Any, force: F64) -> BondState:
-        """How near to breaking bonds are that carry this, shape (b, 6)."""
-        return BondState(self.ratio(rows, force), 0.5 * (force**2 / self.stiffness[rows]).sum(axis=1))
+    def limit(self, faces: Faces, force: F64) -> tuple[F64, F64]:
+        """How many times bonds that carry this, shape (b, 6), are loaded beyond breaking, shape (b,): in stress and, where they
+        have a toughness, in energy; and the elastic energy of the pieces beside the faces [J], shape (b,)."""
+        ratio = self.ratio(faces, force)
+        energy = (force**2 * faces.compliance).sum(axis=1)
+        if self.bond.toughness > 0:
+            ratio = np.minimum(ratio, np.sqrt(energy / (self.bond.toughness * faces.area)))
+        return ratio, energy
 
-    def limit(self, rows: Any, state: BondState) -> F64:
-        """How many times bonds are loaded beyond breaking, shape (b,): in stress and, where they have a toughness, in energy."""
-        if self.bond.toughness == 0:
-            return state.ratio
-        need = self.bond.toughness * self.bonds.area[rows]
-        return np.asarray(np.minimum(state.ratio, np.sqrt(state.energy / need)))
-
-    def ratio(self, rows: Any, force: F64) -> F64:
+    def ratio(self, faces: Faces, force: F64) -> F64:
         """Stress over strength of bonds from what they carry, shape (b, 6)."""
-        bonds, bond = self.bonds, self.bond
-        area, second, corners = bonds.area[rows], bonds.second[rows], bonds.corners[rows]
-        mean = force[:, 0] / area
-        bending = force[:, 4, None] * corners[:, :, 1] / second[:, :1] - force[:, 5, None] * corners[:, :, 0] / second[:, 1:]
-        tension = mean + bending.max(axis=1)
-        shear = np.hypot(force[:, 1], force[:, 2]) / area
-        shear = shear + np.abs(force[:, 3]) * self.reach[rows] / second.sum(axis=1)
-        factor = bonds.factor[rows]
-        held = factor * bond.shear + bond.friction * np.maximum(-mean, 0.0)
-        return np.asarray(np.maximum(tension / (factor * bond.tension), shear / held))
+        mean = force[:, 0] / faces.area
+        tension = mean + (faces.corners @ force[:, 4:, None])[:, :, 0].max(axis=1)
+        shear = np.sqrt(force[:, 1] ** 2 + force[:, 2] ** 2) / faces.area + np.abs(force[:, 3]) * faces.reach
+        held = faces.shear + self.bond.friction * np.maximum(-mean, 0.0)
+        return np.asarray(np.maximum(tension / faces.tension, shear / held))

@@ -267,9 +267,11 @@ class ModelBuilder:
         parts: dict[str, list[BuiltPart]] = {}
         for made in built.parts:
             parts.setdefault(made.body, []).append(made)
-        for cluster in clusters_of(built, self.whole.get(name, np.ones(len(built.bonds or ()), dtype=bool))):
-            pose = compose(base, RigidPose(cluster.center, ORIGIN.quaternion))
-            body = self._child(self.out.worldbody, ORIGIN, cluster.name, pose)
+        clusters = clusters_of(built, self.whole.get(name, np.ones(len(built.bonds or ()), dtype=bool)))
+        places = base.apply(np.array([c.center for c in clusters]))
+        for cluster, place in zip(clusters, places, strict=True):
+            pose = RigidPose(place, base.quaternion)
+            body = self.out.worldbody.add_body(name=cluster.name, pos=pose.position, quat=pose.quaternion)
             if not cluster.fixed:
                 body.add_freejoint(name=f"free/{cluster.name}")
             self.made.setdefault(name, body)

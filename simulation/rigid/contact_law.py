@@ -130,7 +130,7 @@ class ContactLaw:
                 return
         speed = data.efc_vel[rows]
         hit = speed < -slowest
-        crumbling = None if self.kin is None else self.kin.crumbling(data, contact.geom[live], rows)
+        crumbling = None if self.kin is None else self.kin.crumbling(data, contact.geom[live], rows, dt)
         friction, sizes = contact.friction[live], contact.dim[live]
         if hit.any():
             self._meet(data, sides_of(self.model, contact)[live], rows, hit, friction, sizes, dt, crumbling)
@@ -161,7 +161,8 @@ class ContactLaw:
         """Write what contacts are solved for in a step with impacts, those of which are `hit`."""
         speed = data.efc_vel[rows]
         own = data.efc_aref[rows]
-        own[hit] = -(1.0 + self.restitution_of(sides[hit])) * speed[hit] / dt
+        closing = speed[hit] if crumbling is None else np.minimum(speed[hit] + crumbling.slack[hit], 0.0)
+        own[hit] = -(1.0 + self.restitution_of(sides[hit])) * closing / dt
         self._harden(data, rows[hit], sizes[hit])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)

@@ -29,7 +29,11 @@ __all__ = ["Crumbling", "Weak", "make_crumbling"]
 OUT_SPEED = 0.1
 """[m/s] Fast debris of a coarse step may lie deep in what it hit; it is pushed out no faster than this."""
 OUTWARDS = 0.1
-"""Depth that counts for pushing pieces apart, in parts of their summed skins at most."""
+"""Depth that counts for pushing pieces apart, in parts of their summed skins at most; or, where that is more,"""
+BEARING = 25.0
+"""as deep as gives this acceleration [m/s^2]: in long steps contacts are soft, and pieces would sink under those that lie on them."""
+STOP = 0.9
+"""Part of the distance over which faces crumble after which they meet as all bodies: what closes on it stops within a step."""
 NEXT_TO = 0.02
 """Distance to which pieces are pushed apart, in parts of their summed skins."""
 EXCESS = 1.2
@@ -39,12 +43,15 @@ STIFFNESS_OF_STEP = 32.0
 
 
 class Weak(NamedTuple):
-    """Contacts of a step whose faces crumble."""
+    """Contacts of a step among pieces that shared a face."""
 
     rows: NDArray[np.int32]
-    """Their normal rows among the constraints."""
+    """Normal rows of those whose faces crumble, among the constraints."""
     limit: F64
-    """Most that each carries [N]."""
+    """Most that each of them carries [N]."""
+    slack: F64
+    """How fast each contact of the step may close [m/s], shape (n,): what would have crumbled altogether within the step meets as
+    all bodies, but only after as much as is left to crumble."""
 
 
 class Crumbling:
@@ -73,13 +80,14 @@ class Crumbling:
         self.pressed = False
         """Whether contacts of the step before carried all they can."""
 
-    def crumbling(self, data: Any, geoms: Any, rows: NDArray[np.int32]) -> Weak | None:
+    def crumbling(self, data: Any, geoms: Any, rows: NDArray[np.int32], dt: float) -> Weak | None:
         """Keep contacts among pieces from bursting; those whose faces crumble, None where there are none.
 
         Args:
             data: state after `mj_step1`.
             geoms: of the contacts, shape (n, 2).
             rows: their normal rows, shape (n,).
+            dt: time step [s].
         """
         first, second = self.body[geoms[:, 0]], self.body[geoms[:, 1]]
         any_ = (first >= 0) | (second >= 0)
@@ -93,15 +101,22 @@ class Crumbling:
         skins, gap = data.efc_margin[at], data.efc_pos[at]
         stiffness = data.efc_KBIP[at, 0] * data.efc_KBIP[at, 2]
         most = OUT_SPEED * data.efc_KBIP[at, 1] / stiffness
-        wanted = np.maximum(np.minimum(0.0, gap - NEXT_TO * skins), -np.minimum(OUTWARDS * skins, most))
+        deepest = np.minimum(np.maximum(OUTWARDS * skins, BEARING / stiffness), most)
+        wanted = np.maximum(np.minimum(0.0, gap - NEXT_TO * skins), -deepest)
         data.efc_aref[at] += stiffness * (np.maximum(gap - skins, -most) - wanted)
         if not len(self.shared):
             return None
         piece = np.sort(self.piece[geoms[own]], axis=1)
         key = piece[:, 0] * self.count + piece[:, 1]
         place = np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)
-        weak = (self.shared[place] == key) & (gap > -self.distance[body])
-        return Weak(at[weak], self.force[body[weak]]) if weak.any() else None
+        kin = self.shared[place] == key
+        left = np.maximum(gap + STOP * self.distance[body], 0.0)
+        weak = kin & (left + data.efc_vel[at] * dt > 0.0)
+        if not kin.any():
+            return None
+        slack = np.zeros(len(rows))
+        slack[own] = np.where(kin & ~weak, left / dt, 0.0)
+        return Weak(at[weak], self.force[body[weak]], slack)
 
     def _calm(self, data: Any, rows: NDArray[np.int32]) -> None:
         """Let depth come out of contacts of pieces no faster than `OUT_SPEED`."""
@@ -118,6 +133,9 @@ class Crumbling:
             weak: what `crumbling` found.
             first: whether these forces are the first found in this step.
         """
+        if not len(weak.rows):
+            self.pressed &= not first
+            return False
         force = data.efc_force[weak.rows]
         over = force > EXCESS * weak.limit
         if first:

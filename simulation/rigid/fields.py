@@ -30,8 +30,9 @@ class FieldForces:
         self.impulse: F64 = np.zeros((len(rigid.bodies), 3))
         owners = [b.split("/", 1) for b in rigid.bodies]
         by_fields: dict[tuple[str, ...], tuple[Fields, list[int]]] = {}
+        present = {e: fields_of(spec, e, without) for e in dict.fromkeys(e for e, _ in owners)}
         for row, (entity, _) in enumerate(owners):
-            fields = fields_of(spec, entity, without)
+            fields = present[entity]
             if fields:
                 by_fields.setdefault(fields.names, (fields, []))[1].append(row)
         self._sets = [(fields, np.array(rows, dtype=np.int64)) for fields, rows in by_fields.values()]
@@ -44,7 +45,8 @@ class FieldForces:
                     vectors.append(found)
                     owner.append(np.full(len(found), row))
         self._vectors, self._owner = np.concatenate(vectors), np.concatenate(owner)
-        own = [next(b.mass for b in built[e].bodies if b.name == n) for e, n in owners]
+        mass = {e: {b.name: b.mass for b in built[e].bodies} for e in {e for e, _ in owners}}
+        own = [mass[e][n] for e, n in owners]
         self._mass = np.where(rigid.kin_rows, own, rigid.model.body_mass[rigid.body_ids])
         self._entities = [entity for entity, _ in owners]
         self.present: F64 = np.zeros((len(owners), 3))

@@ -91,11 +91,12 @@ def carry_over(old: Parts, new: Parts, time: float) -> None:
     before, after = old.data, new.data
     after.time = before.time
     kept = new.data.qpos.copy()
+    clustered = _clustered(new)
     for joint in range(two.njnt):
         name = mujoco.mj_id2name(two, mujoco.mjtObj.mjOBJ_JOINT, joint)
         known = mujoco.mj_name2id(one, mujoco.mjtObj.mjOBJ_JOINT, name)
         body = int(two.jnt_bodyid[joint])
-        if known >= 0 and body not in _clustered(new):
+        if known >= 0 and body not in clustered:
             sizes = {0: (7, 6), 1: (4, 3)}.get(int(two.jnt_type[joint]), (1, 1))
             to, source = int(two.jnt_qposadr[joint]), int(one.jnt_qposadr[known])
             after.qpos[to : to + sizes[0]] = before.qpos[source : source + sizes[0]]
@@ -103,7 +104,7 @@ def carry_over(old: Parts, new: Parts, time: float) -> None:
             to, source = int(two.jnt_dofadr[joint]), int(one.jnt_dofadr[known])
             for field in ("qvel", "qacc_warmstart"):
                 getattr(after, field)[to : to + sizes[1]] = getattr(before, field)[source : source + sizes[1]]
-    for body, row in _clustered(new).items():
+    for body, row in clustered.items():
         if two.body_dofnum[body]:
             _carry_cluster(old, new, body, row, kept)
     new.drivers.keep_poses(kept)
@@ -114,9 +115,9 @@ def carry_over(old: Parts, new: Parts, time: float) -> None:
 
 def _clustered(parts: Parts) -> dict[int, int]:
     """Body -> one of its rows, for bodies of breakable entities."""
-    kin = {parts.rigid.colliders[k] for k in np.flatnonzero(parts.rigid.kin)}
-    names = parts.rigid.bodies
-    return {int(b): row for row, b in reversed(list(enumerate(parts.rigid.body_ids))) if names[row].split("/", 1)[0] in kin}
+    rows = np.flatnonzero(parts.rigid.kin_rows)
+    bodies, first = np.unique(parts.rigid.body_ids[rows], return_index=True)
+    return dict(zip(bodies.tolist(), rows[first].tolist(), strict=True))
 
 
 def _carry_cluster(old: Parts, new: Parts, body: int, row: int, kept: F64) -> None:

@@ -17,7 +17,7 @@ from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import EngineError, InputError
 from ...worlds.spec import ElasticPhysics, RigidSettings, WorldSpec
-from ..fracture import Breakage
+from ..fracture import Breakage, Fate
 from ..protocol import Channel, Intervention, Port
 from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
 from .contact_law import rest_speed, set_contact_law
@@ -38,6 +38,9 @@ GUARD = 2e-4
 """Listed contacts closer than this [m] are measured again before a frame is accepted."""
 CLEAR = 1e-7
 """Least accepted distance of visible surfaces at a frame [m]: covers the tolerance of GJK (1e-6 of it matters nowhere)."""
+MOST_RETAKES = 8
+"""How often a step is taken again with what broke in it apart; what breaks then goes apart at its end. What loose pieces hand on
+to others is limited by `crumbling`, so that a blow spreads at one ring of pieces per step at least."""
 MAGIC = b"WARS3"
 SEAL_BYTES = 32
 """A checkpoint is MAGIC, the SHA-256 of what follows, and that."""
@@ -175,11 +178,15 @@ class SolverRigid:
             if held - self.drivers.held(t0):
                 self._adopt_contacts(t0)
             held = self.drivers.held(t0)
-            done = self._segment(t0, dt, count)
+            done, retakes = 0, 0
             while done < count:
-                self._split(t0 + done * dt)
-                self._set(t0, t0 + done * dt, dt, count - done)
-                done += self._segment(t0 + done * dt, dt, count - done)
+                if done or retakes:
+                    self._set(t0, t0 + done * dt, dt, count - done)
+                steps, fate = self._segment(t0 + done * dt, dt, count - done, retakes)
+                done += steps
+                retakes = (retakes if steps == 0 else 0) + 1 if fate is Fate.AGAIN else 0
+                if fate is not Fate.WHOLE:
+                    self._split(t0 + done * dt)
             taken += count
         self._before = held
         return taken
@@ -193,8 +200,18 @@ class SolverRigid:
             self.data.xfrc_applied += self._from_others()
         self.drivers.plan_paths(now, dt, count)
 
-    def _segment(self, start: float, dt: float, count: int) -> int:
-        """Up to `count` steps of `dt` [s] within which no driver switches; returns those taken before clusters fell apart."""
+    def _segment(self, start: float, dt: float, count: int, retakes: int) -> tuple[int, Fate]:
+        """Up to `count` steps of `dt` [s] within which no driver switches.
+
+        Args:
+            start: of the first [s].
+            dt: step [s].
+            count: of steps.
+            retakes: how often the first of them was taken already.
+
+        Returns:
+            Steps taken before clusters fell apart, and whether they did, in the last of these steps or in one to be taken again.
+        """
         mujoco, model, data = self._mj, self.model, self.data
         first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
@@ -202,8 +219,9 @@ class SolverRigid:
         fields, held = self.fields, self.drivers.held(start) if self.fields else frozenset()
         working = self.work.begin(data, velocities(model, data), self._outside())
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
-        breaks, still = bool(self.breakage), self.drivers.held(start)
-        for k in range(count):
+        breaks, still, fate, taken = bool(self.breakage), self.drivers.held(start), Fate.WHOLE, 0
+        while taken < count and fate is Fate.WHOLE:
+            k = taken
             if authored:
                 self.drivers.follow_paths(data, k, dt)
             if ropes:
@@ -225,12 +243,15 @@ class SolverRigid:
                 mujoco.mj_fwdAcceleration(model, data)
                 mujoco.mj_fwdConstraint(model, data)
                 mujoco.mj_checkAcc(model, data)
-                if breaks and self.breakage.watch(data, start + (k + 1) * dt, dt, still):
-                    if fields:
-                        fields.undo()
-                        fields.end(data)
-                    self._work += self.work.end(velocities(model, data), dt) if working else 0.0
-                    return k
+                if breaks:
+                    last = k == 0 and retakes >= MOST_RETAKES
+                    fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, last=last)
+                    if fate is Fate.AGAIN:
+                        if fields:
+                            fields.undo()
+                            fields.end(data)
+                        self._work += self.work.end(velocities(model, data), dt) if working else 0.0
+                        return k, fate
                 watch_contacts(data, start + (k + 1) * dt, dt)
                 mujoco.mj_implicit(model, data)
                 watch_sleep(data, start + (k + 1) * dt)
@@ -239,16 +260,17 @@ class SolverRigid:
             if self._wrench is not None:
                 # Of what the engine integrated, less what drivers and fields pushed: counted here, not taken from who gave it.
                 self._received += dt * self._taken_in()
+            taken += 1
         if fields:
             fields.end(data)
         if authored:
-            self.drivers.follow_paths(data, count, dt)
+            self.drivers.follow_paths(data, taken, dt)
         self._settle_kinematics()
         if working:
             self._work += self.work.end(velocities(model, data), dt)
         if self._soft is not None:
-            self._soft.take(data.xfrc_applied - self.work.pushes, data, count * dt)
-        return count
+            self._soft.take(data.xfrc_applied - self.work.pushes, data, taken * dt)
+        return taken, fate
 
     def _taken_in(self) -> F64:
         """Wrenches of others that the engine integrates in this step, per row."""

@@ -138,7 +138,7 @@ class Stiffness:
         assert self._solve is not None
         found = np.stack([self._solve(column) for column in columns[:-6].T], axis=1)
         self._answers = np.concatenate([self._answers, found], axis=1)
-        self._capacity = np.linalg.inv(np.eye(self._answers.shape[1]) - self._over(self._answers))
+        self._capacity = np.asarray(np.linalg.inv(np.eye(self._answers.shape[1]) - self._over(self._answers)), dtype=np.float64)
 
     def _index(self, bonds: Any) -> Any:
         """Unknowns at both ends of bonds, shape (m, 12); the last six stand for what does not move."""

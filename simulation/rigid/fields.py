@@ -97,9 +97,11 @@ class FieldForces:
         self._given = dt * found * awake[:, None]
         self.impulse += self._given
 
-    def undo(self) -> None:
-        """Take back what the last step counted: it is taken again."""
-        self.impulse -= self._given
+    def undo(self, data: Any) -> None:
+        """Take back the last step, its forces and what it counted: it is taken again."""
+        if self:
+            self.impulse -= self._given
+            self.end(data)
 
     def end(self, data: Any) -> None:
         """Take the forces of the last step away."""

@@ -38,9 +38,6 @@ GUARD = 2e-4
 """Listed contacts closer than this [m] are measured again before a frame is accepted."""
 CLEAR = 1e-7
 """Least accepted distance of visible surfaces at a frame [m]: covers the tolerance of GJK (1e-6 of it matters nowhere)."""
-MOST_RETAKES = 8
-"""How often a step is taken again with what broke in it apart; what breaks then goes apart at its end. What loose pieces hand on
-to others is limited by `crumbling`, so that a blow spreads at one ring of pieces per step at least."""
 MAGIC = b"WARS3"
 SEAL_BYTES = 32
 """A checkpoint is MAGIC, the SHA-256 of what follows, and that."""
@@ -244,12 +241,9 @@ class SolverRigid:
                 mujoco.mj_fwdConstraint(model, data)
                 mujoco.mj_checkAcc(model, data)
                 if breaks:
-                    last = k == 0 and retakes >= MOST_RETAKES
-                    fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, last=last)
+                    fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, retakes if k == 0 else 0)
                     if fate is Fate.AGAIN:
-                        if fields:
-                            fields.undo()
-                            fields.end(data)
+                        fields.undo(data)
                         self._work += self.work.end(velocities(model, data), dt) if working else 0.0
                         return k, fate
                 watch_contacts(data, start + (k + 1) * dt, dt)

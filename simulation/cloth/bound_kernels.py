@@ -5,7 +5,7 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["bound", "move"]
+__all__ = ["bound", "move", "reached", "stride"]
 
 SHARE = wp.constant(wp.float64(0.8))
 """Of the way to the plane between two things that one step may take."""
@@ -87,6 +87,38 @@ def bound(
 
 
 @wp.kernel
+def reached(
+    first: wp.int32,
+    clock: wp.array(dtype=wp.float64),
+    anchor: wp.array(dtype=wp.vec3d),
+    plan: wp.array(dtype=wp.vec3d),
+    budget: wp.array(dtype=wp.float64),
+    x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    share: wp.array(dtype=wp.float64),
+):
+    """How far from where it was expected a vertex comes in this step, over how far the lists of pairs hold."""
+    i = first + wp.tid()
+    moved = x[i] - anchor[i] + clock[0] * u[i]
+    gone = wp.length(moved - (clock[2] + clock[0]) * plan[i])
+    share[i] = wp.max(gone / budget[2], wp.length(moved) / budget[3])
+
+
+@wp.kernel
+def stride(
+    first: wp.int32,
+    clock: wp.array(dtype=wp.float64),
+    u: wp.array(dtype=wp.vec3d),
+    x: wp.array(dtype=wp.vec3d),
+    v: wp.array(dtype=wp.vec3d),
+):
+    """Move with the velocity where nothing is in the way."""
+    i = first + wp.tid()
+    x[i] = x[i] + clock[0] * u[i]
+    v[i] = u[i]
+
+
+@wp.kernel
 def move(
     first: wp.int32,
     clock: wp.array(dtype=wp.float64),
@@ -99,7 +131,7 @@ def move(
     mass: wp.array(dtype=wp.float64),
     inverse: wp.array(dtype=wp.float64),
     anchor: wp.array(dtype=wp.vec3d),
-    drift: wp.array(dtype=wp.vec3d),
+    plan: wp.array(dtype=wp.vec3d),
     budget: wp.array(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
     x: wp.array(dtype=wp.vec3d),
@@ -133,7 +165,7 @@ def move(
             held_back[i] = held_back[i] + mass[i] * (speed - u[i])
     new = old + dt * speed
     moved = new - anchor[i]
-    gone = wp.length(moved - clock[2] * drift[0])
+    gone = wp.length(moved - (clock[2] + dt) * plan[i])
     still = wp.length(moved)
     if gone > budget[0] or still > budget[1]:
         over[0] = 1

@@ -49,8 +49,8 @@ class _Surface:
         self.upper = wp.zeros(self.count, dtype=wp.vec3, device=device)
         self.tree: Any = None
 
-    def fit(self, passes: Passes, name: str, x: Any) -> None:
-        passes(name, near.boxes, self.count, [x, self.faces, self.lower, self.upper])()
+    def fit(self, passes: Passes, name: str, x: Any, u: Any, span: Any, drift: Any) -> None:
+        passes(name, near.boxes, self.count, [x, u, span, drift, self.faces, self.lower, self.upper])()
         if self.tree is None:
             self.tree = warp().Bvh(self.lower, self.upper)
         else:
@@ -147,19 +147,24 @@ class Contacts:
         self._start = wp.zeros(self._yielding + 1, dtype=wp.int32, device=device)
         self.split = wp.zeros(len(state["x"]), dtype=wp.float64, device=device)
         self.anchor = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
-        self.drift = wp.zeros(1, dtype=wp.vec3d, device=device)
+        self.drift, self._none = (wp.zeros(1, dtype=wp.vec3d, device=device) for _ in range(2))
+        self.plan = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
+        self.span = wp.zeros(1, dtype=wp.float64, device=device)
         self.budget = wp.zeros(4, dtype=wp.float64, device=device)
         self.reach = wp.zeros(2, dtype=wp.float64, device=device)
         self.over = wp.zeros(2, dtype=wp.int32, device=device)
         self.held_back = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         # Trees are made of the first places, so that a run that goes on from a checkpoint walks them in the same order.
-        self.sheet.fit(passes, "boxes", state["x"])
+        self.sheet.fit(passes, "boxes", *self._moving(self.drift))
         if self.solid is not None:
-            self.solid.fit(passes, "solid_boxes", state["x"])
+            self.solid.fit(passes, "solid_boxes", *self._moving(self._none))
         self.fresh = False
         self.searches = 0
         self.solid_margin = 0.0
         self._grow(256)
+
+    def _moving(self, drift: Any) -> tuple[Any, Any, Any, Any]:
+        return self.state["x"], self.state["u"], self.span, drift
 
     def _grow(self, count: int) -> None:
         if count <= self._room:
@@ -194,39 +199,59 @@ class Contacts:
         most = 0.5 * (FARTHEST * self.shortest - self.touch[1])
         return own, min(max(own * (1.0 + drift / max(speed, 1e-3)), own), most)
 
-    def search(self, speed: float, drift: F64) -> None:
-        """Look for all pairs anew."""
+    def search(self, speed: float, drift: F64, span: float = 0.0) -> None:
+        """Look for all pairs anew.
+
+        Args:
+            speed: fastest of the sheets' vertices against their mean velocity [m/s].
+            drift: that mean velocity, (3,) [m/s].
+            span: time [s] over which all are taken to go on as they move; pairs that could meet within are found too, and what counts
+                from then on is how far vertices stray from there. 0: how far they move counts.
+        """
         wp = warp()
         own, others = self.margins(speed, float(np.linalg.norm(drift)))
+        far = 1e9
+        if span > 0.0:
+            others = own
+            budget = [SPARE * own, far, own, far]
+            wp.copy(self.plan, self.state["u"], count=self.n)
+        else:
+            within = own if self.self_collision else far
+            away = others if self.solid else far
+            budget = [SPARE * within, SPARE * away, within, away]
+            self.plan.assign(np.tile(np.asarray(drift, dtype=np.float64), (self.n, 1)))
         reach = np.array([self.touch[0] + 2 * own, self.touch[1] + 2 * others])
         self.reach.assign(reach)
-        self.budget.assign(
-            np.array([SPARE * own if self.self_collision else 1e9, SPARE * others if self.solid else 1e9, own if self.self_collision else 1e9, others if self.solid else 1e9])
-        )  # fmt: skip
+        self.budget.assign(np.array(budget))
+        self.span.assign(np.array([span]))
         self.drift.assign(np.asarray(drift, dtype=np.float64).reshape(1, 3))
-        self.solid_margin = SPARE * others
+        self.solid_margin = SPARE * others if span == 0.0 else far
         x = self.state["x"]
         wp.copy(self.anchor, x, count=self.n)
         self.over.zero_()
         s, found = self.sheet, []
-        s.fit(self.passes, "boxes", x)
+        u, time = self.state["u"], self.span
+        if self.self_collision:
+            s.fit(self.passes, "boxes", *self._moving(self.drift))
         while self.self_collision:
             o = self._own
             self.passes(
                 "near_self", near.near_self, s.count,
-                [s.tree.id, x, s.faces, self._kin, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
+                [s.tree.id, x, u, time, s.faces, self._kin, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
             )()  # fmt: skip
             if o.fits():
                 found.append(o.collect())
                 break
         if self.solid is not None:
             solid, o = self.solid, self._others
-            solid.fit(self.passes, "solid_boxes", x)
+            if span > 0.0 or not self.self_collision:
+                s.fit(self.passes, "boxes_lab", *self._moving(self._none))
+            solid.fit(self.passes, "solid_boxes", *self._moving(self._none))
             while True:
                 o = self._others
                 self.passes(
                     "near_solids", near.near_solids, s.count,
-                    [solid.tree.id, x, s.faces, s.owned, self.holder, s.lower, s.upper, solid.faces, solid.owned, self.body_of,
+                    [solid.tree.id, x, u, time, s.faces, s.owned, self.holder, s.lower, s.upper, solid.faces, solid.owned, self.body_of,
                      self.reach, o.room, o.found, o.pairs, o.kinds],
                 )()  # fmt: skip
                 if o.fits():
@@ -290,7 +315,7 @@ class Contacts:
             made.append(p("bound", bounds.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
         made.append(
             p("move", bounds.move, n, [s["clock"], self._start, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
-              self.anchor, self.drift, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
+              self.anchor, self.plan, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
         )  # fmt: skip
         return made
 

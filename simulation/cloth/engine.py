@@ -1,4 +1,4 @@
-"""The cloth engine: explicit steps of sheets with real stiffness, contacts by impulses, and nothing that crosses."""
+"""The cloth engine: sheets with real stiffness, contacts by impulses, and nothing that crosses."""
 
 from __future__ import annotations
 
@@ -19,11 +19,15 @@ from .pace import fastest_point, stiffening
 from .setup import ClothReport, ClothSetup
 from .soft_solids import SoftSolids
 from .stability import highest_frequency, longest_step
+from .strides import Strides
 
 if TYPE_CHECKING:
     from ..boundaries import BodyState
 
 __all__ = ["Cloth"]
+
+BREATH = 1e-3
+"""Longest time over which explicit steps take the air as it was [s]."""
 
 SAFE = 0.9
 """Share of the longest stable step that is taken: a sheet is stiffer where it is bent or squeezed."""
@@ -60,7 +64,8 @@ class Cloth:
         beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
         self.longest = min(SAFE * min(longest_step(highest_frequency(s), beta) for s in setup.sheets), setup.max_step)
         self._clock_bodies()
-        self._contacts = self._make_contacts(setup)
+        self.contacts = self._make_contacts(setup)
+        self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None
         self.time, self.steps_done = 0.0, 0
         self._known = False
         self._looks, self._stiffness = 0, 1.0
@@ -102,24 +107,24 @@ class Cloth:
         self.blown = bool((drag > 0).any())
         self.x, self.v, self.u = a(position, wp.vec3d), a(speed[:n], wp.vec3d), a(speed, wp.vec3d)
         self.target = a(position, wp.vec3d)
-        self._mass, self._radius = a(self.mass, wp.float64), a(radius, wp.float64)
-        self._faces = a(self.faces, wp.vec3i)
-        self._rest = a(np.concatenate([s.inverse_rest for s in sheets]), wp.vec4d)
-        self._law = a(law, wp.vec4d)
-        self._force = wp.zeros(2 * len(self.faces), dtype=wp.vec3d, device=self.device)
-        self._hinges = a(hinges, wp.vec4i)
+        self.masses, self._radius = a(self.mass, wp.float64), a(radius, wp.float64)
+        self.face_array = a(self.faces, wp.vec3i)
+        self.rest = a(np.concatenate([s.inverse_rest for s in sheets]), wp.vec4d)
+        self.law = a(law, wp.vec4d)
+        self.force = wp.zeros(2 * len(self.faces), dtype=wp.vec3d, device=self.device)
+        self.hinges = a(hinges, wp.vec4i)
         weight = np.concatenate([s.hinge_weight for s in sheets])
-        self._weight, self._weights = a(weight, wp.vec4d), a(weight.ravel(), wp.float64)
-        self._hinge_law = a(np.concatenate([s.hinge_law for s in sheets]), wp.vec3d)
-        self._pull = wp.zeros(max(len(hinges), 1), dtype=wp.vec3d, device=self.device)
-        self._corners = (a(corners.start, wp.int32), a(corners.items, wp.int32))
-        self._ends = (a(ends.start, wp.int32), a(ends.items, wp.int32))
-        self._drag = a(drag, wp.vec2d)
-        self._air = wp.zeros(len(self.faces), dtype=wp.vec4d, device=self.device)
+        self.weight, self.weights = a(weight, wp.vec4d), a(weight.ravel(), wp.float64)
+        self.hinge_law = a(np.concatenate([s.hinge_law for s in sheets]), wp.vec3d)
+        self.pull = wp.zeros(max(len(hinges), 1), dtype=wp.vec3d, device=self.device)
+        self.corners = (a(corners.start, wp.int32), a(corners.items, wp.int32))
+        self.ends = (a(ends.start, wp.int32), a(ends.items, wp.int32))
+        self.drag = a(drag, wp.vec2d)
+        self.air = wp.zeros(len(self.faces), dtype=wp.vec4d, device=self.device)
         self._blast = wp.zeros(len(self.faces), dtype=wp.vec3d, device=self.device)
         self._pulled = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
-        self._acceleration = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
-        self._reaction = wp.zeros(n, dtype=wp.vec3d, device=self.device)
+        self.acceleration = a(np.tile(setup.gravity, (n, 1)), wp.vec3d)
+        self.reaction = wp.zeros(n, dtype=wp.vec3d, device=self.device)
         self.clock = wp.zeros(3, dtype=wp.float64, device=self.device)
         self.host_hinges, self.host_weight = hinges, weight
         starts = np.cumsum([0, *(len(s.mass) for s in sheets)])
@@ -147,8 +152,8 @@ class Cloth:
         place.append(self.solid_place[solid])
         self.target.assign(target)
         inverse = np.concatenate([np.where(self.holder == -2, 1.0 / self.mass, 0.0), np.zeros(self.total - self.n)])
-        self._inverse = a(inverse, wp.float64)
-        self.held = np.flatnonzero(self.holder != -2)
+        self.inverse = a(inverse, wp.float64)
+        self.held: I32 = np.flatnonzero(self.holder != -2).astype(np.int32)
         self._led = (
             a(np.concatenate(vertex).astype(np.int32), wp.int32), a(np.concatenate(row).astype(np.int32), wp.int32),
             a(np.concatenate(place).reshape(-1, 3), wp.vec3d),
@@ -170,7 +175,7 @@ class Cloth:
 
     def _make_contacts(self, setup: ClothSetup) -> Contacts:
         state = {
-            "x": self.x, "u": self.u, "v": self.v, "inverse": self._inverse, "mass": self._mass, "radius": self._radius,
+            "x": self.x, "u": self.u, "v": self.v, "inverse": self.inverse, "mass": self.masses, "radius": self._radius,
             "clock": self.clock, "center": self._center, "velocity": self._velocity,
             "held": self._array(self.held.astype(np.int32), warp().int32), "reaction": self._reaction,
         }  # fmt: skip
@@ -198,7 +203,7 @@ class Cloth:
             if self.device != "cpu":
                 self.x.assign(whole)
         self._known = True
-        self._contacts.fresh = False
+        self.contacts.fresh = False
 
     def _take_bodies(self, bodies: BodyState, span: float) -> None:
         if len(self.setup.boundaries) == 0:
@@ -209,12 +214,12 @@ class Cloth:
         self._velocity.assign(bodies.velocity)
         self._spin.assign(bodies.angular_velocity)
         if self._soft.rows:
-            speeds, inverse = self.u.numpy(), self._inverse.numpy()
+            speeds, inverse = self.u.numpy(), self.inverse.numpy()
             self._soft.aim(bodies, span, self.x.numpy()[self.n :], speeds[self.n :])
             self._soft.lightness(bodies, inverse[self.n :])
             if self.device != "cpu":
                 self.u.assign(speeds)
-                self._inverse.assign(inverse)
+                self.inverse.assign(inverse)
 
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
         """Go on for at most `limit` seconds, with bodies that go on as they move at its start.
@@ -224,22 +229,39 @@ class Cloth:
         """
         if not self._known:
             self.place_solids(bodies)
-        span = limit / max(1, math.ceil(limit / self.setup.exchange - 1e-6))
+        span = limit / max(1, math.ceil(limit / min(self.setup.exchange, self.setup.max_step) - 1e-6))
         self._take_bodies(bodies, span)
-        start, speed = self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
-        push = self._blow(time, start)
+        self.clock.assign(np.array([0.0, 0.0, float(self.clock.numpy()[2])]))
         solid_speed = fastest_point(self.setup.boundaries, self.solid_place, self.solid_row, bodies)
         solid_speed = max(solid_speed, self._soft.fastest(self.u.numpy()[self.n :]))
+        start, air = self.x.numpy()[: self.n].copy(), np.zeros(4)
+        total, count = np.zeros((len(self.setup.boundaries), 6)), 0
+        if self._strides is not None and self._strides.take(span, time, solid_speed, air):
+            count = 1
+        else:
+            parts = max(1, math.ceil(span / BREATH - 1e-6))
+            for k in range(parts):
+                given, steps_taken = self._short(span / parts, time + k * span / parts, solid_speed, air)
+                total += given
+                count += steps_taken
+        pressed, worked = self.contacts.felt_by_vertices()
+        self.steps_done += count
+        return self._report(span, bodies, start, air, total, pressed, worked, count)
+
+    def _short(self, span: float, time: float, solid_speed: float, air: F64) -> tuple[F64, int]:
+        """Take explicit steps; impulses given to the bodies (b, 6), and how many they were. Count into `air` what air and fields gave."""
+        start, speed = self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
+        push = self.blow(time, start)
         count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
         total = self._run(span / count, count, solid_speed)
-        pressed, worked = self._contacts.felt_by_vertices()
-        self.steps_done += count
-        return self._report(span, bodies, start, push, total, pressed, worked, count)
+        given = self.mass[:, None] * push
+        air += [*(given.sum(0) * span), float((given * (self.x.numpy()[: self.n] - start)).sum())]
+        return total, count
 
     def _longest(self, speed: F64, push: F64, span: float, solid_speed: float) -> float:
         """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
         soft and its hard bounds."""
-        contacts = self._contacts
+        contacts = self.contacts
         drift = self.mass @ speed / self.mass.sum()
         fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max())) + float(np.linalg.norm(push, axis=1).max()) * span
         dt = self.longest / self._stiffer()
@@ -258,9 +280,9 @@ class Cloth:
 
     def _run(self, dt: float, count: int, solid_speed: float) -> F64:
         """Take `count` steps; the impulses given to the bodies by contact, (b, 6)."""
-        contacts = self._contacts
+        contacts = self.contacts
         since = float(self.clock.numpy()[2]) if contacts.fresh else 0.0
-        self.clock.assign(np.array([dt, 0.0, since]))
+        self.clock.assign(np.array([dt, float(self.clock.numpy()[1]), since]))
         total = np.zeros((len(self.setup.boundaries), 6))
         passes = None
         for k in range(count):
@@ -282,12 +304,16 @@ class Cloth:
                 contacts.fresh = not worn
         return total + contacts.collect()
 
+    def lead(self) -> Any:
+        """The pass that leads what bodies take along."""
+        return self.passes("lead", steps.lead, self.led_count, [*self._led, self._rotation, self._origin, self._center, self._velocity, self._spin, self.clock, self.x, self.target, self.u])  # fmt: skip
+
     def _clock_back(self) -> None:
         clock = self.clock.numpy().copy()
         clock[2] = 0.0
         self.clock.assign(clock)
 
-    def _blow(self, time: float, x: F64) -> F64:
+    def blow(self, time: float, x: F64) -> F64:
         """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""
         setup, p, n = self.setup, self.passes, self.n
         pulled = setup.acceleration is not None or self.loads is not None
@@ -295,34 +321,34 @@ class Cloth:
             pull = np.zeros((n, 3)) if setup.acceleration is None else setup.acceleration(x, time)
             self._pulled.assign(setup.gravity + pull + (0.0 if self.loads is None else self.loads / self.mass[:, None]))
         if self.blown:
-            self._air.assign(setup.air(x[self.faces].mean(axis=1), time))
-            p("blow", steps.blow, len(self.faces), [self.x, self.v, self._faces, self._air, self._drag, self._blast])()
-            p("catch", steps.catch_air, n, [self._mass, *self._corners, self._blast, self._pulled, self._acceleration])()
+            self.air.assign(setup.air(x[self.faces].mean(axis=1), time))
+            p("blow", steps.blow, len(self.faces), [self.x, self.v, self.face_array, self.air, self.drag, self._blast])()
+            p("catch", steps.catch_air, n, [self.masses, *self.corners, self._blast, self._pulled, self.acceleration])()
         elif pulled:
-            warp().copy(self._acceleration, self._pulled)
-        return np.asarray(self._acceleration.numpy() - setup.gravity)
+            warp().copy(self.acceleration, self._pulled)
+        return np.asarray(self.acceleration.numpy() - setup.gravity)
 
     def _passes(self) -> list[Any]:
         p, n = self.passes, self.n
         made = [
-            p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self._faces, self._rest, self._law, self._force])
+            p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self.face_array, self.rest, self.law, self.force])
         ]
         if len(self.host_hinges):
-            made.append(p("bending", forces.bending, len(self.host_hinges), [self.x, self.v, self._hinges, self._weight, self._hinge_law, self._pull]))  # fmt: skip
+            made.append(p("bending", forces.bending, len(self.host_hinges), [self.x, self.v, self.hinges, self.weight, self.hinge_law, self.pull]))  # fmt: skip
         if self.led_count:
-            made.append(p("lead", steps.lead, self.led_count, [*self._led, self._rotation, self._origin, self._center, self._velocity, self._spin, self.clock, self.x, self.target, self.u]))  # fmt: skip
+            made.append(self.lead())
         made.append(
-            p("fall", steps.fall, n, [self.x, self.v, self._mass, *self._corners, self._force, *self._ends, self._weights, self._pull,
-              self._acceleration, self._inverse, self.target, self.clock, self._reaction, self.u])
+            p("fall", steps.fall, n, [self.x, self.v, self.masses, *self.corners, self.force, *self.ends, self.weights, self.pull,
+              self.acceleration, self.inverse, self.target, self.clock, self.reaction, self.u])
         )  # fmt: skip
-        made += self._contacts.steps()
+        made += self.contacts.steps()
         if (self.led_count or self._soft.rows) and self.total > self.n:
             made.append(p("carry", steps.carry, self.total - n, [n, self.clock, self.u, self.x]))
         made.append(p("tick", steps.tick, 1, [self.clock]))
         return [p.chain("step", made)] if self.device != "cpu" else made
 
     def _report(
-        self, span: float, bodies: BodyState, start: F64, push: F64, total: F64, pressed: F64, worked: F64, count: int
+        self, span: float, bodies: BodyState, start: F64, air: F64, total: F64, pressed: F64, worked: F64, count: int
     ) -> ClothReport:
         x = self.x.numpy()[: self.n]
         if not np.isfinite(x).all():
@@ -330,12 +356,11 @@ class Cloth:
         moved = x - start
         loads = np.zeros((self.n, 3)) if self.loads is None else self.loads
         load = np.array([*(loads.sum(0) * span), float((loads * moved).sum())])
-        given = self.mass[:, None] * push - loads
-        air = np.array([*(given.sum(0) * span), float((given * moved).sum())])
+        air = air - load
         reaction = np.zeros(4)
         impulse = total.copy()
         if len(self.held):
-            felt = self._reaction.numpy()[self.held]
+            felt = self.reaction.numpy()[self.held]
             reaction[:3] = -felt.sum(0)
             reaction[3] = -float((felt * moved[self.held]).sum()) / span
             for row in np.unique(self.holder[self.held]):
@@ -345,8 +370,8 @@ class Cloth:
                     arm = 0.5 * (start + x)[self.held[own]] - middle
                     impulse[row, :3] += felt[own].sum(0)
                     impulse[row, 3:] += np.cross(arm, felt[own]).sum(0)
-            self._reaction.zero_()
-        back = self._contacts.held_back
+            self.reaction.zero_()
+        back = self.contacts.held_back
         lost = back.numpy()
         cut = np.array([*lost.sum(0), float((lost != 0).any(axis=1).sum())])
         if cut[3]:
@@ -358,7 +383,7 @@ class Cloth:
             work = -float(np.where(soft, worked, (total * twist).sum(axis=1)).sum())
         fastest = float(np.sqrt((self.v.numpy() ** 2).sum(1).max()))
         return ClothReport(
-            span, impulse, total, count, air, reaction, cut, work, self._contacts.count, fastest, load, self._soft.given(pressed)
+            span, impulse, total, count, air, reaction, cut, work, self.contacts.count, fastest, load, self._soft.given(pressed)
         )
 
     # ------------------------------------------------------------------ state
@@ -388,6 +413,8 @@ class Cloth:
         self.v.assign(both[1])
         self._known = False
         self._looks = 0
-        self._contacts.fresh = False
-        self._reaction.zero_()
-        self._contacts.held_back.zero_()
+        if self._strides is not None:
+            self._strides.begin()
+        self.contacts.fresh = False
+        self.reaction.zero_()
+        self.contacts.held_back.zero_()

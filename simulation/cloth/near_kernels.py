@@ -77,11 +77,14 @@ def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
 def boxes(
     first: wp.int32,
     x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    span: wp.array(dtype=wp.float64),
+    drift: wp.array(dtype=wp.vec3d),
     faces: wp.array(dtype=wp.vec3i),
     lower: wp.array(dtype=wp.vec3),
     upper: wp.array(dtype=wp.vec3),
 ):
-    """Bounds of triangles, widened by more than float32 leaves out."""
+    """Bounds of triangles over a span of time, seen from what goes with `drift`, widened by more than float32 leaves out."""
     t = first + wp.tid()
     f = faces[t]
     a = wp.vec3(x[f[0]])
@@ -89,6 +92,12 @@ def boxes(
     c = wp.vec3(x[f[2]])
     low = wp.min(wp.min(a, b), c)
     high = wp.max(wp.max(a, b), c)
+    if span[0] > wp.float64(0.0):
+        a = wp.vec3(x[f[0]] + span[0] * (u[f[0]] - drift[0]))
+        b = wp.vec3(x[f[1]] + span[0] * (u[f[1]] - drift[0]))
+        c = wp.vec3(x[f[2]] + span[0] * (u[f[2]] - drift[0]))
+        low = wp.min(low, wp.min(wp.min(a, b), c))
+        high = wp.max(high, wp.max(wp.max(a, b), c))
     reach = 1.0e-6 * (wp.max(wp.abs(low)) + wp.max(wp.abs(high)))
     lower[t] = low - wp.vec3(reach, reach, reach)
     upper[t] = high + wp.vec3(reach, reach, reach)
@@ -113,8 +122,14 @@ def put(
 
 
 @wp.func
-def touch_triangle(x: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, reach: wp.float64):
-    """Whether vertex i is within reach of a triangle."""
+def touch_triangle(
+    x: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, least: wp.float64, span: wp.float64
+):
+    """Whether vertex i is within reach of a triangle, or comes there within a span of time."""
+    reach = least
+    if span > wp.float64(0.0):
+        v = u[i]
+        reach += span * wp.max(wp.length(u[f[0]] - v), wp.max(wp.length(u[f[1]] - v), wp.length(u[f[2]] - v)))
     p = x[i]
     a = x[f[0]]
     b = x[f[1]]
@@ -125,8 +140,17 @@ def touch_triangle(x: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, reach:
 
 
 @wp.func
-def touch_edges(x: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, reach: wp.float64):
-    """Whether two edges are within reach of each other."""
+def touch_edges(
+    x: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, least: wp.float64, span: wp.float64
+):
+    """Whether two edges are within reach of each other, or come there within a span of time."""
+    reach = least
+    if span > wp.float64(0.0):
+        v = u[e[0]]
+        w = u[e[1]]
+        reach += span * wp.max(
+            wp.max(wp.length(u[g[0]] - v), wp.length(u[g[1]] - v)), wp.max(wp.length(u[g[0]] - w), wp.length(u[g[1]] - w))
+        )
     a = x[e[0]]
     b = x[e[1]]
     c = x[g[0]]
@@ -145,6 +169,8 @@ def near_self(
     first: wp.int32,
     bvh: wp.uint64,
     x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    span: wp.array(dtype=wp.float64),
     faces: wp.array(dtype=wp.vec3i),
     kin: wp.array(dtype=wp.vec3i),
     owned: wp.array(dtype=wp.int32),
@@ -166,6 +192,7 @@ def near_self(
     mine = owned[t]
     far = reach[0]
     wide = float(far)
+    time = span[0]
     slot = wp.int32(0)
     k = wp.int32(0)
     query = wp.bvh_query_aabb(bvh, lower[t] - wp.vec3(wide, wide, wide), upper[t] + wp.vec3(wide, wide, wide))
@@ -177,7 +204,7 @@ def near_self(
             for c in range(3):
                 i = f[c]
                 if (mine & (1 << c)) != 0 and n[c] != m[0] and n[c] != m[1] and n[c] != m[2]:
-                    if touch_triangle(x, i, g, far):
+                    if touch_triangle(x, u, i, g, far, time):
                         slot = put(slot, room, t, wp.vec4i(i, g[0], g[1], g[2]), 0, others, pairs, kinds)
             if t < k:
                 for c in range(3):
@@ -191,7 +218,7 @@ def near_self(
                                 p = m[d]
                                 q = m[(d + 1) % 3]
                                 if a != p and a != q and b != p and b != q:
-                                    if touch_edges(x, e, o, far):
+                                    if touch_edges(x, u, e, o, far, time):
                                         slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 1, 0, pairs, kinds)
     count[t] = slot
 
@@ -207,6 +234,8 @@ def near_solids(
     first: wp.int32,
     bvh: wp.uint64,
     x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    span: wp.array(dtype=wp.float64),
     faces: wp.array(dtype=wp.vec3i),
     owned: wp.array(dtype=wp.int32),
     holder: wp.array(dtype=wp.int32),
@@ -228,6 +257,7 @@ def near_solids(
     mine = owned[t]
     far = reach[1]
     wide = float(far)
+    time = span[0]
     slot = wp.int32(0)
     k = wp.int32(0)
     query = wp.bvh_query_aabb(bvh, lower[t] - wp.vec3(wide, wide, wide), upper[t] + wp.vec3(wide, wide, wide))
@@ -237,15 +267,15 @@ def near_solids(
         if not tied(holder, f, body):
             others = solid_owned[k]
             for c in range(3):
-                if (mine & (1 << c)) != 0 and touch_triangle(x, f[c], g, far):
+                if (mine & (1 << c)) != 0 and touch_triangle(x, u, f[c], g, far, time):
                     slot = put(slot, room, t, wp.vec4i(f[c], g[0], g[1], g[2]), 4 * body + 2, others, pairs, kinds)
-                if (others & (1 << c)) != 0 and touch_triangle(x, g[c], f, far):
+                if (others & (1 << c)) != 0 and touch_triangle(x, u, g[c], f, far, time):
                     slot = put(slot, room, t, wp.vec4i(g[c], f[0], f[1], f[2]), 4 * body + 4, mine, pairs, kinds)
                 if (mine & (8 << c)) != 0:
                     e = wp.vec2i(f[c], f[(c + 1) % 3])
                     for d in range(3):
                         if (others & (8 << d)) != 0:
                             o = wp.vec2i(g[d], g[(d + 1) % 3])
-                            if touch_edges(x, e, o, far):
+                            if touch_edges(x, u, e, o, far, time):
                                 slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 4 * body + 3, 0, pairs, kinds)
     count[t] = slot

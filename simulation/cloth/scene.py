@@ -14,7 +14,7 @@ from ...worlds.built import TriangleMesh
 from ...worlds.cloth import THIN, held_by, touching_distance
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
-from ...worlds.instances import soft_met
+from ...worlds.instances import coupled_groups, soft_met
 from ..boundaries import Boundary, Surround, surround_of
 from .pieces import Piece, piece_of
 from .setup import Air, ClothSetup, Hold
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ClothScene", "build_scene"]
 
+CLOSELY = 1e-3
+"""Longest time between two exchanges of impulses with bodies that the cloth pushes [s]."""
 EVERYWHERE = (np.full(3, -np.inf), np.full(3, np.inf))
 
 
@@ -107,6 +109,7 @@ def build_scene(
     fields = {m: fields_of(spec, m, without) for m in members}
     faces = np.concatenate([np.full(len(p.faces), members.index(p.member)) for p in pieces])
     blown = any(f and f.has_medium for f in fields.values())
+    pushes = any(name in group for group in coupled_groups(spec))
     drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)
     setup = ClothSetup(
         sheets=(),
@@ -117,8 +120,9 @@ def build_scene(
         boundaries=surround.boundaries,
         air=_air(fields, members, faces),
         self_collision=any(_physics(spec.entities[m]).self_collision for m in members),
+        integrator=settings.integrator,
         max_step=settings.max_step,
-        exchange=settings.exchange,
+        exchange=settings.exchange or min(settings.max_step, CLOSELY if pushes else settings.max_step),
         iterations=settings.iterations,
         device=settings.device,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -60,10 +60,12 @@ class ClothSetup:
     acceleration: Air | None = None
     """Of force fields, at vertices [m/s^2]."""
     self_collision: bool = True
-    max_step: float = 1e-3
+    integrator: Literal["implicit", "explicit"] = "implicit"
+    """implicit: long steps wherever nothing is met and explicit ones would be many."""
+    max_step: float = 1 / 240
     """Longest step [s]."""
-    exchange: float = 1e-3
-    """Longest time over which air and bodies are taken as they were [s]."""
+    exchange: float = 1 / 240
+    """Longest time over which bodies are taken to go on as they move [s]."""
     iterations: int = 2
     """Rounds of contact impulses in a step."""
     device: str = "cpu"

@@ -44,13 +44,23 @@ class ClothTear(SpecModel):
 
 
 class ClothSettings(SpecModel):
-    """Settings of sheets: explicit steps, so that stretch is the declared stiffness's and nothing else's."""
+    """Settings of sheets. Stretch is the declared stiffness's and nothing else's, whichever the steps."""
 
-    max_step: float = Field(
-        default=1e-3, ge=1e-6, le=5e-3, description="longest step [s]; the sheets' stiffness usually asks for less"
+    integrator: Literal["implicit", "explicit"] = Field(
+        default="implicit",
+        description="implicit: steps of max_step wherever the cloth meets nothing, explicit ones elsewhere; explicit: those alone",
     )
-    exchange: float = Field(
-        default=1e-3, ge=1e-5, le=5e-3, description="time between two looks at the air and at the bodies' motion [s]"
+    max_step: float = Field(
+        default=1 / 240,
+        ge=1e-6,
+        le=5e-3,
+        description="longest step [s]; explicit ones are as short as the sheets' stiffness asks for",
+    )
+    exchange: float | None = Field(
+        default=None,
+        ge=1e-5,
+        le=5e-3,
+        description="time between two looks at the bodies' motion [s]; default: max_step, at most 1 ms where the cloth pushes them",
     )
     margin: NonNegative | None = Field(
         default=None,

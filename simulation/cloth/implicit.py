@@ -1,0 +1,222 @@
+"""Implicit steps of sheets: one step of Newton's method for the mean velocity, by conjugate gradients that know the sheet at rest.
+
+The unknown u is the mean velocity of the step h. Forces F are looked at theta of the way, where the vertices move with u as well:
+
+    m (u - v) / theta = h F(x + theta h u, u),    x' = x + h u,    v' = v + (u - v) / theta.
+
+theta = 1/2 is the implicit midpoint rule, 1 backward Euler. Sums of momentum are exact whatever the iterations leave over: what is left
+of a free sheet is taken out as one velocity of all of it, that of a held one is borne by what holds it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from ...geometry.launch import warp
+from ...worlds.arrays import F64, I32
+from . import force_kernels as forces
+from . import tangent_kernels as tangents
+from .factor import Preconditioner, bending_matrix
+from .mesh import Sheet
+from .solve_kernels import gradients
+
+if TYPE_CHECKING:
+    from ..passes import Passes
+
+__all__ = ["THETA", "Implicit"]
+
+THETA = 0.55
+"""Own choice: what a step takes from a swing of angular frequency w is (theta - 1/2) w^2 h of it in a second."""
+CLOSE = 1e-2
+"""Share of what is unbalanced, measured by the preconditioner, at which conjugate gradients end."""
+MOST = 60
+"""Their steps at most."""
+TURN = 0.2
+"""Own choice: strain is off by half the square of the turn [rad] that the linear system does not see."""
+
+
+class Implicit:
+    """The implicit solve of one run.
+
+    Args:
+        passes: where its kernels are kept.
+        state: arrays of the engine by name (x, v, u, mass, inverse, clock, target, faces, rest, law, force, hinges, hinge_law, weights, pull,
+            corners, ends, acceleration).
+        sheets: at rest.
+        faces: of all sheets.
+        held: vertices that are led.
+    """
+
+    def __init__(self, passes: Passes, state: dict[str, Any], sheets: tuple[Sheet, ...], faces: I32, held: I32) -> None:
+        wp, device = warp(), passes.device
+        self.passes, self.state = passes, state
+        self.n, self.faces, self.held = len(state["v"]), faces, held
+        free = np.ones(self.n, dtype=bool)
+        free[held] = False
+        self._preconditioner = Preconditioner(sheets, np.flatnonzero(free).astype(np.int32))
+        self.mass = np.concatenate([s.mass for s in sheets])
+        self._pattern(faces, device)
+        self._bend = [
+            sp.triu(sp.block_diag([bending_matrix(s, s.hinge_law[:, 0] * share(s)) for s in sheets]), format="csr")
+            for share in (lambda s: np.ones(len(s.hinges)), lambda s: s.hinge_law[:, 2])
+        ]
+        self._pieces(faces, free)
+        starts = np.cumsum([0, *(len(s.mass) for s in sheets)])
+        self._edges = np.concatenate([s.edges + o for s, o in zip(sheets, starts, strict=False)])
+        self._length = np.concatenate([s.edge_length for s in sheets])
+        area = np.concatenate([s.area for s in sheets])
+        count = len(faces)
+        self._area = wp.array(area, dtype=wp.float64, device=device)
+        self._along, self._across, self._mixed = (wp.zeros(count, dtype=wp.mat33d, device=device) for _ in range(3))
+        self._warps, self._wefts = (wp.zeros(count, dtype=wp.vec3d, device=device) for _ in range(2))
+        self._frames = wp.zeros(self.n, dtype=wp.mat33d, device=device)
+        self._felt = wp.zeros(count, dtype=wp.mat33d, device=device)
+        self.drag = wp.zeros(self.n, dtype=wp.mat33d, device=device)
+        self.middle, self._left, self.before, self.mean = (wp.zeros(self.n, dtype=wp.vec3d, device=device) for _ in range(4))
+        self._change = np.zeros((self.n, 3))
+        self._dt, self._blown = 0.0, False
+        self.solves = 0
+
+    def _pattern(self, faces: I32, device: str) -> None:
+        """Blocks of the matrix, diagonal first and then those of the upper half, and the corners that add up to each."""
+        wp, n = warp(), self.n
+        rows, columns = np.repeat(faces, 3, axis=1).ravel().astype(np.int64), np.tile(faces, (1, 3)).ravel()
+        items = np.arange(len(rows), dtype=np.int32)
+        kept = rows <= columns
+        key = np.where(rows == columns, rows, n + rows * n + columns)[kept]
+        items = items[kept]
+        order = np.argsort(key, kind="stable")
+        unique, count = np.unique(key[order], return_counts=True)
+        places = np.zeros(len(unique) + 1, dtype=np.int32)
+        places[1:] = np.cumsum(count)
+        # Every vertex has a triangle, so the diagonal is whole.
+        upper = unique[n:] - n
+        self._column = (upper % n).astype(np.int32)
+        self._start = np.searchsorted(upper // n, np.arange(n + 1)).astype(np.int32)
+        self._items = (wp.array(places, dtype=wp.int32, device=device), wp.array(items[order], dtype=wp.int32, device=device))
+        self._blocks = wp.zeros(len(unique), dtype=wp.mat33d, device=device)
+
+    def _pieces(self, faces: I32, free: Any) -> None:
+        """What hangs together, and whether any of it is held."""
+        ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
+        links = sp.coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(self.n, self.n))
+        count, piece = connected_components(links, directed=False)
+        held = np.bincount(piece, weights=~free, minlength=count) > 0
+        self._loose = [np.flatnonzero(piece == k).astype(np.int32) for k in np.flatnonzero(~held)]
+        self._bound = [(np.flatnonzero((piece == k) & free), np.flatnonzero((piece == k) & ~free)) for k in np.flatnonzero(held)]
+
+    # ------------------------------------------------------------------ step
+
+    def feel(self, x: Any, v: Any, faces: Any, air: Any, drag: Any, corners: tuple[Any, Any]) -> None:
+        """Take how the air's force falls with the sheets' velocities."""
+        p = self.passes
+        p("damp_air", tangents.damp_air, len(self.faces), [x, v, faces, air, drag, self._felt])()
+        p("catch_damping", tangents.catch_damping, self.n, [*corners, self._felt, self.drag])()
+        self._blown = True
+
+    def _set(self, dt: float) -> None:
+        """Take a length of step."""
+        if dt == self._dt:
+            return
+        step = THETA * dt
+        self._order, self._factor = self._preconditioner.factor(step)
+        bend = (step * step * self._bend[0] + step * self._bend[1]).tocsr()
+        bend.sort_indices()
+        self._stiff = bend.diagonal()
+        upper = sp.triu(bend, k=1, format="csr")
+        self._bends = (upper.indptr.astype(np.int32), upper.indices.astype(np.int32), np.asarray(upper.data, dtype=np.float64))
+        self._dt = dt
+
+    def step(self, dt: float) -> bool:
+        """Find the mean velocity of a step from where it starts; whether it can be trusted."""
+        s = self.state
+        warp().copy(self.before, s["v"])
+        self.passes("guess", tangents.guess, self.n, [s["v"], s["x"], s["target"], s["inverse"], s["clock"], s["u"]])()
+
+        self._set(dt)
+        self._look()
+        factor = (self._order, self._frames.numpy(), *self._factor)
+        taken = gradients(self._matrix(), factor, self._left.numpy(), self._change, CLOSE, MOST)
+        s["u"].numpy()[: self.n] += self._change
+        self.solves += taken
+        return taken < MOST and self._turned(dt) < TURN
+
+    def _turned(self, dt: float) -> float:
+        """Largest turn or stretch of an edge in the step beyond that with which it started, about [1]."""
+        a, b = self._edges.T
+        apart = self._change[a] - self._change[b]
+        return float((THETA * dt * np.sqrt((apart**2).sum(1)) / self._length).max())
+
+    def settle(self, dt: float) -> F64:
+        """Give what the solve left over where it belongs; the impulse on what holds vertices, at theirs (k, 3) [N s]."""
+        wp, s = warp(), self.state
+        u, left = s["u"].numpy(), self._left.numpy()
+        for piece in self._loose:
+            u[piece] += self._rigid(piece, left, dt)
+        wp.copy(self.mean, s["u"], count=self.n)
+        felt = left[self.held] / THETA
+        felt -= self.mass[self.held, None] * (u[self.held] - self.before.numpy()[self.held])
+        for free, held in self._bound:
+            rows = np.searchsorted(self.held, held)
+            share = self.mass[held] / self.mass[held].sum()
+            felt[rows] += share[:, None] * (left[free].sum(axis=0) / THETA)
+        return np.asarray(felt)
+
+    def _rigid(self, piece: I32, left: F64, dt: float) -> F64:
+        """Velocities (k, 3) of a free piece as a rigid body that leave none of its momentum and angular momentum over."""
+        place = self.middle.numpy()[piece]
+        mass = self.mass[piece]
+        arm = place - mass @ place / mass.sum()
+        moves = np.zeros((len(piece), 3, 6))
+        moves[:, :, :3] = np.eye(3)
+        for k in range(3):
+            moves[:, :, 3 + k] = np.cross(np.eye(3)[k], arm)
+        inertia = mass[:, None, None] * np.eye(3) + THETA * dt * self.drag.numpy()[piece]
+        whole = np.einsum("nia,nij,njb->ab", moves, inertia, moves)
+        # A sheet of vertices in one line does not turn about it.
+        found = np.linalg.lstsq(whole, np.einsum("nia,ni->a", moves, left[piece]), rcond=1e-12)[0]
+        return np.asarray(moves @ found)
+
+    def _look(self) -> None:
+        """Forces and their changes where the vertices are now taken to be."""
+        s, p, n, count = self.state, self.passes, self.n, len(self.faces)
+        made = [
+            p("ahead", tangents.ahead, n, [THETA, s["clock"], s["x"], s["u"], self.middle]),
+            p("membrane", forces.membrane, count, [self.middle, s["u"], s["faces"], s["rest"], s["law"], s["force"]]),
+            p("tangent", tangents.tangent, count, [THETA, s["clock"], self.middle, s["faces"], s["rest"], s["law"], self._along, self._across, self._mixed, self._warps, self._wefts]),
+            p("block", tangents.block, len(self._blocks), [*self._items, s["rest"], self._along, self._across, self._mixed, self._blocks]),
+            p("frame", tangents.frame, n, [*s["corners"], self._area, self._warps, self._wefts, self._frames]),
+        ]  # fmt: skip
+        if s["hinges"] is not None:
+            made.append(
+                p(
+                    "bending",
+                    forces.bending,
+                    len(s["hinges"]),
+                    [self.middle, s["u"], s["hinges"], s["weight"], s["hinge_law"], s["pull"]],
+                )
+            )
+        made.append(
+            p("unbalanced", tangents.unbalanced, n, [THETA, s["v"], s["u"], s["mass"], *s["corners"], s["force"], *s["ends"], s["weights"], s["pull"],
+              s["acceleration"], self.drag, s["inverse"], s["clock"], self._left])
+        )  # fmt: skip
+        for one in made:
+            one()
+
+    def _matrix(self) -> tuple[Any, ...]:
+        blocks, n = self._blocks.numpy(), self.n
+        diagonal = blocks[:n].copy()
+        for k in range(3):
+            diagonal[:, k, k] += self.mass + self._stiff
+        if self._blown:
+            diagonal += THETA * self._dt * self.drag.numpy()
+        return diagonal, self._start, self._column, blocks[n:], *self._bends
+
+    def end(self) -> None:
+        """Velocities after the step, when vertices have moved with the mean ones."""
+        s = self.state
+        self.passes("regain", tangents.regain, self.n, [THETA, s["inverse"], self.before, self.mean, s["v"]])()

@@ -177,7 +177,7 @@ class Cloth:
         state = {
             "x": self.x, "u": self.u, "v": self.v, "inverse": self.inverse, "mass": self.masses, "radius": self._radius,
             "clock": self.clock, "center": self._center, "velocity": self._velocity,
-            "held": self._array(self.held.astype(np.int32), warp().int32), "reaction": self._reaction,
+            "held": self._array(self.held, warp().int32), "reaction": self.reaction,
         }  # fmt: skip
         shell = max(setup.shell)
         return Contacts(

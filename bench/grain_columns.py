@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from ..simulation.boundaries import Boundary
 from ..simulation.particles.engine import Grains
 from ..simulation.particles.packing import fill_box
-from ..simulation.particles.setup import GrainSetup, Kind
+from ..simulation.particles.setup import GrainSetup, Kind, wall_law
 from .grain_scenes import SAND, SPREAD, G, pipe, rest, rough_ground, setup_of, slab, still
 
 __all__ = ["BANDS", "Column", "collapse", "planar_column", "round_column"]
@@ -100,9 +101,9 @@ def _ground(x: float, y: float, d: float, *, rough: bool) -> Boundary:
 
 def planar_column(
     across: float, aspect: float, device: str, *, radius: float = 2e-3, kind: Kind = SAND, rough: bool = True,
-    thick: float = 10.0, share: float = 0.58,
+    thick: float = 10.0, sides: float = 0.0, share: float = 0.58,
 ) -> Column:  # fmt: skip
-    """A column `across` grain diameters long before a wall, in a channel of smooth walls `thick` diameters apart."""
+    """A column `across` grain diameters long before a wall, in a channel `thick` diameters wide with sides of a friction `sides`."""
     d = 2 * radius
     long, high, width = across * d, aspect * across * d, thick * d
     reach = long * (3.0 + 2.0 * max(lajeunesse_planar(aspect), 1.0))
@@ -123,6 +124,9 @@ def planar_column(
     setup = setup_of(
         kind, position[inside], sizes[inside], walls, {2, 3, 4}, (-2 * t, -width, -2 * t), (reach, width, high + 8 * d), device
     )
+    if sides:
+        law = wall_law(kind, sides, kind.restitution)
+        setup = replace(setup, walls=setup.walls | {(b, 0): law for b in (2, 3)})
     return Column(setup, 4, long, width, d)
 
 

@@ -6,7 +6,7 @@ receiver through a link of a frame:
 - a **contact**, from its beginning on, if its impulse is large enough for the receiver. A receiver at rest passes on, within
   the frame, only what presses it harder than what it carried all along: resting contacts link nothing.
 - a **joint**, spring or rope end while it holds, if the receiver moves.
-- a **liquid** and a body that push each other, over the whole frame. A liquid moves while its particles do on the whole.
+- a **liquid** or **grains** and a body that push each other, over the whole frame. They move while their particles do on the whole.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is
 another story. Static entities receive but never send: a shared floor connects nothing. Kinematic entities send but never
@@ -33,6 +33,7 @@ from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
 from . import motion
 from .field_ledger import blown_at
 from .liquid_links import liquid_motion, liquid_pushes, stirred
+from .particle_links import grain_motion, grain_pushes, running
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -166,7 +167,7 @@ class Chains:
         self._fps = spec.simulation.fps
         self._pause = max(2, round(PAUSE * self._fps))
         self._joined = self._joint_links()
-        self._pushes = liquid_pushes(candidate)
+        self._pushes = [a + b for a, b in zip(liquid_pushes(candidate), grain_pushes(candidate), strict=True)]
         self._links = [self._contact_links(k) for k in range(candidate.frame_count)]
         self._moving, self._floor = self._motions()
         self._freed = np.full(len(self.names), -NEVER)
@@ -189,6 +190,9 @@ class Chains:
             elif name in self.candidate.liquids:
                 moving[:, i] = stirred(self.candidate, name)
                 floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * liquid_motion(self.candidate, name)[1])
+            elif name in self.candidate.particulates and self.candidate.particle_caches:
+                moving[:, i] = running(self.candidate, name)
+                floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * grain_motion(self.candidate, name)[1])
         return moving, floors
 
     # ---------------------------------------------------------------- links
@@ -424,6 +428,8 @@ def not_still(candidate: Candidate, entity: str) -> Flags:
     """Whether the entity is not still, shape (frames,)."""
     if entity in candidate.liquids:
         return stirred(candidate, entity)
+    if entity in candidate.particulates:
+        return running(candidate, entity)
     speed = np.linalg.norm(motion.velocities(candidate, entity), axis=1)
     fast: Flags = ~((speed <= STILL_SPEED) & (motion.spins(candidate, entity) <= STILL_SPIN))
     return fast

@@ -78,17 +78,20 @@ def _body_centers(candidate: Candidate, entity: str, body: str) -> F64:
     return centers
 
 
-def _liquid_centers(candidate: Candidate, entity: str) -> F64 | None:
-    """Centre of mass of a liquid over the frames, NaN where there is none of it; None for what is no simulated liquid."""
-    names = ("origin", "particle/position", "particle/fluid", "particle/volume")
-    for cache in candidate.liquid_caches.values():
+def _particle_centers(candidate: Candidate, entity: str) -> F64 | None:
+    """Centre of mass of a liquid or of grains over the frames, NaN where there is none; None for what is not simulated as particles."""
+    kinds = (
+        *((c, "particle/fluid", "particle/volume", 1) for c in candidate.liquid_caches.values()),
+        *((c, "particle/member", "particle/radius", 3) for c in candidate.particle_caches.values()),
+    )
+    for cache, owner, size, power in kinds:
         if entity not in cache.index.bodies:
             continue
         row, found = cache.index.bodies.index(entity), np.full((candidate.frame_count, 3), np.nan)
         for frame in range(candidate.frame_count):
-            data = cache.read(frame, names)
-            own = data["particle/fluid"] == row
-            weight = data["particle/volume"][own].astype(np.float64)
+            data = cache.read(frame, ("origin", "particle/position", owner, size))
+            own = data[owner] == row
+            weight = data[size][own].astype(np.float64) ** power
             if weight.sum() > 0:
                 found[frame] = data["origin"] + weight @ data["particle/position"][own].astype(np.float64) / weight.sum()
         return found
@@ -96,8 +99,8 @@ def _liquid_centers(candidate: Candidate, entity: str) -> F64 | None:
 
 
 def centers(candidate: Candidate, entity: str) -> F64:
-    """Centre of mass of the whole entity in the world [m], shape (frames, 3); of a liquid, that of what there is of it."""
-    poured = _liquid_centers(candidate, entity)
+    """Centre of mass of the whole entity in the world [m], shape (frames, 3); of a liquid or grains, that of what there is of it."""
+    poured = _particle_centers(candidate, entity)
     if poured is not None:
         return poured
     require_motion(candidate, entity)

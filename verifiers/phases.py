@@ -121,11 +121,11 @@ def find_phases(candidate: Candidate) -> Phases:
 def _asks_for_contact(candidate: Candidate) -> bool:
     """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats.
 
-    What a liquid passes on needs no contact of bodies.
+    What a liquid or grains pass on needs no contact of bodies.
     """
     spec = candidate.spec
     beats, relations = spec.story.beats, spec.graph.relations.values()
-    solid = {n for n, e in spec.entities.items() if e.physics.category != "liquid"}
+    solid = {n for n, e in spec.entities.items() if e.physics.category not in ("liquid", "particles")}
     passed_on = any(
         {beats[c].subject, b.subject} <= solid and beats[c].subject != b.subject
         for b in beats.values()

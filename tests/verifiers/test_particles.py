@@ -11,10 +11,13 @@ import pytest
 from pydantic import TypeAdapter
 from worldagent.bench.simulated_worlds import simulate
 from worldagent.bench.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
+from worldagent.simulation.particles import engine
 from worldagent.verifiers import category, numerical
+from worldagent.verifiers.chains import Chains
 from worldagent.verifiers.particle_contacts import Contacts, local_packing
 from worldagent.verifiers.particle_frames import SwarmFrame, swarm_of
 from worldagent.verifiers.particle_lines import particle_lines
+from worldagent.verifiers.particle_links import grain_motion, grain_pushes, running
 from worldagent.verifiers.particles import WATCHES
 from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.cache import Cache, write_container
@@ -123,6 +126,17 @@ def cook(frame: int, data: dict[str, Any]) -> None:
     data["record/kinetic_energy"] = data["record/kinetic_energy"] + 1e-3 * data["record/mass"] * frame
 
 
+def whirl(frame: int, data: dict[str, Any]) -> None:
+    """Spins grow out of nothing, and the records tell them."""
+    if late(frame):
+        data["particle/spin"] = data["particle/spin"] + np.float32([0, 0, 60.0 * (frame - 3)])
+        mass = 4 / 3 * np.pi * 2600.0 * data["particle/radius"].astype(float) ** 3
+        turning = (
+            0.2 * (mass * data["particle/radius"].astype(float) ** 2) @ (data["particle/spin"].astype(float) ** 2).sum(axis=1)
+        )
+        data["record/rotation_energy"] = np.float64(turning)
+
+
 def forge(frame: int, data: dict[str, Any]) -> None:
     data["exchange/impulse"] = data["exchange/impulse"] * 1.01
 
@@ -151,6 +165,7 @@ BREACHES = [
     (lift, {"energy"}),
     (shove, {"momentum", "records"}),
     (cook, {"records"}),
+    (whirl, {"energy"}),
     (forge, {"exchange", "received"}),
     (hurry, {"speed"}),
     (swap, {"identity"}),
@@ -166,6 +181,43 @@ def test_a_breach_fails_its_rows(sand: Candidate, tmp_path: Path, change: Any, c
     for name in caught:
         assert rows[name].corrections or name == "finite"
         assert rows[name].first_failing_frame is not None
+
+
+@pytest.mark.slow
+def test_contacts_that_put_energy_in_fail_the_energy_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same world by an engine whose dashpots (normal, tangential, of rolling) push instead of holding back."""
+    row = engine._row
+
+    def pushing(law: Any) -> tuple[float, ...]:
+        return row(dataclasses.replace(law, damping=-0.3 * law.damping))
+
+    monkeypatch.setattr(engine, "_row", pushing)
+    spec = sand_spec(radius=0.012, depth=0.05, frames=FRAMES, ball_at=0.12, young=1e7, preroll=0.0)
+    candidate = simulate(tmp_path, WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
+    assert rows_of(candidate, "grains")["energy"].status == "fail"
+
+
+def test_grains_pass_on_what_pushes_them(sand: Candidate, tmp_path: Path) -> None:
+    """The ball sets the sand going from its hit on; without what it gave, no chain leads from it to the sand."""
+    r = sand.caches["grains"].series
+    reach = Chains(sand).spread(["ball"], 0.0, FRAMES - 1, subject="sand")
+    assert [(h.source, h.target) for h in reach.chain("sand")] == [("ball", "sand")]
+    hit = next(k for k, found in enumerate(grain_pushes(sand)) if any(e == "ball" for _, e, _ in found))
+    assert hit - 1 <= 24 * (reach.time("sand") or 0.0) <= hit
+    assert grain_motion(sand, "sand")[0] == pytest.approx(
+        [np.sqrt(2 * (r("record/kinetic_energy")[k]) / r("record/mass")[k]) for k in range(FRAMES)], rel=1e-4
+    )
+
+    def cut(frame: int, data: dict[str, Any]) -> None:
+        data["exchange/impulse"] = 0.0 * data["exchange/impulse"]
+
+    severed = Chains(broken(sand, tmp_path, cut, "grains")).spread(["ball"], 0.0, FRAMES - 1, subject="sand")
+    assert not severed.ever("sand")
+
+
+def test_flying_particles_push_nobody(sparks: Candidate) -> None:
+    assert not any(grain_pushes(sparks))
+    assert running(sparks, "sparks").any()
 
 
 def lattice(face_centred: bool, spacing: float) -> SwarmFrame:

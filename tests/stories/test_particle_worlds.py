@@ -1,0 +1,31 @@
+"""The worlds that the skill of particles records, through the tools: sand collapses and topples a tile; sparks spray, fall and go out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.server.skill_files import SKILLS
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+
+LINKS = {"collapse": {"causal:opens:collapses", "causal:collapses:topples"}, "sparks": {"causal:sprays:falls"}}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["collapse", "sparks"])
+def test_a_recorded_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) -> None:
+    spec = json.loads((SKILLS / "particles" / f"{name}.json").read_text())
+    prompt = spec.pop("prompt")
+    with pytest.MonkeyPatch.context() as patch, agent_of(tmp_path) as agent:
+        run_jobs_inline(patch)
+        assert agent.call("edit_spec", world="w", prompt=prompt, spec=spec)["audit"]["passed"]
+        assert agent.call("place_object", world="w")["static_passed"]
+        told = agent.call("probe_sim", world="w")
+        assert told["passed"], told["open_rows"]
+        rows = {r["id"]: r["status"] for r in agent.pages("rows", part="matrix")}
+        assert {rows[f"beat:{n}"] for n in spec["story"]["beats"]} == {"pass"}
+        assert {rows[i] for i in LINKS[name]} == {"pass"}
+        assert agent.call("bake_sim", world="w")["passed"]
+        assert agent.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"

@@ -9,6 +9,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .elastic_exchange import exchange, soft_work, together
+from .elastic_fields import field_work, fields
 from .elastic_ledger import elastic_energies, vertex_books
 from .elastic_rows import elastic_row
 from .strains import require_deforming, strains_of
@@ -41,6 +42,7 @@ def check(candidate: Candidate, solver: str) -> list[Row]:
         "records": _records,
         "mass": _mass,
         "exchange": lambda candidate, solver, cache: exchange(candidate, solver, cache, _members(candidate, solver)),
+        "fields": lambda candidate, solver, cache: fields(candidate, solver, cache, _members(candidate, solver)),
         "together": lambda candidate, solver, cache: together(candidate, solver, cache, _members(candidate, solver)),
     }
     rows = []
@@ -67,7 +69,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")
     )
     kinetic, potential = moving + rigid_moving, stored + rigid_stored
-    energy = kinetic + potential - work - soft_work(candidate, cache)
+    energy = kinetic + potential - work - soft_work(candidate, cache) - field_work(candidate, cache)
     mass = sum(float(candidate.deforming[n].masses.sum()) for n in names)
     weight = mass * float(np.linalg.norm(candidate.spec.simulation.gravity))
     bound, step = candidate.spec.simulation.limits.energy_growth, f"/simulation/solvers/{solver}/settings/step"

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
+from .elastic_fields import field_work
 from .elastic_ledger import elastic_energies
 from .elastic_rows import elastic_row
 from .exchanged import partners
@@ -107,7 +108,7 @@ def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
         return elastic_row(candidate, "together", solver, "not_applicable", text, entities=names)
     moving, stored = elastic_energies(cache)
     records = [np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")]
-    kinetic, potential, outside = moving + records[0], stored + records[1], records[2]
+    kinetic, potential, outside = moving + records[0], stored + records[1], records[2] + field_work(candidate, cache)
     for name in cloth:
         theirs = candidate.caches[name]
         part = {n: np.asarray(theirs.series(f"record/{n}")) for n in (

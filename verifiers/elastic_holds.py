@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64, pose_of
 from ..worlds.errors import EvidenceError
 from .elastic_exchange import soft_impulses
+from .elastic_fields import field_impulses
 from .elastic_rows import elastic_row, physics_of
 from .rows import pointer
 from .strains import deflections, require_deforming, strains_of
@@ -104,9 +105,9 @@ def _load(candidate: Candidate, soft: Deforming, entity: str) -> float:
 
 
 def _given(candidate: Candidate, soft: Deforming) -> F64:
-    """Impulse of coupled cloth, grains and liquids over each frame [N s], shape (F, 3)."""
-    owners = [name.split("/", 1)[0] for name in soft.cache.index.deformables]
-    return soft_impulses(candidate, soft.cache)[:, owners.index(soft.entity), :3]
+    """Impulse of coupled cloth, grains and liquids, and of force fields, over each frame [N s], shape (F, 3)."""
+    row = [name.split("/", 1)[0] for name in soft.cache.index.deformables].index(soft.entity)
+    return np.asarray(soft_impulses(candidate, soft.cache)[:, row, :3] + field_impulses(candidate, soft.cache)[:, row])
 
 
 def pins(candidate: Candidate, entity: str) -> Row:

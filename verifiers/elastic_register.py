@@ -19,7 +19,7 @@ SURFACE = 1e-6
 def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
     """Lines of every elastic body."""
     found: list[dict[str, str]] = []
-    plan, entities = candidate.spec.simulation, candidate.spec.entities
+    entities = candidate.spec.entities
     soft = {n: e.physics for n, e in entities.items() if isinstance(e.physics, ElasticPhysics)}
     for name, physics in soft.items():
         cells = _cells(candidate, name)
@@ -47,8 +47,6 @@ def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
     if soft:
         first = next(iter(soft))
         found += _met(candidate, first)
-        if any(d.kind == "field" for d in plan.drivers.values()):
-            found.append({"what": f"force fields do not act on elastic bodies ({first!r})", "effect": "wind does not move them"})
     return found
 
 

@@ -29,6 +29,7 @@ PREDICATES = {
     "exchange": "what elastic members received is what cloth, grains and liquids gave them",
     "together": "energy of elastic bodies and the cloth coupled with them, less work from outside, never grows by more than "
     "limits.energy_growth of the energy in play",
+    "fields": "impulses of force fields are those of the declared fields within a tenth of the largest",
     "records": "recorded energies and momentum of elastic members are those of their vertices",
     "mass": "simulation meshes hold the volume that was built",
 }

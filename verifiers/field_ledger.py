@@ -207,6 +207,13 @@ def field_lines(spec: WorldSpec) -> list[dict[str, str]]:
                         "effect": "by the area of their convex hulls, without lift and without torque",
                     }
                 )
+            if any(spec.entities[n].physics.category == "elastic" for n in felt):
+                found.append(
+                    {
+                        "what": f"field {name!r} presses on the faces of elastic bodies that face it",
+                        "effect": "drag by the area that they show, without lift and without suction behind",
+                    }
+                )
             if any(spec.entities[n].physics.category == "liquid" for n in felt):
                 found.append(
                     {

@@ -20,7 +20,18 @@ if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
     from .spec.fields import AttractionField, TurbulenceField, VortexField, WindField
 
-__all__ = ["Fields", "Medium", "acting_on", "area_vectors", "drag_force", "field_drivers", "fields_of", "projected_area"]
+__all__ = [
+    "FaceDrag",
+    "Fields",
+    "Medium",
+    "acting_on",
+    "area_vectors",
+    "drag_force",
+    "face_drag",
+    "field_drivers",
+    "fields_of",
+    "projected_area",
+]
 
 MODES = 64
 """Waves that a turbulence is made of."""
@@ -46,6 +57,16 @@ class Medium:
     """Dynamic [Pa s], shape (n,)."""
     coefficient: F64
     """Drag coefficient of rigid bodies, shape (n,)."""
+
+
+@dataclass(frozen=True)
+class FaceDrag:
+    """Forces of a medium on n faces."""
+
+    force: F64
+    """[N], shape (n, 3)."""
+    rate: F64
+    """Force over relative speed [kg/s], shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -250,3 +271,20 @@ def drag_force(medium: Medium, area: F64, velocity: F64) -> F64:
     speed = np.linalg.norm(flow, axis=1)
     result: F64 = (0.5 * medium.density * medium.coefficient * area * speed)[:, None] * flow
     return result
+
+
+def face_drag(fields: Fields, corners: F64, velocity: F64, time: float) -> FaceDrag:
+    """Drag on the faces of a closed surface that face the flow: the law of `drag_force`, by the area that each shows.
+
+    Args:
+        fields: what acts.
+        corners: of outward triangles [m], shape (n, 3, 3).
+        velocity: of their centres [m/s], shape (n, 3).
+        time: [s]
+    """
+    vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    medium = fields.medium(corners.mean(axis=1), time)
+    flow = medium.velocity - velocity
+    speed = np.linalg.norm(flow, axis=1)
+    shown = np.maximum(-(vector * flow).sum(axis=1) / np.maximum(speed, 1e-300), 0.0)
+    return FaceDrag(drag_force(medium, shown, velocity), 0.5 * medium.density * medium.coefficient * shown * speed)

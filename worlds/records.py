@@ -67,6 +67,7 @@ _ALL = (
     Quantity(
         "elastic_travel_per_step", "m", "farthest that a node of an elastic body went in one step of the frame", of=_ELASTIC
     ),
+    Quantity("soft_field_work", "J", "work of force fields on elastic bodies in the frame", of=_ELASTIC),
     Quantity("fracture_energy", "J", "of the bonds that broke since frame 0", of=("fracture",)),
     Quantity(
         "solve_residual",

@@ -22,6 +22,7 @@ from .records import velocities
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
+    from .flex_fields import FlexFields
     from .model import RigidModel
 
 __all__ = ["SOFT_CHANNELS", "SOLIMP", "FlexBody", "Flexes", "add_flex", "is_soft", "node_count", "part_flexes", "pinned_nodes"]
@@ -205,6 +206,8 @@ class Flexes:
         """Farthest that a node went in one step of the frame [m]."""
         self.residual = 0.0
         """Largest relative residual with which the solve of a step of the frame ended before it converged; 0 where all did."""
+        self.fields: FlexFields | None = None
+        """Force fields on them, where any act."""
         mujoco.set_mju_user_warning(_hear)
         for body in bodies:
             body.body_ids = np.array([model.body(n).id for n in body.carriers], dtype=np.int64)
@@ -229,6 +232,8 @@ class Flexes:
     def begin(self) -> None:
         """Start a frame."""
         self.travel, self.residual = 0.0, 0.0
+        if self.fields is not None:
+            self.fields.begin()
 
     def watch(self, data: Any, dt: float) -> None:
         """Note how far nodes go in a step, and how well it was solved."""
@@ -281,5 +286,6 @@ class Flexes:
             "record/strain_energy": np.float64(energy["strain"]),
             "record/elastic_travel_per_step": np.float64(self.travel),
             "record/solve_residual": np.float64(self.residual),
+            **({} if self.fields is None else self.fields.channels()),
             **{f"record/elastic_momentum_{a}": np.float64(momentum[k]) for k, a in enumerate("xyz")},
         }

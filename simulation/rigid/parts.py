@@ -16,6 +16,7 @@ from ...worlds.arrays import F64
 from .drivers import Drivers
 from .fields import FieldForces
 from .flex import Flexes
+from .flex_fields import FlexFields
 from .gyration import Gyration
 from .model import RigidModel, build_model
 from .monitor import ContactMonitor
@@ -66,6 +67,9 @@ def make_parts(
     own, rows = np.unique(rigid.body_ids, return_index=True)
     kinematic = np.array([rigid.bodies[r].split("/", 1)[0] in drivers.kinematic for r in np.sort(rows)], dtype=bool)
     del own
+    flexes = Flexes(model, rigid.flexes) if rigid.flexes else None
+    if flexes is not None:
+        flexes.fields = FlexFields(spec, flexes, intervention.without) or None
     return Parts(
         rigid=rigid,
         data=mujoco.MjData(model),
@@ -76,7 +80,7 @@ def make_parts(
         monitor=ContactMonitor(rigid),
         ledger=Ledger(model, rigid.body_ids[np.sort(rows)], kinematic, len(rigid.bodies)),
         fields=FieldForces(spec, rigid, built, intervention.without),
-        flexes=Flexes(model, rigid.flexes) if rigid.flexes else None,
+        flexes=flexes,
     )
 
 

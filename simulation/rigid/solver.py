@@ -22,6 +22,7 @@ from ..protocol import Channel, Intervention, Port
 from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
 from .contact_law import rest_speed, set_contact_law
 from .flex import SOFT_CHANNELS
+from .flex_fields import SOFT_FIELDS
 from .flex_loads import SOFT_EXCHANGED, SoftLoads
 from .holds import FIXED
 from .parts import Parts, carry_over, make_parts
@@ -213,7 +214,8 @@ class SolverRigid:
         first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
         authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
         gyration, ropes, watch = self.gyration.apply, self.drivers.has_ropes, self.ledger.watch
-        fields, held = self.fields, self.drivers.held(start) if self.fields else frozenset()
+        fields = [f for f in (self.fields, None if self.flexes is None else self.flexes.fields) if f]
+        held = self.drivers.held(start) if fields else frozenset()
         working = self.work.begin(data, velocities(model, data), self._outside())
         slowest = rest_speed(float(np.linalg.norm(model.opt.gravity)), dt)
         breaks, still, fate, taken = bool(self.breakage), self.drivers.held(start), Fate.WHOLE, 0
@@ -225,8 +227,8 @@ class SolverRigid:
                 self.drivers.slacken(data)
             first(model, data)
             watch(data)
-            if fields:
-                fields.apply(data, start + k * dt, dt, held)
+            for field in fields:
+                field.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
             contact_law(data, dt, slowest)
             if self.flexes is not None:
@@ -243,7 +245,8 @@ class SolverRigid:
                 if breaks:
                     fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, retakes if k == 0 else 0)
                     if fate is Fate.AGAIN:
-                        fields.undo(data)
+                        for field in fields:
+                            field.undo(data)
                         self._work += self.work.end(velocities(model, data), dt) if working else 0.0
                         return k, fate
                 watch_contacts(data, start + (k + 1) * dt, dt)
@@ -255,8 +258,8 @@ class SolverRigid:
                 # Of what the engine integrated, less what drivers and fields pushed: counted here, not taken from who gave it.
                 self._received += dt * self._taken_in()
             taken += 1
-        if fields:
-            fields.end(data)
+        for field in fields:
+            field.end(data)
         if authored:
             self.drivers.follow_paths(data, taken, dt)
         self._settle_kinematics()
@@ -533,7 +536,7 @@ class SolverRigid:
 
     def channels(self) -> tuple[Channel, ...]:
         """What `frame_data` holds, records apart."""
-        soft = () if self.flexes is None else SOFT_CHANNELS
+        soft = () if self.flexes is None else (*SOFT_CHANNELS, *((SOFT_FIELDS,) if self.flexes.fields else ()))
         soft = soft if self._soft is None else (*soft, SOFT_EXCHANGED)
         more = (*((EXCHANGED,) if self._coupled else ()), *((FIELDS,) if self.fields else ()))
         return (*CHANNELS, *soft, *more, *(BROKEN if self.breakage else ()))

@@ -52,7 +52,7 @@ def statuses(rows):
 def test_a_block_at_rest_passes(tmp_path):
     rows = judged(tmp_path, still)
     held = {"shape", "strain", "self", "volume", "step", "recovery", "energy", "solve", "records", "mass"}
-    none = dict.fromkeys(("pins", "flight", "exchange", "together"), "not_applicable")
+    none = dict.fromkeys(("pins", "flight", "exchange", "together", "fields"), "not_applicable")
     assert statuses(rows) == dict.fromkeys(held, "pass") | none
 
 

@@ -7,7 +7,7 @@ import io
 import itertools
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,9 @@ from ..fracture import Breakage, Fate
 from ..protocol import Channel, Intervention, Port
 from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
 from .contact_law import rest_speed, set_contact_law
+from .fields import FieldForces
 from .flex import SOFT_CHANNELS
-from .flex_fields import SOFT_FIELDS
+from .flex_fields import SOFT_FIELDS, FlexFields
 from .flex_loads import SOFT_EXCHANGED, SoftLoads
 from .holds import FIXED
 from .parts import Parts, carry_over, make_parts
@@ -245,9 +246,7 @@ class SolverRigid:
                 if breaks:
                     fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, retakes if k == 0 else 0)
                     if fate is Fate.AGAIN:
-                        for field in fields:
-                            field.undo(data)
-                        self._work += self.work.end(velocities(model, data), dt) if working else 0.0
+                        self._undo(fields, working, dt)
                         return k, fate
                 watch_contacts(data, start + (k + 1) * dt, dt)
                 mujoco.mj_implicit(model, data)
@@ -258,16 +257,23 @@ class SolverRigid:
                 # Of what the engine integrated, less what drivers and fields pushed: counted here, not taken from who gave it.
                 self._received += dt * self._taken_in()
             taken += 1
-        for field in fields:
-            field.end(data)
         if authored:
             self.drivers.follow_paths(data, taken, dt)
         self._settle_kinematics()
+        for field in fields:
+            field.end(data)
         if working:
             self._work += self.work.end(velocities(model, data), dt)
         if self._soft is not None:
             self._soft.take(data.xfrc_applied - self.work.pushes, data, taken * dt)
         return taken, fate
+
+    def _undo(self, fields: Sequence[FieldForces | FlexFields], working: bool, dt: float) -> None:
+        """Take back what the present step began: it is taken again."""
+        for field in fields:
+            field.undo(self.data)
+        if working:
+            self._work += self.work.end(velocities(self.model, self.data), dt)
 
     def _taken_in(self) -> F64:
         """Wrenches of others that the engine integrates in this step, per row."""

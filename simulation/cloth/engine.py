@@ -321,7 +321,7 @@ class Cloth:
             pull = np.zeros((n, 3)) if setup.acceleration is None else setup.acceleration(x, time)
             self._pulled.assign(setup.gravity + pull + (0.0 if self.loads is None else self.loads / self.mass[:, None]))
         if self.blown:
-            self.air.assign(setup.air(x[self.faces].mean(axis=1), time))
+            self.air.assign(setup.air((x[self.faces[:, 0]] + x[self.faces[:, 1]] + x[self.faces[:, 2]]) / 3.0, time))
             p("blow", steps.blow, len(self.faces), [self.x, self.v, self.face_array, self.air, self.drag, self._blast])()
             p("catch", steps.catch_air, n, [self.masses, *self.corners, self._blast, self._pulled, self.acceleration])()
         elif pulled:

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
@@ -25,14 +26,17 @@ PARTS = 2
 """Lengths of step that have a factor of their own, in an octave."""
 
 
+Single = npt.NDArray[np.float32]
+
+
 class Factor(NamedTuple):
     """L D L^T of three matrices side by side, in the order that `precondition` takes."""
 
     start: I32
     row: I32
-    lower: F64
+    lower: Single
     """(entries, 3)"""
-    pivot: F64
+    pivot: Single
     """(free vertices, 3): inverse."""
 
 
@@ -57,12 +61,10 @@ class Preconditioner:
     def factor(self, step: float) -> tuple[I32, Factor]:
         """Vertices in the order of the factor's rows, and the factor, for a step of about this length [s] (theta included)."""
         key = round(PARTS * math.log2(step))
-        square = 2.0 ** (2 * key / PARTS)
-        bend = self._parts[3]
-        far = bool((square * bend.diagonal() > BENDS * self.mass).any())
+        place = self._place(far=self._far(2.0 ** (2 * key / PARTS)))
         if key not in self._known:
-            self._known[key] = self._made(square, far=far)
-        return self.free[self._place(far=far)].astype(np.int32), self._known[key]
+            self._known[key] = self._made(step, place)
+        return self.free[place].astype(np.int32), self._known[key]
 
     def _place(self, *, far: bool) -> I32:
         """Order of the free vertices with few entries in the factor."""
@@ -77,13 +79,21 @@ class Preconditioner:
             self._order[far] = np.argsort(symbolic.perm_c).astype(np.int32)
         return self._order[far]
 
-    def _made(self, square: float, *, far: bool) -> Factor:
+    def matrices(self, step: float) -> list[sp.csr_matrix]:
+        """What is factored for a step of about this length [s]: mass and squared step times stiffness, of the free vertices, three times."""
+        square = 2.0 ** (2 * round(PARTS * math.log2(step)) / PARTS)
         warp, weft, across, bend = self._parts
-        place, mass = self._place(far=far), sp.diags(self.mass)
-        own = bend if far else sp.diags(bend.diagonal())
-        matrices = [(mass + square * (part + own)).tocsr()[place][:, place] for part in (warp, weft, across)]
-        if not any((m.diagonal() > EASY * self.mass[place]).any() for m in matrices):
-            matrices = [sp.diags(m.diagonal()).tocsr() for m in matrices]
+        own = bend if self._far(square) else sp.diags(bend.diagonal())
+        found = [(sp.diags(self.mass) + square * (part + own)).tocsr() for part in (warp, weft, across)]
+        if not any((m.diagonal() > EASY * self.mass).any() for m in found):
+            found = [sp.diags(m.diagonal()).tocsr() for m in found]
+        return found
+
+    def _far(self, square: float) -> bool:
+        return bool((square * self._parts[3].diagonal() > BENDS * self.mass).any())
+
+    def _made(self, step: float, place: I32) -> Factor:
+        matrices = [m[place][:, place] for m in self.matrices(step)]
         upper = [sp.triu(m).tocsc() for m in matrices]
         # One pattern for all, with zeros where one has no entry.
         pattern = sum((abs(u) for u in upper[1:]), abs(upper[0])).tocsc()
@@ -96,7 +106,8 @@ class Preconditioner:
         found, lower = np.zeros(int(first[-1]), np.int32), np.zeros((int(first[-1]), 3))
         pivot = np.zeros((len(place), 3))
         decompose(start, row, values, parent, first, found, lower, pivot)
-        return Factor(first, found, lower, pivot)
+        # Single precision halves what a solve reads; conjugate gradients bear it.
+        return Factor(first, found, lower.astype(np.float32), pivot.astype(np.float32))
 
 
 def _stiff(sheet: Sheet) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["gradients", "multiply", "precondition"]
+__all__ = ["gradients", "multiply", "precondition", "turned"]
 
 
 @njit(cache=True, nogil=True)
@@ -83,7 +83,7 @@ def gradients(matrix, factor, r, d, tolerance, most):
 
     Ends where what is left, measured by the preconditioner, is `tolerance` of what it was. Steps taken."""
     n = len(r)
-    room = np.empty((len(factor[0]), 3))
+    room = np.empty((len(factor[0]), 3), np.float32)
     z, q = np.zeros((n, 3)), np.empty((n, 3))
     precondition(*factor, r, room, z)
     p = z.copy()
@@ -115,3 +115,17 @@ def _dot(a, b):
     for i in range(len(a)):
         total += a[i, 0] * b[i, 0] + a[i, 1] * b[i, 1] + a[i, 2] * b[i, 2]
     return total
+
+
+@njit(cache=True, nogil=True)
+def turned(edges, length, change):
+    """Largest difference of velocities across an edge over its length [1/s]."""
+    most = 0.0
+    for k in range(len(edges)):
+        a, b = edges[k]
+        square = 0.0
+        for c in range(3):
+            apart = change[a, c] - change[b, c]
+            square += apart * apart
+        most = max(most, square / (length[k] * length[k]))
+    return np.sqrt(most)

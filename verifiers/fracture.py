@@ -7,7 +7,8 @@
 - `category:fracture:events:<entity>`: bonds break once and never heal; each has an event within its frame, at the face that it
   held, and the energy record is the sum of theirs.
 - `category:fracture:cause:<entity>`: a bond breaks only under what breaks it. The judge finds the stress anew, from the loads of
-  the event by its own matrix; a collider that is named as the cause touched the entity in that frame or just before.
+  the event by its own matrix; a collider that is named as the cause touched the entity in that frame or just before, and it can
+  have given that much (`fracture_budget`).
 - `category:fracture:standing:<entity>`: bonds that hold bear their weight and what lies on them: the stress under gravity and
   the mean contact forces of `STEADY` seconds stays below `OVERLOAD` of the strength.
 """
@@ -22,6 +23,7 @@ from ..geometry.solids import Solid
 from ..worlds.bonds import WORLD, components
 from ..worlds.errors import EvidenceError
 from ..worlds.fracture import middle_size
+from .fracture_budget import Budget
 from .fracture_frames import Broken, Frames
 from .fracture_network import Loaded
 from .rigid_rows import rigid_row
@@ -262,6 +264,12 @@ def _cause(frames: Frames) -> _Verdict | None:
         name = frames.collider(event.cause)
         text = f"bond {event.bond} broke at frame {frame} because of {name!r}, which did not touch {frames.entity!r} then"
         return _Verdict(False, text, float(len(unfounded)), 0.0, "1", frame)
+    budget = Budget(frames, frames.solver, breakable.bond.contact_time)
+    for frame, event in events:
+        beyond = budget.excess(event, frame, frames.case(frame, event.case)[0])
+        if beyond > 1.0:
+            text = f"bond {event.bond} broke at frame {frame} under {beyond:.3g} times what {frames.collider(event.cause)!r} can have given"
+            return _Verdict(False, text, beyond, 1.0, "1", frame)
     return _Verdict(True, f"{len(events)} bonds broke in {len(cases)} cases, each under its load", float(len(unfounded)), 0.0)
 
 

@@ -45,7 +45,7 @@ class Frames:
     """
 
     def __init__(self, candidate: Candidate, solver: str, entity: str) -> None:
-        self.candidate, self.entity = candidate, entity
+        self.candidate, self.solver, self.entity = candidate, solver, entity
         cache = candidate.rigid_caches.get(solver)
         if cache is None:
             raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
@@ -179,6 +179,34 @@ class Frames:
     def _touching(self, frame: int, a: int, b: int) -> bool:
         pairs = self._contacts[frame]["contact/pair"]
         return bool(((pairs == (min(a, b), max(a, b))).all(axis=1)).any()) if len(pairs) else False
+
+    def touching(self, frame: int) -> dict[int, float]:
+        """Colliders that touched the entity lately, itself included where its pieces met, and the normal impulses given [N s]."""
+        own, found = self.cache.index.colliders.index(self.entity), dict[int, float]()
+        for k in range(max(1, frame - REMEMBERED), frame + 1):
+            contacts = self._contacts[k]
+            for (a, b), impulse in zip(contacts["contact/pair"].tolist(), contacts["contact/impulse"].tolist(), strict=True):
+                if own in (a, b):
+                    other = b if a == own else a
+                    found[other] = found.get(other, 0.0) + impulse
+        return found
+
+    def momentum(self, collider: int, frame: int) -> float:
+        """Largest sum of the momenta of a collider's bodies lately [N s]; 0 where the instance does not move it."""
+        name = self.cache.index.colliders[collider]
+        built = self.candidate.entity(name)
+        rows = [(self.cache.body_row(name, b.name), b.mass) for b in built.bodies]
+        known = [(row, mass) for row, mass in rows if row is not None]
+        if not known:
+            return 0.0
+        row, mass = np.array([r for r, _ in known]), np.array([m for _, m in known])
+        speed = np.linalg.norm(self.cache.series("velocity")[max(0, frame - REMEMBERED) : frame + 1][:, row], axis=2)
+        return float((speed @ mass).max())
+
+    def exchanged(self, frame: int) -> float:
+        """Impulses that coupled instances gave the pieces lately [N s]."""
+        given = self.cache.series("exchange/impulse")[max(1, frame - REMEMBERED) : frame + 1][:, self._rows, :3]
+        return float(np.linalg.norm(given, axis=2).sum())
 
     def mean_push(self, first: int, last: int) -> F64:
         """Mean contact force and torque on each piece over the frames [first, last], entity's frame as built, shape (n, 6)."""

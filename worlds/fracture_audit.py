@@ -74,11 +74,6 @@ def _soft_company(spec: WorldSpec, name: str) -> Iterator[Problem]:
         if name in instance.members and soft:
             text = f"{soft[0]!r} is elastic and {name!r} is breakable; no instance of this build holds both: make one of them plainly rigid"
             yield Problem(f"/simulation/solvers/{key}/members", text)
-        for coupling, pair in spec.simulation.couplings.items():
-            if name in instance.members and pair.direction == "two_way" and key in (pair.source, pair.target):
-                place = f"/simulation/couplings/{coupling}/direction"
-                text = f"{name!r} is breakable, and this build gives pieces no reaction of liquids, cloth or grains; make {coupling!r} one_way"
-                yield Problem(place, text, {"op": "replace", "path": place, "value": "one_way"})
 
 
 def _partners(spec: WorldSpec, name: str) -> Iterator[Problem]:

@@ -46,6 +46,8 @@ FEW_RETAKES = 1
 wall with 11.2 m/s with one, 12.1 with two, 11.8 with four, and 11.6 with one at half the step), and none lets what is bonded to the
 world swallow the blow."""
 NO_CAUSE = -1
+PARTNER = -2
+"""As a cause: what liquids, cloth or grains of a two-way coupling give."""
 
 
 @dataclass
@@ -163,6 +165,8 @@ class Breakage:
         model = rigid.model
         self._row_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
         self._entity_of_geom = np.full(model.ngeom, -1, dtype=np.int64)
+        row = {name: k for k, name in enumerate(rigid.bodies)}
+        self._rows_of = [np.array([row[f"{b.built.entity}/{p.name}"] for p in b.built.bodies]) for b in self._bodies]
         self._collider_of_geom, self._names = rigid.geom_collider, rigid.colliders
         self._tree_of_geom = model.body_treeid[model.geom_bodyid]
         self._ids: list[dict[str, int]] = []
@@ -230,7 +234,9 @@ class Breakage:
 
     # ------------------------------------------------------------------ per step
 
-    def watch(self, data: Any, time: float, dt: float, still: frozenset[str], retakes: int = 0) -> Fate:
+    def watch(
+        self, data: Any, time: float, dt: float, still: frozenset[str], *, retakes: int = 0, others: F64 | None = None
+    ) -> Fate:
         """Load the bonds with the contact forces of the step that ends at `time` [s]; what becomes of clusters.
 
         Args:
@@ -239,12 +245,13 @@ class Breakage:
             dt: its length [s].
             still: entities that something holds; their bonds do not break.
             retakes: how often this step was taken already.
+            others: wrenches of partners on the instance's bodies about their centres, world axes, shape (rows, 6) [N, N m].
 
         The step is taken again with the pieces apart, or what strikes them would feel the whole body: `MOST_RETAKES` times where
         another body strikes, `FEW_RETAKES` times where loose pieces push others off, through faces that crumble. What breaks after
         that goes apart at the step's end.
         """
-        pushed = self._contacts(data)
+        pushed = self._with_partners(self._contacts(data), others, data)
         apart, struck = False, False
         known = [(b.load, b.lasting, b.cause) for b in self._bodies]
         for index, body in enumerate(self._bodies):
@@ -254,7 +261,7 @@ class Breakage:
             body.load = before * (1 - share) if force is None else before + share * (force - before)
             body.lasting = body.lasting + share / LASTING * (body.load - body.lasting)
             if cause is not None:
-                body.cause = np.where(cause >= 0, cause, body.cause)
+                body.cause = np.where(cause != NO_CAUSE, cause, body.cause)
             if body.built.entity in still:
                 continue
             # Every cluster is judged, whatever became of the others.
@@ -333,6 +340,23 @@ class Breakage:
                 cause[piece[pressing]] = self._collider_of_geom[geoms[take[pressing], 1 - side]]
                 tree[piece[pressing]] = self._tree_of_geom[geoms[take[pressing], 1 - side]]
         return found
+
+    def _with_partners(self, pushed: dict[int, _Pushed], others: F64 | None, data: Any) -> dict[int, _Pushed]:
+        """Contacts, and what liquids, cloth and grains do to the pieces: no collider of the instance is the cause of that."""
+        for index, body in enumerate(self._bodies if others is not None else ()):
+            assert others is not None
+            turn, _ = self._placed(index, data, np.arange(len(body.mass)))
+            given = others[self._rows_of[index]]
+            own = np.concatenate(
+                [np.einsum("nji,nj->ni", turn, given[:, :3]), np.einsum("nji,nj->ni", turn, given[:, 3:])], axis=1
+            )
+            if not own.any():
+                continue
+            none = np.full(len(body.mass), NO_CAUSE)
+            known = pushed.get(index) or _Pushed(np.zeros_like(own), none, none.copy())
+            more = np.linalg.norm(own[:, :3], axis=1) > np.linalg.norm(known.force[:, :3], axis=1)
+            pushed[index] = _Pushed(known.force + own, np.where(more, PARTNER, known.cause), known.tree)
+        return pushed
 
     def _placed(self, index: int, data: Any, piece: Any) -> tuple[F64, F64]:
         """Rotations (n, 3, 3) and centres (n, 3) of pieces in the world."""
@@ -479,7 +503,7 @@ class Breakage:
     def _struck(self, body: _Body, cluster: Cluster) -> bool:
         """Whether another body pushes the cluster most, or its own weight."""
         cause = self._cause(body, cluster)
-        return cause == NO_CAUSE or self._names[cause] != body.built.entity
+        return cause < 0 or self._names[cause] != body.built.entity
 
     # ------------------------------------------------------------------ output
 

@@ -45,9 +45,7 @@ class FieldForces:
                     vectors.append(found)
                     owner.append(np.full(len(found), row))
         self._vectors, self._owner = np.concatenate(vectors), np.concatenate(owner)
-        mass = {e: {b.name: b.mass for b in built[e].bodies} for e in {e for e, _ in owners}}
-        own = [mass[e][n] for e, n in owners]
-        self._mass = np.where(rigid.kin_rows, own, rigid.model.body_mass[rigid.body_ids])
+        self._mass = np.where(rigid.kin_rows, rigid.masses, rigid.model.body_mass[rigid.body_ids])
         self._entities = [entity for entity, _ in owners]
         self.present: F64 = np.zeros((len(owners), 3))
         self._given = self.present

@@ -7,7 +7,7 @@ makes immovable.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,6 +63,8 @@ class RigidModel:
     """Whether a collider is a breakable entity, whose pieces meet each other, shape (colliders,)."""
     kin_rows: Any = None
     """Whether an entry of `bodies` is a piece of one, shape (n,)."""
+    masses: Any = None
+    """Of each entry of `bodies` alone [kg], shape (n,)."""
     actuator_of: dict[str, int] = field(default_factory=dict)
 
 
@@ -125,6 +127,7 @@ def build_model(
         centers=np.array(builder.centers).reshape(-1, 3),
         kin=np.array([built[c].bonds is not None for c in colliders], dtype=bool),
         kin_rows=np.array([n in builder.body_of for n in builder.body_names], dtype=bool),
+        masses=_row_masses(built, builder.body_names),
         geom_collider=geom_collider,
         joints=tuple(builder.joint_names),
         joint_qpos=np.array([model.joint(n).qposadr[0] for n in builder.joint_names], dtype=np.int64),
@@ -163,3 +166,9 @@ def build_model(
     model.body_invweight0[:, 0] = np.minimum(model.body_invweight0[:, 0], SOFTEST / heaviest)
     set_contact_law(result, settings.contact_steps, settings.step)
     return result
+
+
+def _row_masses(built: Mapping[str, BuiltEntity], names: Sequence[str]) -> F64:
+    owners = [n.split("/", 1) for n in names]
+    mass = {e: {b.name: b.mass for b in built[e].bodies} for e in {e for e, _ in owners}}
+    return np.array([mass[e][n] for e, n in owners])

@@ -11,7 +11,7 @@ from ...worlds.arrays import F64
 if TYPE_CHECKING:
     from .model import RigidModel
 
-__all__ = ["row_centers", "row_velocities", "spread"]
+__all__ = ["row_arms", "row_centers", "row_velocities", "spread"]
 
 
 def row_centers(rigid: RigidModel, data: Any) -> F64:
@@ -23,15 +23,19 @@ def row_centers(rigid: RigidModel, data: Any) -> F64:
     return np.asarray(data.xpos[ids] + np.einsum("nij,nj->ni", turn, rigid.centers - rigid.offsets))
 
 
+def row_arms(rigid: RigidModel, data: Any) -> F64:
+    """From the centres of mass of the model's bodies to those of the rows, world axes [m], shape (n, 3)."""
+    return np.asarray(row_centers(rigid, data) - data.xipos[rigid.body_ids])
+
+
 def spread(rigid: RigidModel, data: Any, wrench: F64) -> F64:
     """Wrenches about the rows' centres of mass, shape (n, 6), summed over the model's bodies, shape (nbody, 6)."""
     total = np.zeros((rigid.model.nbody, 6))
     if not rigid.kin_rows.any():
         total[rigid.body_ids] = wrench
         return total
-    center = row_centers(rigid, data)
     moved = wrench.copy()
-    moved[:, 3:] += np.cross(center - data.xipos[rigid.body_ids], wrench[:, :3])
+    moved[:, 3:] += np.cross(row_arms(rigid, data), wrench[:, :3])
     np.add.at(total, rigid.body_ids, moved)
     return total
 

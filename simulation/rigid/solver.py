@@ -76,6 +76,7 @@ class SolverRigid:
         self.time = 0.0
         """Where the present frame stands [s]."""
         self._coupled = coupled
+        self._asked: F64 | None = None
         self._wrench: F64 | None = None
         self._absorbed: F64 | None = None
         self._before: frozenset[str] | None = None
@@ -195,7 +196,13 @@ class SolverRigid:
         set_contact_law(self.rigid, self.settings.contact_steps, dt)
         self.drivers.set_model(since)
         self.drivers.set_data(self.data, since)
-        if self._wrench is not None:
+        if self._asked is not None:
+            # Bodies on paths, and pieces that the world holds, take what they are given without giving way: the engine need not
+            # know of it, nor their drivers' work.
+            absorbs = np.array([name.split("/", 1)[0] in self.drivers.kinematic for name in self.rigid.bodies], dtype=bool)
+            absorbs |= self.model.body_dofnum[self.rigid.body_ids] == 0
+            self._wrench = np.where(absorbs[:, None], 0.0, self._asked)
+            self._absorbed = np.where(absorbs[:, None], self._asked, 0.0)
             self.data.xfrc_applied += self._from_others()
         self.drivers.plan_paths(now, dt, count)
 
@@ -244,7 +251,8 @@ class SolverRigid:
                 mujoco.mj_fwdConstraint(model, data)
                 mujoco.mj_checkAcc(model, data)
                 if breaks:
-                    fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, retakes if k == 0 else 0)
+                    retakes = retakes if k == 0 else 0
+                    fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, retakes=retakes, others=self._asked)
                     if fate is Fate.AGAIN:
                         self._undo(fields, working, dt)
                         return k, fate
@@ -278,13 +286,21 @@ class SolverRigid:
     def _taken_in(self) -> F64:
         """Wrenches of others that the engine integrates in this step, per row."""
         assert self._wrench is not None
-        own = (self.data.xfrc_applied - self.work.pushes)[self.rigid.body_ids]
+        applied, ids = self.data.xfrc_applied - self.work.pushes, self.rigid.body_ids
+        own = applied[ids]
         if self._soft is not None:
-            own -= self._soft.wrench[self.rigid.body_ids]
+            own -= self._soft.wrench[ids]
         if self.fields:
             own[:, :3] -= self.fields.present
-        # Pieces of one cluster are pushed together; what each was given is what the cluster got.
-        return np.asarray(np.where(self.rigid.kin_rows[:, None], self._wrench, own) + self._absorbed)
+        pieces = self.rigid.kin_rows
+        if pieces.any():
+            # Pieces of one cluster are pushed together: what the cluster got is theirs as it was given, and its first one's if more.
+            own[pieces] = self._wrench[pieces]
+            total = np.zeros((self.model.nbody, 3))
+            np.add.at(total, ids, own[:, :3] + (self.fields.present if self.fields else 0.0))
+            bodies, first = np.unique(np.where(pieces, ids, -1), return_index=True)
+            own[first[bodies > 0], :3] += (applied[:, :3] - total)[bodies[bodies > 0]]
+        return np.asarray(own + self._absorbed)
 
     def advance(self, frame: int) -> None:
         """Advance from frame - 1 to `frame`; a frame whose visible surfaces could overlap at its end is redone finer.
@@ -352,18 +368,14 @@ class SolverRigid:
             loads: forces at the simulation vertices of elastic entities, each (v, 3) [N].
         """
         begin = self.time if start is None else start
-        # Bodies on paths take what they are given without giving way: the engine need not know of it, nor their drivers' work.
-        absorbs = np.array([name.split("/", 1)[0] in self.drivers.kinematic for name in self.rigid.bodies], dtype=bool)
-        absorbs |= self.model.body_dofnum[self.rigid.body_ids] == 0
-        self._wrench = None if wrench is None else np.where(absorbs[:, None], 0.0, wrench)
-        self._absorbed = None if wrench is None else np.where(absorbs[:, None], wrench, 0.0)
+        self._asked = wrench
         step = self.settings.step / 2**self.refined
         if self._soft is not None:
             self._soft.lay(self.data, loads or {})
         self._taken += self._run(begin, end, step, self._before)
         if self._soft is not None:
             self._soft.lift(self.data)
-        self._wrench = None
+        self._asked = self._wrench = None
         self.time = end
 
     def end_attempt(self) -> bool:

@@ -17,7 +17,7 @@ SIZE = (0.2, 0.1, 0.3)
 
 
 def solver(**more: Any) -> SolverRigid:
-    entities = {"crate": box(*SIZE, at=(0, 0, 1.0), motion="dynamic", **more.pop("crate", {}))}
+    entities = {"crate": box(*more.pop("size", SIZE), at=(0, 0, 1.0), motion="dynamic", **more.pop("crate", {}))}
     spec = world({**entities, **more.pop("others", {})}, **more)
     made = SolverRigid(spec, {n: build_entity(spec, n, Path()) for n in spec.entities}, "rigid", coupled=True)
     made.prepare()
@@ -89,3 +89,57 @@ def test_an_uncoupled_instance_records_no_exchange() -> None:
     made.prepare()
     made.advance(1)
     assert "exchange/impulse" not in made.frame_data()
+
+
+def bar(fixed: tuple[str, ...] = (), tension: float = 1e6) -> SolverRigid:
+    """Four blocks in a row, 10 kg each, 1 m up."""
+    broken = {
+        "pattern": {"kind": "bricks", "size": (0.2, 0.2, 0.2), "joint": 0.0},
+        "bond": {"tension": tension, "shear": tension},
+    }
+    return solver(
+        crate={"breakable": {**broken, "fixed": fixed}, "physics": {"category": "rigid", "mass": 40.0}}, size=(0.8, 0.2, 0.2)
+    )
+
+
+def test_pieces_answer_with_their_cluster_and_alone_as_any_body() -> None:
+    """A force shared by mass moves the cluster as each piece expects, and never more than they expect."""
+    made = bar()
+    found = RigidBodies(made).state()
+    assert (found.inverse_mass[1:3] >= 1 / 10.0).all()
+    assert found.inverse_mass[0] > found.inverse_mass[1], "ends give way by turning too"
+    assert found.acceleration == pytest.approx(np.tile([0, 0, -9.81], (4, 1)), abs=1e-9)
+    assert found.center[:, 0] == pytest.approx([-0.3, -0.1, 0.1, 0.3])
+    made.breakage._bodies[0].whole[:] = False
+    made._split(made.time)
+    alone = RigidBodies(made).state()
+    assert alone.inverse_mass == pytest.approx([0.1] * 4)
+    assert alone.inverse_inertia[0] == pytest.approx(np.eye(3) / (10.0 * 0.2**2 / 6))
+
+
+def test_what_the_world_holds_does_not_answer_and_takes_up_what_it_is_given() -> None:
+    made = bar(("x-",))
+    assert RigidBodies(made).state().inverse_mass == pytest.approx([0.0] * 4)
+    wrench = np.zeros((4, 6))
+    wrench[3, 2] = 5.0
+    made.step_to(1 / 24, wrench)
+    assert made._received == pytest.approx(wrench / 24)
+    assert RigidBodies(made).state().velocity == pytest.approx(np.zeros((4, 3)))
+
+
+def test_partners_load_the_bonds_and_go_on_pushing_the_pieces_that_came_off() -> None:
+    """Two ends of a free bar are pulled apart by 2 kN over a section of 0.04 m^2: 50 kPa, over 30 and under 100."""
+    wrench = np.zeros((4, 6))
+    wrench[0, 0], wrench[3, 0] = -2e3, 2e3
+    for tension, breaks in ((1e5, False), (3e4, True)):
+        made = bar(tension=tension)
+        bodies = RigidBodies(made)
+        made.step_to(0.03, wrench)
+        assert (not made.breakage.whole()["crate"].all()) is breaks
+        assert made._received == pytest.approx(0.03 * wrench)
+        speed = bodies.state().velocity
+        assert 10.0 * speed.sum(axis=0) == pytest.approx([0, 0, -40 * 9.81 * 0.03], abs=1e-6)
+        assert bool(speed[3, 0] - speed[0, 0] > 1.0) is breaks
+        if breaks:
+            made.end_frame()
+            assert set(made.frame_data()["break/cause"].tolist()) == {-2}

@@ -90,6 +90,24 @@ def test_bonds_that_break_without_a_load_are_found(run: Candidate, tmp_path: Pat
     assert statuses(changed(run, tmp_path, faint))["cause"] == "fail"
 
 
+def test_loads_that_nothing_can_have_given_are_found(run: Candidate, tmp_path: Path) -> None:
+    def more(frame: int, data: Channels) -> None:
+        del frame
+        data["case/load"] *= 30.0
+
+    assert statuses(changed(run, tmp_path, more))["cause"] == "fail"
+
+
+def test_a_blow_that_is_called_weight_or_a_push_of_water_is_found(run: Candidate, tmp_path: Path) -> None:
+    for cause in (-1, -2):
+
+        def deny(frame: int, data: Channels, cause: int = cause) -> None:
+            del frame
+            data["break/cause"][:] = cause
+
+        assert statuses(changed(run, tmp_path / str(-cause), deny))["cause"] == "fail"
+
+
 def test_a_cause_that_touched_nothing_is_found(run: Candidate, tmp_path: Path) -> None:
     names = run.caches["main"].index.colliders
     pair = sorted((names.index("wall"), names.index("ball")))

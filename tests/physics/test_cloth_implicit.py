@@ -67,7 +67,7 @@ def test_a_free_sheet_keeps_momentum_and_angular_momentum_over_long_steps() -> N
     """Laws: momentum to rounding; angular momentum within 1 % as it turns by a radian and swings, though systems are solved in part."""
     flat = sheet((0.4, 0.4), EDGE, fabric(bend=1e-4))
     x = flat.position + np.array([0, 0, 1.0]) * 0.02 * np.sin(8 * flat.position[:, :1])
-    speed = np.cross([1.0, 0.5, 4.0], x) + [0.2, 0.0, 0.1]
+    speed = np.cross([1.0, 0.5, 4.0], x) + np.array([0.2, 0.0, 0.1])
     running = cloth(sheet((0.4, 0.4), EDGE, fabric(bend=1e-4), x), gravity=np.zeros(3), velocity=speed, self_collision=False)
     before = [running.mass @ speed, (running.mass[:, None] * np.cross(x, speed)).sum(0)]
     reports = run(running, 0.25)
@@ -81,7 +81,7 @@ def test_a_free_sheet_keeps_momentum_and_angular_momentum_over_long_steps() -> N
 def test_steps_are_short_where_a_sheet_meets_a_floor() -> None:
     """Choice: long steps while it falls, short ones once it could touch."""
     flat = sheet((0.3, 0.3), 0.015, fabric())
-    fallen = sheet((0.3, 0.3), 0.015, fabric(), flat.position + [0, 0, 0.05])
+    fallen = sheet((0.3, 0.3), 0.015, fabric(), flat.position + np.array([0, 0, 0.05]))
     running = cloth(fallen, boundaries=(box((2, 2, 0.2), (0, 0, -0.1)),))
     reports = run(running, 0.15)
     steps = [r.steps for r in reports]

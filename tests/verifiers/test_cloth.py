@@ -143,7 +143,7 @@ def test_pins_on_a_rod_that_moves_and_turns_keep_the_cloth_and_a_slip_is_found(t
 
     def loose(k: int, data: Frame) -> None:
         if k >= 4:
-            data["vertex/position"][held[0], 2] -= 3e-5
+            data["vertex/position"][held[0], 2] -= 3e-5 * (6 - k)
 
     for change, frame in ((late, 3), (loose, 4)):
         broken = _edited(sound, tmp_path / change.__name__, change)

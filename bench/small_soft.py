@@ -76,11 +76,11 @@ def hammock_spec(
         "tray": {**tray(0.26, 0.02, 0.05), "pose": {"position": [0, 0, 0.02]}},
     }  # fmt: skip
     entities["cloth"]["physics"] = {
-        "category": "cloth", **COTTON, "stretch_stiffness": 4000.0, "max_stretch": 0.15,
-        "pins": {k: {"center": [x * HALF, y * HALF, 0], "radius": 0.02, "to": "posts"} for k, (x, y) in corners.items()},
+        "category": "cloth", **COTTON, "stretch_stiffness": 6000.0, "max_stretch": 0.3,
+        "pins": {k: {"center": [x * HALF, y * HALF, 0], "radius": 0.03, "to": "posts"} for k, (x, y) in corners.items()},
     }  # fmt: skip
     entities["jelly"]["physics"] = {
-        "category": "elastic", "young_modulus": 12000, "poisson_ratio": 0.4, "damping": 0.003, "resolution": 0.05,
+        "category": "elastic", "young_modulus": 30000, "poisson_ratio": 0.4, "damping": 0.003, "resolution": 0.05,
     }  # fmt: skip
     solvers: dict[str, Any] = {
         "bodies": {
@@ -123,10 +123,7 @@ def hammock_spec(
             "frames": frames,
             "preroll": 0.1 if radius is not None else 0.0,
             "solvers": solvers,
-            "drivers": {
-                "let_go": {"kind": "release", "entity": "jelly", "time": 0.0},
-                "air": {"kind": "field", "field": {"kind": "drag"}},
-            },
+            "drivers": {"let_go": {"kind": "release", "entity": "jelly", "time": 0.0}},
             "couplings": {"both": both} if coupled else {},
         },
         "look": {"width": 480, "height": 360, "samples": 16},

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..worlds.audit import audit
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import coupled_groups, membership_problems
+from ..worlds.instances import cloth_of, coupled_groups, membership_problems
 from .protocol import Intervention, Solver
 from .recipes import alone_recipe, coupled_recipe
 
@@ -41,10 +41,10 @@ def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
 
 
 def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Instances whose caches an instance reads while it runs: one without two-way coupling reads the bodies' motion."""
+    """Instances whose caches an instance reads while it runs: one without two-way coupling reads the bodies' motion, and cloth's."""
     if name in spec.simulation.rigid or any(name in g for g in coupled_groups(spec)):
         return ()
-    return tuple(spec.simulation.rigid)
+    return (*spec.simulation.rigid, *cloth_of(spec, name))
 
 
 class Run:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..worlds.cloth import grids_of, touching_distance
-from ..worlds.instances import coupled_groups
+from ..worlds.instances import cloth_of, coupled_groups
 
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
@@ -26,6 +26,7 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
                 "effect": "no wake, no lift of a whole sail or flag beyond what single faces feel",
             }
         )
+        found += _grains(spec, name)
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         for rigid, other in spec.simulation.rigid.items():
             if rigid not in coupled and any(spec.entities[m].motion == "dynamic" for m in other.members if m in spec.entities):
@@ -36,6 +37,25 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
                     }
                 )
     return found
+
+
+def _grains(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
+    """How other matter meets it."""
+    plan = spec.simulation
+    for other, instance in plan.solvers.items():
+        if other in plan.rigid or other == name:
+            continue
+        kind = instance.moves[0]
+        if name not in cloth_of(spec, other):
+            yield {
+                "what": f"the {kind} of {other!r} and the cloth {name!r} do not meet",
+                "effect": "omitted in both directions: they pass through each other",
+            }
+        elif not any({name, other} <= g for g in coupled_groups(spec)):
+            yield {
+                "what": f"the cloth {name!r} carries and pushes the {kind} of {other!r} and does not feel it",
+                "effect": "omitted reaction: the cloth does not sag under it",
+            }
 
 
 def _sheet(spec: WorldSpec, member: str, margin: float | None) -> Iterator[dict[str, str]]:

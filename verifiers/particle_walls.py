@@ -11,8 +11,9 @@ from .exchanged import partners
 from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_solids import deepest, pieces_of
+from .particle_frames import matched
 from .particle_rows import finer_step, stiffer
-from .soft_solids import soft_depths
+from .soft_solids import passed_through, soft_depths
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Walls:
     """Particles against solids."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "inside": "no particle's middle is inside a solid, one that deforms included",
+        "inside": "no particle's middle is inside a solid, one that deforms included, or goes through a sheet",
         "exchange": f"impulse given to each body + what the particles lost through it = 0 within {REACTION:g} of its largest",
         "received": "what coupled bodies received is what the particles gave",
         "declared": "freely moving bodies that grains push are coupled both ways, or declared one-way",
@@ -61,7 +62,13 @@ class Walls:
                 where = [round(float(c), 4) for c in now.position[found.rows[worst]]]
                 self.first = (now.index, found.piece.entity, found.piece.part, int(deep.sum()), float(found.value.max()), where)
         if self.swarm.granular:
-            for soft in soft_depths(self.swarm.candidate, self.swarm.solver, now.position, now.index):
+            found_soft = soft_depths(self.swarm.candidate, self.swarm.solver, now.position, now.index)
+            if before is not None:
+                here, there = matched(now, before)
+                places = (before.position[there], before.index), (now.position[here], now.index)
+                through = passed_through(self.swarm.candidate, self.swarm.solver, *places, now.radius[here])
+                found_soft += [s._replace(rows=here[s.rows]) for s in through]
+            for soft in found_soft:
                 self.total += len(soft.rows)
                 self.depth = max(self.depth, float(soft.value.max()))
                 if self.first is None:

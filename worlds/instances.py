@@ -10,10 +10,12 @@ from .gate import Problem
 if TYPE_CHECKING:
     from .spec import Coupling, WorldSpec
 
-__all__ = ["bake_order", "coupled_groups", "coupling_problems", "instance_for", "membership_problems", "soft_met"]
+__all__ = ["bake_order", "cloth_of", "coupled_groups", "coupling_problems", "instance_for", "membership_problems", "soft_met"]
 
 MEETS_ELASTIC = ("shell", "dem")
 """Engines whose matter meets elastic bodies as it meets rigid ones."""
+MEETS_CLOTH = ("dem",)
+"""Engines whose matter meets cloth that a coupling brings to it."""
 
 
 def instance_for(spec: WorldSpec, category: str) -> str:
@@ -22,14 +24,29 @@ def instance_for(spec: WorldSpec, category: str) -> str:
 
 
 def soft_met(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Deforming entities whose surfaces an instance meets, by name: all elastic bodies, if its engine can (grains on a CPU)."""
+    """Deforming entities whose surfaces an instance meets, by name.
+
+    All elastic bodies if its engine can (grains on a CPU), and the cloth of instances that a coupling joins to it.
+    """
     plan = spec.simulation
     if name not in plan.solvers or plan.solvers[name].engine not in MEETS_ELASTIC:
         return ()
     if name in plan.particles and getattr(plan.particles[name].settings, "device", "cpu") != "cpu":
         return ()
     members = {m for r in plan.rigid.values() for m in r.members if m in spec.entities}
-    return tuple(sorted(m for m in members if spec.entities[m].physics.category == "elastic"))
+    elastic = {m for m in members if spec.entities[m].physics.category == "elastic"}
+    sheets = {m for c in cloth_of(spec, name) for m in plan.cloth[c].members if m in spec.entities}
+    return tuple(sorted(elastic | sheets))
+
+
+def cloth_of(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Cloth instances that a coupling makes boundaries of an instance of grains."""
+    plan = spec.simulation
+    if name not in plan.solvers or plan.solvers[name].engine not in MEETS_CLOTH:
+        return ()
+    pairs = [(c.source, c.target) for c in plan.couplings.values()]
+    pairs += [(c.target, c.source) for c in plan.couplings.values() if c.direction == "two_way"]
+    return tuple(sorted({source for source, target in pairs if target == name and source in plan.cloth}))
 
 
 def membership_problems(spec: WorldSpec) -> list[Problem]:
@@ -53,9 +70,12 @@ def bake_order(spec: WorldSpec) -> tuple[str, ...]:
     order = list(dict.fromkeys(s for s in spec.simulation.order if s in spec.simulation.solvers))
     rest = [s for s in spec.simulation.solvers if s not in order]
     rest.sort(key=lambda s: s not in spec.simulation.rigid)  # the others read the motion of bodies; equal ones keep their order
-    before = {c.target: c.source for c in spec.simulation.couplings.values() if c.direction == "one_way"}
+    before: dict[str, set[str]] = {}
+    for coupling in spec.simulation.couplings.values():
+        if coupling.direction == "one_way":
+            before.setdefault(coupling.target, set()).add(coupling.source)
     while rest:
-        ready = next((s for s in rest if before.get(s) not in rest), rest[0])
+        ready = next((s for s in rest if not before.get(s, set()) & set(rest)), rest[0])
         rest.remove(ready)
         order.append(ready)
     groups = {name: group for group in coupled_groups(spec) for name in group}
@@ -73,6 +93,9 @@ def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem
     if coupling.source not in plan.solvers or coupling.target not in plan.solvers:
         return  # the references row says so
     source, target = (plan.solvers[n].moves[0] for n in (coupling.source, coupling.target))
+    if {source, target} & {"cloth"} and "rigid" not in (source, target):
+        yield from _with_cloth(spec, key, coupling)
+        return
     if (source == "rigid") == (target == "rigid"):
         pair = f"two {source} instances" if source == target else f"a {source} and a {target} instance"
         text = f"coupling {key!r} joins {pair}; this build couples a rigid one with one of another kind"
@@ -93,13 +116,53 @@ def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem
         yield Problem(f"{place}/variables", f"coupling {key!r} is {coupling.direction}; it exchanges {', '.join(missing)} too")
 
 
+def _with_cloth(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
+    """Cloth as a boundary of grains."""
+    plan, place = spec.simulation, f"/simulation/couplings/{key}"
+    other = coupling.target if coupling.source in plan.cloth else coupling.source
+    if plan.solvers[other].engine not in MEETS_CLOTH or coupling.source not in (*plan.cloth, *plan.particles):
+        text = f"coupling {key!r} joins cloth and a {plan.solvers[other].engine} instance; this build couples cloth with rigid ones and with dem"
+        yield Problem(place, text, {"op": "remove", "path": place})
+        return
+    both = coupling.direction == "two_way"
+    torn = [m for c in (coupling.source, coupling.target) if c in plan.cloth for m in plan.cloth[c].members if _tears(spec, m)]
+    if torn:
+        text = (
+            f"coupling {key!r}: {torn[0]!r} may tear, and grains know the triangles of its start only; take its tear strength out"
+        )
+        yield Problem(place, text, {"op": "remove", "path": place})
+    if not both and coupling.source not in plan.cloth:
+        yield Problem(place, f"coupling {key!r}: one_way goes from the cloth to the grains; swap source and target")
+    for group in coupled_groups(spec):
+        if both and coupling.target in group and not group & set(plan.rigid):
+            text = (
+                f"coupling {key!r}: cloth and grains push each other beside a rigid instance; couple {coupling.source!r} two_way with "
+                "one too, or make it one_way from the cloth"
+            )
+            yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "one_way"})
+        elif not both and coupling.target in group:
+            text = (
+                f"coupling {key!r}: {coupling.target!r} steps together with a rigid instance and cannot read a cache of "
+                f"{coupling.source!r}; make it two_way"
+            )
+            yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "two_way"})
+    wanted = {"motion", "wrench"} if both else {"motion"}
+    if set(coupling.variables) != wanted:
+        text = f"coupling {key!r} is {coupling.direction} with cloth; it exchanges {' and '.join(sorted(wanted))}"
+        yield Problem(f"{place}/variables", text, {"op": "replace", "path": f"{place}/variables", "value": sorted(wanted)})
+
+
+def _tears(spec: WorldSpec, name: str) -> bool:
+    entity = spec.entities.get(name)
+    return entity is not None and entity.physics.category == "cloth" and entity.physics.tear is not None
+
+
 def _orders(spec: WorldSpec) -> Iterator[Problem]:
     plan = spec.simulation
     first = [s for s in plan.order if s in plan.solvers]
     for k, name in enumerate(first):
-        late = (
-            [r for r in first[k + 1 :] if r in plan.rigid and not _share_group(spec, r, name)] if name not in plan.rigid else []
-        )
+        read = () if name in plan.rigid else (*plan.rigid, *cloth_of(spec, name))
+        late = [r for r in first[k + 1 :] if r in read and not _share_group(spec, r, name)]
         if late:
             yield Problem(
                 "/simulation/order", f"the instance {name!r} comes before {late[0]!r}, whose motion it reads; put it after"

@@ -17,7 +17,7 @@ from .contacts import Contacts
 from .mesh import adjacency
 from .pace import fastest_point, stiffening
 from .setup import ClothReport, ClothSetup
-from .soft_solids import SoftSolids
+from .soft_solids import Patience, SoftSolids
 from .stability import highest_frequency, longest_step
 from .strides import Strides
 
@@ -68,6 +68,8 @@ class Cloth:
         self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None
         self.time, self.steps_done = 0.0, 0
         self._known = False
+        self._patience = Patience(setup.exchange, max(setup.shell))
+        self._last_span = 0.0
         self._looks, self._stiffness = 0, 1.0
 
     # ------------------------------------------------------------------ set up
@@ -229,7 +231,13 @@ class Cloth:
         """
         if not self._known:
             self.place_solids(bodies)
-        span = limit / max(1, math.ceil(limit / min(self.setup.exchange, self.setup.max_step) - 1e-6))
+        if self._soft.rows and bodies.vertex_lightness and self._last_span:
+            self._patience.learn(self._last_span, self._soft.missed(bodies, self.x.numpy()[self.n :]))
+        longest = min(self.setup.exchange, self.setup.max_step)
+        if self._soft.rows and bodies.vertex_lightness:
+            longest = min(longest, self._patience.seconds)
+        span = limit / max(1, math.ceil(limit / longest - 1e-6))
+        self._last_span = span
         self._take_bodies(bodies, span)
         self.clock.assign(np.array([0.0, 0.0, float(self.clock.numpy()[2])]))
         solid_speed = fastest_point(self.setup.boundaries, self.solid_place, self.solid_row, bodies)
@@ -412,6 +420,8 @@ class Cloth:
         self.x.assign(whole)
         self.v.assign(both[1])
         self._known = False
+        self._patience.restart()
+        self._last_span = 0.0
         self._looks = 0
         if self._strides is not None:
             self._strides.begin()

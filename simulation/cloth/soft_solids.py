@@ -12,7 +12,36 @@ from ...worlds.arrays import F64, I32
 if TYPE_CHECKING:
     from ..boundaries import BodyState, Boundary
 
-__all__ = ["SoftSolids"]
+__all__ = ["Patience", "SoftSolids"]
+
+
+MISSED = 0.1
+"""Own choice, of the distance of contact: farther, a surface that gives way was taken as it was for too long."""
+SHORTEST = 1.0 / 32.0
+"""Of the declared exchange."""
+
+
+class Patience:
+    """For how long surfaces that give way are taken as they were: shorter, the more the last exchange missed them.
+
+    Args:
+        longest: declared exchange [s].
+        touch: distance of contact [m].
+    """
+
+    def __init__(self, longest: float, touch: float) -> None:
+        self._longest, self._touch = longest, touch
+        self.restart()
+
+    def restart(self) -> None:
+        """Nothing is known of the last exchange."""
+        self.seconds = 0.25 * self._longest
+
+    def learn(self, span: float, missed: float) -> None:
+        """The last exchange took `span` seconds and missed by so much [m], which goes with its square."""
+        factor = np.sqrt(MISSED * self._touch / max(missed, 1e-12))
+        wanted = span * float(np.clip(factor, 0.5, 1.5))
+        self.seconds = float(np.clip(wanted, SHORTEST * self._longest, self._longest))
 
 
 class SoftSolids:
@@ -30,6 +59,11 @@ class SoftSolids:
         """Write where their vertices are into those of all solids, shape (m, 3)."""
         for row, own in self.rows.items():
             places[own] = bodies.vertices[row][0]
+
+    def missed(self, bodies: BodyState, places: F64) -> float:
+        """Farthest that one of their vertices is from where it was thought to get to [m]."""
+        off = (np.sqrt(((bodies.vertices[row][0] - places[own]) ** 2).sum(1).max(initial=0.0)) for row, own in self.rows.items())
+        return float(max(off, default=0.0))
 
     def aim(self, bodies: BodyState, span: float, places: F64, speeds: F64) -> None:
         """Write the velocities with which they arrive, after `span` seconds, where their present velocities take them."""

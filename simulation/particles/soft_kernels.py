@@ -19,7 +19,6 @@ def give_way(
     near: wp.array(dtype=wp.int32),
     pairs: Pairs,
     corner: wp.array(dtype=wp.int32),
-    lightness: wp.array(dtype=wp.float64),
     bodies: Bodies,
     vertex: wp.array(dtype=wp.vec3d),
     impulse: wp.array(dtype=wp.vec3d),
@@ -45,7 +44,7 @@ def give_way(
                         f -= pairs.share[q, s][c] * pairs.load[q, s]
     h = wp.float64(dt[0])
     impulse[k] = impulse[k] + h * f
-    v = bodies.speed[i] + (h * lightness[k]) * f
+    v = bodies.speed[i] + (h * bodies.yields[i]) * f
     bodies.speed[i] = v
     vertex[i] = vertex[i] + h * v
 

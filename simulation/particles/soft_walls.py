@@ -41,7 +41,6 @@ class SoftWalls:
         self._row = wp.array(np.array([*self.rows], dtype=np.int32), dtype=wp.int32, device="cpu")
         bounds = np.cumsum([0, *(len(o) for o in own)]).astype(np.int32)
         self._bounds = wp.array(bounds, dtype=wp.int32, device="cpu")
-        self._lightness = wp.zeros(max(self.count, 1), dtype=wp.float64, device="cpu")
         self._impulse = wp.zeros(max(self.count, 1), dtype=wp.vec3d, device="cpu")
         self.forget()
 
@@ -54,14 +53,13 @@ class SoftWalls:
         walls, fastest = self._walls, 0.0
         vertex, speed, made = walls.vertex.numpy(), walls.bodies.speed.numpy(), walls.bodies
         drift, reach = made.drift.numpy(), made.reach.numpy()
-        lightness = self._lightness.numpy()
+        yields = made.yields.numpy()
         for row, own in self.rows.items():
             places, speeds = state.vertices[row]
             drift[row] += float(np.linalg.norm(vertex[own] - places, axis=1).max())
             vertex[own], speed[own] = places, speeds
             reach[row] = float(np.linalg.norm(places - state.center[row], axis=1).max())
-            at = self._place[own]
-            lightness[at] = state.vertex_lightness.get(row, 0.0)
+            yields[own] = state.vertex_lightness.get(row, 0.0)
             fastest = max(fastest, float(np.linalg.norm(speeds, axis=1).max()))
         made.drift.assign(drift)
         made.reach.assign(reach)
@@ -104,7 +102,7 @@ class SoftWalls:
             return []
         walls = self._walls
         inputs = [
-            self._own, self._start, self._near, now.pairs, walls.corner, self._lightness, walls.bodies, walls.vertex,
+            self._own, self._start, self._near, now.pairs, walls.corner, walls.bodies, walls.vertex,
             self._impulse, dt, clock,
         ]  # fmt: skip
         drift = [self._row, self._bounds, self._own, walls.bodies, dt, clock]

@@ -16,7 +16,7 @@ from .scene import build_grains
 __all__ = ["SolverGrains"]
 
 COLLISION_SHARE = 8.0
-"""Exchanges in a collision with a vertex that gives way: with 3, grains shook a jelly that fell on them (measured)."""
+"""Exchanges in a collision with a vertex that gives way: with 1.6, grains shook the cloth they fell on to 120 m/s (measured)."""
 
 
 class SolverGrains(FramedParticles):

@@ -57,6 +57,8 @@ class Bodies:
     """Whether its vertices move by themselves; its pose is then that of the world."""
     speed: wp.array(dtype=wp.vec3d)
     """Of such vertices, among those of all bodies."""
+    yields: wp.array(dtype=wp.float64)
+    """What each of those alone is sped up by an impulse at it [1/kg]."""
 
 
 @wp.struct
@@ -304,6 +306,7 @@ def walls(
             arm = bodies.position[b] + wp.quat_rotate(turned, row_of(found.point, k)) - center
             there = bodies.velocity[b] + wp.cross(bodies.spin[b], arm)
             face = wp.int32(-1)
+            heavy = mass
             if bodies.soft[b] != 0:
                 face = found.face[k]
                 one_at = corner[face]
@@ -312,9 +315,16 @@ def walls(
                 part = shares(row_of(found.point, k), vertex[one_at], vertex[two_at], vertex[three_at])
                 there = part[0] * bodies.speed[one_at] + part[1] * bodies.speed[two_at] + part[2] * bodies.speed[three_at]
                 pairs.share[q, k] = part
+                # Two things that give way are damped as their reduced mass.
+                ease = (
+                    part[0] * part[0] * bodies.yields[one_at]
+                    + part[1] * part[1] * bodies.yields[two_at]
+                    + part[2] * part[2] * bodies.yields[three_at]
+                )
+                heavy = wp.float32(wp.float64(mass) / (wp.float64(1.0) + wp.float64(mass) * ease))
             slip = speed - single(there) - wp.cross(r * w, n)
             one = touch(
-                law, n, wp.float32(found.depth[k]), r, mass, slip, w - single(bodies.spin[b]), kept_of(spring, k),
+                law, n, wp.float32(found.depth[k]), r, heavy, slip, w - single(bodies.spin[b]), kept_of(spring, k),
                 kept_of(roll, k), dt[0],
             )  # fmt: skip
             given = double(one.force)

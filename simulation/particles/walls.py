@@ -84,6 +84,7 @@ class Walls:
             made.closed.assign(np.array([int(x.closed) for x in setup.boundaries], dtype=np.int32))
         self.vertex = wp.array(np.concatenate(vertices), dtype=wp.vec3d, device=device)
         made.speed = wp.zeros(len(self.vertex), dtype=wp.vec3d, device=device)
+        made.yields = wp.zeros(len(self.vertex), dtype=wp.float64, device=device)
         joined = np.concatenate(corners).astype(np.int32).ravel() if b else np.zeros(3, dtype=np.int32)
         self.corner = wp.array(joined, dtype=wp.int32, device=device)
         self.span = wp.zeros(rows, dtype=wp.vec2i, device=device)

@@ -1,0 +1,127 @@
+"""Soft matter that meets other matter: small simulated worlds that pass, and copies broken in one way that fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
+from worldagent.construction.build import build_entity
+from worldagent.simulation.schedule import run_frames
+from worldagent.verifiers import cloth, elastic, particles
+from worldagent.worlds.cache import Cache, write_container
+from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.patch import parse_spec
+
+Edit = Callable[[int, dict[str, Any]], None]
+
+
+def simulate(folder: Path, given: dict[str, Any]) -> Candidate:
+    """The motion that a specification leads to."""
+    spec = parse_spec({**given, "prompt": HAMMOCK_PROMPT})
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    caches = run_frames(spec, built, folder / "run", frames=spec.simulation.frames)
+    return Candidate(folder, spec, built, "probe", caches, "run", cache_digest(caches))
+
+
+def edited(base: Candidate, folder: Path, solver: str, edit: Edit) -> Candidate:
+    """The same candidate with other frames of one instance."""
+    old, new = base.caches[solver], Cache(folder / solver)
+    new.folder.mkdir(parents=True)
+    new.write_index(old.index)
+    new.begin_digests([])
+    for k in range(old.index.frames):
+        data = dict(old.read(k))
+        edit(k, data)
+        new.add_digest(write_container(new.path(k), data))
+    caches = {**base.caches, solver: new}
+    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
+
+
+@pytest.fixture(scope="module")
+def caught(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    """A jelly that has just reached the cloth that it drops on."""
+    spec = hammock_spec(frames=5, edge=0.055, drop=0.002, radius=None)
+    return simulate(tmp_path_factory.mktemp("caught"), spec)
+
+
+@pytest.fixture(scope="module")
+def strewn(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    """Grains that fall between a jelly below them and a cloth above it, which they meet one way."""
+    spec = hammock_spec(frames=3, edge=0.055, radius=0.012)
+    spec["entities"]["sand"]["pose"]["position"] = [0.0, 0.0, HIGH + 0.045]
+    spec["entities"]["sand"]["parts"]["bed"]["shape"]["size"] = spec["entities"]["sand"]["dimensions"]["size"] = [
+        0.12,
+        0.12,
+        0.05,
+    ]
+    spec["entities"]["jelly"]["pose"]["position"] = [0.0, 0.0, 0.15]
+    spec["simulation"]["preroll"] = 0.0
+    spec["simulation"]["couplings"] = {
+        "led": {"source": "cloth", "target": "grains", "direction": "one_way", "variables": ["motion"]}
+    }
+    return simulate(tmp_path_factory.mktemp("strewn"), spec)
+
+
+def verdicts(rows: list[Any]) -> dict[str, str]:
+    return {r.id.split(":")[2]: r.status for r in rows}
+
+
+def test_what_a_cloth_and_a_jelly_give_each_other_is_judged(caught: Candidate) -> None:
+    rows = verdicts(elastic.check_instance(caught, "bodies"))
+    assert {rows[n] for n in ("exchange", "together", "energy", "records", "shape", "self")} == {"pass"}
+    assert verdicts(cloth.check_instance(caught, "cloth"))["solids"] == "pass"
+    assert verdicts(cloth.check_instance(caught, "cloth"))["momentum"] == "pass"
+
+
+def test_an_impulse_that_was_given_and_not_received_is_told(caught: Candidate, tmp_path: Path) -> None:
+    def lost(frame: int, data: dict[str, Any]) -> None:
+        data["exchange/soft"] = data["exchange/soft"] * (0.9 if frame == 4 else 1.0)
+
+    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(edited(caught, tmp_path, "bodies", lost), "bodies")}
+    assert (rows["exchange"].status, rows["exchange"].first_failing_frame) == ("fail", 4)
+    assert rows["exchange"].measured == pytest.approx(0.1, rel=1e-6)
+
+
+def test_energy_that_comes_from_the_exchange_is_told(caught: Candidate, tmp_path: Path) -> None:
+    def stored(frame: int, data: dict[str, Any]) -> None:
+        data["record/stretch_energy"] = np.float64(data["record/stretch_energy"] + (0.1 if frame == 3 else 0.0))
+
+    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(edited(caught, tmp_path, "cloth", stored), "bodies")}
+    assert (rows["together"].status, rows["together"].first_failing_frame) == ("fail", 3)
+
+
+def test_cloth_in_a_jelly_is_told(caught: Candidate, tmp_path: Path) -> None:
+    def sunk(frame: int, data: dict[str, Any]) -> None:
+        data["vertex/position"] = data["vertex/position"] - [0.0, 0.0, 0.02 if frame == 2 else 0.0]
+
+    broken = edited(caught, tmp_path, "bodies", sunk)
+    rows = {r.id.split(":")[2]: r for r in cloth.check_instance(broken, "cloth")}
+    assert (rows["solids"].status, rows["solids"].first_failing_frame) == ("fail", 2)
+    assert "jelly" in rows["solids"].evidence["explanation"]
+
+
+def test_grains_outside_a_jelly_and_over_a_cloth_pass(strewn: Candidate) -> None:
+    assert verdicts(particles.check_instance(strewn, "grains"))["inside"] == "pass"
+
+
+def test_grains_in_a_jelly_are_told(strewn: Candidate, tmp_path: Path) -> None:
+    def risen(frame: int, data: dict[str, Any]) -> None:
+        data["vertex/position"] = data["vertex/position"] + [0.0, 0.0, HIGH - 0.1 if frame == 2 else 0.0]
+
+    rows = {r.id.split(":")[2]: r for r in particles.check_instance(edited(strewn, tmp_path, "bodies", risen), "grains")}
+    assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
+    assert rows["inside"].evidence["solid"] == "jelly"
+
+
+def test_grains_that_go_through_a_cloth_are_told(strewn: Candidate, tmp_path: Path) -> None:
+    def risen(frame: int, data: dict[str, Any]) -> None:
+        data["vertex/position"] = data["vertex/position"] + [0.0, 0.0, 0.06 if frame == 2 else 0.0]
+
+    rows = {r.id.split(":")[2]: r for r in particles.check_instance(edited(strewn, tmp_path, "cloth", risen), "grains")}
+    assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
+    assert rows["inside"].evidence["solid"] == "cloth"

@@ -104,7 +104,7 @@ def entity(
         physics=more.pop("physics", None) or RigidPhysics(linear_velocity=tuple(velocity)),
         dimensions=Dimensions(size=tuple(float(s) for s in size), tolerance=tolerance),
         pose=pose(at, euler=euler),
-        material="wood",
+        material=more.pop("material", "wood"),
         parts=parts,
         generator=rope,
         **more,

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["Broken", "Frames"]
 
 CHANNELS = tuple(f"break/{n}" for n in ("time", "bond", "point", "cause", "ratio", "energy", "case"))
+FAINT = 1e-2
+"""Own choice: contact forces below this share of a piece's weight are not what breaks a bond."""
 REMEMBERED = 2
 """Frames for which a load is felt after its contact: the smoothing of sudden loads dies within one."""
 
@@ -64,7 +66,8 @@ class Frames:
         rows = [cache.body_row(entity, b.name) for b in self.built.bodies]
         if any(r is None for r in rows):
             raise EvidenceError(f"the cache of {solver!r} lacks pieces of {entity!r}; bake again")
-        self._rows = np.array(rows, dtype=np.int64)
+        self.rows = np.array(rows, dtype=np.int64)
+        """Of the pieces among the instance's bodies."""
         pose = pose_of(candidate.spec.entities[entity].pose)
         self.rest_turn: F64 = rotation_matrix(pose.quaternion)
         self._rest = pose
@@ -73,6 +76,12 @@ class Frames:
     def local_gravity(self) -> F64:
         """Gravity in the entity's frame as it was built [m/s^2], shape (3,)."""
         return np.asarray(self.rest_turn.T @ np.array(self.candidate.spec.simulation.gravity))
+
+    @cached_property
+    def weight(self) -> float:
+        """Of a piece, in the mean [N]."""
+        gravity = float(np.linalg.norm(self.candidate.spec.simulation.gravity))
+        return max(gravity, 1.0) * float(np.mean([b.mass for b in self.built.bodies]))
 
     def time(self, frame: int) -> float:
         """[s]"""
@@ -104,6 +113,10 @@ class Frames:
         """Which bonds are broken, shape (b,)."""
         return self._own("bond/broken", frame).astype(bool)
 
+    def stress(self, frame: int) -> F64:
+        """Largest stress over strength of every bond within a frame, shape (b,)."""
+        return np.asarray(self._own("bond/stress", frame), dtype=np.float64)
+
     def record(self, name: str) -> F64:
         """A record over all frames."""
         return np.asarray(self.cache.series(f"record/{name}"))
@@ -133,8 +146,8 @@ class Frames:
 
     def poses(self, frame: int) -> tuple[F64, F64]:
         """Positions (n, 3) and rotations (n, 3, 3) of the pieces."""
-        position = self.cache.series("position")[frame, self._rows]
-        return position, rotation_matrix(self.cache.series("quaternion")[frame, self._rows])
+        position = self.cache.series("position")[frame, self.rows]
+        return position, rotation_matrix(self.cache.series("quaternion")[frame, self.rows])
 
     def face(self, bond: int, frame: int) -> F64:
         """Middle of a bond's face in the world, on its first piece, shape (3,)."""
@@ -144,7 +157,7 @@ class Frames:
 
     def reach(self, frame: int, bond: int) -> float:
         """How far a piece may have gone within the frame before its bond broke [m]."""
-        piece = self._rows[int(self.bonds.pieces[bond, 0])]
+        piece = self.rows[int(self.bonds.pieces[bond, 0])]
         speed = self.cache.series("velocity")[[frame - 1, frame], piece]
         return float(np.linalg.norm(speed, axis=1).max()) / self.candidate.spec.simulation.fps
 
@@ -166,9 +179,10 @@ class Frames:
         return names[index] if 0 <= index < len(names) else "nothing"
 
     def pushed(self, event: Broken, frame: int) -> bool:
-        """Whether what an event names as its cause touched the entity then."""
+        """Whether what an event names as its cause touched the entity then; where it names none, whether nothing did."""
         if event.cause < 0:
-            return True
+            loads = self.case(frame, event.case)[0]
+            return float(np.abs(loads[:, :6] + loads[:, 6:]).max(initial=0.0)) <= FAINT * self.weight
         own = self.cache.index.colliders.index(self.entity)
         if event.cause == own:
             return any(self._touching(f, own, own) for f in range(max(1, frame - REMEMBERED), frame + 1)) or bool(

@@ -43,7 +43,8 @@ class Loaded:
         self.stiffness: F64 = np.stack(per, axis=1) / self.bonds.length[:, None]
 
     def ratios(self, pieces: Any, whole: Any, lasting: F64, sudden: F64) -> tuple[Any, F64]:
-        """Bonds of a connected cluster and their stress over strength, with what toughness takes off.
+        """Bonds of a connected cluster and their stress over strength, with what toughness takes off: shape (b,), and (t, b) at each
+        share of the contact time.
 
         Args:
             pieces: of the cluster.
@@ -53,15 +54,15 @@ class Loaded:
         """
         own = np.flatnonzero(np.asarray(whole, dtype=bool) & np.isin(self.bonds.pieces[:, 0], pieces))
         if not len(own):
-            return own, np.zeros(0)
+            return own, np.zeros((1, 0))
         gaps = self._gaps(own, pieces)
         held = bool((self.bonds.pieces[own, 1] == WORLD).any())
         force = self._forces(own, gaps, lasting, held, 0.0)
         if np.abs(sudden).max(initial=0.0) == 0:
-            return own, self._over(own, force)
+            return own, self._over(own, force)[None]
         times = [share * self.bond.contact_time for share in SHARES]
         both = [self._over(own, force + self._forces(own, gaps, sudden, held, t, pieces)) for t in times]
-        return own, np.asarray(np.max(both, axis=0))
+        return own, np.array(both)
 
     def _over(self, own: Any, force: F64) -> F64:
         """Stress over strength, or the root of energy over toughness where that is less."""

@@ -306,6 +306,15 @@ def _even(books: Books, ball: str, other: str, point: F64, velocity: F64, normal
     return even_ground(books.candidate, other, point, along * rest, most=most)
 
 
+def _turned(books: Books, ends: list[tuple[F64, F64]], normal: F64, size: float) -> float:
+    """Speed that a glancing hit may seem to have along its normal [m/s]: the point is told to a step, in which the ball slides on."""
+    most = 0.0
+    for velocity in np.subtract(ends[0], ends[1] if len(ends) > 1 else np.zeros((2, 3))):
+        along = float(np.linalg.norm(velocity - (normal @ velocity) * normal))
+        most += along * min(1.0, along * books.step / size)
+    return most
+
+
 def _judge(
     books: Books, frame: int, ball: int, other: int, time: float, point: F64, partners: list[dict[int, set[int]]]
 ) -> _Hit | None:
@@ -355,5 +364,6 @@ def _judge(
     declared = _declared(books, names[ball], names[other])
     if (lasting or declared[0] == 0.0) and not _even(books, names[ball], names[other], point, ends[0][1], normal, after, closing):
         return None
-    deviation = max(kept[0] - declared[1], declared[0] - kept[1], 0.0)
+    off = _turned(books, ends, normal, size) / closing
+    deviation = max(kept[0] - off - declared[1], declared[0] - kept[1] - off, 0.0)
     return _Hit(frame, row, deviation, closing, kept, declared)

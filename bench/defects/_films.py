@@ -24,7 +24,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.spec import Box, Entity, Part, WorldSpec
 from ..small_worlds import build_all, entity, pose
 
-__all__ = ["Film", "cached", "film_of", "frame_of_walls", "free_body", "still"]
+__all__ = ["Film", "cached", "copied", "film_of", "frame_of_walls", "free_body", "still"]
 
 
 @dataclass
@@ -175,11 +175,12 @@ def cached(make: Callable[[int], WorldSpec]) -> Callable[[int], Film]:
     def once(variant: int) -> Film:
         return film_of(make(variant))
 
-    def fresh(variant: int) -> Film:
-        film = once(variant)
-        return dataclasses.replace(film, frames=copy.deepcopy(film.frames), built=dict(film.built), damage=[])
+    return lambda variant: copied(once(variant))
 
-    return fresh
+
+def copied(film: Film) -> Film:
+    """A film that can be changed without changing the one it is of."""
+    return dataclasses.replace(film, frames=copy.deepcopy(film.frames), built=dict(film.built), damage=[])
 
 
 def frame_of_walls(half: float) -> Entity:

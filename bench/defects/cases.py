@@ -45,6 +45,8 @@ class Mechanism:
     """Hand-picked magnitudes; default the least, the greatest and their geometric mean."""
     finds: tuple[str, ...] = ("fail",)
     """Statuses that count as detected. `unverified` only where the defect is missing evidence."""
+    check: str = ""
+    """Which check is to find it, where that is another than the suite's."""
 
     @property
     def hand_picked(self) -> tuple[float, ...]:

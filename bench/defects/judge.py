@@ -47,9 +47,9 @@ class Outcome:
 
 
 def judge(check: str, mechanism: Mechanism, world: World) -> Judged:
-    """Run one check on one world."""
+    """Run one check on one world: the mechanism's own where it has one."""
     start = time.perf_counter()
-    rows = tuple(run_checks(world.candidate, only=[check]))
+    rows = tuple(run_checks(world.candidate, only=[mechanism.check or check]))
     spent = 1e3 * (time.perf_counter() - start)
     open_rows = [r for r in rows if r.mandatory and r.status in ("fail", "unverified")]
     if not mechanism.broken:

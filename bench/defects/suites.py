@@ -27,11 +27,12 @@ CHECKS = (
     "liquid",
     "particles",
     "cloth",
+    "fracture",
     "numerical",
     "contact",
     "shots",
 )
-"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. Those of liquids and particles are of the category check."""
+"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. Those of categories (elastic to fracture) are of the category check."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""
 

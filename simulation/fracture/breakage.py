@@ -169,6 +169,7 @@ class Breakage:
         self._rows_of = [np.array([row[f"{b.built.entity}/{p.name}"] for p in b.built.bodies]) for b in self._bodies]
         self._collider_of_geom, self._names = rigid.geom_collider, rigid.colliders
         self._tree_of_geom = model.body_treeid[model.geom_bodyid]
+        self._tree_of_body = np.array(model.body_treeid)
         self._ids: list[dict[str, int]] = []
         for index, body in enumerate(self._bodies):
             # Another model has other trees, all of them awake.
@@ -278,16 +279,15 @@ class Breakage:
                 force, _ = self._felt(body, pushed.get(index), data)
                 if force is not None:
                     self._given[index] += dt * self._in_world(index, force, data)
-                self._remember(body, pushed.get(index))
+                self._remember(body, pushed.get(index), data)
         if not apart:
             return Fate.WHOLE
         return Fate.AGAIN if again else Fate.AFTER
 
     def _felt(self, body: _Body, pushed: _Pushed | None, data: Any) -> tuple[F64 | None, Any]:
-        """Forces on an entity's pieces: those of listed contacts, and of what fell asleep on them, whose contacts are not."""
-        resting = body.partner >= 0
-        if resting.any():
-            resting &= data.tree_asleep[np.maximum(body.partner, 0)] >= 0
+        """Forces on an entity's pieces: those of listed contacts, and where they or what lies on them sleep, whose contacts are not,
+        the last ones."""
+        resting = self._asleep(body.partner, data) | self._asleep(self._tree_of_body[body.ids], data)
         if not resting.any():
             return (None, None) if pushed is None else (pushed.force, pushed.cause)
         force = np.zeros_like(body.pressing) if pushed is None else pushed.force.copy()
@@ -295,7 +295,18 @@ class Breakage:
         force[resting] = body.pressing[resting]
         return force, None if pushed is None else pushed.cause
 
-    def _remember(self, body: _Body, pushed: _Pushed | None) -> None:
+    @staticmethod
+    def _asleep(trees: Any, data: Any) -> Any:
+        """Which of these trees sleep; -1 is none."""
+        if not len(data.tree_asleep):
+            return np.zeros(len(trees), dtype=bool)
+        return (trees >= 0) & (data.tree_asleep[np.maximum(trees, 0)] >= 0)
+
+    def _remember(self, body: _Body, pushed: _Pushed | None, data: Any) -> None:
+        """Keep the contacts of this step for when they are no longer listed; what is awake and touches nothing has none."""
+        own = self._tree_of_body[body.ids]
+        gone = (own >= 0) & ~self._asleep(own, data) & ~self._asleep(body.partner, data)
+        body.pressing[gone], body.partner[gone] = 0.0, NO_CAUSE
         if pushed is not None:
             touched = pushed.force.any(axis=1)
             body.pressing[touched], body.partner[touched] = pushed.force[touched], pushed.tree[touched]

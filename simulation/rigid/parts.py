@@ -64,9 +64,11 @@ def make_parts(
     rigid = build_model(spec, built, members, settings, apart=intervention.apart, whole=whole)
     model = rigid.model
     drivers = Drivers(spec, rigid, frozenset(members), intervention)
-    own, rows = np.unique(rigid.body_ids, return_index=True)
+    own, rows, body = np.unique(rigid.body_ids, return_index=True, return_inverse=True)
     kinematic = np.array([rigid.bodies[r].split("/", 1)[0] in drivers.kinematic for r in np.sort(rows)], dtype=bool)
-    del own
+    far = np.zeros(len(own))
+    np.maximum.at(far, body, np.where(rigid.kin_rows, np.linalg.norm(rigid.centers - rigid.offsets, axis=1), 0.0))
+    order = np.argsort(rows)
     flexes = Flexes(model, rigid.flexes) if rigid.flexes else None
     if flexes is not None:
         flexes.fields = FlexFields(spec, flexes, intervention.without) or None
@@ -78,7 +80,7 @@ def make_parts(
         work=DriverWork(model, rigid.actuator_of, drivers),
         gyration=Gyration(model),
         monitor=ContactMonitor(rigid),
-        ledger=Ledger(model, rigid.body_ids[np.sort(rows)], kinematic, len(rigid.bodies)),
+        ledger=Ledger(model, own[order], kinematic, len(rigid.bodies), far[order]),
         fields=FieldForces(spec, rigid, built, intervention.without),
         flexes=flexes,
     )

@@ -29,10 +29,11 @@ class Ledger:
         moving: MuJoCo bodies of the cache's rows.
         kinematic: whether each of them is authored; such bodies are not part of energy, momentum and mass.
         count: rows of the cache; pieces that are bonded to one another share a body.
+        arms: how far the rows of each of `moving` lie from its centre of mass at most [m]: pieces turn about that of all.
     """
 
-    def __init__(self, model: Any, moving: Any, kinematic: Any, count: int) -> None:
-        self.model, self.moving, self.count = model, moving, count
+    def __init__(self, model: Any, moving: Any, kinematic: Any, count: int, arms: F64) -> None:
+        self.model, self.moving, self.count, self._row_arms = model, moving, count, arms
         self.free, self.authored = moving[~kinematic], moving[kinematic]
         reach = np.zeros(model.nbody)
         np.maximum.at(reach, model.geom_bodyid, model.geom_rbound + np.linalg.norm(model.geom_pos, axis=1))
@@ -67,9 +68,9 @@ class Ledger:
         angular, linear = twists[..., :3], twists[..., 3:]
         if self._articulated:
             linear = linear + np.cross(angular, np.stack(self._arms)[:, self.moving])
-        speed = np.linalg.norm(linear, axis=-1)
-        surface = speed + np.linalg.norm(angular, axis=-1) * self._reach
-        self._speed = float(np.maximum(self._speed, speed.max(initial=0.0)))
+        speed, turning = np.linalg.norm(linear, axis=-1), np.linalg.norm(angular, axis=-1)
+        surface = speed + turning * self._reach
+        self._speed = float(np.maximum(self._speed, (speed + turning * self._row_arms).max(initial=0.0)))
         self._surface = float(np.maximum(self._surface, surface.max(initial=0.0)))
         self._twists, self._arms = [], []
 

@@ -51,7 +51,9 @@ def _hit(run: Candidate) -> int:
 def test_a_real_run_passes_with_bonds_that_broke_and_bonds_that_hold(run: Candidate) -> None:
     last = run.caches["main"].read(run.last_frame)["bond/broken"]
     assert 0 < last.sum() < len(last)
-    assert set(statuses(run).values()) == {"pass"}
+    found = statuses(run)
+    assert found.pop("flight") in ("pass", "not_applicable")
+    assert set(found.values()) == {"pass"}
 
 
 def test_the_wall_breaks_where_the_ball_hits_and_only_after(run: Candidate) -> None:
@@ -119,6 +121,31 @@ def test_a_cause_that_touched_nothing_is_found(run: Candidate, tmp_path: Path) -
             data[name] = data[name][keep]
 
     assert statuses(changed(run, tmp_path, part))["cause"] == "fail"
+
+
+def test_a_break_by_a_blow_that_is_laid_to_the_weight_is_found(run: Candidate, tmp_path: Path) -> None:
+    def forget(frame: int, data: Channels) -> None:
+        del frame
+        data["break/cause"][:] = -1
+
+    assert statuses(changed(run, tmp_path, forget))["cause"] == "fail"
+
+
+def test_strengths_that_are_not_those_of_the_run_are_found(run: Candidate) -> None:
+    data = run.spec.model_dump(mode="json")
+    bond = data["entities"]["wall"]["breakable"]["bond"]
+    bond |= {k: 1.05 * bond[k] for k in ("tension", "shear")}
+    assert statuses(dataclasses.replace(run, spec=WorldSpec.model_validate(data)))["cause"] == "fail"
+
+
+def test_a_bond_that_holds_over_its_strength_is_found(run: Candidate, tmp_path: Path) -> None:
+    whole = int(np.flatnonzero(run.caches["main"].read(run.last_frame)["bond/broken"] == 0)[0])
+
+    def strain(frame: int, data: Channels) -> None:
+        if frame == 3:
+            data["bond/stress"][whole] = 1.01
+
+    assert statuses(changed(run, tmp_path, strain))["events"] == "fail"
 
 
 def test_a_bonded_piece_that_drifts_is_found(run: Candidate, tmp_path: Path) -> None:

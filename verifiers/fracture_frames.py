@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["Broken", "Frames"]
 
 CHANNELS = tuple(f"break/{n}" for n in ("time", "bond", "point", "cause", "ratio", "energy", "case"))
-FAINT = 1e-2
-"""Own choice: contact forces below this share of a piece's weight are not what breaks a bond."""
 REMEMBERED = 2
 """Frames for which a load is felt after its contact: the smoothing of sudden loads dies within one."""
 
@@ -76,12 +74,6 @@ class Frames:
     def local_gravity(self) -> F64:
         """Gravity in the entity's frame as it was built [m/s^2], shape (3,)."""
         return np.asarray(self.rest_turn.T @ np.array(self.candidate.spec.simulation.gravity))
-
-    @cached_property
-    def weight(self) -> float:
-        """Of a piece, in the mean [N]."""
-        gravity = float(np.linalg.norm(self.candidate.spec.simulation.gravity))
-        return max(gravity, 1.0) * float(np.mean([b.mass for b in self.built.bodies]))
 
     def time(self, frame: int) -> float:
         """[s]"""
@@ -179,16 +171,23 @@ class Frames:
         return names[index] if 0 <= index < len(names) else "nothing"
 
     def pushed(self, event: Broken, frame: int) -> bool:
-        """Whether what an event names as its cause touched the entity then; where it names none, whether nothing did."""
+        """Whether what an event names as its cause touched the entity then."""
         if event.cause < 0:
-            loads = self.case(frame, event.case)[0]
-            return float(np.abs(loads[:, :6] + loads[:, 6:]).max(initial=0.0)) <= FAINT * self.weight
+            return True
         own = self.cache.index.colliders.index(self.entity)
         if event.cause == own:
-            return any(self._touching(f, own, own) for f in range(max(1, frame - REMEMBERED), frame + 1)) or bool(
+            return any(self._touching(f, own, own) for f in self._lately(frame)) or bool(
                 np.abs(self.case(frame, event.case)[0]).any()
             )
-        return any(self._touching(f, own, event.cause) for f in range(max(1, frame - REMEMBERED), frame + 1))
+        return any(self._touching(f, own, event.cause) for f in self._lately(frame))
+
+    def _lately(self, frame: int) -> range:
+        """Frames whose contacts may be felt in one: what sleeps goes on being pushed by what is logged no more."""
+        asleep = self.cache.series("asleep")[:, self.rows].any(axis=1)
+        first = frame
+        while first > 1 and asleep[first - 1]:
+            first -= 1
+        return range(max(1, first - REMEMBERED), frame + 1)
 
     def _touching(self, frame: int, a: int, b: int) -> bool:
         pairs = self._contacts[frame]["contact/pair"]
@@ -197,7 +196,7 @@ class Frames:
     def touching(self, frame: int) -> dict[int, float]:
         """Colliders that touched the entity lately, itself included where its pieces met, and the normal impulses given [N s]."""
         own, found = self.cache.index.colliders.index(self.entity), dict[int, float]()
-        for k in range(max(1, frame - REMEMBERED), frame + 1):
+        for k in self._lately(frame):
             contacts = self._contacts[k]
             for (a, b), impulse in zip(contacts["contact/pair"].tolist(), contacts["contact/impulse"].tolist(), strict=True):
                 if own in (a, b):
@@ -219,7 +218,7 @@ class Frames:
 
     def exchanged(self, frame: int) -> float:
         """Impulses that coupled instances gave the pieces lately [N s]."""
-        given = self.cache.series("exchange/impulse")[max(1, frame - REMEMBERED) : frame + 1][:, self._rows, :3]
+        given = self.cache.series("exchange/impulse")[max(1, frame - REMEMBERED) : frame + 1][:, self.rows, :3]
         return float(np.linalg.norm(given, axis=2).sum())
 
     def mean_push(self, first: int, last: int) -> F64:

@@ -34,6 +34,7 @@ Channels written by an instance with deforming members (v vertices of the simula
 |---|---|---|
 | `vertex/position` | f8 (v, 3) | world [m] |
 | `vertex/velocity` | f4 (v, 3) | world [m/s] |
+| `exchange/soft` | f8 (d, 6) | of a two-way coupling: what the engine integrated of others' forces on each elastic member, about its centre of mass [N s, N m s] |
 
 With cloth that can tear also (its vertices are corners of triangles: 3 t, 3 t + 1, 3 t + 2 of triangle t, counted from the part's first;
 a side leads from a corner to the next and has its row; e vertices tore in the frame, k sides opened, m triangles were around them):

@@ -1,0 +1,96 @@
+"""A jelly drops on a cloth over sand, from its prompt to acceptance through a real client: `python -m worldagent.examples.jelly_hammock`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from ..bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
+from .client_run import accept, play
+from .domino_run import Agent
+
+__all__ = ["PROMPT", "jelly_spec", "main", "run"]
+
+PROMPT = HAMMOCK_PROMPT
+FRAMES = 30
+
+
+def jelly_spec(frames: int = FRAMES, edge: float = 0.025, radius: float = 0.009) -> dict[str, Any]:
+    """The world without its prompt.
+
+    Args:
+        frames: at 24 per second.
+        edge: of the cloth's squares [m].
+        radius: of the grains [m].
+    """
+    spec = hammock_spec(frames=frames, edge=edge, radius=radius)
+    last, below = frames - 1, {"kind": "box", "min": [-0.2, -0.2, 0.04], "max": [0.2, 0.2, HIGH - 0.02]}
+
+    def beat(text: str, owner: str, subject: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
+        return {"text": text, "owner": owner, "subject": subject, "frames": when, "predicate": predicate, "causes": list(causes)}
+
+    spec["graph"] = {"regions": {
+        "under": below,
+        "tray": {"kind": "box", "min": [-0.14, -0.14, 0.0], "max": [0.14, 0.14, 0.08]},
+    }}  # fmt: skip
+    spec["story"] = {
+        "semantics": "a soft body falls into a cloth, which gives way, catches it and throws it back",
+        "beats": {
+            "drops": beat("the jelly drops", "let_go", "jelly", [0, 8],
+                          {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.08}),
+            "caught": beat("the cloth gives way and catches it", "bodies", "jelly", [3, 14],
+                           {"kind": "reaches", "entity": "jelly", "region": "under"}, "drops"),
+            "wobbles": beat("the jelly is squeezed and wobbles", "bodies", "jelly", [3, last],
+                            {"kind": "deflection", "entity": "jelly", "min": 0.003}, "drops"),
+        },
+        "requirements": {
+            "sand": {"text": "the sand stays in the tray",
+                     "predicate": {"kind": "particle_count_in", "entity": "sand", "region": "tray", "min": 200, "when": "always"}},
+        },
+    }  # fmt: skip
+    for name, entity in spec["entities"].items():
+        entity["outputs"] = {"jelly": ["deformation"], "cloth": ["motion"], "sand": ["motion"]}.get(name, [])
+    spec["shots"] = {"main": {
+        "frames": [0, last], "covers": ["drops", "caught", "wobbles"], "subjects": ["jelly", "cloth"],
+        "keys": {"k0": {"frame": 0, "position": [0.72, -0.95, 0.55], "target": [0, 0, 0.22], "fov_deg": 40}},
+    }}  # fmt: skip
+    spec["clauses"] = {
+        "c1": {
+            "met_by": [
+                "/story/beats/drops",
+                "/story/beats/caught",
+                "/entities/posts",
+                "/entities/tray",
+                "/story/requirements/sand",
+            ]
+        }
+    }
+    return spec
+
+
+async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:
+    return {"accepted": await accept(agent, PROMPT, jelly_spec(options.frames))}
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """One run in a fresh world folder; returns what happened."""
+    return play(Agent, "jelly_hammock", PROMPT, options, lambda agent: _work(agent, options))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Exit code 0 when the world was accepted; the last line is one JSON object."""
+    parser = argparse.ArgumentParser(prog="jelly_hammock", description=PROMPT)
+    parser.add_argument("--out", default="demo-out", help="workspace of the world")
+    parser.add_argument("--frames", type=int, default=FRAMES, help="at 24 per second")
+    parser.add_argument("--samples", type=int, default=16, help="of each pixel of the film")
+    parser.add_argument("--no-render", action="store_true")
+    found = run(parser.parse_args(argv))
+    print(json.dumps(found))
+    return 0 if found["accepted"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

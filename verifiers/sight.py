@@ -35,7 +35,7 @@ FINE_BELOW = 600
 FINE_PIXELS = 5000
 """Pixels that it then fills, about."""
 FINE, FINEST = 8, 32
-"""How much finer, per side, where no pixel centre hit it, and at most."""
+"""How much finer, per side, where no pixel centre hit it, and at most; of particles, whose many small errors level out, no finer than the first."""
 DOUBT = 0.15
 """The same for one whose unoccluded share is within this of the bound."""
 TURN = math.atan(2.0 / (1.0 + math.sqrt(5.0)))
@@ -242,7 +242,8 @@ class Sight:
         share = 0.0 if found[0] == 0 else found[1] / found[0]
         bound = self.candidate.spec.simulation.limits.visible_share
         if found[0] < FINE_BELOW or abs(share - bound) <= DOUBT * bound:
-            finer = FINE if found[0] == 0 else min(FINEST, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
+            finest = FINE if entity in self.candidate.particulates else FINEST
+            finer = FINE if found[0] == 0 else min(finest, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
             size = (finer * camera.width, finer * camera.height)
             found = self._compare(scene, _lattice(camera, size), poses, own, size)
             camera = replace(camera, width=size[0], height=size[1])

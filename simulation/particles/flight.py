@@ -69,9 +69,7 @@ class SolverFlight(FramedParticles):
         )
         self.low, self.high = (self.origin + s * 0.5 * np.array(self.instance.settings.domain.size) for s in (-1, 1))
         self.emitters = {
-            k: d
-            for k, d in self.spec.simulation.drivers.items()
-            if d.kind == "emitter" and d.entity in self.members and k not in self._done.without
+            k: d for k, d in self.spec.simulation.drivers.items() if d.kind == "emitter" and d.entity in self.members
         }
         self.out = dict.fromkeys(self.emitters, 0)
         self.next_identity = 0
@@ -108,6 +106,8 @@ class SolverFlight(FramedParticles):
         spans = np.full(len(self.now["radius"]), seconds)
         before = len(spans)
         for row, (name, driver) in enumerate(self.emitters.items()):
+            if name in self._done.without:
+                continue
             made, born, self.out[name] = emitted(self.spec, driver, row, self.out[name], time, time + seconds, self.members)
             if len(born):
                 self._add(made)

@@ -1,4 +1,4 @@
-"""The worlds that the skill of particles records, through the tools: sand collapses and topples a tile; sparks spray, fall and go out."""
+"""The worlds that the skill of particles records, to their acceptance: sand collapses and topples a tile; sparks spray, fall and go out."""
 
 from __future__ import annotations
 

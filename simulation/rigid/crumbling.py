@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from ...worlds.fracture import bonded_pairs, crumble_of, crumbled_force
+from ...worlds.fracture import bonded_pairs, crumble_of, crumbled_force, piece_overlap
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -64,6 +64,7 @@ class Crumbling:
         count: number of pieces.
         distance: how far shared faces crumble, per body [m].
         force: most that a contact point carries meanwhile, per body [N].
+        overlap: how deep pieces may lie in one another, per body [m].
     """
 
     def __init__(
@@ -74,11 +75,18 @@ class Crumbling:
         count: int,
         distance: F64,
         force: F64,
+        overlap: F64,
     ) -> None:
+        self.overlap = overlap
         self.piece, self.body, self.shared, self.count = piece, body, shared, count
         self.distance, self.force = distance, force
         self.pressed = False
         """Whether contacts of the step before carried all they can."""
+
+    def overlap_of(self, geoms: Any) -> F64:
+        """How deep pairs of geoms, shape (n, 2), may lie in one another [m], shape (n,)."""
+        first, second = self.body[geoms[:, 0]], self.body[geoms[:, 1]]
+        return np.asarray(np.where((first >= 0) & (first == second), self.overlap[np.maximum(first, 0)], 0.0))
 
     def crumbling(self, data: Any, geoms: Any, rows: NDArray[np.int32], dt: float) -> Weak | None:
         """Keep contacts among pieces from bursting; those whose faces crumble, None where there are none.
@@ -180,4 +188,5 @@ def make_crumbling(
         count,
         np.array([crumble_of(*pair) for pair in limits]),
         np.array([crumbled_force(*pair) for pair in limits]),
+        np.array([piece_overlap(*pair) for pair in limits]),
     )

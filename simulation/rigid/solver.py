@@ -425,7 +425,8 @@ class SolverRigid:
     def _nearest(self) -> float:
         """Smallest distance [m] of collision shapes at the present positions, less what visible surfaces stick out.
 
-        What the collision functions list as closer than `GUARD` is measured again by GJK and EPA, which are exact.
+        What the collision functions list as closer than `GUARD` is measured again by GJK and EPA, which are exact. Pieces of one
+        breakable body may lie in one another as deep as crumbles.
         """
         self._collide_all()
         data, model = self.data, self.model
@@ -433,7 +434,9 @@ class SolverRigid:
             return np.inf
         geoms = sides_of(model, data.contact).copy()
         fixed = (np.append(model.geom_contype, model.flex_contype)[geoms] == FIXED[0]).all(axis=1)
-        gaps = data.contact.dist - self.rigid.excess[geoms].sum(axis=1)
+        kin = self.rigid.law.kin
+        slack = np.zeros(len(geoms)) if kin is None else kin.overlap_of(geoms)
+        gaps = data.contact.dist - self.rigid.excess[geoms].sum(axis=1) + slack
         close = np.unique(geoms[(gaps < GUARD) & ~fixed], axis=0)
         nearest, witness = np.inf, np.zeros(6)
         height_field = int(self._mj.mjtGeom.mjGEOM_HFIELD)
@@ -444,6 +447,7 @@ class SolverRigid:
                 gap = float(gaps[mine].min())
             else:
                 gap = self._mj.mj_geomDistance(model, data, g, h, 2 * GUARD, witness) - float(self.rigid.excess[[g, h]].sum())
+                gap += 0.0 if kin is None else float(kin.overlap_of(np.array([[g, h]]))[0])
             nearest = min(nearest, gap - CLEAR)
         return nearest
 

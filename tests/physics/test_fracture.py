@@ -8,6 +8,7 @@ from worldagent.construction import build_entity
 from worldagent.simulation.fracture.clusters import clusters_of
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, solver_of, struck_wall
+from worldagent.worlds.fracture import piece_overlap
 
 G = rigid_world.G
 
@@ -159,3 +160,22 @@ def test_bricks_that_came_loose_do_not_burst() -> None:
     for frame in range(1, 6):
         solver.advance(frame)
     assert np.linalg.norm(solver.frame_data()["position"][rows] - start, axis=1).max() < 2e-3
+
+
+@pytest.mark.parametrize("speed", [6.0, 15.0])
+def test_a_crumbling_face_gives_way_as_far_as_it_crumbles_and_no_farther(speed: float) -> None:
+    """Two loose blocks that are driven at each other close over their face's mortar; then they meet as all bodies."""
+    broken = {"pattern": bricks((0.2, 0.2, 0.2)), "bond": bond()}
+    bar = rigid_world.box(0.4, 0.2, 0.2, at=(0, 0, 5), material="m", breakable=broken)
+    solver = solver_of(rigid_world.world({"bar": bar}, seconds=0.3))
+    solver.breakage._bodies[0].whole[:] = False
+    solver._split(0.0)
+    assert len(solver.breakage._bodies[0].clusters) == 2
+    solver.data.qvel[[0, 6]] = 0.5 * speed, -0.5 * speed
+    deepest = 0.0
+    for frame in (1, 2, 3):
+        solver.advance(frame)
+        deepest = max(deepest, -float(solver.frame_data()["contact/min_gap"].min(initial=0.0)))
+        assert solver.refined == 0, "what crumbles is no overlap to be resolved"
+    allowed = piece_overlap(solver.spec.entities["bar"].breakable, solver.built["bar"])  # type: ignore[arg-type]
+    assert 0.5 * allowed < deepest < allowed

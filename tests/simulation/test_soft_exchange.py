@@ -39,7 +39,9 @@ def test_forces_at_vertices_and_at_the_nodes_that_carry_them_are_the_same_to_rou
 
 def test_a_jelly_and_the_cloth_it_drops_on_give_each_other_what_they_get() -> None:
     """Law: what the cloth gave, the engine of the jelly integrated; both momenta add up from their own vertices."""
-    spec, built = _world()
+    plan = hammock_spec(frames=FRAMES, edge=0.055, drop=0.002, radius=None)["simulation"]
+    plan["drivers"]["air"] = {"kind": "field", "field": {"kind": "drag"}}
+    spec, built = _world(simulation=plan)
     assert audit(spec).passed
     (group,) = groups_of(spec)
     run = make_run(spec, built, group)

@@ -119,7 +119,7 @@ class Crumbling:
         place = np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)
         kin = self.shared[place] == key
         left = np.maximum(gap + STOP * self.distance[body], 0.0)
-        weak = kin & (left + data.efc_vel[at] * dt > 0.0)
+        weak = kin & (left + np.minimum(data.efc_vel[at], 0.0) * dt > 0.0)
         if not kin.any():
             return None
         slack = np.zeros(len(rows))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["ClothScene", "build_scene"]
 
 CLOSELY = 1e-3
-"""Longest time between two exchanges of impulses with bodies that the cloth pushes [s]."""
+"""Longest time between two exchanges of impulses with bodies that the cloth pushes, and between two looks at what tears [s]."""
 EVERYWHERE = (np.full(3, -np.inf), np.full(3, np.inf))
 
 
@@ -109,7 +109,9 @@ def build_scene(
     fields = {m: fields_of(spec, m, without) for m in members}
     faces = np.concatenate([np.full(len(p.faces), members.index(p.member)) for p in pieces])
     blown = any(f and f.has_medium for f in fields.values())
-    pushes = any(name in group for group in coupled_groups(spec))
+    closely = any(name in group for group in coupled_groups(spec)) or any(
+        _physics(spec.entities[m]).tear is not None for m in members
+    )
     drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)
     setup = ClothSetup(
         sheets=(),
@@ -122,7 +124,7 @@ def build_scene(
         self_collision=any(_physics(spec.entities[m]).self_collision for m in members),
         integrator=settings.integrator,
         max_step=settings.max_step,
-        exchange=settings.exchange or min(settings.max_step, CLOSELY if pushes else settings.max_step),
+        exchange=settings.exchange or min(settings.max_step, CLOSELY if closely else settings.max_step),
         iterations=settings.iterations,
         device=settings.device,
     )

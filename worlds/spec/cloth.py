@@ -60,7 +60,7 @@ class ClothSettings(SpecModel):
         default=None,
         ge=1e-5,
         le=5e-3,
-        description="time between two looks at the bodies' motion [s]; default: max_step, at most 1 ms where the cloth pushes them",
+        description="time between two looks at the bodies' motion [s]; default: max_step, at most 1 ms where the cloth pushes them or tears",
     )
     margin: NonNegative | None = Field(
         default=None,

@@ -34,16 +34,21 @@ class SoftPart:
     """Vertices of one group share a normal: one place, and one normal at rest."""
     faces: I32
     """Relative to the first of `rows`."""
+    loose: bool
+    """It can tear: corners that stood at one place at rest share a normal only as long as they are together."""
 
     def placed(self, candidate: Candidate, frame: int) -> tuple[F64, F64]:
         """World positions and normals at a frame, shapes (n, 3)."""
         positions = candidate.surface(self.entity, self.part, frame)[self.source]
         a, b, c = (positions[self.faces[:, k]] for k in range(3))
         across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-        corner = self.group[self.faces.reshape(-1)]
-        sums = np.stack([np.bincount(corner, across[:, k], minlength=int(self.group.max()) + 1) for k in range(3)], axis=1)
+        group = self.group
+        if self.loose:
+            group = np.unique(np.column_stack([group, positions]), axis=0, return_inverse=True)[1].reshape(-1)
+        corner = group[self.faces.reshape(-1)]
+        sums = np.stack([np.bincount(corner, across[:, k], minlength=int(group.max()) + 1) for k in range(3)], axis=1)
         normals = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
-        return positions, normals[self.group]
+        return positions, normals[group]
 
 
 def soft_part(entity: str, part: BuiltPart, surface: Surface, start: int) -> SoftPart:
@@ -51,6 +56,11 @@ def soft_part(entity: str, part: BuiltPart, surface: Surface, start: int) -> Sof
     from scipy.spatial import cKDTree
 
     source = cKDTree(part.render.vertices).query(surface.positions)[1].astype(np.int64)
+    if len(surface.faces) == len(part.render.faces):
+        # Vertices of one place need not stay together.
+        source[surface.faces.reshape(-1)] = part.render.faces.reshape(-1)
     key = np.concatenate([np.round(surface.positions, 9), np.round(surface.normals, ROUNDED)], axis=1)
     group = np.unique(key, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
-    return SoftPart(entity, part.part, slice(start, start + len(source)), source, group, surface.faces)
+    mesh = part.simulation
+    loose = mesh is not None and len(mesh.tets) == 0 and len(mesh.vertices) == mesh.faces.size
+    return SoftPart(entity, part.part, slice(start, start + len(source)), source, group, surface.faces, loose)

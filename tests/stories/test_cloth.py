@@ -23,6 +23,8 @@ def test_the_flag_in_a_gust_is_accepted(agent_of: Any, tmp_path: Path) -> None:
         assert told["passed"], told["open_rows"]
         rows = {r["id"]: r["status"] for r in agent.pages("rows", part="matrix")}
         assert {rows[f"beat:{n}"] for n in spec["story"]["beats"]} == {"pass"}
-        assert {rows[f"category:cloth:{n}:sheets"] for n in ("stretch", "self", "solids", "pins", "momentum", "energy")} == {"pass"}
+        assert {rows[f"category:cloth:{n}:sheets"] for n in ("stretch", "self", "solids", "pins", "momentum", "energy")} == {
+            "pass"
+        }
         assert agent.call("bake_sim", world="w")["passed"]
         assert agent.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"

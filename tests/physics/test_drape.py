@@ -8,12 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial import Delaunay
-from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.cloth.mesh import Sheet, sheet_of
 from worldagent.tests.physics.cloth_sheets import cloth, fabric, hold, run
 from worldagent.verifiers.predicates.cloth import shadow
 from worldagent.worlds.arrays import F64, I32
-from worldagent.worlds.built import TriangleMesh
 
 CLOTH, DISC = 0.15, 0.09
 """Radii [m]."""

@@ -1,4 +1,4 @@
-"""The flag that the skill of cloth records, through the tools: it sinks in still air, and a gust makes it flutter."""
+"""The flag that the skill of cloth records, through the tools: it sinks, and a gust makes it flutter."""
 
 from __future__ import annotations
 

@@ -5,7 +5,6 @@ Sound worlds are small simulated ones: a flag and a cloth over a ball. A broken 
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -20,6 +19,7 @@ from ...worlds.candidate import Candidate, cache_digest
 from ...worlds.patch import parse_spec
 from ..simulated_worlds import simulate
 from ..small_cloth import CATCH_PROMPT, DRAPE_PROMPT, FLAG_PROMPT, catch_spec, drape_spec, flag_spec
+from ._kept import kept_folder
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE", "sound"]
@@ -33,7 +33,7 @@ Edit = Callable[[Candidate, int, Frame, float, np.random.Generator], Frame]
 @cache
 def sound(kind: str, number: int) -> Candidate:
     """A simulated world of a kind, kept for the process, in one of three sizes and winds."""
-    folder = Path(tempfile.mkdtemp(prefix="cloth_defects_"))
+    folder = kept_folder(kind)
     edge = (0.1, 0.12, 0.15)[number % 3]
     if kind in ("flag", "calm", "soft"):
         spec, prompt = flag_spec(frames=FRAMES, resolution=edge), FLAG_PROMPT

@@ -34,7 +34,7 @@ class _Draw:
         short = float(rng.uniform(0.05, 0.3))
         self.size = (short * float(rng.uniform(1.5, 3.0)), short, short)
         self.at: F64 = np.array([*rng.uniform(-0.5, 0.5, 2), short / 2])
-        self.start = float(rng.uniform(0.1, 0.3))
+        self.start = float(rng.uniform(0.1, 0.28))
         """When something begins to happen [s]."""
 
     def world(

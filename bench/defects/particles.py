@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 import shutil
-import tempfile
 from collections.abc import Callable
 from functools import cache as kept
 from pathlib import Path
@@ -20,6 +19,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..simulated_worlds import simulate
 from ..small_grains import SAND_PROMPT, sand_spec
+from ._kept import kept_folder
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -35,7 +35,7 @@ def _bed(kind: int) -> Candidate:
     """A bed of sand under a ball; kinds differ in stiffness and depth."""
     young, depth, ball = ((1e7, 0.05, 0.12), (2e7, 0.05, None), (1e7, 0.075, None))[kind]
     spec = sand_spec(radius=RADIUS, depth=depth, frames=FRAMES, ball_at=ball, young=young, preroll=0.1)
-    return simulate(Path(tempfile.mkdtemp(prefix="worldagent-sand-")), WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
+    return simulate(kept_folder("sand"), WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
 
 
 def _edited(folder: Path, change: Change | None, magnitude: float, rng: np.random.Generator) -> Candidate:

@@ -12,7 +12,7 @@ from ..bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from .client_run import accept, play
 from .domino_run import Agent
 
-__all__ = ["PROMPT", "jelly_spec", "main", "run"]
+__all__ = ["FRAMES", "PROMPT", "jelly_spec", "main", "run"]
 
 PROMPT = HAMMOCK_PROMPT
 FRAMES = 30

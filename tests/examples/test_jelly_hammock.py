@@ -7,7 +7,7 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from worldagent.examples.jelly_hammock import PROMPT, jelly_spec, run
+from worldagent.examples.jelly_hammock import FRAMES, PROMPT, jelly_spec, run
 from worldagent.worlds.audit import audit
 from worldagent.worlds.patch import parse_spec
 
@@ -19,7 +19,7 @@ def test_the_specification_passes_the_audit() -> None:
 
 @pytest.mark.slow
 def test_the_jelly_is_caught_and_accepted(tmp_path: Path) -> None:
-    found = run(argparse.Namespace(out=str(tmp_path), frames=16, no_render=True))
+    found = run(argparse.Namespace(out=str(tmp_path), frames=FRAMES, no_render=True))
     assert found["accepted"], found
     with sqlite3.connect(tmp_path / "jelly_hammock" / "ledger.sqlite") as ledger:
         rows = dict(ledger.execute("select id, status from matrix").fetchall())

@@ -42,9 +42,7 @@ LASTING = 100.0
 MOST_RETAKES = 8
 """How often a step is taken again with what broke in it apart, where another body struck it."""
 FEW_RETAKES = 1
-"""The same where only pieces of the body itself push one another. More give the same breach (measured: a ball of 20 m/s leaves a
-wall with 11.2 m/s with one, 12.1 with two, 11.8 with four, and 11.6 with one at half the step), and none lets what is bonded to the
-world swallow the blow."""
+"""The same where only pieces of the body itself push one another. With none, what is bonded to the world swallows the blow."""
 NO_CAUSE = -1
 PARTNER = -2
 """As a cause: what liquids, cloth or grains of a two-way coupling give."""

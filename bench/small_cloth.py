@@ -219,9 +219,10 @@ def pulled_spec(
     }
     if strength is not None:
         strip["physics"]["tear"] = {"strength": strength}
-    rod = {"kind": "box", "size": [0.02, 0.3, 0.02]}
-    post = _entity("post", "static", "steel", rod, rod["size"], [-0.26, 0.0, 1.0])
-    drawn = _entity("rod", "kinematic", "steel", rod, rod["size"], [0.26, 0.0, 1.0])
+    bar = [0.02, 0.3, 0.02]
+    rod = {"kind": "box", "size": bar}
+    post = _entity("post", "static", "steel", rod, bar, [-0.26, 0.0, 1.0])
+    drawn = _entity("rod", "kinematic", "steel", rod, bar, [0.26, 0.0, 1.0])
     seconds = (frames - 1) / 24
     keys = {
         "k0": {"time": 0.0, "pose": {"position": [0.26, 0.0, 1.0]}},

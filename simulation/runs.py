@@ -138,14 +138,6 @@ def _partner(
 def _rigid(
     spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None, *, coupled: bool = False
 ) -> SolverRigid:
-    import mujoco
-
     from .rigid import SolverRigid
 
-    # Warnings are counted in the `overflows` record; the engine would also write a log file into the working directory.
-    mujoco.set_mju_user_warning(_ignore)
     return SolverRigid(spec, built, name, intervention, coupled=coupled)
-
-
-def _ignore(message: str) -> None:
-    del message

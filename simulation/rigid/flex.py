@@ -25,7 +25,18 @@ if TYPE_CHECKING:
     from .flex_fields import FlexFields
     from .model import RigidModel
 
-__all__ = ["SOFT_CHANNELS", "SOLIMP", "FlexBody", "Flexes", "add_flex", "is_soft", "node_count", "part_flexes", "pinned_nodes"]
+__all__ = [
+    "SOFT_CHANNELS",
+    "SOLIMP",
+    "FlexBody",
+    "Flexes",
+    "add_flex",
+    "hear",
+    "is_soft",
+    "node_count",
+    "part_flexes",
+    "pinned_nodes",
+]
 
 SOFT_CHANNELS = (
     Channel("vertex/position", "f8", "m", ("vertices", "3"), "vertex"),
@@ -189,7 +200,8 @@ _heard: list[str] = []
 """What the engine said since it was last asked; its own handler would write it to a file in the working directory."""
 
 
-def _hear(text: str) -> None:
+def hear(text: str) -> None:
+    """Keep what the engine says."""
     del _heard[:-8]
     _heard.append(text)
 
@@ -208,7 +220,6 @@ class Flexes:
         """Largest relative residual with which the solve of a step of the frame ended before it converged; 0 where all did."""
         self.fields: FlexFields | None = None
         """Force fields on them, where any act."""
-        mujoco.set_mju_user_warning(_hear)
         for body in bodies:
             body.body_ids = np.array([model.body(n).id for n in body.carriers], dtype=np.int64)
             body.free = np.array([n.startswith(f"{body.entity}/node") for n in body.carriers])

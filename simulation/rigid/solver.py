@@ -22,7 +22,7 @@ from ..protocol import Channel, Intervention, Port
 from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
 from .contact_law import rest_speed, set_contact_law
 from .fields import FieldForces
-from .flex import SOFT_CHANNELS
+from .flex import SOFT_CHANNELS, hear
 from .flex_fields import SOFT_FIELDS, FlexFields
 from .flex_loads import SOFT_EXCHANGED, SoftLoads
 from .holds import FIXED
@@ -102,6 +102,8 @@ class SolverRigid:
         import mujoco
 
         self._mj = mujoco
+        # Warnings are counted in the `overflows` record; the engine would also write a log file into the working directory.
+        mujoco.set_mju_user_warning(hear)
         self.breakage = Breakage(self.spec, self.built, self.members)
         self._install(self._parts())
         start = -self.spec.simulation.preroll

@@ -13,6 +13,7 @@ def _run(cells: int, folder: Path, *, render: bool) -> dict[str, object]:
     return run(argparse.Namespace(out=str(folder), cells=cells, samples=8, no_render=not render))
 
 
+@pytest.mark.slow
 def test_the_island_is_mended_and_accepted(tmp_path: Path) -> None:
     found = _run(144, tmp_path, render=False)
     assert found["accepted"], found

@@ -113,6 +113,7 @@ def stages(tab: Tab) -> list[str]:
     return list(tab.page.locator(".stages .is-done .name").all_inner_texts())
 
 
+@pytest.mark.slow
 def test_a_real_probe_is_watched_from_its_first_frame_to_its_rows(made: Made, tab: Tab) -> None:
     made.world("w")
     page = tab.go("#/w/w", "Three blocks")

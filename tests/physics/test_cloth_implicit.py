@@ -36,6 +36,7 @@ def _energy(running: Any) -> float:
     )
 
 
+@pytest.mark.slow
 def test_long_steps_move_a_sheet_as_short_ones_do() -> None:
     """Choice: within 2 % of the way after a quarter of a second, with a fifteenth of the steps; under 3 % of the swing's energy is lost."""
     start = _swing("implicit", 0.0)[0]

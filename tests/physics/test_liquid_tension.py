@@ -88,6 +88,7 @@ def test_finer_drops_swing_at_lambs_frequency(cells: int, seed: int) -> None:
     assert swing(cells, seed)[0] == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_cube_becomes_a_ball() -> None:
     """Ten spacings wide; a cube reaches 1.40 of the ball's radius at its corners and 0.81 in the middle of its faces."""
     spacing = RADIUS / 6

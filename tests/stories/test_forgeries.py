@@ -232,6 +232,7 @@ def test_a_built_file_replaced_after_the_freeze_is_found(copy: Path) -> None:
         judge(copy)
 
 
+@pytest.mark.slow
 def test_a_built_file_replaced_before_the_probe_is_found_at_acceptance(accepted: Any) -> None:
     built = accepted.workspace / "w" / "built"
     _heavier(next(built.glob("ball.*.zip")))

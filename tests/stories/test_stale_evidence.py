@@ -33,6 +33,7 @@ def test_moving_one_block_leaves_what_does_not_depend_on_it(accepted: Any) -> No
     assert {k: v for k, v in _files(folder / "candidates").items() if k in caches} == caches
 
 
+@pytest.mark.slow
 def test_another_shot_keeps_the_bake_and_asks_for_acceptance_again(accepted: Any) -> None:
     folder = accepted.workspace / "w"
     caches = _files(folder / "candidates")

@@ -1,0 +1,194 @@
+"""A cannonball breaches a city wall under a flag, from its prompt to acceptance through a real client: `python -m worldagent.examples.siege`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from .client_run import accept, play
+from .domino_run import Agent
+
+__all__ = ["PROMPT", "SECONDS", "main", "run", "siege_spec"]
+
+PROMPT = "A cannonball breaches a city wall, the breach collapses, and the flag on the tower whips in the gust."
+FPS = 24
+WALL = (3.6, 0.25, 2.0)
+STONE = (0.39, 0.25, 0.19)
+JOINT = 0.01
+BALL = 0.16
+SPEED = 40.0
+AIM = 0.9
+"""Height at which the ball meets the wall [m], about."""
+MUZZLE = -5.0
+"""y of the ball before it is fired [m]."""
+FIRED, BURN = 0.25, 0.02
+"""When the charge burns, and how long [s]."""
+TOWER = (1.1, 1.1, 2.8)
+GAP = 0.02
+"""Between wall and towers, and two skins under what stands [m]."""
+POLE = (0.03, 1.7)
+FLAG = (0.95, 0.6)
+SECONDS = 2.0
+GUST = 0.9
+"""When the gust comes [s]."""
+LIFT = 1e-3
+
+
+def _part(kind: str, at: Sequence[float] = (0, 0, 0), turn: Sequence[float] | None = None, **shape: Any) -> dict[str, Any]:
+    pose: dict[str, Any] = {"position": [round(v, 4) for v in at]}
+    if turn is not None:
+        pose["quaternion"] = list(turn)
+    return {"shape": {"kind": kind, **shape}, "pose": pose}
+
+
+def _entity(role: str, motion: str, material: str, size: Sequence[float], at: Sequence[float], **more: Any) -> dict[str, Any]:
+    size, at = [round(v, 4) for v in size], [round(v, 4) for v in at]
+    parts = more.pop("parts", {"body": {"shape": {"kind": "box", "size": size}}})
+    return {"role": role, "motion": motion, "material": material, "dimensions": {"size": size}, "pose": {"position": at}, "parts": parts, **more}  # fmt: skip
+
+
+def _tower() -> dict[str, Any]:
+    """A square tower with a merlon on each corner; its frame stands on the ground."""
+    wide, deep, tall = TOWER
+    merlon = 0.3
+    parts = {"shaft": _part("box", (0, 0, (tall - merlon) / 2), size=[wide, deep, tall - merlon])}
+    for k, (x, y) in enumerate(((-1, -1), (1, -1), (-1, 1), (1, 1))):
+        place = (x * (wide - merlon) / 2, y * (deep - merlon) / 2, tall - merlon / 2)
+        parts[f"merlon_{k}"] = _part("box", place, size=[merlon, merlon, merlon])
+    return parts
+
+
+def _cannon() -> dict[str, Any]:
+    """A barrel on its carriage; the frame's origin is the middle of the barrel."""
+    along = [math.sqrt(0.5), math.sqrt(0.5), 0, 0]
+    return {
+        "barrel": _part("cylinder", turn=along, radius=0.24, height=1.4),
+        "carriage": _part("box", (0, -0.15, -(AIM + 0.24) / 2), size=[0.4, 1.0, AIM - 0.24]),
+    }
+
+
+def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
+    """The specification.
+
+    Args:
+        edge: of the flag's triangles [m].
+        seconds: that are simulated.
+    """
+    frames = round(seconds * FPS) + 1
+    last = frames - 1
+    mass = 7200 * 4 / 3 * math.pi * BALL**3
+    side = WALL[0] / 2 + GAP + TOWER[0] / 2
+    top = TOWER[2] - 0.3
+    pole_at = (side, 0, top + POLE[1] / 2 + LIFT)
+    flag_at = (side + POLE[0] + 0.02 + FLAG[0] / 2, 0, top + POLE[1] - FLAG[1] / 2)
+
+    def beat(text: str, owner: str, subject: str, frames: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
+        return {
+            "text": text, "owner": owner, "subject": subject, "frames": frames, "predicate": predicate, "causes": list(causes)
+        }  # fmt: skip
+
+    fired, gust = round(FIRED * FPS), round(GUST * FPS)
+    return {
+        "title": "Siege",
+        "clauses": {
+            "c1": {"met_by": ["/entities/wall", "/entities/ball", *(f"/story/beats/{b}" for b in ("fires", "strikes", "breaches"))]},
+            "c2": {"met_by": ["/story/beats/collapses"]},
+            "c3": {"met_by": ["/entities/flag", "/entities/tower_east", "/story/beats/whips", "/simulation/drivers/gust"]},
+        },
+        "materials": {
+            "ashlar": {"density": 2200, "substance": "stone", "friction": 0.6, "appearance": {"color": [0.62, 0.54, 0.4], "roughness": 0.9}},
+            "earth": {"density": 1800, "substance": "soil", "friction": 0.8, "appearance": {"color": [0.3, 0.36, 0.17], "roughness": 1}},
+            "iron": {"density": 7200, "substance": "iron", "friction": 0.4, "appearance": {"color": [0.07, 0.07, 0.08], "roughness": 0.4}},
+            "wood": {"density": 650, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.35, 0.22, 0.12], "pattern": "wood"}},
+            "silk": {"density": 240, "substance": "fabric", "friction": 0.4, "appearance": {"color": [0.7, 0.04, 0.05], "roughness": 0.6}},
+        },
+        "entities": {
+            "ground": _entity("field before the city", "static", "earth", (40, 40, 0.4), (0, 0, -0.2)),
+            "wall": _entity(
+                "city wall and its breach", "dynamic", "ashlar", WALL, (0, 0, WALL[2] / 2 + LIFT),
+                breakable={"pattern": {"kind": "bricks", "size": STONE, "joint": JOINT},
+                           "bond": {"tension": 8e5, "shear": 1.2e6}, "fixed": ["z-"]},
+            ),
+            "tower_west": _entity("tower", "static", "ashlar", TOWER, (-side, 0, 0), parts=_tower()),
+            "tower_east": _entity("tower with the flag", "static", "ashlar", TOWER, (side, 0, 0), parts=_tower()),
+            "cannon": _entity(
+                "cannon", "static", "iron", (0.48, 1.4, AIM + 0.24), (0, MUZZLE - BALL - 0.01 - 0.7, AIM), parts=_cannon()
+            ),
+            "ball": _entity("cannonball", "dynamic", "iron", (2 * BALL,) * 3, (0, MUZZLE, AIM), parts={"body": _part("sphere", radius=BALL)}),
+            "pole": _entity("flagpole", "static", "wood", (2 * POLE[0], 2 * POLE[0], POLE[1]), pole_at, parts={"body": _part("cylinder", radius=POLE[0], height=POLE[1])}),
+            "flag": {
+                "role": "flag", "motion": "dynamic", "material": "silk", "dimensions": {"size": [FLAG[0], FLAG[1], 0.0005]},
+                "pose": {"position": [round(v, 4) for v in flag_at], "quaternion": [math.sqrt(0.5), math.sqrt(0.5), 0, 0]},
+                "parts": {"body": {"shape": {"kind": "sheet", "size": list(FLAG), "resolution": edge}}},
+                "physics": {"category": "cloth", "area_density": 0.12, "thickness": 0.0005, "stretch_stiffness": 6000,
+                            "bend_stiffness": 1e-5, "damping": 1e-5, "pins": {"hoist": {"edge": "-x"}}},
+            },
+        },
+        "story": {
+            "semantics": "A siege gun breaks a wall of bonded ashlar under a flag in the wind.",
+            "beats": {
+                "fires": beat("the cannon fires", "charge", "ball", [fired - 1, fired + 3],
+                              {"kind": "displacement", "entity": "ball", "axis": [0, 1, 0], "min": 0.5}),
+                "strikes": beat("the ball strikes the wall", "stones", "wall", [fired, fired + 8],
+                                {"kind": "contact", "a": "ball", "b": "wall", "min_impulse": 200}, "fires"),
+                "breaches": beat("the ball breaks the wall", "stones", "wall", [fired, fired + 12],
+                                 {"kind": "broken", "entity": "wall", "by": "ball", "min": 0.02}, "strikes"),
+                "collapses": beat("the breach collapses", "stones", "wall", [fired + 2, last],
+                                  {"kind": "debris", "entity": "wall", "min_distance": 0.3, "min": 5}, "breaches"),
+                "whips": beat("the flag whips in the gust", "silk", "flag", [gust, last],
+                              {"kind": "deflection", "entity": "flag", "min": 0.08}),
+            },
+            "requirements": {
+                "whole": {"text": "the wall stands whole until the ball comes", "frames": [0, fired],
+                          "predicate": {"kind": "broken", "entity": "wall", "max": 0, "when": "always"}},
+            },
+        },
+        "shots": {
+            "siege": {"frames": [0, last], "covers": ["fires", "strikes", "breaches", "collapses", "whips"], "subjects": ["wall", "flag"],
+                      "keys": {"a": {"frame": 0, "position": [-3.2, -6.2, 2.3], "target": [0.7, 0, 1.65], "fov_deg": 50}}},
+        },
+        "simulation": {
+            "fps": FPS,
+            "frames": frames,
+            "solvers": {
+                "stones": {"engine": "mujoco", "members": ["ground", "wall", "tower_west", "tower_east", "cannon", "ball", "pole"],
+                           "settings": {"step": 5e-4, "refine": 0, "impratio": 1.0, "tolerance": 1e-5}},
+                "silk": {"engine": "shell", "members": ["flag"]},
+            },
+            "drivers": {
+                "hold": {"kind": "release", "entity": "ball", "time": FIRED},
+                "charge": {"kind": "force", "entity": "ball", "force": [0, round(mass * SPEED / BURN, 1), 0], "start": FIRED, "end": FIRED + BURN},
+                "breeze": {"kind": "field", "field": {"kind": "wind", "velocity": [4.0, 0.8, 0], "gust": 0.3, "gust_period": 1.0}, "entities": ["flag"]},
+                "gust": {"kind": "field", "field": {"kind": "wind", "velocity": [7.0, -1.5, 0], "gust": 0.5, "gust_period": 0.6}, "entities": ["flag"], "start": GUST, "rise": 0.3},
+            },
+        },
+    }  # fmt: skip
+
+
+async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:
+    return {"accepted": await accept(agent, PROMPT, siege_spec(options.edge, options.seconds))}
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """One run in a fresh world folder; returns what happened."""
+    return play(Agent, "siege", PROMPT, options, lambda agent: _work(agent, options))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Exit code 0 when the world was accepted; the last line is one JSON object."""
+    parser = argparse.ArgumentParser(prog="siege", description=PROMPT)
+    parser.add_argument("--out", default="demo-out", help="workspace of the world")
+    parser.add_argument("--edge", type=float, default=0.05, help="of the flag's triangles [m]")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="that are simulated")
+    parser.add_argument("--no-render", action="store_true")
+    found = run(parser.parse_args(argv))
+    print(json.dumps(found))
+    return 0 if found["accepted"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -23,6 +23,8 @@ __all__ = ["ours", "run"]
 
 SIDE, FRAME, ALLOWED = 100, 1.0 / 24, 0.05
 EDGE = 1.0 / (SIDE - 1)
+STEP = 1.0 / 120
+"""Of ours [s]: MuJoCo's cheapest; where it errs too much, the default 1 / 240 counts."""
 NEWTON = ((5, 5), (10, 10), (10, 40))
 """Sub-steps and iterations, from cheap to dear."""
 MUJOCO = (1.0 / 120, 1.0 / 240, 1.0 / 480)
@@ -38,10 +40,10 @@ def _advance(running: Any, seconds: float) -> int:
     return steps
 
 
-def ours(side: int = SIDE, *, device: str = "cpu", frames: int = 4, crumple: int = 12) -> dict[str, Any]:
+def ours(side: int = SIDE, *, step: float = 1 / 240, device: str = "cpu", frames: int = 4, crumple: int = 12) -> dict[str, Any]:
     """Times of a frame, hung and crumpled, stretch error and crossings."""
     edge = 1.0 / (side - 1)
-    sheet = hung(side, side, edge, device=device)
+    sheet = hung(side, side, edge, step=step, device=device)
     spent, steps = [], 0
     _advance(sheet, FRAME)
     for _ in range(frames):
@@ -49,7 +51,7 @@ def ours(side: int = SIDE, *, device: str = "cpu", frames: int = 4, crumple: int
         steps = _advance(sheet, FRAME)
         spent.append(time.perf_counter() - start)
     # Damping brings the strip to rest; it has no part in where that is.
-    strip = hung(5, side, edge, damping=2e-5, device=device)
+    strip = hung(5, side, edge, damping=2e-5, step=step, device=device)
     low, moved = strip.vertices()[0][:, 2].argmin(), []
     for _ in range(24):
         _advance(strip, FRAME)
@@ -64,6 +66,7 @@ def ours(side: int = SIDE, *, device: str = "cpu", frames: int = 4, crumple: int
         crossings += len(pierced(falling.vertices()[0], edges, faces))
     return {
         "vertices": side * side,
+        "step": step,
         "ms_per_frame": round(1e3 * min(spent), 2),
         "steps_per_frame": steps,
         "stretch": round(abs(float(np.mean(moved[-12:])) / law(1.0) - 1.0), 4),
@@ -101,7 +104,9 @@ def _best(ask: Any, settings: list[dict[str, Any]]) -> dict[str, Any]:
 
 def run() -> dict[str, Any]:
     """Times, ratios (ours / theirs), errors."""
-    found = ours()
+    found = ours(step=STEP)
+    if found["stretch"] > ALLOWED:
+        found = ours()
     print(f"ours {found['ms_per_frame']:.0f} ms a frame", file=sys.stderr, flush=True)
     newton = _best(newton_vbd, [{"substeps": s, "iterations": i} for s, i in NEWTON])
     mujoco = _best(mujoco_flex, [{"step": s} for s in MUJOCO])

@@ -55,11 +55,11 @@ def _cloth(points: F64, faces: I32, edge: float, damping: float, **more: Any) ->
     )
 
 
-def hung(columns: int, rows: int, edge: float, *, damping: float = 0.0, device: str = "cpu") -> Cloth:
-    """A sheet held by its upper edge."""
+def hung(columns: int, rows: int, edge: float, *, damping: float = 0.0, step: float = 1 / 240, device: str = "cpu") -> Cloth:
+    """A sheet held by its upper edge, in implicit steps of `step` [s]."""
     points, faces = grid(columns, rows, edge)
     top = np.flatnonzero(points[:, 2] > -1e-9).astype(np.int32)
-    return _cloth(points, faces, edge, damping, holds=(Hold(top, -1, points[top]),), device=device)
+    return _cloth(points, faces, edge, damping, holds=(Hold(top, -1, points[top]),), max_step=step, exchange=step, device=device)
 
 
 def thrown(side: int, *, device: str = "cpu") -> Cloth:

@@ -53,13 +53,13 @@ class ClothSettings(SpecModel):
     max_step: float = Field(
         default=1 / 240,
         ge=1e-6,
-        le=5e-3,
+        le=1e-2,
         description="longest step [s]; explicit ones are as short as the sheets' stiffness asks for",
     )
     exchange: float | None = Field(
         default=None,
         ge=1e-5,
-        le=5e-3,
+        le=1e-2,
         description="time between two looks at the bodies' motion [s]; default: max_step, at most 1 ms where the cloth pushes them or tears",
     )
     margin: NonNegative | None = Field(

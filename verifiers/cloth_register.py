@@ -84,5 +84,10 @@ def _sheet(spec: WorldSpec, member: str, margin: float | None) -> Iterator[dict[
         }
     if not physics.self_collision:
         yield {"what": f"{member!r} does not meet itself", "effect": "its folds pass through each other"}
+    if physics.tear is not None:
+        yield {
+            "what": f"{member!r} tears along the edges of its triangles, at the mean pull around a vertex",
+            "effect": f"tears turn no finer than its triangles ({shortest or 0.0:.3g} m), and their two lips pass through each other",
+        }
     for other in physics.ignores:
         yield {"what": f"{member!r} does not meet {other!r}", "effect": "it passes through it"}

@@ -12,6 +12,7 @@ import pytest
 from worldagent.bench.simulated_worlds import simulate
 from worldagent.bench.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, PULLED_PROMPT, drape_spec, flag_spec, pulled_spec
 from worldagent.verifiers.cloth import check_instance
+from worldagent.verifiers.cloth_register import cloth_lines
 from worldagent.verifiers.predicates import evaluate
 from worldagent.verifiers.predicates.cloth import shadow
 from worldagent.worlds.cache import Cache, write_container
@@ -60,6 +61,7 @@ def test_a_strip_that_tears_passes_every_row(torn_strip: Candidate) -> None:
     rows = _rows(torn_strip)
     assert {n: r.status for n, r in rows.items() if r.status != "pass"} == {}
     assert rows["tears"].measured >= 1.0
+    assert any("lips" in line["effect"] for line in cloth_lines(torn_strip.spec))
 
 
 def test_tears_without_a_pull_or_a_log_are_found(torn_strip: Candidate, tmp_path: Path) -> None:

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["FIELD", "field_impulses", "field_work", "fields"]
 
 FIELD = 0.1
-"""Own choice: of the largest impulse in a frame that a field should give, what recorded ones may differ by (pinned nodes
-keep a share of it for themselves; measured 0.01 for free bodies)."""
+"""Own choice: of the largest impulse in a frame that a field should give, what recorded ones may differ by: masses
+at nodes and at vertices part what is pinned differently."""
 
 
 def feels_fields(candidate: Candidate, cache: Cache) -> bool:

@@ -218,7 +218,7 @@ def field_lines(spec: WorldSpec) -> list[dict[str, str]]:
                 found.append(
                     {
                         "what": f"field {name!r} blows on the surface of liquids: pressure on what faces it, the stress of open water along it",
-                        "effect": "drops below a spacing are one spacing thick, bodies of less than ten feel up to half too little, and "
+                        "effect": "drops are one spacing thick at least, bodies of less than twenty feel too little of it, and "
                         "within two to four spacings of solids there is a lee; no ripples smaller than that",
                     }
                 )

@@ -28,7 +28,7 @@ __all__ = ["Blown"]
 
 ATTRACTION, MEDIUM = 0.05, 0.3
 """Own choice: of the largest impulse of a frame that each should give, what recorded ones may differ by. A medium meets single
-particles at the surface, which move within a frame; measured 0.02 and 0.12 at most."""
+particles at the surface, which move within a frame."""
 
 
 class Blown:

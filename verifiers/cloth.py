@@ -17,7 +17,7 @@ from .cloth_numerical import finite, slow
 from .cloth_shape import pinned, shaped, stretched
 from .cloth_tears import held_strength, torn_with_cause
 from .findings import Finding
-from .verdicts import make_row
+from .instance_rows import instance_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -51,29 +51,7 @@ def _row(candidate: Candidate, solver: str, name: str, predicate: str, judge: Ju
         found = judge(cloth_run(candidate, solver))
     except EvidenceError as error:
         found = Finding("unverified", str(error))
-    failed = found.status == "fail"
-    members = tuple(candidate.spec.simulation.cloth[solver].members)
-    named = tuple(dict.fromkeys(n for n in (found.entity, *members) if n))
-    return make_row(
-        candidate,
-        f"{check}:{family}{name}:{solver}",
-        check=check,
-        group="physical",
-        predicate=predicate,
-        status=found.status,
-        explanation=found.text,
-        frames=(0, candidate.last_frame),
-        measured=found.measured,
-        bound=found.bound,
-        comparison=found.comparison if found.measured is not None and found.bound is not None else "",
-        unit=found.unit,
-        entities=named,
-        first_failing_entity=named[0] if failed else None,
-        first_failing_frame=(found.frame or 0) if failed else None,
-        corrections=found.hints,
-        evidence={"solver": solver, "category": "cloth", **(found.evidence or {})},
-        extra=candidate.spec.simulation.limits.model_dump(mode="json"),
-    )
+    return instance_row(candidate, solver, name, predicate, found, check=check, family=family)
 
 
 def check_instance(candidate: Candidate, solver: str) -> list[Row]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from ...geometry.launch import warp
 from ...worlds.arrays import F64, I32
 from ..passes import Pass, Passes
 from . import bound_kernels as bounds
 from . import contact_kernels as contact
+from . import list_kernels as lists
 from . import near_kernels as near
 from . import soft_kernels as softly
 
@@ -66,7 +66,7 @@ class _Slots:
 
     def _make(self) -> None:
         wp = warp()
-        self.found = wp.zeros(self.count, dtype=wp.int32, device=self.device)
+        self.found, self.before = (wp.zeros(self.count, dtype=wp.int32, device=self.device) for _ in range(2))
         self.pairs = wp.zeros(self.count * self.room, dtype=wp.vec4i, device=self.device)
         self.kinds = wp.zeros(self.count * self.room, dtype=wp.vec2i, device=self.device)
 
@@ -79,14 +79,10 @@ class _Slots:
         self._make()
         return False
 
-    def collect(self) -> tuple[I32, I32]:
-        """What was found: pairs (p, 4) and their kinds with what their triangles stand for (p, 2)."""
-        found = self.found.numpy()
-        which = np.flatnonzero(found)
-        count = found[which]
-        first = np.repeat(which * self.room - np.concatenate([[0], np.cumsum(count)[:-1]]), count) if len(which) else which
-        places = first + np.arange(len(first))
-        return self.pairs.numpy()[places], self.kinds.numpy()[places]
+    def total(self) -> int:
+        """How many were found; where each triangle's begin among them is known from then on."""
+        warp().utils.array_scan(self.found, self.before, inclusive=False)
+        return int(self.before[-1:].numpy()[0]) + int(self.found[-1:].numpy()[0])
 
 
 class Contacts:
@@ -180,7 +176,8 @@ class Contacts:
         self.change = wp.zeros(room, dtype=wp.vec3d, device=device)
         self.slack = wp.zeros(room, dtype=wp.float64, device=device)
         self.limit = wp.zeros(room, dtype=wp.vec4d, device=device)
-        self._items = wp.zeros(4 * room, dtype=wp.int32, device=device)
+        # Twice the room: sorting needs it.
+        self._keys, self._items = (wp.zeros(8 * room, dtype=wp.int32, device=device) for _ in range(2))
         self.given = wp.zeros(room, dtype=wp.vec3d, device=device)
         self.turned = wp.zeros(room, dtype=wp.vec3d, device=device)
         self.felt = wp.zeros(4 * room if self._soft else 1, dtype=wp.vec3d, device=device)
@@ -229,7 +226,7 @@ class Contacts:
         x = self.state["x"]
         wp.copy(self.anchor, x, count=self.n)
         self.over.zero_()
-        s, found = self.sheet, []
+        s, found = self.sheet, list[_Slots]()
         u, time = self.state["u"], self.span
         if self.self_collision:
             s.fit(self.passes, "boxes", *self._moving(self.drift))
@@ -240,7 +237,7 @@ class Contacts:
                 [s.tree.id, x, u, time, s.faces, self._kin, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
             )()  # fmt: skip
             if o.fits():
-                found.append(o.collect())
+                found.append(o)
                 break
         if self.solid is not None:
             solid, o = self.solid, self._others
@@ -255,37 +252,34 @@ class Contacts:
                      self.reach, o.room, o.found, o.pairs, o.kinds],
                 )()  # fmt: skip
                 if o.fits():
-                    found.append(o.collect())
+                    found.append(o)
                     break
         self._take(found)
         self.fresh = True
         self.searches += 1
 
-    def _take(self, found: list[tuple[I32, I32]]) -> None:
-        pairs = np.concatenate([f[0] for f in found]) if found else np.empty((0, 4), np.int32)
-        kinds = np.concatenate([f[1] for f in found]) if found else np.empty((0, 2), np.int32)
-        self.count = len(pairs)
+    def _take(self, found: list[_Slots]) -> None:
+        """Make lists of what was found, in the order of the triangles that found it."""
+        totals = [slots.total() for slots in found]
+        self.count = sum(totals)
         self._grow(self.count)
         if self.count == 0:
             self._start.zero_()
             return
-        flat = pairs.ravel()
-        inside = np.flatnonzero(flat < self._yielding).astype(np.int32)
-        order = csr_matrix((inside, (flat[inside], np.arange(len(inside)))), shape=(self._yielding, len(inside)))
-        self._start.assign(order.indptr.astype(np.int32))
-        self._fill(self._items, order.data.astype(np.int32))
-        self._fill(self.pairs, np.ascontiguousarray(pairs, dtype=np.int32))
-        self._fill(self.kinds, np.ascontiguousarray(kinds, dtype=np.int32))
-        self.host_kinds = kinds[:, 0]
+        p, corners, behind = self.passes, 4 * self.count, 0
+        for slots, total in zip(found, totals, strict=True):
+            inputs = [slots.room, behind, slots.found, slots.before, slots.pairs, slots.kinds, self.pairs, self.kinds]
+            p("together", lists.together, slots.count, inputs)()
+            behind += total
+        p("by_vertex", lists.by_vertex, corners, [self._yielding, self.pairs, self._keys, self._items])()
+        warp().utils.radix_sort_pairs(self._keys, self._items, corners)
+        p("starts", lists.starts, self._yielding + 1, [corners, self._keys, self._start])()
+        self.host_kinds = self.kinds.numpy()[: self.count, 0]
         self.given.zero_()
         self.turned.zero_()
         self.felt.zero_()
         self.worked.zero_()
         self.slack.zero_()
-
-    def _fill(self, array: Any, values: I32) -> None:
-        wp = warp()
-        wp.copy(array, wp.array(values, dtype=array.dtype, device="cpu"), count=len(values))
 
     # ------------------------------------------------------------------ step
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..geometry import pierced
 from .cloth_peers import mujoco_flex, newton_vbd
 from .cloth_scene import BEND, DENSITY, STIFFNESS, hung, law, nothing, thrown
 
-__all__ = ["ours", "run"]
+__all__ = ["newton_setting", "ours", "run"]
 
 SIDE, FRAME, ALLOWED = 100, 1.0 / 24, 0.05
 EDGE = 1.0 / (SIDE - 1)
@@ -75,16 +76,18 @@ def ours(side: int = SIDE, *, step: float = 1 / 240, device: str = "cpu", frames
     }
 
 
-def _best(ask: Any, settings: list[dict[str, Any]]) -> dict[str, Any]:
+def _best(ask: Any, settings: list[dict[str, Any]], side: int = SIDE, **more: Any) -> dict[str, Any]:
     """The cheapest setting of a peer whose error is allowed, or the one with the least; and why it has none."""
+    edge = 1.0 / (side - 1)
     what = {
         "density": DENSITY,
         "stiffness": STIFFNESS,
         "bend": BEND,
         "damping": 1e-4,
-        "strip": [5, SIDE, EDGE],
+        "strip": [5, side, edge],
         "sheet": None,
         "settle": 36,
+        **more,
     }
     tried, why = [], ""
     for setting in settings:
@@ -98,8 +101,13 @@ def _best(ask: Any, settings: list[dict[str, Any]]) -> dict[str, Any]:
     if not tried:
         return {"left_out": why}
     taken = min(tried, key=lambda t: max(t["stretch"], ALLOWED))
-    found, why = ask({**what, **{k: v for k, v in taken.items() if k != "stretch"}, "sheet": [SIDE, SIDE, EDGE], "settle": 1})
+    found, why = ask({**what, **{k: v for k, v in taken.items() if k != "stretch"}, "sheet": [side, side, edge], "settle": 1})
     return {**taken, "ms_per_frame": found["ms_per_frame"]} if found else {"left_out": why}
+
+
+def newton_setting(settings: Sequence[tuple[int, int]], side: int = SIDE, *, device: str = "cpu") -> dict[str, Any]:
+    """Newton's VBD with the cheapest of some numbers of sub-steps and iterations that is exact enough, on a device."""
+    return _best(newton_vbd, [{"substeps": s, "iterations": i} for s, i in settings], side, device=device)
 
 
 def run() -> dict[str, Any]:
@@ -108,7 +116,7 @@ def run() -> dict[str, Any]:
     if found["stretch"] > ALLOWED:
         found = ours()
     print(f"ours {found['ms_per_frame']:.0f} ms a frame", file=sys.stderr, flush=True)
-    newton = _best(newton_vbd, [{"substeps": s, "iterations": i} for s, i in NEWTON])
+    newton = newton_setting(NEWTON)
     mujoco = _best(mujoco_flex, [{"step": s} for s in MUJOCO])
     result: dict[str, Any] = {**found, "newton": newton, "mujoco": mujoco}
     for name, peer in (("newton", newton), ("mujoco", mujoco)):

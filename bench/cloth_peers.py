@@ -44,7 +44,7 @@ def made(columns, rows, edge, contact):
         b.particle_mass[int(i)] = 0.0
         b.particle_flags[int(i)] = b.particle_flags[int(i)] & ~int(newton.ParticleFlags.ACTIVE)
     b.color()
-    model = b.finalize(device="cpu")
+    model = b.finalize(device=what.get("device", "cpu"))
     solver = newton.solvers.SolverVBD(model, iterations=what["iterations"], particle_enable_self_contact=contact,
                                       particle_self_contact_margin=0.3 * edge, particle_self_contact_gap=0.3 * edge)
     return model, solver, points
@@ -52,16 +52,27 @@ def frames(model, solver, count):
     one, two, control = model.state(), model.state(), model.control()
     pipeline = newton.CollisionPipeline(model)
     contacts = pipeline.contacts()
-    dt, spent = 1.0 / 24 / what["substeps"], []
+    dt = 1.0 / 24 / what["substeps"]
+    def frame():
+        a, b = one, two
+        pipeline.collide(a, contacts)
+        if solver.particle_enable_self_contact and hasattr(solver, "rebuild_bvh"):
+            solver.rebuild_bvh(a)
+        for _ in range(what["substeps"]):
+            a.clear_forces()
+            solver.step(a, b, control, contacts, dt)
+            a, b = b, a
+        if a is not one:
+            one.assign(a)
+    launch, spent = frame, []
+    if model.device.is_cuda:
+        frame()
+        with wp.ScopedCapture() as captured:
+            frame()
+        launch = lambda: wp.capture_launch(captured.graph)
     for _ in range(count):
         start = time.perf_counter()
-        pipeline.collide(one, contacts)
-        if solver.particle_enable_self_contact and hasattr(solver, "rebuild_bvh"):
-            solver.rebuild_bvh(one)
-        for _ in range(what["substeps"]):
-            one.clear_forces()
-            solver.step(one, two, control, contacts, dt)
-            one, two = two, one
+        launch()
         wp.synchronize()
         spent.append(time.perf_counter() - start)
     return one.particle_q.numpy(), spent

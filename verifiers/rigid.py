@@ -272,7 +272,8 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     outside = books_of(candidate, cache).outside
     given = work + outside.work + outside.doubt
     energy = kinetic + potential - given
-    scale = energy_scale(kinetic, potential, weight)
+    noise = rigid_books.authored_noise(books_of(candidate, cache))
+    scale = max(energy_scale(kinetic, potential, weight), noise)
     bound = plan.limits.energy_growth
     row_id = f"category:rigid:energy:{solver}"
     broken = ~np.isfinite(energy)
@@ -286,7 +287,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     own_kinetic, own_potential = rigid_books.energies(books_of(candidate, cache))
     own_kinetic, own_potential = own_kinetic + moving, own_potential + stored
     own = own_kinetic + own_potential - given
-    own_scale = energy_scale(own_kinetic, own_potential, weight)
+    own_scale = max(energy_scale(own_kinetic, own_potential, weight), noise)
     if largest_growth(own)[0] / own_scale > largest_growth(energy)[0] / scale + ROUNDING:
         energy, scale = own, own_scale
     growth, low, high = largest_growth(energy)

@@ -18,13 +18,15 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
 
-__all__ = ["PREDICATES", "RECORDS", "WORK", "energies", "records", "work"]
+__all__ = ["PREDICATES", "RECORDS", "WORK", "authored_noise", "energies", "records", "work"]
 
 RECORDS = 1e-3
 """Relative to the energy or momentum in play; the same formula on the same state, measured 1e-9. Bending of ropes is summed by
 the engine in its own coordinates."""
 WORK = 0.01
 """Of the energy in play: recorded work beyond what the drivers can have done in one frame."""
+ROUNDING = 1e-6
+"""Least energy that counts as in play, in parts of that of the bodies on paths."""
 REST_HEIGHT = 1e-3
 """[m] As in `rigid.energy_scale`."""
 
@@ -42,9 +44,15 @@ def energies(books: Books) -> tuple[F64, F64]:
     return kinetic, potential
 
 
+def authored_noise(books: Books) -> float:
+    """What recorded work may be off [J] because that on bodies on paths is taken out of it."""
+    return ROUNDING * float(books.kinetic[:, books.kinematic].sum(axis=1).max(initial=0.0))
+
+
 def _scale(books: Books, kinetic: F64, potential: F64) -> float:
     weight = float(books.mass[~books.kinematic].sum() * np.linalg.norm(books.gravity))
-    return max(float(kinetic.max(initial=0.0)) + float(np.ptp(potential)), weight * REST_HEIGHT, 1e-12)
+    moved = float(kinetic.max(initial=0.0)) + float(np.ptp(potential))
+    return max(moved, weight * REST_HEIGHT, authored_noise(books), 1e-12)
 
 
 def records(candidate: Candidate, solver: str, cache: Cache) -> Row:

@@ -1,4 +1,4 @@
-"""Seeded defects of cloth: stretched, torn off its pins, pushed through itself and through solids, forged books.
+"""Seeded defects of cloth: stretched, torn off its pins, pushed through itself and through solids, torn without cause, forged books.
 
 Sound worlds are small simulated ones: a flag and a cloth over a ball. A broken one is a copy changed in one way.
 """
@@ -19,6 +19,7 @@ from ...worlds.candidate import Candidate, cache_digest
 from ...worlds.patch import parse_spec
 from ..simulated_worlds import simulate
 from ..small_cloth import CATCH_PROMPT, DRAPE_PROMPT, FLAG_PROMPT, catch_spec, drape_spec, flag_spec
+from ._cloth_tears import TEARS
 from ._kept import kept_folder
 from .cases import Mechanism, Suite, World
 
@@ -209,5 +210,6 @@ SUITE = Suite(
         _sound("late", "cloth that is let go later", "late"),
         _sound("airless", "cloth that falls where no air is", "airless"),
         _sound("catch", "a ball falls into a cloth, and both push each other", "catch"),
+        *TEARS,
     ),
 )

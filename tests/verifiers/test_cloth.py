@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from worldagent.bench.simulated_worlds import simulate
 from worldagent.bench.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, PULLED_PROMPT, drape_spec, flag_spec, pulled_spec
+from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.cloth import check_instance
 from worldagent.verifiers.cloth_register import cloth_lines
 from worldagent.verifiers.predicates import evaluate
@@ -34,9 +35,9 @@ def _strip(folder: Path, strength: float | None, **changes: Any) -> Candidate:
     return simulate(folder, parse_spec({**spec, "prompt": PULLED_PROMPT}))
 
 
-def _edited(base: Candidate, folder: Path, change: Callable[[int, Frame], None]) -> Candidate:
-    """The same candidate with other frames of its cloth."""
-    old, new = base.caches["cloth"], Cache(folder / "cloth")
+def _edited(base: Candidate, folder: Path, change: Callable[[int, Frame], None], solver: str = "cloth") -> Candidate:
+    """The same candidate with other frames of its cloth, or of another instance."""
+    old, new = base.caches[solver], Cache(folder / solver)
     new.folder.mkdir(parents=True)
     new.write_index(old.index)
     new.begin_digests([])
@@ -44,7 +45,7 @@ def _edited(base: Candidate, folder: Path, change: Callable[[int, Frame], None])
         data = {name: np.array(values) for name, values in old.read(k).items()}
         change(k, data)
         new.add_digest(write_container(new.path(k), data))
-    caches = {**base.caches, "cloth": new}
+    caches = {**base.caches, solver: new}
     return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
 
 
@@ -62,6 +63,19 @@ def test_a_strip_that_tears_passes_every_row(torn_strip: Candidate) -> None:
     assert {n: r.status for n, r in rows.items() if r.status != "pass"} == {}
     assert rows["tears"].measured >= 1.0
     assert any("lips" in line["effect"] for line in cloth_lines(torn_strip.spec))
+
+
+def test_bodies_on_paths_alone_put_no_energy_in_but_forged_work_is_found(torn_strip: Candidate, tmp_path: Path) -> None:
+    def open_rows(candidate: Candidate) -> set[str]:
+        return {r.id for r in run_checks(candidate, only=["category"]) if r.mandatory and r.status != "pass"}
+
+    assert open_rows(torn_strip) == set()
+
+    def forged(k: int, data: Frame) -> None:
+        if k >= 5:
+            data["record/driver_work"] = data["record/driver_work"] - np.float64(1e-7)
+
+    assert "category:rigid:energy:rigid" in open_rows(_edited(torn_strip, tmp_path / "forged", forged, "rigid"))
 
 
 def test_tears_without_a_pull_or_a_log_are_found(torn_strip: Candidate, tmp_path: Path) -> None:

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ...worlds.cache import Cache, write_container
-from ...worlds.candidate import Candidate, cache_digest
+from ...worlds.candidate import Candidate
 from ...worlds.patch import parse_spec
-from ..simulated_worlds import simulate
+from ..simulated_worlds import edited, simulate
 from ..small_cloth import PULLED_PROMPT, pulled_spec
 from ._kept import kept_folder
 from .cases import Mechanism, World
@@ -35,19 +34,6 @@ def _strip(kind: str, number: int) -> Candidate:
     return simulate(kept_folder(kind), parse_spec({**spec, "prompt": PULLED_PROMPT}))
 
 
-def _edited(base: Candidate, folder: Path, change: Callable[[int, Frame], None]) -> Candidate:
-    old, new = base.caches[SOLVER], Cache(folder / SOLVER)
-    new.folder.mkdir(parents=True)
-    new.write_index(old.index)
-    new.begin_digests([])
-    for k in range(old.index.frames):
-        data = {name: np.array(values) for name, values in old.read(k).items()}
-        change(k, data)
-        new.add_digest(write_container(new.path(k), data))
-    caches = {**base.caches, SOLVER: new}
-    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
-
-
 def _defect(name: str, text: str, edit: Edit, low: float, high: float, unit: str = "1", bound: float | None = None) -> Mechanism:
     """One of the frames with tears is changed."""
 
@@ -60,7 +46,7 @@ def _defect(name: str, text: str, edit: Edit, low: float, high: float, unit: str
             if k == which:
                 edit(data, magnitude, rng)
 
-        return World(_edited(base, folder, change), (SOLVER, STRIP, "cloth"))
+        return World(edited(base, folder, SOLVER, change), (SOLVER, STRIP, "cloth"))
 
     return Mechanism(name, text, True, build, low, high, unit, bound)
 

@@ -6,7 +6,6 @@ Sound worlds are small simulated ones: a flag and a cloth over a ball. A broken 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,10 +13,9 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.cache import Cache
-from ...worlds.candidate import Candidate, cache_digest
+from ...worlds.candidate import Candidate
 from ...worlds.patch import parse_spec
-from ..simulated_worlds import simulate
+from ..simulated_worlds import edited, simulate
 from ..small_cloth import CATCH_PROMPT, DRAPE_PROMPT, FLAG_PROMPT, catch_spec, drape_spec, flag_spec
 from ._cloth_tears import TEARS
 from ._kept import kept_folder
@@ -54,21 +52,6 @@ def sound(kind: str, number: int) -> Candidate:
     return simulate(folder, parse_spec({**spec, "prompt": prompt}))
 
 
-def _copy(base: Candidate, folder: Path, change: Callable[[int, Frame], Frame]) -> Candidate:
-    """The same candidate with other frames of its cloth."""
-    caches: dict[str, Cache] = dict(base.caches)
-    old, new = base.caches[SOLVER], Cache(folder / SOLVER)
-    new.folder.mkdir(parents=True)
-    new.write_index(old.index)
-    new.begin_digests([])
-    from ...worlds.cache import write_container
-
-    for k in range(old.index.frames):
-        new.add_digest(write_container(new.path(k), change(k, old.read(k))))
-    caches[SOLVER] = new
-    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
-
-
 def _settled(base: Candidate, data: Frame) -> Frame:
     """Records of momentum and energy as the changed vertices have them."""
     from ...verifiers.cloth_frames import cloth_run
@@ -89,7 +72,12 @@ def _defect(
     def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
         base = sound(kind, int(rng.integers(3)))
         first = int(rng.integers(2, FRAMES - 1))
-        broken = _copy(base, folder, lambda k, data: edit(base, k, data, magnitude, rng) if k >= first else data)
+
+        def change(k: int, data: Frame) -> None:
+            if k >= first:
+                edit(base, k, data, magnitude, rng)
+
+        broken = edited(base, folder, SOLVER, change)
         return World(broken, (SOLVER, "flag", "cloth"))
 
     return Mechanism(name, text, True, build, low, high, unit, bound)

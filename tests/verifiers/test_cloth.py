@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.simulated_worlds import simulate
+from worldagent.bench.simulated_worlds import edited, simulate
 from worldagent.bench.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, PULLED_PROMPT, drape_spec, flag_spec, pulled_spec
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.cloth import check_instance
 from worldagent.verifiers.cloth_register import cloth_lines
 from worldagent.verifiers.predicates import evaluate
 from worldagent.verifiers.predicates.cloth import shadow
-from worldagent.worlds.cache import Cache, write_container
-from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import Drape, Flutters, Pinned, Torn
 
@@ -33,20 +32,6 @@ def _strip(folder: Path, strength: float | None, **changes: Any) -> Candidate:
     spec = pulled_spec(stretch=0.018, strength=strength, frames=FRAMES, notch=True)
     spec["simulation"] |= changes
     return simulate(folder, parse_spec({**spec, "prompt": PULLED_PROMPT}))
-
-
-def _edited(base: Candidate, folder: Path, change: Callable[[int, Frame], None], solver: str = "cloth") -> Candidate:
-    """The same candidate with other frames of its cloth, or of another instance."""
-    old, new = base.caches[solver], Cache(folder / solver)
-    new.folder.mkdir(parents=True)
-    new.write_index(old.index)
-    new.begin_digests([])
-    for k in range(old.index.frames):
-        data = {name: np.array(values) for name, values in old.read(k).items()}
-        change(k, data)
-        new.add_digest(write_container(new.path(k), data))
-    caches = {**base.caches, solver: new}
-    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +60,7 @@ def test_bodies_on_paths_alone_put_no_energy_in_but_forged_work_is_found(torn_st
         if k >= 5:
             data["record/driver_work"] = data["record/driver_work"] - np.float64(1e-7)
 
-    assert "category:rigid:energy:rigid" in open_rows(_edited(torn_strip, tmp_path / "forged", forged, "rigid"))
+    assert "category:rigid:energy:rigid" in open_rows(edited(torn_strip, tmp_path / "forged", "rigid", forged))
 
 
 def test_tears_without_a_pull_or_a_log_are_found(torn_strip: Candidate, tmp_path: Path) -> None:
@@ -113,7 +98,7 @@ def test_tears_without_a_pull_or_a_log_are_found(torn_strip: Candidate, tmp_path
 
     said = {eased: "below the strength", louder: "is logged with", silent: "without a tear in the log", healed: "without a tear", parted: "apart though", elsewhere: "cannot have been", early: "not of its frame", blamed: "gave nothing"}  # fmt: skip
     for change, text in said.items():
-        row = _rows(_edited(torn_strip, tmp_path / change.__name__, change))["tears"]
+        row = _rows(edited(torn_strip, tmp_path / change.__name__, "cloth", change))["tears"]
         assert row.status == "fail", change.__name__
         assert text in row.evidence["explanation"], (change.__name__, row.evidence["explanation"])
 
@@ -162,7 +147,7 @@ def test_pins_on_a_rod_that_moves_and_turns_keep_the_cloth_and_a_slip_is_found(t
             data["vertex/position"][held[0], 2] -= 3e-5 * (6 - k)
 
     for change, frame in ((late, 3), (loose, 4)):
-        broken = _edited(sound, tmp_path / change.__name__, change)
+        broken = edited(sound, tmp_path / change.__name__, "cloth", change)
         row = _rows(broken)["pins"]
         assert (row.status, row.first_failing_frame) == ("fail", frame), row.evidence
         slip = Pinned(entity="strip", max_slip=1e-5)
@@ -184,7 +169,7 @@ def test_a_flutter_is_measured_and_what_does_not_go_to_and_fro_is_rejected(tmp_p
         def change(k: int, data: Frame) -> None:
             data["vertex/position"] = rest + np.outer(along * way(k / 24), [0.0, 1.0, 0.0])
 
-        return _edited(base, tmp_path / name, change)
+        return edited(base, tmp_path / name, "cloth", change)
 
     asked = Flutters(entity="flag", min_amplitude=0.15)
     waving = moved("waves", lambda t: 0.2 * float(np.sin(2 * np.pi * 2.9 * t + 0.4)))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.simulated_worlds import simulate
+from worldagent.bench.simulated_worlds import edited, simulate
 from worldagent.tests.physics.rigid_world import ball, box, floor, world
 from worldagent.verifiers.field_ledger import fields
-from worldagent.worlds.cache import Cache, write_container
-from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 
 DRAG = {"air": {"kind": "field", "field": {"kind": "drag"}}}
@@ -36,17 +34,12 @@ def _row(candidate: Candidate) -> Row:
 
 def _forged(base: Candidate, folder: Path, push: float) -> Candidate:
     """The same motion with a field impulse along x in every frame that is larger by `push` [N s]."""
-    ((solver, old),) = base.rigid_caches.items()
-    new = Cache(folder / solver)
-    new.folder.mkdir(parents=True)
-    new.write_index(old.index)
-    new.begin_digests([])
-    for k in range(old.index.frames):
-        data = old.read(k)
-        data["field/impulse"] = np.asarray(data["field/impulse"]) + (np.array([push, 0.0, 0.0]) if k else 0.0)
-        new.add_digest(write_container(new.path(k), data))
-    caches = {solver: new}
-    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
+    (solver,) = base.rigid_caches
+
+    def change(k: int, data: dict[str, Any]) -> None:
+        data["field/impulse"] = data["field/impulse"] + (np.array([push, 0.0, 0.0]) if k else 0.0)
+
+    return edited(base, folder, solver, change)
 
 
 @pytest.mark.parametrize("name", list(BALLS))

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.bench.simulated_worlds import edited
 from worldagent.bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.schedule import run_frames
 from worldagent.verifiers import cloth, elastic, particles
-from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
 
@@ -26,20 +25,6 @@ def simulate(folder: Path, given: dict[str, Any]) -> Candidate:
     built = {n: build_entity(spec, n, Path()) for n in spec.entities}
     caches = run_frames(spec, built, folder / "run", frames=spec.simulation.frames)
     return Candidate(folder, spec, built, "probe", caches, "run", cache_digest(caches))
-
-
-def edited(base: Candidate, folder: Path, solver: str, edit: Edit) -> Candidate:
-    """The same candidate with other frames of one instance."""
-    old, new = base.caches[solver], Cache(folder / solver)
-    new.folder.mkdir(parents=True)
-    new.write_index(old.index)
-    new.begin_digests([])
-    for k in range(old.index.frames):
-        data = dict(old.read(k))
-        edit(k, data)
-        new.add_digest(write_container(new.path(k), data))
-    caches = {**base.caches, solver: new}
-    return replace(base, folder=folder, caches=caches, digest=cache_digest(caches))
 
 
 @pytest.fixture(scope="module")

@@ -59,6 +59,8 @@ class MovingSurface(NamedTuple):
     """(v, 3) [m/s]"""
     lightness: F64
     """What each alone is sped up by an impulse at it (v,) [1/kg]; 0 of what is held."""
+    give: F64
+    """The same where all get impulses at once: what they truly answer is never more (v,) [1/kg]."""
 
 
 @dataclass
@@ -85,6 +87,8 @@ class BodyState:
     """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
     vertex_lightness: dict[int, F64] = field(default_factory=dict)
     """Of those that react: row -> what each vertex alone is sped up by an impulse at it (v,) [1/kg]."""
+    vertex_give: dict[int, F64] = field(default_factory=dict)
+    """Of those whose vertices share what they carry: row -> a bound of the same where all get impulses at once (v,) [1/kg]."""
 
 
 @dataclass(frozen=True)

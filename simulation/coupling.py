@@ -199,7 +199,7 @@ class CoupledRun:
             owner = self.partners[soft.owner]
             now = owner.surface(soft.entity) if soft.owner >= 0 and isinstance(owner, Deforms) else surfaces[soft.entity]
             lay_vertices(found, soft.row, self.partners[number].surround.soft[soft.row], now.places, now.speeds)
-            found.vertex_lightness[soft.row] = now.lightness
+            found.vertex_lightness[soft.row], found.vertex_give[soft.row] = now.lightness, now.give
         return found
 
 

@@ -48,6 +48,8 @@ NODE_INERTIA = 1e-9
 """[kg m^2] Nodes do not turn; the engine asks for an inertia all the same."""
 LAYERS_FOR_SELF = 3
 """Cells along an axis from which on parts of one body can meet: the engine leaves out neighbouring cells."""
+EIGEN_STEPS, EIGEN_MARGIN = 30, 1.05
+"""Of a power iteration, which comes within some per cent from below."""
 TRAVEL_SHARE = 0.5
 """Own choice: a surface that moves farther per step than this share of its shortest edge may jump over another."""
 
@@ -78,6 +80,22 @@ class FlexBody:
         index, weight = self.lattice.vertex_weights
         ease = np.where(self.free, 1.0 / np.maximum(self.masses, 1e-300), 0.0)
         return np.asarray((weight**2 * ease[index]).sum(axis=1))
+
+    @cached_property
+    def give(self) -> F64:
+        """The same where all vertices get impulses: `lightness` times the largest eigenvalue of what they answer together in units of it."""
+        index, weight = self.lattice.vertex_weights
+        ease = np.where(self.free, 1.0 / np.maximum(self.masses, 1e-300), 0.0)
+        scale = 1.0 / np.sqrt(np.where(self.lightness > 0.0, self.lightness, np.inf))
+        way = np.ones(len(index))
+        most = 1.0
+        for _ in range(EIGEN_STEPS):
+            nodes = np.zeros(len(ease))
+            np.add.at(nodes, index, weight * (scale * way)[:, None])
+            image = scale * (weight * (ease * nodes)[index]).sum(axis=1)
+            most = float(np.linalg.norm(image))
+            way = image / max(most, 1e-300)
+        return np.asarray(self.lightness * max(1.0, EIGEN_MARGIN * most))
 
     @property
     def own(self) -> list[str]:
@@ -274,7 +292,7 @@ class Flexes:
         found = {}
         for body in self.bodies:
             places, speeds = (body.lattice.at_vertices(value) for value in self.nodes(data, body))
-            found[body.entity] = MovingSurface(places, speeds, body.lightness)
+            found[body.entity] = MovingSurface(places, speeds, body.lightness, body.give)
         return found
 
     def channels(self, data: Any) -> dict[str, Any]:

@@ -12,75 +12,19 @@ from ....worlds.arrays import F64
 from ....worlds.errors import InputError
 from ...boundaries import BodyState
 from ...passes import ALONE
-from ..boundary import Sampled, sample_surface
+from ..boundary import Sampled
 from ..engine import LiquidSetup
-from ..solid_samples import fill_solid
+from .samples import Samples, stays
+from .soft import SoftSurfaces
 
 if TYPE_CHECKING:
     from ...passes import Passes
     from .store import Work
 
-__all__ = ["Coupling", "sampled_boundaries"]
+__all__ = ["Coupling"]
 
 ROOM = 1024
 """Pairs that there is room for at first."""
-
-
-def sampled_boundaries(setup: LiquidSetup) -> list[Sampled]:
-    """Samples of every boundary; of fixed ones only what liquid can meet (moving ones are sampled whole)."""
-    return [_sampled(setup, k) for k in range(len(setup.boundaries))]
-
-
-def _sampled(setup: LiquidSetup, row: int) -> Sampled:
-    boundary, margin = setup.boundaries[row], 2.0 * setup.spacing
-    box: dict[str, Any] = {"lower": None, "upper": None}
-    if _stays(boundary):
-        box = {"lower": np.asarray(setup.lower) - margin, "upper": np.asarray(setup.upper) + margin}
-    if not boundary.closed or boundary.deforming:
-        return sample_surface(boundary.mesh, setup.spacing, closed=boundary.closed, seed=setup.seed + row, **box)
-    place, volume = fill_solid(boundary.mesh, setup.spacing, **box)
-    return Sampled(place, volume, np.zeros(len(place), dtype=np.int32), np.zeros((len(place), 3)))
-
-
-class Samples:
-    """Samples of several bodies on a device, in the order of their cells."""
-
-    def __init__(self, device: str, local: F64, volume: F64, body: Any, cells: int) -> None:
-        from .boundary_kernels import Samples as Arranged
-
-        wp = warp()
-        self.count = n = len(local)
-        self.local = wp.array(np.asarray(local, dtype=np.float32), dtype=wp.vec3, device=device)
-        self.volume = wp.array(np.asarray(volume, dtype=np.float32), dtype=wp.float32, device=device)
-        self.body = wp.array(np.asarray(body, dtype=np.int32), dtype=wp.int32, device=device)
-        self.x, self.v = (wp.zeros(n, dtype=wp.vec3, device=device) for _ in range(2))
-        self.stays = wp.zeros(n, dtype=wp.int32, device=device)
-        self.key, self.index = (wp.zeros(2 * n, dtype=wp.int32, device=device) for _ in range(2))
-        self.arranged = out = Arranged()
-        out.count = n
-        out.x, out.v = (wp.zeros(n, dtype=wp.vec3, device=device) for _ in range(2))
-        out.volume = wp.zeros(n, dtype=wp.float32, device=device)
-        out.body = wp.zeros(n, dtype=wp.int32, device=device)
-        out.span = wp.zeros(cells if n else 1, dtype=wp.vec2i, device=device)
-        self._sorted = False
-
-    def arrange(self, passes: Passes, name: str, rotation: Any, position: Any, grid: list[Any]) -> None:
-        """Carry the samples with their bodies and sort them into cells."""
-        from . import boundary_kernels as kernels
-        from . import grid_kernels
-
-        n, out = self.count, self.arranged
-        out.low, out.inverse, out.size = grid
-        if n == 0:
-            return
-        if self._sorted:
-            passes(name + "clear", grid_kernels.clear_spans, n, [self.key, out.span])()
-        passes(name + "place", kernels.place, n, [self.local, self.body, rotation, position, self.x])()
-        passes(name + "keys", grid_kernels.keys, n, [self.x, self.stays, *grid, self.key, self.index])()
-        warp().utils.radix_sort_pairs(self.key, self.index, n)
-        passes(name + "arrange", kernels.arrange, n, [self.index, self.x, self.v, self.volume, self.body, out])()
-        passes(name + "spans", grid_kernels.spans, n, [n, self.key, out.span])()
-        self._sorted = True
 
 
 class _State:
@@ -120,7 +64,7 @@ class Coupling:
         self.lanes, self.width = (4 if self.device == "cpu" else 8 * passes.width), passes.width
         self.parts = self.lanes // self.width
         rows = np.concatenate([np.full(len(s.position), k) for k, s in enumerate(sampled)] or [np.zeros(0)]).astype(np.int32)
-        self._fixed_rows = [k for k, one in enumerate(setup.boundaries) if _stays(one)]
+        self._fixed_rows = [k for k, one in enumerate(setup.boundaries) if stays(one)]
         fixed = np.isin(rows, self._fixed_rows)
         local = np.concatenate([s.position for s in sampled] or [np.zeros((0, 3))])
         volume = np.concatenate([s.volume for s in sampled] or [np.zeros(0)])
@@ -135,7 +79,8 @@ class Coupling:
         self._state = _State(size, self.device)
         for name in ("center", "velocity", "spin", "lightness", "mobility"):
             setattr(s, name, self._state.arrays[name])
-        s.deforms = wp.zeros(size, dtype=wp.int32, device=self.device)
+        self.soft = SoftSurfaces(setup, sampled, self._moving_rows, origin, passes)
+        s.deforms, s.vertex_velocity = self.soft.deforms, self.soft.velocity
         s.friction = wp.array([one.friction for one in setup.boundaries] or [0.0], dtype=wp.float32, device=self.device)
         self.rotation, self.position, self.acceleration = (
             self._state.arrays[n] for n in ("rotation", "position", "acceleration")
@@ -159,17 +104,19 @@ class Coupling:
         self.pairs = Pairs()  # another one, so that no graph goes on with the arrays of the last
         self.pairs.particle, self.pairs.body = (wp.zeros(room, dtype=wp.int32, device=self.device) for _ in range(2))
         self.pairs.slope, self.pairs.borne = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))
-        self.pairs.drag = wp.zeros(room, dtype=wp.float32, device=self.device)
+        self.pairs.drag, self.pairs.give = (wp.zeros(room, dtype=wp.float32, device=self.device) for _ in range(2))
+        self.pairs.corner = wp.zeros(room, dtype=wp.vec3i, device=self.device)
+        self.pairs.share = wp.zeros(room, dtype=wp.vec3, device=self.device)
         self.pair_force, self.pair_return = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))
         self.key, self.order = (wp.zeros(2 * room, dtype=wp.int32, device=self.device) for _ in range(2))
         self.spans = wp.zeros(max(self.count, 1), dtype=wp.vec2i, device=self.device)
 
-    def begin(self, state: BodyState, grid: list[Any]) -> None:
-        """Take the bodies' state at the start of a step and carry their samples there."""
+    def begin(self, state: BodyState, grid: list[Any], dt: float) -> None:
+        """Take the bodies' state at the start of a step of `dt` seconds and carry their samples there."""
         if self.count == 0:
             return
         position = np.asarray(state.position, dtype=float) - self.origin
-        rotation = np.asarray(state.rotation, dtype=float)
+        rotation = np.array(state.rotation, dtype=float)
         if self.fixed.count and not self.fixed._sorted:
             wp = warp()
             self._require_placed(state)
@@ -178,10 +125,11 @@ class Coupling:
             self.fixed.arrange(self.passes, "fixed", here, wp.zeros(self.count, dtype=wp.vec3, device=self.device), grid)
         elif not self.fixed.count:
             self.fixed.arrange(self.passes, "fixed", None, None, grid)
-        position, rotation = self._deformed(state, position, rotation)
+        self.soft.begin(state, dt, self.moving.local, self.moving.volume)
+        position[self.soft.rows], rotation[self.soft.rows] = 0.0, np.eye(3)
         self.placed = rotation.astype(np.float32), position.astype(np.float32)
         mobile = np.asarray(state.inverse_mass) > 0
-        moving = np.array([not (_stays(b) or b.deforming) for b in self.setup.boundaries])
+        moving = np.array([not (stays(b) or b.deforming) for b in self.setup.boundaries])
         self._state.assign({
             "rotation": rotation,
             "position": position,
@@ -202,27 +150,6 @@ class Coupling:
                 name = self.setup.boundaries[row].name
                 raise InputError(f"the static boundary {name!r} comes with a pose; give its mesh in the world's frame")
 
-    def _deformed(self, state: BodyState, position: F64, rotation: F64) -> tuple[F64, F64]:
-        """Samples of bodies whose vertices move by themselves: in the world's frame, with velocities of their own."""
-        if not state.vertices:
-            return position, rotation
-        local = self.moving.local.numpy()
-        speed = self.moving.v.numpy()
-        position, rotation = position.copy(), rotation.copy()
-        for row, (vertices, velocities) in state.vertices.items():
-            sampled = self.sampled[row]
-            corner = self.setup.boundaries[row].mesh.faces[sampled.face]
-            old = self.setup.boundaries[row].mesh.vertices
-            offset = sampled.position - np.einsum("nk,nkd->nd", sampled.weights, old[corner])
-            turned = _turned(offset, old[corner], vertices[corner])
-            mine = self._moving_rows == row
-            local[mine] = np.einsum("nk,nkd->nd", sampled.weights, vertices[corner]) + turned - self.origin
-            speed[mine] = np.einsum("nk,nkd->nd", sampled.weights, velocities[corner])
-            position[row], rotation[row] = 0.0, np.eye(3)
-        self.moving.local.assign(local)
-        self.moving.v.assign(speed)
-        return position, rotation
-
     def meet(self, work: Work, x: Any, volume: Any, lift: Any, surfaces: Any, h: float, n: int) -> None:
         """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
         from . import boundary_kernels as kernels
@@ -241,12 +168,13 @@ class Coupling:
                 self._make_room(int(1.5 * self.total))
                 self.pairs.start, self.pairs.touched = w.start, w.touched
         if self.total:
-            inputs = [x, fixed, moving, self.bodies, surfaces, self.setup.spacing, h, lift, self.pairs, w.fill, w.lean, w.own]
+            inputs = [x, fixed, moving, self.bodies, surfaces, self.setup.spacing, h, lift, self.pairs, w.fill, w.lean]
             run("fill_pairs", kernels.fill_pairs, n, inputs)()
             run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order])()
             wp.utils.radix_sort_pairs(self.key, self.order, self.total)
             self.spans.zero_()
             run("pair_spans", grid_kernels.spans, self.total, [self.total, self.key, self.spans])()
+            self.soft.attach(self, surfaces, w)
         if self.total and self.reacts:
             run(
                 "reach",
@@ -259,7 +187,7 @@ class Coupling:
             "finish",
             reaction_kernels.finish_factors,
             n,
-            [self.parts, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self._least, w.stiffness],
+            [self.parts, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self.soft.bound, self._least, w.stiffness],
         )()
         self.taken = w.none
 
@@ -273,7 +201,7 @@ class Coupling:
                 "carry",
                 kernels.carry,
                 self._n,
-                [self._x, self.pairs, s.center, s.velocity, s.spin, w.own, w.moving],
+                [self._x, self.pairs, s, s.velocity, s.spin, s.vertex_velocity, w.moving],
             )()
         else:
             w.moving.zero_()
@@ -283,7 +211,7 @@ class Coupling:
         from . import reaction_kernels as kernels
 
         self.taken = self._work.none
-        if not (moves and self.total and self.reacts):
+        if not (moves and self.total and (self.reacts or self.soft.reacts)):
             return []
         w, s, run = self._work, self.bodies, self.passes
         self.taken = w.moving
@@ -313,7 +241,13 @@ class Coupling:
                 self.count,
                 [self.parts, s, self.force, self.torque, self.linear, self.angular],
             ),
-            run("taken", kernels.carry, self._n, [self._x, self.pairs, s.center, self.linear, self.angular, w.none, w.moving]),
+            *self.soft.pull(p, self._volume),
+            run(
+                "taken",
+                kernels.carry,
+                self._n,
+                [self._x, self.pairs, s, self.linear, self.angular, self.soft.acceleration, w.moving],
+            ),
         ]
 
     def book(self, p: Any) -> None:
@@ -335,6 +269,7 @@ class Coupling:
         self._account(self.reaction_sum, moves=False)
         run("book", kernels.wrench_lanes, lanes, [self.lanes, self.width, self._x, self._volume, p, *lists], smallest=ALONE)()
         self._account(self.impulse, moves=True)
+        self.soft.press(self, p)
 
     def _account(self, sums: list[Any], *, moves: bool) -> None:
         from . import reaction_kernels as kernels
@@ -376,6 +311,7 @@ class Coupling:
             inputs = [self.lanes, self.width, self._x, value, *lists]
             self.passes(name, kernels.force_lanes, self.count * self.lanes, inputs, smallest=ALONE)()
             self._account(sums, moves=name == "rubbed")
+        self.soft.take(self, self.pair_force)
 
     def advance(self) -> None:
         """Velocity of the bodies by everything but the liquid."""
@@ -393,16 +329,3 @@ class Coupling:
 
 LEAST_STIFFNESS = 1e-3
 """In units of 1/(density spacing^2), where liquid at rest has 0.5: below it a particle has nothing to press against."""
-
-
-def _stays(boundary: Any) -> bool:
-    return boundary.motion == "static" and not boundary.deforming
-
-
-def _turned(offset: F64, before: F64, after: F64) -> F64:
-    """Offsets from faces turned with their faces' normals."""
-    length = np.linalg.norm(offset, axis=1, keepdims=True)
-    normal = [np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]) for c in (before, after)]
-    side = np.sign(np.einsum("nd,nd->n", offset, normal[0]))[:, None]
-    unit = normal[1] / np.maximum(np.linalg.norm(normal[1], axis=1, keepdims=True), 1e-300)
-    return np.asarray(side * length * unit)

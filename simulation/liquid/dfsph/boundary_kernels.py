@@ -20,11 +20,14 @@ __all__ = [
     "Samples",
     "Surfaces",
     "arrange",
+    "at_corners",
+    "at_place",
     "bear",
     "count_pairs",
     "fill_pairs",
     "list_pairs",
     "place",
+    "wall_speed",
 ]
 
 LAYER = wp.constant(wp.float32(0.1497))
@@ -33,6 +36,8 @@ with its square, so that its gradient there is that of a mirror image."""
 MOVING = wp.constant(2)
 """Kind of closed bodies that move. Along their surfaces pressure does not go on behind them: held bodies ten spacings wide then feel
 1.01 to 1.02 of what they displace, else 0.96 to 0.98. Along walls at rest it does, which keeps the pressure beside them linear."""
+SOFT = wp.constant(4)
+"""Kind of closed bodies that deform, which act as those that move."""
 FAINT = wp.constant(wp.float32(0.01))
 """Gradient of the fill by a solid along its nearest surface, in units of 1/h, below which nothing else of it is near."""
 BODIES_NEAR = 8
@@ -49,7 +54,6 @@ class Samples:
 
     count: wp.int32
     x: wp.array(dtype=wp.vec3)
-    v: wp.array(dtype=wp.vec3)
     volume: wp.array(dtype=wp.float32)
     body: wp.array(dtype=wp.int32)
     span: wp.array(dtype=wp.vec2i)
@@ -69,6 +73,19 @@ class Bodies:
     mobility: wp.array(dtype=wp.mat33)
     friction: wp.array(dtype=wp.float32)
     deforms: wp.array(dtype=wp.int32)
+    vertex_velocity: wp.array(dtype=wp.vec3)
+
+
+@wp.func
+def at_place(velocity: wp.vec3, spin: wp.vec3, arm: wp.vec3):
+    """Velocity of a rigid body at an arm from its centre."""
+    return velocity + wp.cross(spin, arm)
+
+
+@wp.func
+def at_corners(values: wp.array(dtype=wp.vec3), corner: wp.vec3i, share: wp.vec3):
+    """What a place on a triangle has of the values at its corners."""
+    return share[0] * values[corner[0]] + share[1] * values[corner[1]] + share[2] * values[corner[2]]
 
 
 @wp.func
@@ -123,16 +140,28 @@ class Pairs:
     slope: wp.array(dtype=wp.vec3)
     borne: wp.array(dtype=wp.vec3)
     drag: wp.array(dtype=wp.float32)
+    corner: wp.array(dtype=wp.vec3i)
+    share: wp.array(dtype=wp.vec3)
+    give: wp.array(dtype=wp.float32)
+
+
+@wp.func
+def wall_speed(pairs: Pairs, bodies: Bodies, k: wp.int32, xi: wp.vec3):
+    """Velocity of the body of pair k at its particle: of one that deforms, that of the nearest place of its surface."""
+    b = pairs.body[k]
+    u = at_place(bodies.velocity[b], bodies.spin[b], xi - bodies.center[b])
+    if bodies.deforms[b] != 0:
+        u = at_corners(bodies.vertex_velocity, pairs.corner[k], pairs.share[k])
+    return u
 
 
 @wp.func
 def gathered(s: Samples, xi: wp.vec3, h: wp.float32, body: wp.int32, lift: wp.vec3):
-    """Of one body near a place: sums of V W, drag, and V v_s . grad W of its samples' own velocities; of V grad W; of V (r . lift)
-    grad W, which makes the gradient of a linear field whole."""
+    """Of one body near a place: sums of V W and drag; of V grad W; of V (r . lift) grad W, which makes the gradient of a linear field
+    whole."""
     w = wp.float32(0.0)
     g = wp.vec3(0.0, 0.0, 0.0)
     c = wp.float32(0.0)
-    own = wp.float32(0.0)
     m = wp.vec3(0.0, 0.0, 0.0)
     if s.count > 0:
         at_cell = cell_of(xi, s.low, s.inverse)
@@ -152,8 +181,7 @@ def gathered(s: Samples, xi: wp.vec3, h: wp.float32, body: wp.int32, lift: wp.ve
                                 g += part * way
                                 c -= DRAG * part * d2 / (d2 + 0.01 * h * h)
                                 m -= (part * wp.dot(way, lift)) * way
-                                own += part * wp.dot(way, s.v[j])
-    return wp.vec4(w, c, own, 0.0), g, m
+    return wp.vec2(w, c), g, m
 
 
 @wp.struct
@@ -276,7 +304,7 @@ def mirrored(
     part = behind(wp.max(d, 0.0), spacing, h)
     whole = wp.max(d, 0.0) * plane_weight(wp.max(d, 0.0) / h, h) + plane
     fixed = wp.float32(1.0)
-    if surfaces.kind[body] == MOVING:
+    if surfaces.kind[body] >= MOVING:
         fixed = 0.0
     along = fixed * part[1] / plane
     borne = along * m
@@ -305,11 +333,9 @@ def fill_pairs(
     pairs: Pairs,
     fill: wp.array(dtype=wp.float32),
     lean: wp.array(dtype=wp.vec3),
-    own: wp.array(dtype=wp.float32),
 ):
-    """Fill in the pairs of a particle; add bodies to its fill and gradients; `own` is D of samples that move by themselves."""
+    """Fill in the pairs of a particle; add bodies to its fill and gradients."""
     i = first + wp.tid()
-    own[i] = 0.0
     n = pairs.touched[i]
     if n == 0:
         return
@@ -319,7 +345,6 @@ def fill_pairs(
     known = seen(moving, xi, h, known)
     total = wp.float32(0.0)
     way = wp.vec3(0.0, 0.0, 0.0)
-    mine = wp.float32(0.0)
     for k in range(n):
         body = known[k]
         one, g, m = gathered(fixed, xi, h, body, lift[i])
@@ -328,10 +353,9 @@ def fill_pairs(
         w = sums[0]
         share = w / LAYER
         slant = MIRROR * share * (g + g2)
-        own_slope = MIRROR * share
         w = share * w
         borne = wp.vec3(0.0, 0.0, 0.0)
-        if surfaces.kind[body] == 1 or surfaces.kind[body] == 2:
+        if surfaces.kind[body] == 1 or surfaces.kind[body] == MOVING or surfaces.kind[body] == SOFT:
             seen_as, borne = mirrored(sums[0], g + g2, m + m2, lift[i], surfaces, body, xi, spacing, h)
             slant = wp.vec3(seen_as[0], seen_as[1], seen_as[2])
             w = seen_as[3]
@@ -343,10 +367,8 @@ def fill_pairs(
         pairs.drag[at] = sums[1] * bodies.friction[body]
         total += w
         way += slant
-        mine += own_slope * sums[2]
     fill[i] = fill[i] + total
     lean[i] = lean[i] + way
-    own[i] = mine
 
 
 @wp.kernel
@@ -381,7 +403,6 @@ def arrange(
     first: wp.int32,
     index: wp.array(dtype=wp.int32),
     x: wp.array(dtype=wp.vec3),
-    v: wp.array(dtype=wp.vec3),
     volume: wp.array(dtype=wp.float32),
     body: wp.array(dtype=wp.int32),
     out: Samples,
@@ -390,7 +411,6 @@ def arrange(
     i = first + wp.tid()
     j = index[i]
     out.x[i] = x[j]
-    out.v[i] = v[j]
     out.volume[i] = volume[j]
     out.body[i] = body[j]
 

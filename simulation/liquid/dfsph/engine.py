@@ -14,11 +14,12 @@ from ...passes import Pass, Passes
 from ..blowing import Blowing
 from ..engine import LiquidSetup, Particles, StepReport
 from ..zones import Zones
-from .bodies import Coupling, sampled_boundaries
+from .bodies import Coupling
 from .dissipation import Dissipation
 from .flow import Mouth, outflow_boxes, reasons
 from .keep_out import KeepOut
 from .pressure import RELAXATION, Solved, solve
+from .samples import sampled_boundaries
 from .settings import DfsphSettings
 from .state import pack, unpack
 from .store import FIELDS, SETTINGS, Store, Work, cells_of
@@ -156,8 +157,9 @@ class Dfsph:
         if n == 0:
             self.time += dt
             self.steps += 1
-            return StepReport(dt, *self.coupling.wrenches(), added, {}, (0, 0), 0, (0.0, 0.0))
-        self.coupling.begin(bodies, self._grid)
+            none = {row: np.zeros((len(ease), 3)) for row, ease in bodies.vertex_lightness.items()}
+            return StepReport(dt, *self.coupling.wrenches(), added, {}, (0, 0), 0, (0.0, 0.0), vertex_impulse=none)
+        self.coupling.begin(bodies, self._grid, dt)
         self.keep_out.place(self.coupling)
         self._sort(w)
         self._neighbours(w)
@@ -177,6 +179,7 @@ class Dfsph:
         )
         self.viscosity.conduct(w, s, self.h, n, dt)
         self.dissipation.apply(w, s, n, dt)
+        self.coupling.soft.kick()
         spread = self._solve(w, density=False)
         pressed = self._solve(w, density=True)
         self.keep_out.apply(w, s, self.coupling, n)
@@ -194,8 +197,9 @@ class Dfsph:
         given, taken = self.coupling.wrenches()
         capped = int(pressed.capped) + int(spread.capped) + int(not thin)
         return StepReport(
-            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven, blown=blown
-        )
+            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven,
+            vertex_impulse=self.coupling.soft.given(given, dt), blown=blown,
+        )  # fmt: skip
 
     def _blow(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> F64:
         """Let force fields act on the particles; momentum and energy that they gave, (4,)."""

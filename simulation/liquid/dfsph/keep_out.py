@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 __all__ = ["KeepOut"]
 
-PASSED, RESTING, MOVING, SHEET = range(4)
+PASSED, RESTING, MOVING, SHEET, SOFT, SOFT_SHEET = range(6)
 
 
 class KeepOut:
-    """Meshes of all boundaries on a device. Those that deform are passed over: their particles alone hold the liquid."""
+    """Meshes of all boundaries on a device. Those that deform are laid anew at the start of every step."""
 
     def __init__(self, setup: LiquidSetup, origin: F64, passes: Passes) -> None:
         from .boundary_kernels import Surfaces
@@ -34,7 +34,7 @@ class KeepOut:
         for boundary in setup.boundaries:
             kinds.append(_kind(boundary))
             at = np.asarray(boundary.mesh.vertices, dtype=float)
-            if boundary.motion == "static":
+            if boundary.motion == "static" or boundary.deforming:
                 at = at - origin
             made = wp.Mesh(
                 points=wp.array(at.astype(np.float32), dtype=wp.vec3, device=passes.device),
@@ -48,6 +48,7 @@ class KeepOut:
         s.kind = wp.array(np.array(kinds or [PASSED], dtype=np.int32), dtype=wp.int32, device=passes.device)
         s.rotation = wp.zeros(size, dtype=wp.mat33, device=passes.device)
         s.position = wp.zeros(size, dtype=wp.vec3, device=passes.device)
+        self._soft = [k for k, b in enumerate(setup.boundaries) if b.deforming]
         self._fixed = np.array([b.motion == "static" for b in setup.boundaries], dtype=bool)
 
     def place(self, coupling: Coupling) -> None:
@@ -59,6 +60,8 @@ class KeepOut:
         position[self._fixed] = 0.0
         self.surfaces.rotation.assign(rotation)
         self.surfaces.position.assign(position)
+        for row in self._soft:
+            coupling.soft.lay_surface(row, self._meshes[row])
 
     def apply(self, w: Work, s: Any, coupling: Coupling, n: int) -> None:
         """Turn the ways of the step aside so that none leads through a surface, and velocities with them; book what that gives."""
@@ -76,7 +79,7 @@ class KeepOut:
 
 def _kind(boundary: Boundary) -> int:
     if boundary.deforming:
-        return PASSED
+        return SOFT if boundary.closed else SOFT_SHEET
     if not boundary.closed:
         return SHEET
     return RESTING if boundary.motion == "static" else MOVING

@@ -3,7 +3,7 @@
 
 import warp as wp
 
-from .boundary_kernels import Bodies, Pairs, Surfaces
+from .boundary_kernels import Bodies, Pairs, Surfaces, wall_speed
 
 wp.set_module_options({"enable_backward": False})
 
@@ -50,9 +50,9 @@ def first_face(mesh: wp.uint64, start: wp.vec3, way: wp.vec3, play: wp.float32, 
 
 
 @wp.func
-def turned(v: wp.vec3, u: wp.vec3, n: wp.vec3):
-    """A velocity that no longer goes against n, seen from what moves with u."""
-    return v - wp.min(wp.dot(v - u, n), 0.0) * n
+def turned(v: wp.vec3, u: wp.vec3, n: wp.vec3, give: wp.float32):
+    """A velocity that no longer goes against n, seen from what moves with u; of what gives way, it changes by the share `give`."""
+    return v - give * wp.min(wp.dot(v - u, n), 0.0) * n
 
 
 @wp.kernel
@@ -91,13 +91,14 @@ def keep_out(
                 b = pairs.body[k]
                 kind = surfaces.kind[b]
                 if kind != 0:
-                    u = bodies.velocity[b] + wp.cross(bodies.spin[b], x[i] - bodies.center[b])
+                    u = wall_speed(pairs, bodies, k, x[i])
+                    give = pairs.give[k]
                     rotation = surfaces.rotation[b]
                     inverse = wp.transpose(rotation)
                     mesh = surfaces.mesh[b]
                     start = inverse * (x[i] - surfaces.position[b])
                     old = v[i]
-                    if kind == 2 and turn == 0:
+                    if (kind == 2 or kind == 4) and turn == 0:
                         near = wp.mesh_query_point_sign_normal(mesh, start, spacing)
                         if near.result and near.sign < 0.0:
                             out = wp.mesh_eval_position(mesh, near.face, near.u, near.v) - start
@@ -106,21 +107,21 @@ def keep_out(
                                 n = rotation * (out / depth)
                                 wanted = wp.min(depth + play, MOST_OUT * spacing) / dt
                                 way[i] = way[i] + wp.max(wanted - wp.dot(way[i] - u, n), 0.0) * n
-                                v[i] = turned(v[i], u, n)
+                                v[i] = turned(v[i], u, n, give)
                                 blocked = 1
                     sheet = wp.int32(0)
-                    if kind == 3:
+                    if kind == 3 or kind == 5:
                         sheet = 1
                     met = first_face(mesh, start, inverse * ((way[i] - u) * dt), play, sheet)
                     if met[3] > 0.0:
                         blocked = 1
                         if turn == BOUNCES - 1:
-                            v[i] = u
+                            v[i] = v[i] + give * (u - v[i])
                             way[i] = u
                         else:
                             n = rotation * wp.vec3(met[0], met[1], met[2])
-                            v[i] = turned(v[i], u, n)
-                            way[i] = turned(way[i], u, n)
+                            v[i] = turned(v[i], u, n, give)
+                            way[i] = turned(way[i], u, n, 1.0)
                     ahead = inverse * ((way[i] - u) * dt)
                     near = wp.mesh_query_point_no_sign(mesh, start + ahead, SHELL * spacing)
                     if near.result:
@@ -128,9 +129,12 @@ def keep_out(
                         gap = wp.length(away)
                         if gap > 1.0e-9:
                             n = rotation * (away / gap)
+                            if kind == 5:
+                                short = wp.min(SHELL * spacing - gap, MOST_OUT * spacing)
+                                way[i] = way[i] + (short / dt) * n
                             if wp.dot(way[i] - u, n) < 0.0:
-                                v[i] = turned(v[i], u, n)
-                                way[i] = turned(way[i], u, n)
+                                v[i] = turned(v[i], u, n, give)
+                                way[i] = turned(way[i], u, n, 1.0)
                                 blocked = 1
                     change = v[i] - old
                     force[k] = force[k] - (mass / dt) * change

@@ -3,13 +3,15 @@
 
 import warp as wp
 
-from .boundary_kernels import Bodies, Pairs
+from .boundary_kernels import Bodies, Pairs, at_corners, at_place
 
 wp.set_module_options({"enable_backward": False})
 
+VERTICES = wp.constant(wp.float32(0.5))
+"""Of the sum of a row of A through vertices: what counts as its diagonal. Forces on one vertex hardly differ in direction."""
+
 __all__ = [
     "account",
-    "at_place",
     "carry",
     "finish_factors",
     "force_lanes",
@@ -21,29 +23,26 @@ __all__ = [
 ]
 
 
-@wp.func
-def at_place(velocity: wp.vec3, spin: wp.vec3, arm: wp.vec3):
-    """Velocity of a rigid body at an arm from its centre."""
-    return velocity + wp.cross(spin, arm)
-
-
 @wp.kernel
 def carry(
     first: wp.int32,
     x: wp.array(dtype=wp.vec3),
     pairs: Pairs,
-    center: wp.array(dtype=wp.vec3),
+    bodies: Bodies,
     velocity: wp.array(dtype=wp.vec3),
     spin: wp.array(dtype=wp.vec3),
-    own: wp.array(dtype=wp.float32),
+    vertices: wp.array(dtype=wp.vec3),
     moving: wp.array(dtype=wp.float32),
 ):
-    """What bodies that move (or accelerate) with `velocity` and `spin` take away from D."""
+    """What bodies that move (or accelerate) with `velocity` and `spin`, or whose `vertices` do, take away from D."""
     i = first + wp.tid()
-    s = own[i]
+    s = wp.float32(0.0)
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
         b = pairs.body[k]
-        s += wp.dot(at_place(velocity[b], spin[b], x[i] - center[b]), pairs.slope[k])
+        u = at_place(velocity[b], spin[b], x[i] - bodies.center[b])
+        if bodies.deforms[b] != 0:
+            u = at_corners(vertices, pairs.corner[k], pairs.share[k])
+        s += wp.dot(u, pairs.slope[k])
     moving[i] = s
 
 
@@ -98,10 +97,11 @@ def finish_factors(
     pairs: Pairs,
     bodies: Bodies,
     partial: wp.array(dtype=wp.vec2d),
+    bound: wp.array(dtype=wp.float32),
     least: wp.float32,
     stiffness: wp.array(dtype=wp.float32),
 ):
-    """Diagonal of A: own acceleration, neighbours' (summed by the search), and bounds of the bodies' rows."""
+    """Diagonal of A: own acceleration, neighbours' (summed by the search), and bounds of the bodies' rows, `bound` those of vertices."""
     i = first + wp.tid()
     s = stiffness[i] + lightness[i] * wp.dot(lean[i], lean[i])
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
@@ -115,6 +115,11 @@ def finish_factors(
             turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
             s += 0.25 * bodies.lightness[b] * wp.length(pairs.slope[k]) * wp.float32(one)
             s += 0.25 * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)) * wp.float32(two)
+        if bodies.deforms[b] != 0:
+            own = wp.length(pairs.slope[k])
+            at = pairs.corner[k]
+            share = pairs.share[k]
+            s += VERTICES * own * (share[0] * bound[at[0]] + share[1] * bound[at[1]] + share[2] * bound[at[2]])
     if s < least:
         s = 0.0
     stiffness[i] = s

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["pack", "unpack"]
 
-FORMAT = 2
+FORMAT = 3
 
 
 def pack(engine: Dfsph) -> bytes:
@@ -34,7 +34,7 @@ def pack(engine: Dfsph) -> bytes:
         "layers": np.array(engine.layers, dtype=np.int64),
         "format": np.int64(FORMAT),
     }
-    np.savez(out, **engine.store.columns(), **counters)
+    np.savez(out, **engine.store.columns(), **counters, **engine.coupling.soft.pack())
     return out.getvalue()
 
 
@@ -53,6 +53,7 @@ def unpack(engine: Dfsph, state: bytes) -> None:
     except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
         raise EvidenceError(f"the checkpoint of a liquid cannot be read ({error}); start from frame 0") from error
     engine.store.replace(columns)
+    engine.coupling.soft.unpack(found)
     engine.time, engine.speed = float(found["time"]), float(found["speed"])
     engine.pressed = float(found["pressed"])
     engine.steps, engine.lost = int(found["steps"]), int(found["lost"])

@@ -119,7 +119,7 @@ class Work:
         self.grow(room)
         self.start = zeros(capacity, wp.int32)
         self.fill, self.stiffness, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(6))
-        self.own, self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(4))
+        self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(3))
         self.lean, self.lift, self.borne, self.a, self.way = (zeros(capacity, wp.vec3) for _ in range(5))
         parts = passes.parts(capacity)
         self.sums, self.partial = zeros(capacity, Sums), zeros(parts, Totals)

@@ -62,6 +62,7 @@ class Viscosity:
         if number < UNFELT:
             return True
         self._make_room(w.capacity)
+        coupling.soft.slow(coupling, w)
         lists = [w.viscosity, w.lightness, *w.lists, h, coupling.pairs, coupling.bodies]
         if number < EXPLICIT:
             coupling.rub(s.v)

@@ -9,9 +9,8 @@ from typing import Any
 
 import warp as wp
 
-from .boundary_kernels import Bodies, Pairs
+from .boundary_kernels import Bodies, Pairs, wall_speed
 from .list_kernels import KINDS, neighbour, toward
-from .reaction_kernels import at_place
 
 wp.set_module_options({"enable_backward": False})
 
@@ -83,8 +82,7 @@ def direct(
         at += stride
     s = unit * s
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
-        b = pairs.body[k]
-        wall = walls * at_place(bodies.velocity[b], bodies.spin[b], x[i] - bodies.center[b])
+        wall = walls * wall_speed(pairs, bodies, k, x[i])
         s -= mu * pairs.drag[k] * (v[i] - wall)
     out[i] = v[i] - settings[DT] * lightness[i] * s
 
@@ -104,8 +102,7 @@ def rub(
     """Friction force of each pair on the body [N] at the particle's velocity v, times `sign`."""
     i = first + wp.tid()
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
-        b = pairs.body[k]
-        wall = at_place(bodies.velocity[b], bodies.spin[b], x[i] - bodies.center[b])
+        wall = wall_speed(pairs, bodies, k, x[i])
         force[k] = sign * volume[i] * viscosity[i] * pairs.drag[k] * (v[i] - wall)
 
 

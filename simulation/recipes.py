@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.canonical import digest_of
+from ..worlds.instances import soft_met
 from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.provenance import liquid_slice, motion_slice
 from .boundaries import meets_domain
@@ -31,7 +32,8 @@ def coupled_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity]) -> str:
 
 def alone_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
     """Recipe of an instance that reads the bodies' motion."""
-    return _liquid_recipe(spec, built, name, caches) if name in spec.simulation.liquid else coupled_recipe(spec, built)
+    rigid_alone = name in spec.simulation.liquid and not soft_met(spec, name)
+    return _liquid_recipe(spec, built, name, caches) if rigid_alone else coupled_recipe(spec, built)
 
 
 def _liquid_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:

@@ -9,9 +9,12 @@ import numpy as np
 
 from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
+from .exchanged import partners
 
 if TYPE_CHECKING:
+    from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
+    from ..worlds.deforming import Deforming
     from .liquid_frames import Frame, Liquid
 
 __all__ = ["Bodies", "exchanged"]
@@ -49,11 +52,44 @@ class Bodies:
         linear, angular = np.zeros((2, self.liquid.frames, self.count, 3))
         for row, name in enumerate(self.names):
             held = self.candidate.cache_row(*name.split("/"))
-            if held is not None:
+            soft = self.candidate.deforming.get(name.split("/")[0])
+            if soft is not None:
+                linear[:, row] = [soft.velocity(k) for k in range(self.liquid.frames)]
+                angular[:, row] = [soft.spin(k) for k in range(self.liquid.frames)]
+            elif held is not None:
                 cache, body = held
                 linear[:, row] = cache.series("velocity")[: self.liquid.frames, body]
                 angular[:, row] = cache.series("angular_velocity")[: self.liquid.frames, body]
         return linear, angular
+
+    @cached_property
+    def deforming(self) -> dict[int, Deforming]:
+        """Those that deform, by row."""
+        known = self.candidate.deforming
+        return {row: known[n] for row, n in enumerate(self.entities) if n in known}
+
+    def told_work(self, frame: int) -> tuple[set[int], float]:
+        """Rows that deform and are pushed by this liquid alone, and the work [J] that those who move them say it did in a frame."""
+        rows: set[int] = set()
+        work, counted = 0.0, set[str]()
+        for row, soft in self.deforming.items():
+            cache = soft.cache
+            if partners(self.candidate.spec, cache.index.solver) != (self.liquid.solver,):
+                continue
+            rows.add(row)
+            if cache.index.solver not in counted:
+                counted.add(cache.index.solver)
+                work += _work(cache, frame, cloth=self.candidate.spec.entities[soft.entity].physics.category == "cloth")
+        return rows, work
+
+    def bending(self, frame: int) -> F64:
+        """Root mean square speed against their own rigid motion of those that deform [m/s], shape (b,)."""
+        found = np.zeros(self.count)
+        for row, soft in self.deforming.items():
+            place, weight = soft.positions(frame), soft.masses / soft.masses.sum()
+            rigid = soft.velocity(frame) + np.cross(soft.spin(frame), place - weight @ place)
+            found[row] = np.sqrt(weight @ ((soft.velocities(frame) - rigid) ** 2).sum(axis=1))
+        return found
 
     @cached_property
     def moving(self) -> F64:
@@ -93,6 +129,13 @@ class Bodies:
         return result
 
 
+def _work(cache: Cache, frame: int, *, cloth: bool) -> float:
+    """Work of others on what an instance deforms, over a frame [J]: of cloth the sum since frame 0 is recorded."""
+    name = "record/load_work" if cloth else "record/soft_exchange_work"
+    held = [float(cache.read(k, (name,))[name]) for k in ((frame - 1, frame) if cloth else (frame,))]
+    return held[-1] - (held[0] if cloth else 0.0)
+
+
 def exchanged(frame: Frame, name: str, count: int) -> F64:
     """Channel `exchange/<name>` of a frame, shape (b, 6).
 
@@ -103,4 +146,4 @@ def exchanged(frame: Frame, name: str, count: int) -> F64:
     if held is None or np.shape(held) != (count, 6):
         shown = "is missing" if held is None else f"has shape {np.shape(held)}"
         raise EvidenceError(f"exchange/{name} of frame {frame.index} {shown}, {(count, 6)} is needed; bake again")
-    return np.asarray(held, dtype=np.float64)
+    return np.array(held, dtype=np.float64)

@@ -127,10 +127,13 @@ class Energy:
         if not (linear[k - 1 : k + 1].any() or angular[k - 1 : k + 1].any()):
             return 0.0, 0.0
         impulse = exchanged(step.now, "impulse", self.bodies.count)
+        rows, told = self.bodies.told_work(k)
+        impulse[list(rows)] = 0.0
         v, w = (0.5 * (m[k - 1] + m[k]) for m in (linear, angular))
         change = np.linalg.norm(linear[k] - linear[k - 1], axis=1), np.linalg.norm(angular[k] - angular[k - 1], axis=1)
         doubt = 0.5 * (np.linalg.norm(impulse[:, :3], axis=1) @ change[0] + np.linalg.norm(impulse[:, 3:], axis=1) @ change[1])
-        return -float((impulse[:, :3] * v).sum() + (impulse[:, 3:] * w).sum()), float(doubt)
+        doubt += float(np.linalg.norm(impulse[:, :3], axis=1) @ self.bodies.bending(k))
+        return -told - float((impulse[:, :3] * v).sum() + (impulse[:, 3:] * w).sum()), float(doubt)
 
     def findings(self) -> dict[str, Finding]:
         """Growth of energy, and what goes on in the quiet end."""

@@ -1,6 +1,6 @@
 """Liquid and what must hold it: no particle inside solids, none beyond closed sides, no source inside a wall (R99, R106).
 
-- `inside`: no particle lies deeper than half a spacing in a solid, at any frame.
+- `inside`: no particle lies deeper than half a spacing in a solid, one that deforms included, at any frame.
 - `domain`: none is outside the domain.
 - `source`: the opening of every inflow is free of solids while it is open, and inside the domain.
 """
@@ -16,13 +16,14 @@ from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_rows import coarse, longer_step, place
 from .liquid_solids import deepest, pieces_of
+from .soft_solids import soft_depths
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..worlds.requirements import Correction
-    from .liquid_frames import Liquid, Step
+    from .liquid_frames import Frame, Liquid, Step
 
 __all__ = ["DEPTH_SHARE", "Walls", "opening_points"]
 
@@ -36,7 +37,7 @@ class Walls:
     """Particles against solids and the domain."""
 
     claims: ClassVar[Mapping[str, str]] = {
-        "inside": f"no particle is deeper than {DEPTH_SHARE:g} spacings inside a solid",
+        "inside": f"no particle is deeper than {DEPTH_SHARE:g} spacings inside a solid, one that deforms included",
         "domain": f"no particle is more than {BEYOND:g} spacings beyond a side of the domain",
         "source": "openings of inflows are free of solids, and inside the domain, while they are open",
     }
@@ -63,6 +64,7 @@ class Walls:
             if deep.any() and self.first is None:
                 where = place(frame.position[found.rows[int(np.argmax(found.value))]])
                 self.first = (frame.index, found.piece.entity, found.piece.part, int(deep.sum()), float(found.value.max()), where)
+        self._soft(frame)
         out = np.maximum(liquid.lower - frame.position, frame.position - liquid.upper).max(axis=1, initial=-np.inf)
         if frame.count:
             self.beyond = max(self.beyond, float(out.max()))
@@ -71,6 +73,17 @@ class Walls:
                 self.escaped = (frame.index, int(far.sum()), place(frame.position[int(np.argmax(out))]))
         if self.blocked is None:
             self._sources(frame.index)
+
+    def _soft(self, frame: Frame) -> None:
+        """Look into the bodies that deform."""
+        for found in soft_depths(self.liquid.candidate, self.liquid.solver, frame.position, frame.index):
+            deep = found.value > DEPTH_SHARE * self.liquid.spacing
+            if float(found.value.max()) > self.depth:
+                self.depth, self.worst_frame = float(found.value.max()), frame.index
+            self.total += int(deep.sum())
+            if deep.any() and self.first is None:
+                where = place(frame.position[found.rows[int(np.argmax(found.value))]])
+                self.first = (frame.index, found.entity, found.part, int(deep.sum()), float(found.value.max()), where)
 
     def _sources(self, index: int) -> None:
         for name, points in self.openings.items():

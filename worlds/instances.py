@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["bake_order", "cloth_of", "coupled_groups", "coupling_problems", "instance_for", "membership_problems", "soft_met"]
 
-MEETS_ELASTIC = ("shell", "dem")
+MEETS_ELASTIC = ("shell", "dem", "dfsph")
 """Engines whose matter meets elastic bodies as it meets rigid ones."""
 MEETS_CLOTH = ("dem",)
 """Engines whose matter meets cloth that a coupling brings to it."""

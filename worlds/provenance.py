@@ -15,7 +15,7 @@ from typing import Any
 
 from .canonical import digest_of
 from .fields import acting_on, field_drivers
-from .instances import coupled_groups
+from .instances import coupled_groups, soft_met
 from .liquids import domain_box, initial_box, spacing_of
 from .requirements import Row
 from .spec import ElasticPhysics, Fastened, RigidPhysics, WorldSpec
@@ -145,7 +145,7 @@ def _liquid_recipe(spec: WorldSpec, name: str, motion: str) -> str:
     """Recipe of one liquid: with two-way couplings, or bodies that move, everything that moves decides."""
     solids = _reaching(spec, name)
     still = all(spec.entities[s].motion == "static" for s in solids)
-    if any(name in group for group in coupled_groups(spec)) or not still:
+    if any(name in group for group in coupled_groups(spec)) or not still or soft_met(spec, name):
         return motion
     return digest_of(liquid_slice(spec, name, solids), spec.simulation.frames)
 

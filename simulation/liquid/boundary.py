@@ -1,9 +1,4 @@
-"""Samples that stand for sheets and deforming bodies in a particle liquid (Akinci et al. 2012); rigid solids are `solid_samples`.
-
-Liquid keeps some distance from samples, so those of closed bodies lie inside the surface: the liquid then ends at the surface
-itself, and a body displaces its own volume. In parts thinner than twice that depth they lie in the middle, and the body displaces as if it were
-that thick. Sheets carry their samples on themselves.
-"""
+"""Samples that stand for sheets in a particle liquid (Akinci et al. 2012), on the sheets themselves; solids are `solid_samples`."""
 
 from __future__ import annotations
 
@@ -11,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.launch import launch, warp
 from ...worlds.arrays import F64, I32
 from ...worlds.built import TriangleMesh
 
@@ -19,12 +13,8 @@ __all__ = ["Sampled", "sample_surface"]
 
 DISTANCE = 0.55
 """Least distance of samples in spacings: with 0.8, particles passed between them under a quarter of a metre of water."""
-LAYERS = 2
-"""Layers of samples, a spacing apart: one alone would let particles through under pressure."""
 CANDIDATES = 6.0
 """Candidates per square of the least distance."""
-INSET = 0.55
-"""Depth of the samples of closed bodies in spacings, by measurement: the liquid then ends at their surface."""
 PLANE_SHARE = 0.711
 """Measured on a large plane: the volumes of its samples then sum to area times spacing, as those of a lattice plane do (0.7006)."""
 
@@ -47,7 +37,6 @@ def sample_surface(
     mesh: TriangleMesh,
     spacing: float,
     *,
-    closed: bool = True,
     seed: int = 0,
     lower: F64 | None = None,
     upper: F64 | None = None,
@@ -55,9 +44,8 @@ def sample_surface(
     """Sample a surface evenly at about one spacing, equal seeds alike.
 
     Args:
-        mesh: the surface; outward faces where `closed`.
+        mesh: the surface.
         spacing: distance of liquid particles [m].
-        closed: whether it bounds a solid; else a sheet, wet from both sides.
         seed: of the candidates.
         lower: only the part above this corner, in the mesh's frame.
         upper: and below this one.
@@ -70,14 +58,8 @@ def sample_surface(
     rng = np.random.default_rng(seed)
     face, weights = _candidates(corners, face, spacing, rng, lower, upper)
     surface = np.einsum("nk,nkd->nd", weights, corners[face])
-    layers = []
-    for layer in range(LAYERS if closed and len(surface) else 1):
-        keep, point = np.arange(len(surface), dtype=np.int32), surface
-        if closed and len(surface):
-            point, keep = _inset(mesh, surface, corners[face], spacing, layer)
-        chosen = keep[_thinned(point[keep], DISTANCE * spacing)]
-        layers.append((point[chosen], _volumes(point[chosen], spacing), face[chosen].astype(np.int32), weights[chosen]))
-    return Sampled(*(np.concatenate(column) for column in zip(*layers, strict=True)))
+    chosen = _thinned(surface, DISTANCE * spacing)
+    return Sampled(surface[chosen], _volumes(surface[chosen], spacing), face[chosen].astype(np.int32), weights[chosen])
 
 
 def _candidates(
@@ -128,30 +110,6 @@ def _in_box(corner: F64, face: int, spacing: float, rng: np.random.Generator, lo
     point = weights @ corner
     inside = (weights >= 0).all(axis=1) & ((point >= lower) & (point <= upper)).all(axis=1)
     return np.full(int(inside.sum()), face, dtype=np.int32), weights[inside]
-
-
-def _inset(mesh: TriangleMesh, point: F64, corner: F64, spacing: float, layer: int) -> tuple[F64, I32]:
-    """Points moved inward, and which of them to keep; only the first layer is put into parts too thin for it."""
-    from .boundary_queries import inset
-
-    wp = warp()
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    middle = point.mean(axis=0)
-    surface = wp.Mesh(
-        points=wp.array((mesh.vertices - middle).astype(np.float32), dtype=wp.vec3, device="cpu"),
-        indices=wp.array(np.ascontiguousarray(mesh.faces).ravel().astype(np.int32), dtype=wp.int32, device="cpu"),
-    )
-    moved = wp.zeros(len(point), dtype=wp.vec3, device="cpu")
-    inside = wp.zeros(len(point), dtype=wp.float32, device="cpu")
-    kept = wp.zeros(len(point), dtype=wp.int32, device="cpu")
-    points, normals = (
-        wp.array(np.ascontiguousarray(a, dtype=np.float32), dtype=wp.vec3, device="cpu") for a in (point - middle, normal)
-    )
-    depth = (INSET + layer) * spacing
-    launch(inset, len(point), [surface.id, points, normals, depth, 2.0 * depth, moved, inside, kept], device="cpu")
-    good = (kept.numpy() > 0) & ((layer == 0) | (inside.numpy() > depth - 0.5 * spacing))
-    return point - inside.numpy()[:, None] * normal, np.flatnonzero(good).astype(np.int32)
 
 
 def _thinned(point: F64, distance: float) -> I32:

@@ -14,6 +14,7 @@ from ...worlds.arrays import F64, I32, pose_of, rotation_matrix
 from ...worlds.built import BuiltEntity
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
+from ...worlds.instances import soft_met
 from ...worlds.liquids import domain_box, spacing_of
 from ...worlds.provenance import DOMAIN_MARGIN
 from ...worlds.waves import sea_of, waves_of
@@ -55,10 +56,11 @@ def build_scene(
     spacing = spacing_of(spec, name)
     low, high = domain_box(instance)
     friction = float(getattr(instance.settings, "wall_friction", 0.0))
-    surround = surround_of(spec, built, (low, high), MARGIN * spacing, friction=friction)
+    surround = surround_of(spec, built, (low, high), MARGIN * spacing, friction=friction, soft=soft_met(spec, name))
+    closed_soft = [(row, surround.boundaries[row].mesh) for row in surround.soft if surround.boundaries[row].closed]
     solids = [
         PlacedSolid(surround.boundaries[row].name, Solid.from_mesh(mesh, closed=True), surround.start[row])
-        for row, mesh in surround.parts
+        for row, mesh in (*surround.parts, *closed_soft)
     ]
     position, velocity, fluid, volume = _particles(spec, built, instance, solids, spacing)
     setup = LiquidSetup(

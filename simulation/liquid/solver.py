@@ -109,7 +109,8 @@ class SolverLiquid(SolverPartner):
         """One step of at most `limit` seconds from `time`, counted into the frame."""
         if self.held(time):
             none = np.zeros((len(self.surround.boundaries), 6))
-            report = StepReport(limit, none, none, {}, {}, (0, 0), 0, (0.0, 0.0))
+            still = {row: np.zeros((len(s.mass), 3)) for row, s in self.surround.soft.items()}
+            report = StepReport(limit, none, none, {}, {}, (0, 0), 0, (0.0, 0.0), vertex_impulse=still)
         else:
             allowed = self.max_stable_dt()
             parts = max(1, math.ceil(limit / allowed - 1e-6))

@@ -233,7 +233,7 @@ class SoftSurfaces:
     def unpack(self, found: dict[str, Any]) -> None:
         """Go on from such a state."""
         self._last = {
-            row: _Last(*(found[f"soft{row}_{n}"] for n in ("speed", "force")), float(found[f"soft{row}_seconds"]))
+            row: _Last(found[f"soft{row}_speed"], found[f"soft{row}_force"], float(found[f"soft{row}_seconds"]))
             for row in self.rows
             if f"soft{row}_speed" in found
         }

@@ -34,7 +34,7 @@ def pack(engine: Dfsph) -> bytes:
         "layers": np.array(engine.layers, dtype=np.int64),
         "format": np.int64(FORMAT),
     }
-    np.savez(out, **engine.store.columns(), **counters, **engine.coupling.soft.pack())
+    np.savez(out, **engine.store.columns(), **{**counters, **engine.coupling.soft.pack()})
     return out.getvalue()
 
 

@@ -30,6 +30,12 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
                 "effect": "no wake, no lift of a whole sail or flag beyond what single faces feel",
             }
         )
+        found.append(
+            {
+                "what": f"sheets of {name!r} that may meet something are damped, if by no more, by 1.5 % of what ends their fastest swing",
+                "effect": "swings between neighbouring vertices fade within some tens of swings, slower ones in proportion less",
+            }
+        )
         found += _grains(spec, name)
         settings = instance.settings
         if settings.integrator == "implicit":

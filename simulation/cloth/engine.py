@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,9 @@ BREATH = 1e-3
 
 SAFE = 0.9
 """Share of the longest stable step that is taken: a sheet is stiffer where it is bent or squeezed."""
+DAMPED = 0.03
+"""Least damping of a sheet that may meet something, times its highest frequency: contacts in folds feed its highest swings, whose steps
+are near the limit. Measured: without, a sheet thrown down gained three times the energy that was left."""
 QUICK = 0.2
 """Share of what vertices may move between two searches for contacts that one may move in a step."""
 CATCH = 0.3
@@ -47,6 +51,10 @@ class Cloth:
     """
 
     def __init__(self, setup: ClothSetup) -> None:
+        highest = [highest_frequency(s) for s in setup.sheets]
+        if setup.self_collision or any(len(b.mesh.faces) for b in setup.boundaries):
+            sheets = tuple(s.damped(DAMPED / f) for s, f in zip(setup.sheets, highest, strict=True))
+            setup = replace(setup, sheets=sheets)
         self.setup = setup
         self.device = chosen_device(setup.device)
         self.passes = Passes(self.device)
@@ -62,7 +70,7 @@ class Cloth:
         self._lay(setup, hinges)
         self._hold(setup)
         beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
-        self.longest = min(SAFE * min(longest_step(highest_frequency(s), beta) for s in setup.sheets), setup.max_step)
+        self.longest = min(SAFE * min(longest_step(f, beta) for f in highest), setup.max_step)
         self._clock_bodies()
         self.contacts = self._make_contacts(setup)
         self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,6 +69,12 @@ class Sheet:
     """(n,) [kg]."""
     kin: I32 | None = None
     """(n,): the same number, below n, for vertices that were one before a tear; None: each is its own."""
+
+    def damped(self, least: float) -> Sheet:
+        """The same with a damping of `least` [s] where it has less."""
+        modulus, law = self.modulus.copy(), self.hinge_law.copy()
+        modulus[:, 3], law[:, 2] = np.maximum(modulus[:, 3], least), np.maximum(law[:, 2], least)
+        return replace(self, modulus=modulus, hinge_law=law)
 
 
 def adjacency(items: I32, count: int) -> Adjacency:

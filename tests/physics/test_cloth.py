@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
+from worldagent.bench.cloth_scene import nothing, thrown
 from worldagent.geometry import pierced
 from worldagent.simulation.cloth.energy import bending_energy, membrane_energy
 from worldagent.simulation.cloth.mesh import sheet_of
@@ -157,6 +158,22 @@ def test_a_falling_sheet_crumples_without_a_crossing() -> None:
         assert x[:, 2].min() > 0.0
     assert x[:, 2].max() < 0.7 * size
     assert flat.mass @ v == pytest.approx(start + given, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_thrown_sheet_gains_no_energy_in_its_folds() -> None:
+    """Law: 40 x 40 vertices without damping only lose energy, frame by frame, and nearly all of it as they come to lie."""
+    running = thrown(40)
+    bodies, own, time, energies = nothing(running.setup.boundaries), running.setup.sheets[0], 0.0, []
+    for k in range(18):
+        while time < (k + 1) / 24 - 1e-9:
+            time += running.step((k + 1) / 24 - time, bodies, time).dt
+        x, v = running.vertices()
+        kinetic = 0.5 * running.mass @ (v**2).sum(1)
+        energies.append(kinetic + G * running.mass @ x[:, 2] + membrane_energy(own, x) + bending_energy(own, x))
+        assert len(pierced(x, own.edges, own.faces)) == 0
+    assert (np.diff(energies) < 1e-3 * energies[0]).all()
+    assert energies[-1] < 0.1 * energies[0]
 
 
 def test_friction_holds_a_sheet_on_a_slope_or_lets_it_slide() -> None:

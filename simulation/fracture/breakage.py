@@ -10,6 +10,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
 from ...worlds.arrays import F64
 from ...worlds.bonds import WORLD, components
@@ -30,9 +31,9 @@ __all__ = ["Breakage", "Fate"]
 TOGETHER = 0.6
 """Bonds of the two pieces at the worst bond that are loaded to this share of it break with it. A load that grows breaks bonds
 one after the other, and what it does to the others depends on those that broke; so the load of all others is found anew."""
-CHANGE = (0.005, 0.1)
-"""Change of the loads, in parts of those last solved for, that asks for a new solution: the first where a bond is about to
-break, plus the second times what is left to its strength."""
+CHANGE = (0.005, 0.1, 0.5)
+"""Change of a load, in parts of the largest one last solved for, that asks for a new solution: the first where a bond is about to
+break, plus the second times what loads must grow by until one does, at most the third."""
 FAINT = 1e-9
 """Loads below this share of a cluster's weight are none."""
 FAINT_CAUSE = 1e-3
@@ -78,6 +79,8 @@ class _Body:
     solved: dict[str, tuple[F64, float]] = field(default_factory=dict)
     """Per cluster the loads last solved for, both kinds side by side, and the largest ratio found."""
     clusters: list[Cluster] = field(default_factory=list)
+    bonded: list[Cluster] = field(default_factory=list)
+    """Those of them that have bonds."""
 
 
 @dataclass
@@ -143,6 +146,8 @@ class Breakage:
         counts = [len(b.whole) for b in self._bodies]
         self._first_bond = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
         self._first_piece = np.concatenate([[0], np.cumsum([len(b.mass) for b in self._bodies])]).astype(np.int64)
+        # Its threads would spin between the small products here for longer than they work in them.
+        self._blas = ThreadpoolController().select(user_api="blas")
         self.energy = 0.0
         """Elastic energy of the bonds that broke since frame 0, or their toughness where that is more [J]."""
         self.begin()
@@ -174,6 +179,7 @@ class Breakage:
             body.partner[:] = -1
             entity = body.built.entity
             body.clusters = clusters_of(body.built, body.whole)
+            body.bonded = [c for c in body.clusters if c.fixed or len(c.pieces) > 1]
             self._ids.append({c.name: model.body(c.name).id for c in body.clusters})
             row = {b.name: k for k, b in enumerate(body.built.bodies)}
             bonded = np.zeros(len(body.mass), dtype=bool)
@@ -250,6 +256,10 @@ class Breakage:
         another body strikes, `FEW_RETAKES` times where loose pieces push others off, through faces that crumble. What breaks after
         that goes apart at the step's end.
         """
+        with self._blas.limit(limits=1):
+            return self._watch(data, time, dt, still, retakes, others)
+
+    def _watch(self, data: Any, time: float, dt: float, still: frozenset[str], retakes: int, others: F64 | None) -> Fate:
         pushed = self._with_partners(self._contacts(data), others, data)
         apart, struck = False, False
         known = [(b.load, b.lasting, b.cause) for b in self._bodies]
@@ -264,7 +274,7 @@ class Breakage:
             if body.built.entity in still:
                 continue
             # Every cluster is judged, whatever became of the others.
-            for cluster in body.clusters:
+            for cluster in body.bonded:
                 if self._judge(index, cluster, data, time):
                     apart, struck = True, struck or self._struck(body, cluster)
         again = apart and retakes < (MOST_RETAKES if struck else FEW_RETAKES)
@@ -405,8 +415,10 @@ class Breakage:
         loads = np.concatenate([lasting, body.load[pieces] - lasting], axis=1)
         known = body.solved.get(cluster.name)
         if known is not None:
-            least = FAINT * cluster.mass * max(float(np.linalg.norm(self.gravity)), 1.0)
-            allowed = CHANGE[0] + CHANGE[1] * max(0.0, 1.0 - known[1])
+            # Its own weight loads what the world holds.
+            weight = cluster.mass * max(float(np.linalg.norm(self.gravity)), 1.0)
+            least = weight / len(pieces) if cluster.fixed else FAINT * weight
+            allowed = min(CHANGE[0] + CHANGE[1] * (1.0 / max(known[1], 1e-9) - 1.0), CHANGE[2])
             scale = max(float(np.abs(known[0]).max(initial=0.0)), least)
             if float(np.abs(loads - known[0]).max(initial=0.0)) <= allowed * scale:
                 return False

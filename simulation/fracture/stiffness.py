@@ -136,7 +136,7 @@ class Stiffness:
         for k, bond in enumerate(bonds.tolist()):
             columns[index[k], 6 * k : 6 * k + 6] = self._network.rooted[bond].T
         assert self._solve is not None
-        found = np.stack([self._solve(column) for column in columns[:-6].T], axis=1)
+        found = self._solve(columns[:-6])
         self._answers = np.concatenate([self._answers, found], axis=1)
         self._capacity = np.asarray(np.linalg.inv(np.eye(self._answers.shape[1]) - self._over(self._answers)), dtype=np.float64)
 

@@ -22,7 +22,7 @@ from ...worlds.spec import (
     WeldJoint,
     WorldSpec,
 )
-from ..fracture.clusters import clusters_of
+from ..fracture.clusters import clusters_of, elimination
 from .flex import SOLIMP, FlexBody, is_soft
 from .holds import FIXED, MOVING
 
@@ -269,7 +269,10 @@ class ModelBuilder:
             parts.setdefault(made.body, []).append(made)
         clusters = clusters_of(built, self.whole.get(name, np.ones(len(built.bonds or ()), dtype=bool)))
         places = base.apply(np.array([c.center for c in clusters]))
-        for cluster, place in zip(clusters, places, strict=True):
+        # The engine eliminates the last degrees of freedom first.
+        fixed = [k for k, c in enumerate(clusters) if c.fixed]
+        for index in (*fixed, *reversed(elimination(built, clusters))):
+            cluster, place = clusters[index], places[index]
             pose = RigidPose(place, base.quaternion)
             body = self.out.worldbody.add_body(name=cluster.name, pos=pose.position, quat=pose.quaternion)
             if not cluster.fixed:

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .crumbling import scale_rows
 from .sides import sides_of
 
 if TYPE_CHECKING:
@@ -56,8 +57,8 @@ MORE_PASSES = 8
 """The same in steps of few contacts: for a ball the error falls by 3.5 mu^2 / (1 + 3.5 mu^2) only, 0.56 at friction 0.6."""
 FEW_CONTACTS = 40
 CROWD = 200
-FEW_PASSES = 2
-"""The same in steps of more than `CROWD` contacts of debris, where a solution takes tens of milliseconds."""
+FEW_PASSES = 1
+"""The same in steps of more than `CROWD` contacts of debris, where a solution takes milliseconds."""
 SLIP_SPEED = 0.05
 """[m/s] Slower impacts are solved once: what they set sliding hops by mu^2 / 2 g of this squared at most, 30 micrometres."""
 SLIP_TOLERANCE = 0.01
@@ -94,6 +95,8 @@ class ContactLaw:
         self.mj, self.model = mujoco, model
         self.restitution, self.colliders = restitution, colliders
         self.kin = kin
+        self._weak: Weak | None = None
+        self._found = False
         self.count = int(colliders.max(initial=0)) + 1
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
         self._passes = 0 if model.nflex else SLIP_PASSES
@@ -119,6 +122,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
+        self._weak, self._found = None, False
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
@@ -130,21 +134,36 @@ class ContactLaw:
                 return
         speed = data.efc_vel[rows]
         hit = speed < -slowest
-        crumbling = None if self.kin is None else self.kin.crumbling(data, contact.geom[live], rows, dt)
+        kin = self.kin
+        weak = None if kin is None else kin.crumbling(data, contact.geom[live], contact.pos[live], rows, dt)
+        self._weak = weak
         friction, sizes = contact.friction[live], contact.dim[live]
         if hit.any():
-            self._meet(data, sides_of(self.model, contact)[live], rows, hit, friction, sizes, dt, crumbling)
+            self._found = self._meet(data, sides_of(self.model, contact)[live], rows, hit, friction, sizes, dt, weak)
             return
         data.efc_aref[rows] -= self._lift(rows, friction, sizes, data.efc_aref)
-        if crumbling is not None and self.kin is not None and self.kin.pressed:
-            self._solve(data)
-            self.kin.crumble(data, crumbling, first=True)
+        if weak is not None and kin is not None:
+            if kin.fresh:
+                self._try(data)
+                self._found = not kin.crumble(data, weak, np.ones(len(weak.rows), dtype=bool))
+            else:
+                kin.recall(data, weak)
 
-    def _solve(self, data: Any) -> None:
-        """Find the forces of this step; the next solution starts from them."""
+    def solve(self, data: Any) -> None:
+        """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
+        if not self._found:
+            self._forward(data)
+        if self.kin is not None and self._weak is not None:
+            self.kin.remember(data, self._weak)
+
+    def _forward(self, data: Any) -> None:
         self.mj.mj_fwdActuation(self.model, data)
         self.mj.mj_fwdAcceleration(self.model, data)
         self.mj.mj_fwdConstraint(self.model, data)
+
+    def _try(self, data: Any) -> None:
+        """Find the forces of this step; the next solution starts from them."""
+        self._forward(data)
         data.qacc_warmstart[:] = data.qacc
 
     def _meet(
@@ -156,29 +175,33 @@ class ContactLaw:
         friction: F64,
         sizes: NDArray[np.int32],
         dt: float,
-        crumbling: Weak | None,
-    ) -> None:
-        """Write what contacts are solved for in a step with impacts, those of which are `hit`."""
+        weak: Weak | None,
+    ) -> bool:
+        """Write what contacts are solved for in a step with impacts, those of which are `hit`; whether the forces are found."""
         speed = data.efc_vel[rows]
         own = data.efc_aref[rows]
-        closing = speed[hit] if crumbling is None else np.minimum(speed[hit] + crumbling.slack[hit], 0.0)
+        closing = speed[hit] if weak is None else np.minimum(speed[hit] + weak.slack[hit], 0.0)
         own[hit] = -(1.0 + self.restitution_of(sides[hit])) * closing / dt
         self._harden(data, rows[hit], sizes[hit])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)
         swung = np.zeros(len(rows), dtype=bool)
         fastest = float(-speed.min())
-        passes = self._passes
-        if self.kin is not None:
+        passes, kin = self._passes, self.kin
+        if kin is not None:
+            if weak is not None:
+                kin.recall(data, weak)
             passes = MORE_PASSES if len(rows) <= FEW_CONTACTS else FEW_PASSES if len(rows) > CROWD else SLIP_PASSES
-        for k in range(passes if fastest > SLIP_SPEED else 0):
+        near = self._near(data, rows, rows[hit])
+        for _ in range(passes if fastest > SLIP_SPEED else 0):
             data.efc_aref[rows] = own - lift
-            self._solve(data)
-            crumbled = crumbling is not None and self.kin is not None and self.kin.crumble(data, crumbling, first=k == 0)
+            self._try(data)
+            crumbled = weak is not None and kin is not None and kin.crumble(data, weak, self._near(data, weak.rows, rows[hit]))
             self.mj.mj_mulJacVec(self.model, data, acceleration, data.qacc)
             found = self._lift(rows, friction, sizes, acceleration - data.efc_aref)
             loose = data.efc_state[rows] != _CONE
             found[loose] = 0.0
+            found = np.where(near, found, lift)
             # A lift that took a closing contact all its force is too large: without the halving the passes would swing
             # between that and none, and the last one lets a grazing corner through.
             swung |= loose & hit & (lift > 0.0)
@@ -186,8 +209,17 @@ class ContactLaw:
             change = float(np.abs(found - lift).max())
             lift = found
             if change * dt < SLIP_TOLERANCE * fastest and not crumbled:
+                if kin is not None:
+                    return True
                 break
         data.efc_aref[rows] = own - lift
+        return False
+
+    def _near(self, data: Any, rows: NDArray[np.int32], hit: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Which contacts, at `rows`, feel those at `hit` within the step; the others go on as in steps without impacts."""
+        if self.kin is None or data.nisland < 2:
+            return np.ones(len(rows), dtype=bool)
+        return np.asarray(np.isin(data.efc_island[rows], data.efc_island[hit]))
 
     def _lift(self, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], tangential: F64) -> F64:
         """Friction coefficient times slip / dt [m/s^2] of contacts at `rows`, from accelerations per constraint row."""
@@ -201,21 +233,12 @@ class ContactLaw:
 
     def _harden(self, data: Any, rows: NDArray[np.int32], sizes: NDArray[np.int32]) -> None:
         for k in range(int(sizes.max())):
-            part = rows[sizes > k] + k
-            data.efc_R[part] *= HARDER
-            data.efc_D[part] /= HARDER
-            if data.nisland:
-                # The solver works on copies sorted by island.
-                inner = data.map_efc2iefc[part]
-                data.iefc_R[inner] *= HARDER
-                data.iefc_D[inner] /= HARDER
+            scale_rows(data, rows[sizes > k] + k, HARDER)
 
 
 def set_contact_law(rigid: RigidModel, steps: float, dt: float) -> None:
     """Write step and contact, limit and equality stiffness for a time step `dt` [s]."""
     model = rigid.model
-    if rigid.law.kin is not None:
-        rigid.law.kin.pressed = False
     model.opt.timestep = dt
     k, b = contact_reference(steps, dt)
     for target in (model.geom_solref, model.pair_solref, model.flex_solref):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
     from ...worlds.spec import WorldSpec
 
-__all__ = ["Crumbling", "Weak", "make_crumbling"]
+__all__ = ["Crumbling", "Weak", "make_crumbling", "scale_rows"]
 
 OUT_SPEED = 0.1
 """[m/s] Fast debris of a coarse step may lie deep in what it hit; it is pushed out no faster than this."""
@@ -40,18 +40,38 @@ EXCESS = 1.2
 """A contact may carry so many times what it can before it is solved again."""
 STIFFNESS_OF_STEP = 32.0
 """How much a contact's softness must grow before it matters: d / (1 - d) of the constant impedance."""
+SOFTEST = 1e6
+"""A contact grows softer by no more than this: what is that soft carries nothing."""
+HARDENING = 0.7
+"""A contact that carries less than it can becomes harder by no more than this per step, or its force alternates from step to step."""
+HARD = 2.0
+"""Softness below which a contact is as hard as others."""
 
 
 class Weak(NamedTuple):
-    """Contacts of a step among pieces that shared a face."""
+    """Contacts of a step among pieces that shared a face: n in the step, w of them at faces that crumble."""
 
     rows: NDArray[np.int32]
-    """Normal rows of those whose faces crumble, among the constraints."""
+    """Normal rows of those whose faces crumble, among the constraints, shape (w,)."""
     limit: F64
-    """Most that each of them carries [N]."""
+    """Most that each of them carries [N], shape (w,)."""
+    pair: NDArray[np.int64]
+    """The two pieces of each, as first * count + second, shape (w,)."""
+    point: F64
+    """[m], shape (w, 3)."""
+    soft: F64
+    """How many times softer than other contacts each is by now, shape (w,); written in place."""
     slack: F64
     """How fast each contact of the step may close [m/s], shape (n,): what would have crumbled altogether within the step meets as
     all bodies, but only after as much as is left to crumble."""
+
+
+class _Soft(NamedTuple):
+    """Contacts that crumbled in the step before, sorted by pair."""
+
+    pair: NDArray[np.int64]
+    point: F64
+    soft: F64
 
 
 class Crumbling:
@@ -80,20 +100,20 @@ class Crumbling:
         self.overlap = overlap
         self.piece, self.body, self.shared, self.count = piece, body, shared, count
         self.distance, self.force = distance, force
-        self.pressed = False
-        """Whether contacts of the step before carried all they can."""
+        self._known: _Soft | None = None
 
     def overlap_of(self, geoms: Any) -> F64:
         """How deep pairs of geoms, shape (n, 2), may lie in one another [m], shape (n,)."""
         first, second = self.body[geoms[:, 0]], self.body[geoms[:, 1]]
         return np.asarray(np.where((first >= 0) & (first == second), self.overlap[np.maximum(first, 0)], 0.0))
 
-    def crumbling(self, data: Any, geoms: Any, rows: NDArray[np.int32], dt: float) -> Weak | None:
+    def crumbling(self, data: Any, geoms: Any, points: F64, rows: NDArray[np.int32], dt: float) -> Weak | None:
         """Keep contacts among pieces from bursting; those whose faces crumble, None where there are none.
 
         Args:
             data: state after `mj_step1`.
             geoms: of the contacts, shape (n, 2).
+            points: where they are [m], shape (n, 3).
             rows: their normal rows, shape (n,).
             dt: time step [s].
         """
@@ -124,7 +144,7 @@ class Crumbling:
             return None
         slack = np.zeros(len(rows))
         slack[own] = np.where(kin & ~weak, left / dt, 0.0)
-        return Weak(at[weak], self.force[body[weak]], slack)
+        return Weak(at[weak], self.force[body[weak]], key[weak], points[own[weak]], np.ones(int(weak.sum())), slack)
 
     def _calm(self, data: Any, rows: NDArray[np.int32]) -> None:
         """Let depth come out of contacts of pieces no faster than `OUT_SPEED`."""
@@ -133,34 +153,82 @@ class Crumbling:
         most = OUT_SPEED * data.efc_KBIP[rows, 1] / stiffness
         data.efc_aref[rows] += stiffness * np.minimum(depth + most, 0.0)
 
-    def crumble(self, data: Any, weak: Weak, *, first: bool) -> bool:
+    def crumble(self, data: Any, weak: Weak, felt: NDArray[np.bool_]) -> bool:
         """Soften contacts that carry more than they can; whether there were any, so that the step is to be solved again.
 
         Args:
             data: state with the forces of the step.
             weak: what `crumbling` found.
-            first: whether these forces are the first found in this step.
+            felt: which of them to look at, shape (w,).
         """
-        if not len(weak.rows):
-            self.pressed &= not first
-            return False
         force = data.efc_force[weak.rows]
-        over = force > EXCESS * weak.limit
-        if first:
-            self.pressed = bool(over.any())
+        over = felt & (force > EXCESS * weak.limit)
         if not over.any():
             return False
-        grown = force[over] / weak.limit[over] * (STIFFNESS_OF_STEP if first else 1.0)
-        for row in range(3):
-            part = weak.rows[over] + row
-            data.efc_R[part] *= grown
-            data.efc_D[part] /= grown
-            if data.nisland:
-                # The solver works on copies sorted by island.
-                inner = data.map_efc2iefc[part]
-                data.iefc_R[inner] *= grown
-                data.iefc_D[inner] /= grown
+        grown = force[over] / weak.limit[over] * np.where(weak.soft[over] > 1.0, 1.0, STIFFNESS_OF_STEP)
+        weak.soft[over] *= grown
+        _soften(data, weak.rows[over], grown)
         return True
+
+    # ------------------------------------------------------------------ from step to step
+
+    @property
+    def fresh(self) -> bool:
+        """Whether nothing is known of the step before."""
+        return self._known is None
+
+    def forget(self) -> None:
+        """A frame starts: what crumbled is no part of a checkpoint."""
+        self._known = None
+
+    def take_over(self, other: Crumbling) -> None:
+        """Go on after the model before, whose pieces are the same."""
+        self._known = other._known
+
+    def recall(self, data: Any, weak: Weak) -> None:
+        """Start a step with contacts as soft as they were: those nearest to the ones that crumbled, pair by pair."""
+        known = self._known
+        if known is None or not len(known.pair) or not len(weak.rows):
+            return
+        order = np.argsort(weak.pair, kind="stable")
+        pairs = weak.pair[order]
+        low, high = np.searchsorted(pairs, known.pair, "left"), np.searchsorted(pairs, known.pair, "right")
+        nearest, least = np.full(len(low), -1), np.full(len(low), np.inf)
+        for k in range(int((high - low).max())):
+            at = order[np.minimum(low + k, len(order) - 1)]
+            far = np.where(low + k < high, np.linalg.norm(weak.point[at] - known.point, axis=1), np.inf)
+            nearest, least = np.where(far < least, at, nearest), np.minimum(far, least)
+        found = nearest >= 0
+        np.maximum.at(weak.soft, nearest[found], known.soft[found])
+        part = weak.soft > 1.0
+        _soften(data, weak.rows[part], weak.soft[part])
+
+    def remember(self, data: Any, weak: Weak) -> None:
+        """Keep how soft contacts are to be in the next step, by what they carry in this one."""
+        share = data.efc_force[weak.rows] / weak.limit
+        over = share > EXCESS
+        change = np.where(over, share, np.clip(share, HARDENING, 1.0))
+        soft = np.where(weak.soft > 1.0, weak.soft * change, np.where(over, STIFFNESS_OF_STEP * share, 1.0))
+        kept = np.flatnonzero(soft > HARD)
+        kept = kept[np.argsort(weak.pair[kept], kind="stable")]
+        self._known = _Soft(weak.pair[kept], weak.point[kept], np.minimum(soft[kept], SOFTEST))
+
+
+def scale_rows(data: Any, rows: NDArray[np.int32], factor: F64 | float) -> None:
+    """Make constraints at these rows so many times softer."""
+    data.efc_R[rows] *= factor
+    data.efc_D[rows] /= factor
+    if data.nisland:
+        # The solver works on copies sorted by island.
+        inner = data.map_efc2iefc[rows]
+        data.iefc_R[inner] *= factor
+        data.iefc_D[inner] /= factor
+
+
+def _soften(data: Any, rows: NDArray[np.int32], factor: F64) -> None:
+    """Make contacts at these normal rows so many times softer."""
+    for row in range(3):
+        scale_rows(data, rows + row, factor)
 
 
 def make_crumbling(

@@ -117,6 +117,8 @@ def carry_over(old: Parts, new: Parts, time: float) -> None:
     new.monitor.take_over(old.monitor, time)
     new.ledger.take_over(old.ledger)
     new.fields.impulse[:] = old.fields.impulse
+    if new.rigid.law.kin is not None and old.rigid.law.kin is not None:
+        new.rigid.law.kin.take_over(old.rigid.law.kin)
 
 
 def _clustered(parts: Parts) -> dict[int, int]:

@@ -222,7 +222,7 @@ class SolverRigid:
         """
         mujoco, model, data = self._mj, self.model, self.data
         first, watch_contacts, watch_sleep = mujoco.mj_step1, self.monitor.watch_contacts, self.monitor.watch_sleep
-        authored, contact_law = bool(self.drivers.kinematic), self.rigid.law.apply
+        authored, contact_law, solve = bool(self.drivers.kinematic), self.rigid.law.apply, self.rigid.law.solve
         gyration, ropes, watch = self.gyration.apply, self.drivers.has_ropes, self.ledger.watch
         fields = [f for f in (self.fields, None if self.flexes is None else self.flexes.fields) if f]
         held = self.drivers.held(start) if fields else frozenset()
@@ -248,9 +248,7 @@ class SolverRigid:
                 self.flexes.watch(data, dt)
             else:
                 # The stages of `mj_step2`, so that forces are read before the integration.
-                mujoco.mj_fwdActuation(model, data)
-                mujoco.mj_fwdAcceleration(model, data)
-                mujoco.mj_fwdConstraint(model, data)
+                solve(data)
                 mujoco.mj_checkAcc(model, data)
                 if breaks:
                     retakes = retakes if k == 0 else 0
@@ -345,6 +343,8 @@ class SolverRigid:
         if self.flexes is not None:
             self.flexes.begin()
         self.breakage.begin()
+        if self.rigid.law.kin is not None:
+            self.rigid.law.kin.forget()
         self.refined, self._taken = level, 0
         self.time = self.frame * self._frame_time
         self._before = None

@@ -86,30 +86,26 @@ class BondNetwork:
         motion[:, :3, 6:9], motion[:, 3:, 9:] = axes, axes
         motion[:, :3, 9:] = -axes @ _cross(bonds.point - centers[other])
         motion[held, :, 6:] = 0.0
-        self.motion = motion
-        """Relative motion over each face from the motions of its two pieces, shape (b, 6, 12)."""
         self.rooted: F64 = np.sqrt(self.stiffness)[:, :, None] * motion
         """The same times the roots of the stiffness, shape (b, 6, 12)."""
         self.blocks: F64 = self.rooted.transpose(0, 2, 1) @ self.rooted
         """Stiffness of each bond between its two pieces, shape (b, 12, 12)."""
-        self.reach = np.linalg.norm(bonds.corners, axis=2).max(axis=1)
-        """Farthest corner from the centroid [m], shape (b,)."""
+        # Stress at the corners per bending moment.
+        corners = [bonds.corners[:, :, 1] / bonds.second[:, :1], -bonds.corners[:, :, 0] / bonds.second[:, 1:]]
+        self._faces = Faces(
+            pieces=bonds.pieces,
+            motion=self.stiffness[:, :, None] * motion,
+            compliance=0.5 / self.stiffness,
+            area=bonds.area,
+            corners=np.stack(corners, axis=2),
+            reach=np.linalg.norm(bonds.corners, axis=2).max(axis=1) / bonds.second.sum(axis=1),
+            tension=bonds.factor * bond.tension,
+            shear=bonds.factor * bond.shear,
+        )
 
     def faces(self, rows: Any) -> Faces:
         """What is needed of some bonds to find what they carry."""
-        bonds, bond = self.bonds, self.bond
-        second = bonds.second[rows]
-        corners = np.stack([bonds.corners[rows, :, 1] / second[:, :1], -bonds.corners[rows, :, 0] / second[:, 1:]], axis=2)
-        return Faces(
-            pieces=bonds.pieces[rows],
-            motion=self.stiffness[rows, :, None] * self.motion[rows],
-            compliance=0.5 / self.stiffness[rows],
-            area=bonds.area[rows],
-            corners=corners,
-            reach=self.reach[rows] / second.sum(axis=1),
-            tension=bonds.factor[rows] * bond.tension,
-            shear=bonds.factor[rows] * bond.shear,
-        )
+        return Faces(*(values[rows] for values in self._faces))
 
     def carry(self, stiffness: Stiffness, loads: F64) -> F64:
         """What the bonds of a cluster carry under loads on its pieces: opening force, two sliding forces, twisting, two

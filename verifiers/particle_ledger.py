@@ -1,8 +1,9 @@
 """Numbers, mass, momentum and energy of particles, and whether the records are theirs (R65, R103).
 
 Momentum: its change over a frame is what gravity, fields and walls gave, less what left. Energy: kinetic, of spin, of height and
-stored in contacts (worked out here from the overlaps by Hertz's law), less the work of fields and of moving walls, never grows by
-more than `limits.energy_growth` of what is in play; contacts, friction and rolling only take from it.
+stored in contacts, less the work of fields and of moving walls, never grows by more than `limits.energy_growth` of what is in play;
+dashpots, friction and rolling only take from it. What contacts among grains store by their depth is worked out here from the overlaps by
+Hertz's law; what those with bodies store, and the springs that resist slip and rolling, no frame shows: they are as recorded.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ __all__ = ["Books", "Identity"]
 
 RECORDS = 1e-4
 """Relative: records are summed before positions and velocities are rounded to single precision."""
+HELD = 0.05
+"""Of what contacts among grains hold (and of 0.01 of the most): their depths are told by places rounded to single precision."""
 MOMENTUM = 1e-4
 """Of the momentum that came and went until then, or of what is there: single precision of the velocities in the cache."""
 
@@ -123,7 +126,7 @@ class Books:
 
     claims: ClassVar[Mapping[str, str]] = {
         "mass": "mass changes only by what comes, dies and leaves",
-        "records": f"recorded energies, momentum, mass and volume are those of the particles within {RECORDS:g}",
+        "records": f"recorded energies, momentum, mass and volume are those of the particles within {RECORDS:g}, contacts hold at least what their depths say",
         "momentum": f"momentum changes by what gravity, fields and walls give, within {MOMENTUM:g} of what was given",
         "energy": "mechanical energy less the work of fields and moving walls never grows by more than limits.energy_growth of what is in play",
     }
@@ -135,7 +138,7 @@ class Books:
         self.kinetic: list[float] = []
         self.turning: list[float] = []
         self.potential: list[float] = []
-        self.stored: list[float] = []
+        self.among: list[float] = []
         self.volume: list[float] = []
         self.given: list[F64] = []
         self.work: list[float] = []
@@ -151,7 +154,7 @@ class Books:
         self.kinetic.append(0.5 * float(now.mass @ (now.velocity**2).sum(axis=1)))
         self.turning.append(0.2 * float((now.mass * now.radius**2) @ (now.spin**2).sum(axis=1)))
         self.potential.append(-float(now.mass @ (now.position @ s.gravity)))
-        self.stored.append(stored_energy(s, now) if s.granular else 0.0)
+        self.among.append(stored_energy(s, now) if s.granular else 0.0)
         self.volume.append(float((4.0 / 3.0 * np.pi * now.radius**3).sum()))
         data = s.exchange(now.index)
         weight = 0.5 * (self.mass[-1] + self.mass[-2]) if before is not None else 0.0
@@ -222,6 +225,11 @@ class Books:
             **{f"momentum_{a}": (momentum[:, i], flow) for i, a in enumerate("xyz")},
         }  # fmt: skip
         off = {n: np.abs(s.record(n) - np.asarray(v)) / max(scale, 1e-30) for n, (v, scale) in own.items()}
+        if s.granular:
+            # Contacts with bodies add to those among grains; springs hold what they hold, but never less than nothing.
+            among = np.asarray(self.among)
+            short = np.maximum(among - s.record("contact_energy"), -s.record("spring_energy"))
+            off["contact_energy"] = RECORDS * np.maximum(short, 0.0) / (HELD * (among + 0.01 * among.max(initial=1e-12)))
         worst = max(off, key=lambda n: float(np.nan_to_num(off[n], nan=np.inf).max()))
         wrong = ~(off[worst] <= RECORDS)
         frame = int(np.argmax(wrong)) if wrong.any() else None
@@ -272,7 +280,8 @@ class Books:
         # What leaves takes its energy along: judged while nothing has.
         left = s.record("outflow_count") > 0
         last = int(np.argmax(left)) if left.any() else len(mass)
-        energy = (kinetic + potential + np.array(self.stored) - work)[:last]
+        stored, springs = np.maximum(self.among, s.record("contact_energy")), s.record("spring_energy")
+        energy = (kinetic + potential + stored + springs - work)[:last]
         weight = float(mass.max(initial=0.0)) * float(np.linalg.norm(s.gravity))
         scale = energy_scale(kinetic, potential, weight)
         bound = s.candidate.spec.simulation.limits.energy_growth
@@ -283,7 +292,10 @@ class Books:
         hints = (finer_step(s, "contacts put energy in: the step is too long"), baked_again()) if frame is not None else ()
         return Finding(
             "pass" if frame is None else "fail", text, growth / scale, bound, "1", frame=frame, hints=hints,
-            evidence={"growth_J": growth, "scale_J": scale, "stored_J": max(self.stored), "judged_frames": last},
+            evidence={
+                "growth_J": growth, "scale_J": scale, "stored_J": float(stored.max()), "springs_J": float(springs.max()),
+                "judged_frames": last,
+            },
         )  # fmt: skip
 
 

@@ -64,17 +64,17 @@ class Grains:
         for a, one in enumerate(setup.kinds):
             for b, two in enumerate(setup.kinds):
                 laws[a, b] = _row(setup.pairs.get((min(a, b), max(a, b))) or law_of(one, two))
-        self._laws = wp.array(laws, dtype=law_type, device=self.device)
-        self._rolls = int(any(k.rolling > 0 for k in setup.kinds))
+        self.laws = wp.array(laws, dtype=law_type, device=self.device)
+        self.rolls = int(any(k.rolling > 0 for k in setup.kinds))
         rows = np.zeros((max(len(setup.boundaries), 1), len(setup.kinds)), dtype=law_type.numpy_dtype())
         for b, boundary in enumerate(setup.boundaries):
             for k, kind in enumerate(setup.kinds):
                 rows[b, k] = _row(
                     setup.walls.get((b, k)) or wall_law(kind, max(boundary.friction, kind.friction), kind.restitution)
                 )
-        self._wall_laws = wp.array(rows, dtype=law_type, device=self.device)
+        self.wall_laws = wp.array(rows, dtype=law_type, device=self.device)
         self._densities = wp.array(self._density.astype(np.float32), dtype=wp.float32, device=self.device)
-        self._dt = wp.zeros(1, dtype=wp.float32, device=self.device)
+        self.dt = wp.zeros(1, dtype=wp.float32, device=self.device)
         self._clock = wp.zeros(1, dtype=self._clock_type, device=self.device)
         self.force, self.torque = (wp.zeros(capacity, dtype=wp.vec3d, device=self.device) for _ in range(2))
         parts = self.passes.parts(capacity)
@@ -172,7 +172,7 @@ class Grains:
             bound = max(self.speed, fastest) + 1e-2 * math.sqrt(9.81 * self.smallest)
             steps = max(1, math.ceil(remaining / self.stable_dt(bound) * (1 - 1e-9)))
             dt = remaining / steps
-            self._dt.fill_(dt)
+            self.dt.fill_(dt)
             if not self._fresh:
                 self._make_lists()
                 if not self.count:
@@ -199,19 +199,19 @@ class Grains:
         self._clock.assign(clock)
         unit, steps = float(self.unit), []
         contacts = [
-            now.state, now.count, now.near, now.spring, now.roll, now.row, now.stride, self._laws, self._densities, unit, self._dt,
-            self._clock, self._rolls, self.force, self.torque,
+            now.state, now.count, now.near, now.spring, now.roll, now.row, now.stride, self.laws, self._densities, unit, self.dt,
+            self._clock, self.rolls, self.force, self.torque,
         ]  # fmt: skip
         steps.append(run("forces", kernels.forces, n, contacts))
-        steps += self.walls.passes(run, now, self._wall_laws, self._densities, self.unit, self._dt, self._clock)
+        steps += self.walls.passes(run, now, self.wall_laws, self._densities, self.unit, self.dt, self._clock)
         p = now.pairs
         gravity = warp().vec3d(*map(float, self.setup.gravity))
         motion = [
             now.state, self.force, self.torque, now.wall_first, now.wall_count, now.at, p.force, p.torque, self._densities,
-            self._kept("gravity", gravity), unit, self._dt, self._clock, self._blows,
+            self._kept("gravity", gravity), unit, self.dt, self._clock, self._blows,
         ]  # fmt: skip
         steps.append(run("integrate", kernels.integrate, n, motion))
-        steps += self.walls.moves(run, now, self._dt, self._clock)
+        steps += self.walls.moves(run, now, self.dt, self._clock)
         steps.append(run.fold("census", kernels.census, n, [now.state, unit, self._clock, self._partial]))
         steps.append(run.close("close_census", kernels.close_census, n, [self._partial, self._result]))
         most = (USED * self.skin) ** 2
@@ -261,7 +261,7 @@ class Grains:
         while True:
             inputs = [
                 new.state, self._span, *grid, float(self.unit), self.skin, self._index, old.count, old.near, old.spring, old.roll,
-                old_row, old.stride, self._rolls, new.room, new.row, new.stride, new.count, new.near, new.spring, new.roll,
+                old_row, old.stride, self.rolls, new.room, new.row, new.stride, new.count, new.near, new.spring, new.roll,
             ]  # fmt: skip
             run("search", kernels.search, n, inputs)()
             most = self.greatest(new.count, n)

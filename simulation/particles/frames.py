@@ -14,6 +14,7 @@ from ...worlds.fields import Fields, fields_of
 from ..boundaries import BodyState
 from ..partner import SolverPartner, motion_records
 from ..protocol import Channel
+from .energy import Elastic
 
 if TYPE_CHECKING:
     from ...worlds.spec import ParticlePhysics
@@ -98,6 +99,10 @@ class FramedParticles(SolverPartner):
         found: ParticlePhysics = self.spec.entities[self.members[row]].physics  # type: ignore[assignment]
         return found
 
+    def elastic(self) -> Elastic:
+        """What contacts hold in the present state: nothing, where particles do not meet."""
+        return Elastic(0.0, 0.0)
+
     # ------------------------------------------------------------------ runs
 
     def start_frames(self) -> None:
@@ -107,7 +112,8 @@ class FramedParticles(SolverPartner):
 
     def open_ledger(self) -> dict[str, Any]:
         """Sums since frame 0."""
-        return {**dict.fromkeys(LEDGER, 0.0), "start_mass": float(self.columns()["mass"].sum())}
+        held = {"contact_energy": 0.0, "spring_energy": 0.0}
+        return {**dict.fromkeys(LEDGER, 0.0), **held, "start_mass": float(self.columns()["mass"].sum())}
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
@@ -157,6 +163,9 @@ class FramedParticles(SolverPartner):
     def measured(self) -> dict[str, Any]:
         """Channels and records of the frame that ends."""
         c, tally, ledger = self.columns(), self._tally, self._ledger
+        if tally["steps"] or self.frame == 0:
+            # Without a step, contacts hold what they held: a resumed run knows it by the ledger.
+            ledger["contact_energy"], ledger["spring_energy"] = self.elastic()
         order = np.argsort(c["identity"], kind="stable")
         c = {k: v[order] for k, v in c.items()}
         mass, squared = c["mass"], (c["velocity"] ** 2).sum(axis=1)

@@ -134,6 +134,7 @@ def carry(
         fresh.way[q, s] = wp.vec3(0.0, 0.0, 0.0)
         fresh.spring[q, s] = wp.vec3(0.0, 0.0, 0.0)
         fresh.roll[q, s] = wp.vec3(0.0, 0.0, 0.0)
+        fresh.depth[q, s] = 0.0
     fresh.force[q] = wp.vec3d()
     fresh.torque[q] = wp.vec3d()
     fresh.turn[q] = wp.vec3d()
@@ -148,6 +149,7 @@ def carry(
                     fresh.way[q, s] = old.way[e, s]
                     fresh.spring[q, s] = old.spring[e, s]
                     fresh.roll[q, s] = old.roll[e, s]
+                    fresh.depth[q, s] = old.depth[e, s]
 
 
 @wp.kernel

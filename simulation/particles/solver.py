@@ -9,6 +9,7 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.particles import sphere_drag
 from ..boundaries import BodyState, Surround
+from .energy import Elastic, elastic
 from .engine import Grains
 from .frames import FramedParticles, Taken
 from .scene import build_grains
@@ -93,6 +94,10 @@ class SolverGrains(FramedParticles):
     def columns(self) -> dict[str, Any]:
         """The present state."""
         return self.engine.columns()
+
+    def elastic(self) -> Elastic:
+        """What contacts hold."""
+        return elastic(self.engine)
 
     def pack(self) -> bytes:
         """State of the engine."""

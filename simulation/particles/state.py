@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["pack", "unpack"]
 
-FORMAT = 1
+FORMAT = 2
 KEPT = ("place", "left", "motion", "spin", "rest", "rest_spin", "identity")
 
 
@@ -29,6 +29,7 @@ def pack(engine: Grains) -> bytes:
     found: dict[str, Any] = {name: columns[name] for name in KEPT}
     grain, other, spring, roll = (np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros((0, 3)))
     pair, way, wall_spring, wall_roll = np.zeros((0, 2), np.int32), np.zeros((0, 4, 3)), np.zeros((0, 4, 3)), np.zeros((0, 4, 3))
+    depth = np.zeros((0, 4))
     if engine.listed and n:
         count = b.count[:n].numpy()
         rows = np.repeat(np.arange(n), count)
@@ -43,11 +44,11 @@ def pack(engine: Grains) -> bytes:
             p = b.pairs
             kept = np.abs(p.way[:m].numpy()).any(axis=(1, 2))
             pair = np.stack([p.grain[:m].numpy(), p.body[:m].numpy()], axis=1)[kept]
-            way, wall_spring, wall_roll = (x[:m].numpy()[kept] for x in (p.way, p.spring, p.roll))
+            way, wall_spring, wall_roll, depth = (x[:m].numpy()[kept] for x in (p.way, p.spring, p.roll, p.depth))
     out = io.BytesIO()
     np.savez(
         out, **found, grain=grain, other=other, spring=spring, roll=roll, pair=pair, way=way, wall_spring=wall_spring,
-        wall_roll=wall_roll, time=np.float64(engine.time), speed=np.float64(engine.speed), format=np.int64(FORMAT),
+        wall_roll=wall_roll, wall_depth=depth, time=np.float64(engine.time), speed=np.float64(engine.speed), format=np.int64(FORMAT),
     )  # fmt: skip
     return out.getvalue()
 
@@ -117,7 +118,8 @@ def _put_pairs(engine: Grains, found: dict[str, Any], n: int) -> None:
     b.at[:m].assign(order)
     b.pairs.grain[:m].assign(np.ascontiguousarray(found["pair"][:, 0]))
     b.pairs.body[:m].assign(np.ascontiguousarray(found["pair"][:, 1]))
-    for name, values in (("way", found["way"]), ("spring", found["wall_spring"]), ("roll", found["wall_roll"])):
+    kept = {"way": "way", "spring": "wall_spring", "roll": "wall_roll", "depth": "wall_depth"}
+    for name, values in ((n, found[k]) for n, k in kept.items()):
         getattr(b.pairs, name)[:m].assign(np.ascontiguousarray(values, dtype=np.float32))
     for name in ("given", "twisted"):
         getattr(b.pairs, name).zero_()

@@ -74,6 +74,8 @@ class Pairs:
     """Directions of the contacts at the last step; zero where there is none."""
     spring: wp.array2d(dtype=wp.vec3)
     roll: wp.array2d(dtype=wp.vec3)
+    depth: wp.array2d(dtype=wp.float32)
+    """Of the contacts at the last step [m]; 0 where there is none."""
     force: wp.array(dtype=wp.vec3d)
     """On the grain."""
     torque: wp.array(dtype=wp.vec3d)
@@ -301,6 +303,7 @@ def walls(
     for k in range(SLOT_COUNT):
         n = wp.vec3(0.0, 0.0, 0.0)
         pairs.face[q, k] = -1
+        pairs.depth[q, k] = 0.0
         if k < found.number:
             n = single(wp.quat_rotate(turned, row_of(found.normal, k)))
             arm = bodies.position[b] + wp.quat_rotate(turned, row_of(found.point, k)) - center
@@ -332,6 +335,7 @@ def walls(
             torque += double(wp.cross(n, one.force) * (-r) + one.couple)
             turn -= wp.cross(arm, given) + double(one.couple)
             pairs.face[q, k] = face
+            pairs.depth[q, k] = wp.float32(found.depth[k])
             pairs.load[q, k] = given
             pairs.spring[q, k] = one.spring
             pairs.roll[q, k] = one.roll

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.bench.grain_columns import BANDS, Column, collapse, front, planar_column
+from worldagent.bench.grain_columns import BANDS, Column, collapse, exponents, front, planar_column
 from worldagent.bench.grain_heaps import drain, heap, zhou
 from worldagent.bench.grain_scenes import SAND
 from worldagent.simulation.particles.setup import GrainSetup
@@ -29,7 +29,7 @@ REPOSE = 2.0
 @pytest.mark.slow
 @pytest.mark.parametrize("aspect", [0.5, 1.0])
 def test_a_column_in_a_channel_runs_as_far_as_measured_ones(aspect: float) -> None:
-    found = collapse(planar_column(25, aspect, "cpu", thick=6.0))
+    found = collapse(planar_column(25, aspect, "cpu"))
     assert found["lost"] == 0
     low, high = found["gate"]
     assert low <= found["run_out"] <= high, found
@@ -49,6 +49,19 @@ def test_bands_of_run_outs_hold_both_measurements() -> None:
     assert lajeunesse(4.0) == pytest.approx(4.0)
     assert [BANDS["planar"][0](a) for a in (1.0, 8.0)] == pytest.approx([1.2, 7.6])
     assert zhou(1e-3) == pytest.approx(29.6)
+
+
+def test_exponents_are_fitted_on_both_sides_of_the_change_of_the_law() -> None:
+    """Law: run-outs of a published fit give its exponents back; the wrong law, or one column alone, does not pass."""
+    lube = [{"case": "round", "aspect": a, "run_out": BANDS["round"][0](a)} for a in (0.5, 1.0, 2.0, 4.0, 8.0)]
+    small, large = exponents(lube)
+    assert (small["exponent"], large["exponent"]) == pytest.approx((1.0, 0.5))
+    assert (small["columns"], large["columns"], large["from"], large["to"]) == (2, 3, 2.0, 8.0)
+    assert small["within"]
+    assert large["within"]
+    far = [{"case": "planar", "aspect": a, "run_out": 2.0 * a**0.9} for a in (3.0, 4.0, 8.0)]
+    assert [f["within"] for f in exponents(far)] == [False]
+    assert exponents(far[:1]) == []
 
 
 @pytest.mark.parametrize("width", [0.0, 0.05])

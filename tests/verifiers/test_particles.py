@@ -137,6 +137,17 @@ def whirl(frame: int, data: dict[str, Any]) -> None:
         data["record/rotation_energy"] = np.float64(turning)
 
 
+def wind(frame: int, data: dict[str, Any]) -> None:
+    """Springs of contacts that hold more, late, than ever was there."""
+    if late(frame):
+        data["record/spring_energy"] = data["record/spring_energy"] + 20.0 * data["record/mass"]
+
+
+def slack(frame: int, data: dict[str, Any]) -> None:
+    if late(frame):
+        data["record/contact_energy"] = np.float64(0.0)
+
+
 def forge(frame: int, data: dict[str, Any]) -> None:
     data["exchange/impulse"] = data["exchange/impulse"] * 1.01
 
@@ -166,6 +177,8 @@ BREACHES = [
     (shove, {"momentum", "records"}),
     (cook, {"records"}),
     (whirl, {"energy"}),
+    (wind, {"energy"}),
+    (slack, {"records"}),
     (forge, {"exchange", "received"}),
     (hurry, {"speed"}),
     (swap, {"identity"}),

@@ -42,7 +42,7 @@ class Identity:
 
     claims: ClassVar[Mapping[str, str]] = {
         "identity": "every particle keeps its id, size and member; ids are not used twice",
-        "counts": "particles come only from emitters and go only by age, at surfaces or out of the domain",
+        "counts": "particles come only from emitters, as many as those are declared to let out, and go only by age, at surfaces or out of the domain",
         "domain": "no particle is outside the domain",
     }
 
@@ -109,16 +109,29 @@ class Identity:
         came, died, left = (s.record(f"{n}_count") for n in ("inflow", "died", "outflow"))
         expected = self.number[0] + came - died - left
         off = np.abs(np.array(self.number) - expected)
-        lost = s.record("lost")
-        off = np.maximum(off, lost)
+        off = np.maximum(off, s.record("lost"))
+        declared, emitters = self._declared()
+        off = np.maximum(off, np.maximum(np.abs(came - declared) - emitters, 0.0).round(6))
         frame = int(np.argmax(off > 0)) if (off > 0).any() else None
-        text = f"{self.number[0]} particles at first, {came[-1]:.0f} came, {died[-1]:.0f} died, {left[-1]:.0f} left the domain, {self.number[-1]} are there"
+        text = f"{self.number[0]} particles at first, {came[-1]:.0f} came of {declared[-1]:.0f} declared, {died[-1]:.0f} died, {left[-1]:.0f} left the domain, {self.number[-1]} are there"
         if frame is not None:
             text = f"{off[frame]:.0f} particles are missing or too many at frame {frame}: {text}"
         return Finding(
             "pass" if frame is None else "fail", text, float(off.max()), 0.0, "1", frame=frame,
             hints=(finer_step(s, "grains were thrown out by forces too strong for the step"), baked_again()) if frame is not None else (),
         )  # fmt: skip
+
+    def _declared(self) -> tuple[F64, int]:
+        """How many emitters are to have let out by every frame, and how many emitters there are: each may be off by one."""
+        s = self.swarm
+        time = s.duration * np.arange(len(self.number))
+        total, emitters = np.zeros(len(time)), 0
+        for driver in s.candidate.spec.simulation.drivers.values():
+            if driver.kind == "emitter" and driver.entity in s.members:
+                last = time[-1] if driver.end is None else driver.end
+                total += driver.rate * np.maximum(np.minimum(time, last) - driver.start, 0.0)
+                emitters += 1
+        return total, emitters
 
 
 class Books:

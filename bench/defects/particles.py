@@ -1,4 +1,4 @@
-"""Seeded defects of particles: caches of a small bed of sand, changed in one way, and sound beds that look suspicious.
+"""Seeded defects of particles: caches of a small bed of sand or of sparks, changed in one way, and sound ones that look suspicious.
 
 A sound bed is simulated once per drawn kind (a second or two) and kept; a broken one is that cache changed by a magnitude.
 """
@@ -18,13 +18,13 @@ from ...worlds.cache import Cache, write_container
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..simulated_worlds import simulate
-from ..small_grains import SAND_PROMPT, sand_spec
+from ..small_grains import INNER, SAND_PROMPT, SPARK_PROMPT, WALL, sand_spec, spark_spec
 from ._kept import kept_folder
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
 
-SOLVER = "grains"
+SOLVER, SPARKS = "grains", "flight"
 FRAMES, FIRST = 6, 3
 RADIUS = 0.012
 Change = Callable[[int, dict[str, Any], float, np.random.Generator], None]
@@ -38,10 +38,17 @@ def _bed(kind: int) -> Candidate:
     return simulate(kept_folder("sand"), WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
 
 
-def _edited(folder: Path, change: Change | None, magnitude: float, rng: np.random.Generator) -> Candidate:
-    base = _bed(int(rng.integers(3)))
-    other = folder / SOLVER
-    shutil.copytree(base.caches[SOLVER].folder, other)
+@kept
+def _sparks() -> Candidate:
+    """Sparks from a nozzle."""
+    spec = spark_spec(rate=400.0, frames=FRAMES)
+    return simulate(kept_folder("sparks"), WorldSpec.model_validate({"prompt": SPARK_PROMPT, **spec}))
+
+
+def _edited(folder: Path, change: Change | None, magnitude: float, rng: np.random.Generator, solver: str = SOLVER) -> Candidate:
+    base = _bed(int(rng.integers(3))) if solver == SOLVER else _sparks()
+    other = folder / solver
+    shutil.copytree(base.caches[solver].folder, other)
     found = Cache(other)
     state = rng.bit_generator.state
     for frame in range(found.index.frames):
@@ -51,12 +58,16 @@ def _edited(folder: Path, change: Change | None, magnitude: float, rng: np.rando
             change(frame, data, magnitude, rng)
         write_container(found.path(frame), data)
     fresh = dataclasses.replace(base)
-    vars(fresh)["caches"] = {**base.caches, SOLVER: Cache(other)}
+    vars(fresh)["caches"] = {**base.caches, solver: Cache(other)}
     return fresh
 
 
 def _breaks(change: Change) -> Callable[[Path, float, np.random.Generator], World]:
     return lambda folder, magnitude, rng: World(_edited(folder, change, magnitude, rng), ("sand", SOLVER))
+
+
+def _breaks_sparks(change: Change) -> Callable[[Path, float, np.random.Generator], World]:
+    return lambda folder, magnitude, rng: World(_edited(folder, change, magnitude, rng, SPARKS), ("sparks", SPARKS))
 
 
 def _looks(change: Change | None) -> Callable[[Path, float, np.random.Generator], World]:
@@ -121,6 +132,67 @@ def twin(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Gene
         data["particle/id"][0] = data["particle/id"][1]
 
 
+def pack(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
+    """All grains are equal, at rest, and lie as a ball of a face-centred lattice that they fill by `magnitude`: nothing else is wrong.
+
+    What the bodies gave is what bears them.
+    """
+    n, density = len(data["particle/id"]), 2600.0
+    side = RADIUS * (16.0 * np.pi / 3.0 / magnitude) ** (1 / 3)
+    cells = np.stack(np.meshgrid(*(np.arange(-8, 9),) * 3, indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    corners = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
+    points = side * (cells + corners).reshape(-1, 3) + side * rng.random(3)
+    found = points[np.argsort(np.linalg.norm(points, axis=1), kind="stable")[:n]]
+    found[:, 2] += RADIUS - found[:, 2].min() + 1e-4
+    data["particle/position"] = (found - data["origin"]).astype(np.float32)
+    data["particle/velocity"], data["particle/spin"] = (np.zeros((n, 3), np.float32) for _ in range(2))
+    data["particle/radius"] = np.full(n, RADIUS, np.float32)
+    volume = n * 4 / 3 * np.pi * float(np.float32(RADIUS)) ** 3
+    mass, height = density * volume, float((data["particle/position"][:, 2].astype(float) + data["origin"][2]).mean())
+    given = np.zeros_like(data["exchange/reaction"])
+    given[0, 2] = mass * 9.81 / 24
+    data["exchange/reaction"], data["exchange/impulse"] = given, -given
+    told = {"mass": mass, "volume": volume, "potential_energy": mass * 9.81 * height, "max_speed": 0.0, "mean_speed": 0.0}
+    told |= dict.fromkeys(("kinetic_energy", "rotation_energy", "spring_energy", "contact_energy"), 0.0)
+    told |= dict.fromkeys(("momentum_x", "momentum_y", "momentum_z"), 0.0)
+    for name, value in told.items():
+        data[f"record/{name}"] = np.float64(value)
+
+
+def leak(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
+    """A grain goes out through the tray's wall: its middle is in the wall at the first frames, and beyond it later."""
+    if frame >= FIRST:
+        axis, side = int(rng.integers(2)), (-1.0, 1.0)[int(rng.integers(2))]
+        place = data["particle/position"]
+        i = int(np.argmax(side * place[:, axis]))
+        beyond = magnitude if frame == FIRST else WALL + 2 * RADIUS
+        place[i, axis] = side * (0.5 * INNER + beyond) - data["origin"][axis]
+        # Under the wall's top.
+        place[i, 2] = 2 * RADIUS - data["origin"][2]
+
+
+def wind(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
+    """Springs of contacts hold what nothing gave them: a height that all grains would have risen by."""
+    if frame >= FIRST:
+        data["record/spring_energy"] = data["record/spring_energy"] + magnitude * 9.81 * data["record/mass"]
+
+
+def flood(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
+    """An emitter lets out more than it is told to, and the records say so."""
+    if frame >= FIRST:
+        n = len(data["particle/id"])
+        more = np.sort(rng.permutation(n)[: max(2, round(magnitude * n))])
+        born = np.float64(len(more))
+        mass = 7800.0 * 4 / 3 * np.pi * (data["particle/radius"][more].astype(float) ** 3).sum()
+        for name in [k for k in data if k.startswith("particle/")]:
+            values = data[name][more]
+            data[name] = np.concatenate([data[name], values + np.int32(100_000) if name == "particle/id" else values])
+        data["record/inflow_count"] = data["record/inflow_count"] + born
+        data["record/inflow_mass"] = data["record/inflow_mass"] + mass
+        data["record/mass"] = data["record/mass"] + mass
+        data["record/particles"] = data["record/particles"] + born
+
+
 def unchanged_but_order(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
     order = rng.permutation(len(data["particle/id"]))
     for name in [k for k in data if k.startswith("particle/")]:
@@ -163,6 +235,10 @@ SUITE = Suite(
         Mechanism("cook", "the record of mass is too large", True, _breaks(cook), 1e-3, 0.5, "1"),
         Mechanism("forge", "what grains gave to bodies is not what they lost", True, _breaks(forge), 1e-4, 0.5, "1"),
         Mechanism("twin", "two grains have one id", True, _breaks(twin), 1.0, 1.0, "1"),
+        Mechanism("pack", "grains fill more than random close packing", True, _breaks(pack), 0.7, 0.74, "1", 0.68),
+        Mechanism("leak", "a grain goes out through a wall", True, _breaks(leak), 1e-4, 0.029, "m", 0.0),
+        Mechanism("wind", "springs of contacts hold what nothing gave them", True, _breaks(wind), 0.5, 5.0, "m"),
+        Mechanism("flood", "an emitter lets out too many, and the records say so", True, _breaks_sparks(flood), 0.1, 1.0, "1"),
         Mechanism("sound", "sound as simulated", False, _looks(still), 1.0, 1.0, "1"),
         Mechanism("order", "rows in another order in every frame", False, _looks(unchanged_but_order), 1.0, 1.0, "1"),
         Mechanism("renamed", "other ids, the same in every frame", False, _looks(renamed), 1.0, 1e6, "1"),

@@ -259,6 +259,21 @@ def test_grains_denser_than_random_close_packing_are_told(sand: Candidate) -> No
     vars(watch.swarm).pop("_contacts", None)
 
 
+def test_an_emitter_that_lets_out_too_many_is_caught(sparks: Candidate, tmp_path: Path) -> None:
+    """Own choice: numbers that agree with each other are not enough; they are those that the driver declares."""
+
+    def flood(frame: int, data: dict[str, Any]) -> None:
+        if frame < 3:
+            return
+        more = {k: v[:4] + np.int32(9999) if k == "particle/id" else v[:4] for k, v in data.items() if k.startswith("particle/")}
+        data |= {k: np.concatenate([data[k], v]) for k, v in more.items()}
+        data["record/inflow_count"] = data["record/inflow_count"] + 4.0
+
+    row = rows_of(broken(sparks, tmp_path, flood, "flight"), "flight")["counts"]
+    assert (row.status, row.first_failing_frame) == ("fail", 3)
+    assert rows_of(sparks, "flight")["counts"].status == "pass"
+
+
 def test_a_particle_off_its_flight_is_caught(sparks: Candidate, tmp_path: Path) -> None:
     def drift(frame: int, data: dict[str, Any]) -> None:
         data["particle/position"][:, 0] += np.float32(0.02 * frame)

@@ -27,6 +27,12 @@ __all__ = ["SUITE"]
 SOLVER, SPARKS = "grains", "flight"
 FRAMES, FIRST = 6, 3
 RADIUS = 0.012
+RATE = 400.0
+"""[1/s] Of the sparks."""
+PACKED = 500
+"""Grains of a lattice that holds balls of six radii."""
+SAND, STEEL = 2600.0, 7800.0
+"""[kg/m^3] Of grains and of sparks."""
 Change = Callable[[int, dict[str, Any], float, np.random.Generator], None]
 
 
@@ -41,7 +47,7 @@ def _bed(kind: int) -> Candidate:
 @kept
 def _sparks() -> Candidate:
     """Sparks from a nozzle."""
-    spec = spark_spec(rate=400.0, frames=FRAMES)
+    spec = spark_spec(rate=RATE, frames=FRAMES)
     return simulate(kept_folder("sparks"), WorldSpec.model_validate({"prompt": SPARK_PROMPT, **spec}))
 
 
@@ -132,31 +138,43 @@ def twin(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Gene
         data["particle/id"][0] = data["particle/id"][1]
 
 
+def _tell(data: dict[str, Any], density: float) -> None:
+    """Make the records those of the particles."""
+    radius = data["particle/radius"].astype(float)
+    place, velocity, spin = (data[f"particle/{k}"].astype(float) for k in ("position", "velocity", "spin"))
+    volume = 4 / 3 * np.pi * radius**3
+    mass = density * volume
+    momentum = mass @ velocity
+    told = {
+        "particles": len(mass), "mass": mass.sum(), "volume": volume.sum(), "kinetic_energy": 0.5 * mass @ (velocity**2).sum(axis=1),
+        "potential_energy": 9.81 * mass @ (place[:, 2] + data["origin"][2]), "momentum_x": momentum[0], "momentum_y": momentum[1],
+        "momentum_z": momentum[2], "rotation_energy": 0.2 * (mass * radius**2) @ (spin**2).sum(axis=1),
+    }  # fmt: skip
+    for name, value in told.items():
+        data[f"record/{name}"] = np.float64(value)
+
+
 def pack(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
     """All grains are equal, at rest, and lie as a ball of a face-centred lattice that they fill by `magnitude`: nothing else is wrong.
 
     What the bodies gave is what bears them.
     """
-    n, density = len(data["particle/id"]), 2600.0
     side = RADIUS * (16.0 * np.pi / 3.0 / magnitude) ** (1 / 3)
     cells = np.stack(np.meshgrid(*(np.arange(-8, 9),) * 3, indexing="ij"), axis=-1).reshape(-1, 1, 3)
     corners = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
     points = side * (cells + corners).reshape(-1, 3) + side * rng.random(3)
-    found = points[np.argsort(np.linalg.norm(points, axis=1), kind="stable")[:n]]
+    found = points[np.argsort(np.linalg.norm(points, axis=1), kind="stable")[:PACKED]]
     found[:, 2] += RADIUS - found[:, 2].min() + 1e-4
     data["particle/position"] = (found - data["origin"]).astype(np.float32)
-    data["particle/velocity"], data["particle/spin"] = (np.zeros((n, 3), np.float32) for _ in range(2))
-    data["particle/radius"] = np.full(n, RADIUS, np.float32)
-    volume = n * 4 / 3 * np.pi * float(np.float32(RADIUS)) ** 3
-    mass, height = density * volume, float((data["particle/position"][:, 2].astype(float) + data["origin"][2]).mean())
+    data["particle/velocity"], data["particle/spin"] = (np.zeros((PACKED, 3), np.float32) for _ in range(2))
+    data["particle/radius"] = np.full(PACKED, RADIUS, np.float32)
+    data["particle/id"], data["particle/member"] = np.arange(PACKED, dtype=np.int32), np.zeros(PACKED, np.int32)
+    _tell(data, SAND)
     given = np.zeros_like(data["exchange/reaction"])
-    given[0, 2] = mass * 9.81 / 24
+    given[0, 2] = data["record/mass"] * 9.81 / 24
     data["exchange/reaction"], data["exchange/impulse"] = given, -given
-    told = {"mass": mass, "volume": volume, "potential_energy": mass * 9.81 * height, "max_speed": 0.0, "mean_speed": 0.0}
-    told |= dict.fromkeys(("kinetic_energy", "rotation_energy", "spring_energy", "contact_energy"), 0.0)
-    told |= dict.fromkeys(("momentum_x", "momentum_y", "momentum_z"), 0.0)
-    for name, value in told.items():
-        data[f"record/{name}"] = np.float64(value)
+    for name in ("spring_energy", "contact_energy", "max_speed", "mean_speed"):
+        data[f"record/{name}"] = np.float64(0.0)
 
 
 def leak(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
@@ -180,17 +198,18 @@ def wind(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Gene
 def flood(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
     """An emitter lets out more than it is told to, and the records say so."""
     if frame >= FIRST:
-        n = len(data["particle/id"])
-        more = np.sort(rng.permutation(n)[: max(2, round(magnitude * n))])
-        born = np.float64(len(more))
-        mass = 7800.0 * 4 / 3 * np.pi * (data["particle/radius"][more].astype(float) ** 3).sum()
+        more = np.flatnonzero(data["particle/id"] < magnitude)
+        born = len(more)
+        mass = STEEL * 4 / 3 * np.pi * (data["particle/radius"][more].astype(float) ** 3).sum()
+        # Those come right after the ones that are out at the first frame; what is let out later is numbered after them.
+        out = round(RATE * FIRST / 24)
+        data["particle/id"] = data["particle/id"] + np.where(data["particle/id"] >= out, born, 0).astype(np.int32)
         for name in [k for k in data if k.startswith("particle/")]:
-            values = data[name][more]
-            data[name] = np.concatenate([data[name], values + np.int32(100_000) if name == "particle/id" else values])
+            values = out + np.arange(born, dtype=np.int32) if name == "particle/id" else data[name][more]
+            data[name] = np.concatenate([data[name], values])
         data["record/inflow_count"] = data["record/inflow_count"] + born
         data["record/inflow_mass"] = data["record/inflow_mass"] + mass
-        data["record/mass"] = data["record/mass"] + mass
-        data["record/particles"] = data["record/particles"] + born
+        _tell(data, STEEL)
 
 
 def unchanged_but_order(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
@@ -238,7 +257,7 @@ SUITE = Suite(
         Mechanism("pack", "grains fill more than random close packing", True, _breaks(pack), 0.7, 0.74, "1", 0.68),
         Mechanism("leak", "a grain goes out through a wall", True, _breaks(leak), 1e-4, 0.029, "m", 0.0),
         Mechanism("wind", "springs of contacts hold what nothing gave them", True, _breaks(wind), 0.5, 5.0, "m"),
-        Mechanism("flood", "an emitter lets out too many, and the records say so", True, _breaks_sparks(flood), 0.1, 1.0, "1"),
+        Mechanism("flood", "an emitter lets out too many, and the records say so", True, _breaks_sparks(flood), 2.0, 20.0, "1"),
         Mechanism("sound", "sound as simulated", False, _looks(still), 1.0, 1.0, "1"),
         Mechanism("order", "rows in another order in every frame", False, _looks(unchanged_but_order), 1.0, 1.0, "1"),
         Mechanism("renamed", "other ids, the same in every frame", False, _looks(renamed), 1.0, 1e6, "1"),

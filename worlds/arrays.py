@@ -17,6 +17,7 @@ __all__ = [
     "I64",
     "RigidPose",
     "compose",
+    "cross",
     "euler_to_quaternion",
     "pose_of",
     "quaternion_of",
@@ -43,6 +44,16 @@ class RigidPose(NamedTuple):
         """The pose that undoes this one."""
         conjugate = self.quaternion * np.array([1.0, -1.0, -1.0, -1.0])
         return RigidPose(-rotation_matrix(conjugate) @ self.position, conjugate)
+
+
+def cross(a: F64, b: F64) -> F64:
+    """Vector products along the last axis, which is 3 long; for short arrays, where numpy's own takes ten times as long."""
+    a, b = np.broadcast_arrays(a, b)
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
+    out = np.empty(a.shape)
+    out[..., 0], out[..., 1], out[..., 2] = y * w - z * v, z * u - x * w, x * v - y * u
+    return out
 
 
 def rotation_matrix(quaternion: F64) -> F64:

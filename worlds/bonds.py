@@ -72,13 +72,15 @@ def components(count: int, bonds: Bonds, whole: Any) -> tuple[I32, Any]:
     Returns:
         Label per piece, shape (count,), numbered in the order of their first pieces; and per label whether the world holds it.
     """
-    from scipy.sparse import coo_array
+    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
     held = np.asarray(whole, dtype=bool)
     inner = held & (bonds.pieces[:, 1] != WORLD)
     pairs = bonds.pieces[inner]
-    graph = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    order = np.argsort(pairs[:, 0], kind="stable")
+    starts = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=count))])
+    graph = csr_array((np.ones(len(pairs)), pairs[order, 1], starts), shape=(count, count))
     raw = connected_components(graph, directed=False)[1]
     _, first, inverse = np.unique(raw, return_index=True, return_inverse=True)
     rank = np.argsort(np.argsort(first, kind="stable"), kind="stable")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+from contextlib import nullcontext
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from .records import Records
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from contextlib import AbstractContextManager
 
     from ...worlds.built import BuiltEntity
     from ...worlds.spec import WorldSpec
@@ -65,7 +67,6 @@ class Breakage:
         self._pushes, self._records = Pushes(self._bodies), Records(self._bodies)
         gravity = np.array(spec.simulation.gravity)
         self._breakers = [Breaker(body, k, gravity, self._records) for k, body in enumerate(self._bodies)]
-        # BLAS' threads would spin between the small products here for longer than they work in them.
         self._blas = ThreadpoolController().select(user_api="blas")
 
     def __bool__(self) -> bool:
@@ -132,6 +133,10 @@ class Breakage:
 
     # ------------------------------------------------------------------ per step
 
+    def alone(self) -> AbstractContextManager[Any]:
+        """Within it BLAS works in one thread: its threads would spin between the small products here for longer than they work."""
+        return self._blas.limit(limits=1) if self else nullcontext()
+
     def watch(
         self, data: Any, time: float, dt: float, still: frozenset[str], *, retakes: int = 0, others: F64 | None = None
     ) -> Fate:
@@ -149,10 +154,6 @@ class Breakage:
         another body strikes, `FEW_RETAKES` times where loose pieces push others off, through faces that crumble. What breaks after
         that goes apart at the step's end.
         """
-        with self._blas.limit(limits=1):
-            return self._watch(data, time, dt, still, retakes, others)
-
-    def _watch(self, data: Any, time: float, dt: float, still: frozenset[str], retakes: int, others: F64 | None) -> Fate:
         pushed, felt = self._pushes.found(data, others)
         apart, struck = False, False
         known = [(b.load, b.lasting, b.cause) for b in self._bodies]
@@ -165,7 +166,7 @@ class Breakage:
             if body.built.entity in still:
                 continue
             # Every cluster is judged, whatever became of the others.
-            for cluster in body.changed():
+            for cluster in body.changed(time):
                 if breaker.judge(cluster, data, time):
                     apart, struck = True, struck or self._struck(breaker, cluster)
         again = apart and retakes < (MOST_RETAKES if struck else FEW_RETAKES)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from ...worlds.bonds import WORLD, components
 from ...worlds.fracture import SHARES
 from .clusters import Cluster, clusters_of
@@ -88,7 +88,7 @@ class Breaker:
                     break
             if worst <= 1.0:
                 self._records.stressed(self._index, stiffness.bonds, ratio)
-                own.keep(cluster, loads, worst, self._weight)
+                own.keep(cluster, loads, worst, self._weight, time)
                 return False
             ends = own.network.bonds.pieces[stiffness.bonds]
             around = np.isin(ends, [e for e in ends[int(ratio.argmax())] if e != WORLD]).any(axis=1)
@@ -111,11 +111,11 @@ class Breaker:
             return own
         arm = self.pieces.centers[rows] - cluster.center
         force = loads[:, :3].sum(axis=0)
-        torque = loads[:, 3:].sum(axis=0) + np.cross(arm, loads[:, :3]).sum(axis=0)
-        gain = np.linalg.solve(cluster.inertia, torque - np.cross(spin, cluster.inertia @ spin))
-        speedup = force / cluster.mass + np.cross(gain, arm) + np.cross(spin, np.cross(spin, arm))
+        torque = loads[:, 3:].sum(axis=0) + cross(arm, loads[:, :3]).sum(axis=0)
+        gain = np.linalg.solve(cluster.inertia, torque - cross(spin, cluster.inertia @ spin))
+        speedup = force / cluster.mass + cross(gain, arm) + cross(spin, cross(spin, arm))
         own[:, :3] = -mass[:, None] * speedup
-        own[:, 3:] = -(inertia @ gain + np.cross(spin, inertia @ spin))
+        own[:, 3:] = -(inertia @ gain + cross(spin, inertia @ spin))
         return own
 
     def _fell_apart(self, cluster: Cluster) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,15 +20,27 @@ if TYPE_CHECKING:
 
 __all__ = ["NO_CAUSE", "PARTNER", "Pieces", "pieces_of"]
 
-CHANGE = (0.005, 0.1, 0.5)
+CHANGE = (0.005, 0.2, 0.5)
 """Change of a load, in parts of the largest one last solved for, that asks for a new solution: the first where a bond is about to
 break, plus the second times what loads must grow by until one does, at most the third."""
+LATEST = 8.0
+"""Contact times after which the first of these asks for one in any case: what a short load of that size can break is near it."""
 FAINT = 1e-9
 """Loads below this share of a cluster's weight are none."""
 NO_CAUSE = -1
 PARTNER = -2
 """As a cause: what liquids, cloth or grains of a two-way coupling give."""
-UNSOLVED = -1.0
+
+
+class _Room(NamedTuple):
+    """By how much the loads of a cluster may change until they are solved for again [N, N m]."""
+
+    pieces: int
+    room: float
+    least: float
+    """The same after `LATEST`."""
+    until: float
+    """[s]"""
 
 
 @dataclass
@@ -60,8 +72,8 @@ class Pieces:
     clusters: list[Cluster] = field(default_factory=list)
     bonded: list[Cluster] = field(default_factory=list)
     """Those of them that have bonds."""
-    rooms: dict[str, tuple[int, float]] = field(default_factory=dict)
-    """Per cluster its number of pieces, and by how much its loads may change until they are solved for again [N, N m]."""
+    rooms: dict[str, _Room] = field(default_factory=dict)
+    """What is known of clusters that bear their loads."""
     label: Any = None
     """Place of each piece's cluster in `bonded`, their number where it has none, shape (n,)."""
 
@@ -77,7 +89,7 @@ class Pieces:
             self.label[list(cluster.pieces)] = k
         # What belongs to clusters that are no more is forgotten.
         alive = {c.name: len(c.pieces) for c in self.bonded}
-        self.rooms = {k: r for k, r in self.rooms.items() if alive.get(k) == r[0]}
+        self.rooms = {k: r for k, r in self.rooms.items() if alive.get(k) == r.pieces}
         self.factors = self._inherited()
 
     def _inherited(self) -> dict[tuple[str, float], Stiffness]:
@@ -97,22 +109,29 @@ class Pieces:
         """Lasting and sudden ones, shape (n, 12)."""
         return np.concatenate([self.lasting, self.load - self.lasting], axis=1)
 
-    def changed(self) -> list[Cluster]:
-        """Clusters whose loads are others than those solved for."""
+    def changed(self, time: float) -> list[Cluster]:
+        """Clusters whose loads at `time` [s] are others than those solved for."""
         change = np.zeros(len(self.bonded) + 1)
         np.maximum.at(change, self.label, np.abs(self.loads() - self.solved).max(axis=1))
-        rooms = [self.rooms.get(c.name, (0, UNSOLVED))[1] for c in self.bonded]
-        return [c for c, most, room in zip(self.bonded, change.tolist(), rooms, strict=False) if most > room]
+        found = []
+        for cluster, most in zip(self.bonded, change.tolist(), strict=False):
+            known = self.rooms.get(cluster.name)
+            if known is None or most > (known.room if time < known.until else known.least):
+                found.append(cluster)
+        return found
 
-    def keep(self, cluster: Cluster, loads: F64, worst: float, gravity: float) -> None:
-        """Note that a cluster bears these loads, shape (pieces, 12), its worst bond loaded to this share of its strength."""
+    def keep(self, cluster: Cluster, loads: F64, worst: float, gravity: float, time: float) -> None:
+        """Note that a cluster bears these loads, shape (pieces, 12), at `time` [s], its worst bond loaded to this share of its
+        strength."""
         rows = np.array(cluster.pieces)
         self.solved[rows] = loads
         weight = cluster.mass * max(gravity, 1.0)
         # Its own weight loads what the world holds.
         least = weight / len(rows) if cluster.fixed else FAINT * weight
         allowed = min(CHANGE[0] + CHANGE[1] * (1.0 / max(worst, 1e-9) - 1.0), CHANGE[2])
-        self.rooms[cluster.name] = len(rows), allowed * max(float(np.abs(loads).max(initial=0.0)), least)
+        scale = max(float(np.abs(loads).max(initial=0.0)), least)
+        until = time + LATEST * self.breakable.bond.contact_time
+        self.rooms[cluster.name] = _Room(len(rows), allowed * scale, CHANGE[0] * scale, until)
 
     def drop(self, cluster: Cluster) -> None:
         """Note that what was found of a cluster holds no longer."""

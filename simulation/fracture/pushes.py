@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from .pieces import NO_CAUSE, PARTNER
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ class Pushes:
         piece, sign = self._piece_of_geom[geoms[at, side]], 2.0 * side[:, None] - 1.0
         turn, origin = self._placed(data, piece)
         local = _along(sign * force[at], turn)
-        twist = _along(sign * moment[at], turn) + _cross(_along(points[at] - origin, turn), local)
+        twist = _along(sign * moment[at], turn) + cross(_along(points[at] - origin, turn), local)
         np.add.at(total, piece, np.concatenate([local, twist], axis=1))
         strength = np.linalg.norm(local, axis=1)
         order = np.argsort(strength, kind="stable")
@@ -165,10 +165,3 @@ class Pushes:
 def _along(vectors: F64, axes: F64) -> F64:
     """Sum of the rows of `axes`, shape (n, 3, 3), times the components of vectors, shape (n, 3): R^T v for a rotation R."""
     return np.asarray((vectors[:, None] @ axes)[:, 0])
-
-
-def _cross(a: F64, b: F64) -> F64:
-    """Vector products of rows, without the overhead of numpy's."""
-    x, y, z = a.T
-    u, v, w = b.T
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

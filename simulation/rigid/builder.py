@@ -85,6 +85,14 @@ class ModelBuilder:
         self.apart, self.whole = apart, whole
         self.spec, self.built, self.members, self.settings = spec, built, members, settings
         self.out = mujoco.MjSpec()
+        self.kinds = {
+            "box": mujoco.mjtGeom.mjGEOM_BOX,
+            "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+            "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+            "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
+            "hull": mujoco.mjtGeom.mjGEOM_MESH,
+            "heightfield": mujoco.mjtGeom.mjGEOM_HFIELD,
+        }
         self.out.compiler.degree = False
         self.tree = _joint_tree(spec, frozenset(members))
         self.made: dict[str, Any] = {}
@@ -127,16 +135,8 @@ class ModelBuilder:
 
     def _geom(self, body: Any, name: str, piece: Convex, entity: str, part: BuiltPart, *, fixed: bool) -> None:
         mujoco = self.mj
-        kinds = {
-            "box": mujoco.mjtGeom.mjGEOM_BOX,
-            "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
-            "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
-            "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
-            "hull": mujoco.mjtGeom.mjGEOM_MESH,
-            "heightfield": mujoco.mjtGeom.mjGEOM_HFIELD,
-        }
         matter = self.spec.materials[part.material]
-        geom = body.add_geom(name=name, type=kinds[piece.kind], pos=piece.pose.position, quat=piece.pose.quaternion)
+        geom = body.add_geom(name=name, type=self.kinds[piece.kind], pos=piece.pose.position, quat=piece.pose.quaternion)
         if piece.kind == "hull":
             mesh = self.out.add_mesh(name=name)
             mesh.uservert = piece.points.ravel().tolist()

@@ -188,17 +188,20 @@ class Crumbling:
     def recall(self, data: Any, weak: Weak) -> None:
         """Start a step with contacts as soft as they were: those nearest to the ones that crumbled, pair by pair."""
         known = self._known
-        if known is None or not len(known.pair) or not len(weak.rows):
+        if known is None or not len(known.pair):
             return
-        order = np.argsort(weak.pair, kind="stable")
+        order = np.flatnonzero(np.isin(weak.pair, known.pair))
+        order = order[np.argsort(weak.pair[order], kind="stable")]
         pairs = weak.pair[order]
         low, high = np.searchsorted(pairs, known.pair, "left"), np.searchsorted(pairs, known.pair, "right")
         nearest, least = np.full(len(low), -1), np.full(len(low), np.inf)
-        for k in range(int((high - low).max())):
+        for k in range(int((high - low).max(initial=0))):
             at = order[np.minimum(low + k, len(order) - 1)]
             far = np.where(low + k < high, np.linalg.norm(weak.point[at] - known.point, axis=1), np.inf)
             nearest, least = np.where(far < least, at, nearest), np.minimum(far, least)
         found = nearest >= 0
+        if not found.any():
+            return
         np.maximum.at(weak.soft, nearest[found], known.soft[found])
         part = weak.soft > 1.0
         _soften(data, weak.rows[part], weak.soft[part])

@@ -97,13 +97,15 @@ class Drivers:
         self._drivers = {n: plan.drivers[n] for n in self.names}
         self._dofs: dict[str, list[int]] = {}
         self._bodies: dict[str, list[int]] = {}
+        known: set[int] = set()
         for row, body in enumerate(rigid.bodies):
             entity, own = body.split("/", 1)[0], int(rigid.body_ids[row])
             start, count = int(model.body_dofadr[own]), int(model.body_dofnum[own])
             dofs, bodies = self._dofs.setdefault(entity, []), self._bodies.setdefault(entity, [])
-            if count and own not in bodies:  # pieces bonded to one another share a body, pieces bonded to the world have none
+            if count and own not in known:  # pieces bonded to one another share a body, pieces bonded to the world have none
                 dofs.extend(range(start, start + count))
                 bodies.append(own)
+                known.add(own)
         for soft in rigid.flexes:
             # Releases and interventions hold an elastic body by its nodes.
             nodes = [model.body(n).id for n in soft.own]

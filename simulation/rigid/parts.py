@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from .drivers import Drivers
 from .fields import FieldForces
 from .flex import Flexes
@@ -139,7 +139,7 @@ def _carry_cluster(old: Parts, new: Parts, body: int, row: int, kept: F64) -> No
         position, quaternion = before.qpos[place : place + 3], before.qpos[place + 3 : place + 7]
         spin = before.qvel[first + 3 : first + 6]
         turn = _rotation(quaternion)
-        after.qvel[dof : dof + 3] = before.qvel[first : first + 3] + turn @ np.cross(spin, shift)
+        after.qvel[dof : dof + 3] = before.qvel[first : first + 3] + turn @ cross(spin, shift)
         after.qvel[dof + 3 : dof + 6] = spin
         after.qacc_warmstart[dof : dof + 6] = before.qacc_warmstart[first : first + 6]
         held = old.drivers.kept_poses()[place : place + 7]

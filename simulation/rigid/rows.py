@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 
 if TYPE_CHECKING:
     from .model import RigidModel
@@ -35,7 +35,7 @@ def spread(rigid: RigidModel, data: Any, wrench: F64) -> F64:
         total[rigid.body_ids] = wrench
         return total
     moved = wrench.copy()
-    moved[:, 3:] += np.cross(row_arms(rigid, data), wrench[:, :3])
+    moved[:, 3:] += cross(row_arms(rigid, data), wrench[:, :3])
     np.add.at(total, rigid.body_ids, moved)
     return total
 
@@ -49,5 +49,5 @@ def row_velocities(rigid: RigidModel, data: Any, speeds: tuple[F64, F64]) -> F64
     own = np.flatnonzero(rigid.kin_rows)
     turn = data.xmat[ids[own]].reshape(-1, 3, 3)
     arm = np.einsum("nij,nj->ni", turn, (rigid.centers - rigid.offsets)[own])
-    linear[own] += np.cross(angular[own], arm)
+    linear[own] += cross(angular[own], arm)
     return np.asarray(linear)

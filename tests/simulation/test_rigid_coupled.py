@@ -123,7 +123,7 @@ def test_what_the_world_holds_does_not_answer_and_takes_up_what_it_is_given() ->
     wrench = np.zeros((4, 6))
     wrench[3, 2] = 5.0
     made.step_to(1 / 24, wrench)
-    assert made._received == pytest.approx(wrench / 24)
+    assert made._exchange.received == pytest.approx(wrench / 24)
     assert RigidBodies(made).state().velocity == pytest.approx(np.zeros((4, 3)))
 
 
@@ -136,7 +136,7 @@ def test_partners_load_the_bonds_and_go_on_pushing_the_pieces_that_came_off() ->
         bodies = RigidBodies(made)
         made.step_to(0.03, wrench)
         assert (not made.breakage.whole()["crate"].all()) is breaks
-        assert made._received == pytest.approx(0.03 * wrench)
+        assert made._exchange.received == pytest.approx(0.03 * wrench)
         speed = bodies.state().velocity
         assert 10.0 * speed.sum(axis=0) == pytest.approx([0, 0, -40 * 9.81 * 0.03], abs=1e-6)
         assert bool(speed[3, 0] - speed[0, 0] > 1.0) is breaks

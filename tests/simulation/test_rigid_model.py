@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from worldagent.geometry import Solid, signed_clearance
+from worldagent.simulation.rigid.distances import collide_all
 from worldagent.tests.physics.rigid_world import ball, box, entity, floor, solver, world
 from worldagent.worlds.arrays import RigidPose, compose, pose_of
 
@@ -79,7 +80,7 @@ def test_contacts_take_the_larger_friction_and_pairs_their_own():
     }
     made = solver(world(entities, materials=materials, contacts={"x": {"a": "c", "b": "ground", "friction": 0.33}}))
     made.advance(1)
-    made._collide_all()
+    collide_all(made.model, made.data)
     contact = made.data.contact
     found = {}
     for i in range(made.data.ncon):

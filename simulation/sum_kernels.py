@@ -1,11 +1,11 @@
 # mypy: ignore-errors
-"""Warp kernels of sums in a fixed order (`passes.py` says how they share the work)."""
+"""Warp kernels of sums in a fixed order, and of the greatest of many counts (`passes.py` says how they share the work)."""
 
 import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["close", "fold"]
+__all__ = ["close", "close_greatest", "fold", "greatest"]
 
 
 @wp.kernel
@@ -42,3 +42,33 @@ def close(
         for k in range(t, parts, width):
             s += partial[c, k]
         wp.tile_store(result, wp.tile_sum(wp.tile(s)), offset=c)
+
+
+@wp.kernel
+def greatest(
+    first: wp.int32,
+    span: wp.int32,
+    width: wp.int32,
+    total: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    partial: wp.array(dtype=wp.int32),
+):
+    """Greatest of many counts."""
+    t = first + wp.tid()
+    start = (t / width) * span * width + t % width
+    s = wp.int32(0)
+    for i in range(start, wp.min(start + span * width, total), width):
+        s = wp.max(s, count[i])
+    wp.tile_store(partial, wp.tile_max(wp.tile(s)), offset=t / width)
+
+
+@wp.kernel
+def close_greatest(
+    first: wp.int32, width: wp.int32, parts: wp.int32, partial: wp.array(dtype=wp.int32), out: wp.array(dtype=wp.int32)
+):
+    """The same of all blocks."""
+    t = first + wp.tid()
+    s = wp.int32(0)
+    for k in range(t, parts, width):
+        s = wp.max(s, partial[k])
+    wp.tile_store(out, wp.tile_max(wp.tile(s)))

@@ -256,7 +256,7 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
 
 
 def _helper(candidate: Candidate, beat_id: str) -> str | None:
-    """A driver that acts on the subject of an outcome without owning a beat that leads to it."""
+    """A driver that acts on the subject of an outcome without owning a beat that leads to it. A medium at rest brings nothing about."""
     plan, beats = candidate.spec.simulation, candidate.spec.story.beats
     beat = beats[beat_id]
     if not beat.causes:
@@ -271,7 +271,7 @@ def _helper(candidate: Candidate, beat_id: str) -> str | None:
     first = beat_times(candidate).outcome(beat_id).first_true_frame
     until = (beat.frames[1] if first is None else first) / plan.fps
     for name, driver in plan.drivers.items():
-        if name in owners or isinstance(driver, PathDriver):
+        if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
             continue
         start, entities = driver_start(candidate, name)
         if beat.subject in entities and start < until:

@@ -274,11 +274,7 @@ class Grains:
 
     def greatest(self, counts: Any, n: int) -> int:
         """The greatest of the first n counts."""
-        from . import list_kernels as kernels
-
-        self.passes.fold("most", kernels.most, n, [counts, self._counts])()
-        self.passes.close("close_most", kernels.close_most, n, [self._counts, self._most])()
-        return int(self._most.numpy()[0])
+        return self.passes.greatest("most", counts, n, self._counts, self._most)
 
     def _gone(self, n: int) -> int:
         """How many grains have left; they sort last."""

@@ -7,7 +7,7 @@ from .grain_kernels import MET, State, radius_of
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["GONE", "clear_spans", "close_most", "keys", "most", "reorder", "search", "spans"]
+__all__ = ["GONE", "clear_spans", "keys", "reorder", "search", "spans"]
 
 GONE = 2147483647
 """Key of a grain that has left its domain: sorts last."""
@@ -159,33 +159,3 @@ def search(
                     at += stride
                 found += 1
     count[i] = found
-
-
-@wp.kernel
-def most(
-    first: wp.int32,
-    span: wp.int32,
-    width: wp.int32,
-    total: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    partial: wp.array(dtype=wp.int32),
-):
-    """Greatest of many counts."""
-    t = first + wp.tid()
-    start = (t / width) * span * width + t % width
-    s = wp.int32(0)
-    for i in range(start, wp.min(start + span * width, total), width):
-        s = wp.max(s, count[i])
-    wp.tile_store(partial, wp.tile_max(wp.tile(s)), offset=t / width)
-
-
-@wp.kernel
-def close_most(
-    first: wp.int32, width: wp.int32, parts: wp.int32, partial: wp.array(dtype=wp.int32), out: wp.array(dtype=wp.int32)
-):
-    """The same of all blocks."""
-    t = first + wp.tid()
-    s = wp.int32(0)
-    for k in range(t, parts, width):
-        s = wp.max(s, partial[k])
-    wp.tile_store(out, wp.tile_max(wp.tile(s)))

@@ -48,6 +48,16 @@ def test_only_the_rows_that_are_asked_for_are_summed() -> None:
     assert result.numpy()[0] == 300 * 299 / 2
 
 
+@pytest.mark.parametrize("count", [1, 256, 257, 5000])
+def test_the_greatest_of_many_counts_is_found_wherever_it_is(count: int) -> None:
+    wp, passes = warp(), Passes("cpu")
+    values = np.random.default_rng(count).integers(0, 1000, count).astype(np.int32)
+    room, result = wp.zeros(passes.parts(count), dtype=wp.int32), wp.zeros(1, dtype=wp.int32)
+    for at in {0, count // 2, count - 1}:
+        values[at] = 5000 + at
+        assert passes.greatest("test", wp.array(values, dtype=wp.int32), count, room, result) == values.max()
+
+
 def test_slices_cover_every_element_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "cores", lambda: 3)
     values = warp().zeros(10_001, dtype=warp().float32)

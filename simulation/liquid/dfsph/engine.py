@@ -261,9 +261,7 @@ class Dfsph:
         while True:
             lists = [w.room, *w.lists, w.fill, w.lean, w.stiffness]
             run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
-            run.fold("most", grid_kernels.most, n, [w.count, w.longest])()
-            run.close("close_most", grid_kernels.close_most, n, [w.longest, w.most])()
-            most = int(w.most.numpy()[0])
+            most = run.greatest("most", w.count, n, w.longest, w.most)
             if most <= w.room:
                 break
             w.grow(8 * (-(-(most + 4) // 8)))

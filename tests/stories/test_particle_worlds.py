@@ -1,4 +1,4 @@
-"""The worlds that the skill of particles records, to their acceptance: sand collapses and topples a tile; sparks spray, fall and go out."""
+"""The worlds that the skill of particles records, to their acceptance: sand collapses and topples a tile; sparks, rain, ash and dust fall."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ import pytest
 from worldagent.server.skill_files import SKILLS
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 
-LINKS = {"collapse": {"causal:opens:collapses", "causal:collapses:topples"}, "sparks": {"causal:sprays:falls"}}
+LINKS = {
+    "collapse": {"causal:opens:collapses", "causal:collapses:topples"}, "sparks": {"causal:sprays:falls"}, "rain": {"causal:falls:lands"},
+    "ash": {"causal:falls:settles", "causal:drifts:settles"}, "dust": {"causal:puffs:settles"},
+}  # fmt: skip
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["collapse", "sparks"])
+@pytest.mark.parametrize("name", LINKS)
 def test_a_recorded_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) -> None:
     spec = json.loads((SKILLS / "particles" / f"{name}.json").read_text())
     prompt = spec.pop("prompt")

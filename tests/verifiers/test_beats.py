@@ -13,7 +13,7 @@ from worldagent.verifiers.beats import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Always, Contact, Displacement, Not, Reaches, RestsOn, Speed, StaysIn, Topples
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, BoxRegion, ForceDriver, PathDriver, PathKey, Requirement, Story
+from worldagent.worlds.spec import Beat, BoxRegion, FieldDriver, ForceDriver, PathDriver, PathKey, Requirement, Story
 
 N = 25
 TIME = np.arange(N) / 24
@@ -225,7 +225,7 @@ def test_a_driver_that_helps_an_outcome_unsaid_is_staging(tmp_path: Path) -> Non
         "slide": beat(Displacement(entity="cube", min=0.5), causes=["first"]),
     }
 
-    def row(name: str, force: ForceDriver, story: dict[str, Beat]) -> Row:
+    def row(name: str, force: ForceDriver | FieldDriver, story: dict[str, Beat]) -> Row:
         return rows_of(sliding(tmp_path / name, story, drivers={"hand": force}))["beat:driven:slide"]
 
     early = ForceDriver(entity="cube", force=(5, 0, 0), start=0.1, end=0.3)
@@ -233,3 +233,8 @@ def test_a_driver_that_helps_an_outcome_unsaid_is_staging(tmp_path: Path) -> Non
     owned = {**beats, "first": beats["first"].model_copy(update={"owner": "hand"})}
     assert row("b", early, owned).status == "pass"
     assert row("c", early.model_copy(update={"start": 0.9, "end": 1.0}), beats).status == "pass"
+    wind, still_air = (
+        FieldDriver.model_validate({"field": f}) for f in ({"kind": "wind", "velocity": [9, 0, 0]}, {"kind": "drag"})
+    )
+    assert row("d", wind, beats).status == "fail"
+    assert row("e", still_air, beats).status == "pass", "a medium at rest brings nothing about"

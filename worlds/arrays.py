@@ -48,10 +48,9 @@ class RigidPose(NamedTuple):
 
 def cross(a: F64, b: F64) -> F64:
     """Vector products along the last axis, which is 3 long; for short arrays, where numpy's own takes ten times as long."""
-    a, b = np.broadcast_arrays(a, b)
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    out = np.empty(a.shape)
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
     out[..., 0], out[..., 1], out[..., 2] = y * w - z * v, z * u - x * w, x * v - y * u
     return out
 

@@ -112,10 +112,11 @@ class Breaker:
         arm = self.pieces.centers[rows] - cluster.center
         force = loads[:, :3].sum(axis=0)
         torque = loads[:, 3:].sum(axis=0) + cross(arm, loads[:, :3]).sum(axis=0)
-        gain = np.linalg.solve(cluster.inertia, torque - cross(spin, cluster.inertia @ spin))
-        speedup = force / cluster.mass + cross(gain, arm) + cross(spin, cross(spin, arm))
+        turning = _skew(spin)
+        gain = np.linalg.solve(cluster.inertia, torque - turning @ cluster.inertia @ spin)
+        speedup = force / cluster.mass + arm @ (_skew(gain) + turning @ turning).T
         own[:, :3] = -mass[:, None] * speedup
-        own[:, 3:] = -(inertia @ gain + cross(spin, inertia @ spin))
+        own[:, 3:] = -(inertia @ gain + inertia @ spin @ turning.T)
         return own
 
     def _fell_apart(self, cluster: Cluster) -> bool:
@@ -134,3 +135,9 @@ class Breaker:
         for bond, times, held in zip(broken.tolist(), ratio.tolist(), energy.tolist(), strict=True):
             at = origin + turn @ own.network.bonds.point[bond]
             self._records.broke(Break(time, first + bond, at, cause, times, held / times**2, case))
+
+
+def _skew(a: F64) -> F64:
+    """Matrix [a] with [a] b = a x b."""
+    x, y, z = a.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

@@ -219,7 +219,9 @@ class ContactLaw:
         """Which contacts, at `rows`, feel those at `hit` within the step; the others go on as in steps without impacts."""
         if self.kin is None or data.nisland < 2:
             return np.ones(len(rows), dtype=bool)
-        return np.asarray(np.isin(data.efc_island[rows], data.efc_island[hit]))
+        struck = np.zeros(data.nisland, dtype=bool)
+        struck[data.efc_island[hit]] = True
+        return np.asarray(struck[data.efc_island[rows]])
 
     def _lift(self, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], tangential: F64) -> F64:
         """Friction coefficient times slip / dt [m/s^2] of contacts at `rows`, from accelerations per constraint row."""

@@ -134,8 +134,8 @@ class Crumbling:
         data.efc_aref[at] += stiffness * (np.maximum(gap - skins, -most) - wanted)
         if not len(self.shared):
             return None
-        piece = np.sort(self.piece[geoms[own]], axis=1)
-        key = piece[:, 0] * self.count + piece[:, 1]
+        one, two = self.piece[geoms[own, 0]], self.piece[geoms[own, 1]]
+        key = np.minimum(one, two) * self.count + np.maximum(one, two)
         place = np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)
         kin = self.shared[place] == key
         left = np.maximum(gap + STOP * self.distance[body], 0.0)
@@ -190,7 +190,8 @@ class Crumbling:
         known = self._known
         if known is None or not len(known.pair):
             return
-        order = np.flatnonzero(np.isin(weak.pair, known.pair))
+        place = np.minimum(np.searchsorted(known.pair, weak.pair), len(known.pair) - 1)
+        order = np.flatnonzero(known.pair[place] == weak.pair)
         order = order[np.argsort(weak.pair[order], kind="stable")]
         pairs = weak.pair[order]
         low, high = np.searchsorted(pairs, known.pair, "left"), np.searchsorted(pairs, known.pair, "right")

@@ -202,11 +202,11 @@ class ContactMonitor:
         gaps = np.concatenate(steps.gaps)
         times, lengths = np.array(steps.times), np.array(steps.lengths)
         impulse = force * lengths[place]
-        pairs, inverse = np.unique(keys, return_inverse=True)
+        pairs, inverse = _among(keys, self.count**2)
         total = np.bincount(inverse, weights=impulse)
         nearest = np.full(len(pairs), np.inf)
         np.minimum.at(nearest, inverse, gaps)
-        code, which = np.unique(inverse * len(sizes) + place, return_inverse=True)
+        code, which = _among(inverse * len(sizes) + place, len(pairs) * len(sizes))
         per_step = np.bincount(which, weights=force)
         strongest = np.zeros(len(pairs))
         np.maximum.at(strongest, code // len(sizes), per_step)
@@ -274,3 +274,10 @@ class ContactMonitor:
             "event/speed": np.array([e.speed for e in events], dtype=np.float64),
             "event/impulse": np.array([e.impulse for e in events], dtype=np.float64),
         }
+
+
+def _among(values: NDArray[np.int64], count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Which of `count` numbers from 0 on occur, and the place of each value among those: `numpy.unique` without sorting."""
+    found = np.zeros(count, dtype=bool)
+    found[values] = True
+    return np.flatnonzero(found), (np.cumsum(found) - 1)[values]

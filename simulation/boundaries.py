@@ -61,6 +61,8 @@ class MovingSurface(NamedTuple):
     """What each alone is sped up by an impulse at it (v,) [1/kg]; 0 of what is held."""
     give: F64
     """The same where all get impulses at once: what they truly answer is never more (v,) [1/kg]."""
+    pace: float = np.inf
+    """Time in which its fastest swing turns by less than two radians [s]; infinite where steps damp those that are faster."""
 
 
 @dataclass
@@ -89,6 +91,8 @@ class BodyState:
     """Of those that react: row -> what each vertex alone is sped up by an impulse at it (v,) [1/kg]."""
     vertex_give: dict[int, F64] = field(default_factory=dict)
     """Of those whose vertices share what they carry: row -> a bound of the same where all get impulses at once (v,) [1/kg]."""
+    vertex_pace: dict[int, float] = field(default_factory=dict)
+    """Of those that swing undamped: row -> longest step in which a partner may take their velocities for steady [s]."""
 
 
 @dataclass(frozen=True)

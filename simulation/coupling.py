@@ -200,6 +200,7 @@ class CoupledRun:
             now = owner.surface(soft.entity) if soft.owner >= 0 and isinstance(owner, Deforms) else surfaces[soft.entity]
             lay_vertices(found, soft.row, self.partners[number].surround.soft[soft.row], now.places, now.speeds)
             found.vertex_lightness[soft.row], found.vertex_give[soft.row] = now.lightness, now.give
+            found.vertex_pace[soft.row] = now.pace
         return found
 
 

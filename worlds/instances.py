@@ -14,7 +14,7 @@ __all__ = ["bake_order", "cloth_of", "coupled_groups", "coupling_problems", "ins
 
 MEETS_ELASTIC = ("shell", "dem", "dfsph")
 """Engines whose matter meets elastic bodies as it meets rigid ones."""
-MEETS_CLOTH = ("dem",)
+MEETS_CLOTH = ("dem", "dfsph")
 """Engines whose matter meets cloth that a coupling brings to it."""
 
 
@@ -26,7 +26,7 @@ def instance_for(spec: WorldSpec, category: str) -> str:
 def soft_met(spec: WorldSpec, name: str) -> tuple[str, ...]:
     """Deforming entities whose surfaces an instance meets, by name.
 
-    All elastic bodies if its engine can (grains on a CPU), and the cloth of instances that a coupling joins to it.
+    All elastic bodies if its engine can (grains on a CPU, liquids as particles), and the cloth of instances that a coupling joins to it.
     """
     plan = spec.simulation
     if name not in plan.solvers or plan.solvers[name].engine not in MEETS_ELASTIC:
@@ -40,7 +40,7 @@ def soft_met(spec: WorldSpec, name: str) -> tuple[str, ...]:
 
 
 def cloth_of(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Cloth instances that a coupling makes boundaries of an instance of grains."""
+    """Cloth instances that a coupling makes boundaries of an instance of grains or of a particle liquid."""
     plan = spec.simulation
     if name not in plan.solvers or plan.solvers[name].engine not in MEETS_CLOTH:
         return ()
@@ -117,26 +117,35 @@ def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem
 
 
 def _with_cloth(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
-    """Cloth as a boundary of grains."""
+    """Cloth as a boundary of grains or of a particle liquid."""
     plan, place = spec.simulation, f"/simulation/couplings/{key}"
     other = coupling.target if coupling.source in plan.cloth else coupling.source
-    if plan.solvers[other].engine not in MEETS_CLOTH or coupling.source not in (*plan.cloth, *plan.particles):
-        text = f"coupling {key!r} joins cloth and a {plan.solvers[other].engine} instance; this build couples cloth with rigid ones and with dem"
+    kind = "liquid" if other in plan.liquid else "grains"
+    if plan.solvers[other].engine == "flip":
+        where = f"/simulation/solvers/{other}/engine"
+        text = f"coupling {key!r}: a grid does not resolve sheets; let {other!r} be of engine dfsph"
+        yield Problem(where, text, {"op": "replace", "path": where, "value": "dfsph"})
+        return
+    if plan.solvers[other].engine not in MEETS_CLOTH or other in plan.cloth:
+        text = (
+            f"coupling {key!r} joins cloth and a {plan.solvers[other].engine} instance; this build couples cloth with rigid ones, "
+            "with dem and with dfsph"
+        )
         yield Problem(place, text, {"op": "remove", "path": place})
         return
     both = coupling.direction == "two_way"
     torn = [m for c in (coupling.source, coupling.target) if c in plan.cloth for m in plan.cloth[c].members if _tears(spec, m)]
     if torn:
         text = (
-            f"coupling {key!r}: {torn[0]!r} may tear, and grains know the triangles of its start only; take its tear strength out"
+            f"coupling {key!r}: {torn[0]!r} may tear, and {kind} know the triangles of its start only; take its tear strength out"
         )
         yield Problem(place, text, {"op": "remove", "path": place})
     if not both and coupling.source not in plan.cloth:
-        yield Problem(place, f"coupling {key!r}: one_way goes from the cloth to the grains; swap source and target")
+        yield Problem(place, f"coupling {key!r}: one_way goes from the cloth to the {kind}; swap source and target")
     for group in coupled_groups(spec):
         if both and coupling.target in group and not group & set(plan.rigid):
             text = (
-                f"coupling {key!r}: cloth and grains push each other beside a rigid instance; couple {coupling.source!r} two_way with "
+                f"coupling {key!r}: cloth and {kind} push each other beside a rigid instance; couple {coupling.source!r} two_way with "
                 "one too, or make it one_way from the cloth"
             )
             yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "one_way"})

@@ -287,6 +287,10 @@ class Cloth:
             dt = min(dt, CATCH * contacts.touch[1] / max(solid_speed, 1e-9))
         return dt
 
+    def pace(self) -> float:
+        """Time in which the fastest swing of the sheets turns by less than two radians [s]: an explicit step is 2 over its frequency at most."""
+        return 0.6 * self.longest / math.sqrt(stiffening(self.x.numpy(), self._edges, self._edge_length))
+
     def _stiffer(self) -> float:
         """How much higher the highest frequency is than at rest, looked at now and then."""
         if self._looks % STIFFENING == 0:

@@ -80,7 +80,7 @@ class SolverCloth(SolverPartner):
         """An entity's vertices at present."""
         own, (places, speeds) = self.scene.weld[self._rows(entity)], self.engine.vertices()
         lightness = np.where(self.engine.holder == -2, 1.0 / self.engine.mass, 0.0)
-        return MovingSurface(places[own], speeds[own], lightness[own], lightness[own])
+        return MovingSurface(places[own], speeds[own], lightness[own], lightness[own], self.engine.pace())
 
     def load(self, forces: Mapping[str, F64]) -> None:
         """Forces of others at the vertices of its entities from now on, each (v, 3) [N]."""

@@ -80,7 +80,7 @@ class Coupling:
         for name in ("center", "velocity", "spin", "lightness", "mobility"):
             setattr(s, name, self._state.arrays[name])
         self.soft = SoftSurfaces(setup, sampled, self._moving_rows, origin, passes)
-        s.deforms, s.vertex_velocity = self.soft.deforms, self.soft.velocity
+        s.deforms, s.vertex_velocity, s.vertex_start = self.soft.deforms, self.soft.velocity, self.soft.start
         s.friction = wp.array([one.friction for one in setup.boundaries] or [0.0], dtype=wp.float32, device=self.device)
         self.rotation, self.position, self.acceleration = (
             self._state.arrays[n] for n in ("rotation", "position", "acceleration")
@@ -187,7 +187,7 @@ class Coupling:
             "finish",
             reaction_kernels.finish_factors,
             n,
-            [self.parts, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self.soft.bound, self._least, w.stiffness],
+            [self.parts, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self.soft.bound, self._least, w.stiffness, w.firm],
         )()
         self.taken = w.none
 

@@ -38,6 +38,8 @@ MOVING = wp.constant(2)
 1.01 to 1.02 of what they displace, else 0.96 to 0.98. Along walls at rest it does, which keeps the pressure beside them linear."""
 SOFT = wp.constant(4)
 """Kind of closed bodies that deform, which act as those that move."""
+SHEET = wp.constant(5)
+"""Kind of sheets that deform."""
 FAINT = wp.constant(wp.float32(0.01))
 """Gradient of the fill by a solid along its nearest surface, in units of 1/h, below which nothing else of it is near."""
 BODIES_NEAR = 8
@@ -74,6 +76,7 @@ class Bodies:
     friction: wp.array(dtype=wp.float32)
     deforms: wp.array(dtype=wp.int32)
     vertex_velocity: wp.array(dtype=wp.vec3)
+    vertex_start: wp.array(dtype=wp.vec3)
 
 
 @wp.func
@@ -304,7 +307,7 @@ def mirrored(
     part = behind(wp.max(d, 0.0), spacing, h)
     whole = wp.max(d, 0.0) * plane_weight(wp.max(d, 0.0) / h, h) + plane
     fixed = wp.float32(1.0)
-    if surfaces.kind[body] >= MOVING:
+    if surfaces.kind[body] == MOVING or surfaces.kind[body] == SOFT:
         fixed = 0.0
     along = fixed * part[1] / plane
     borne = along * m
@@ -317,6 +320,32 @@ def mirrored(
         single = wp.vec4(f[0], f[1], f[2], share * w)
         return (1.0 - turned) * single + turned * walls, (1.0 - turned) * borne + turned * held
     return wp.vec4(f[0], f[1], f[2], share * w), borne
+
+
+@wp.func
+def thin(
+    w: wp.float32,
+    lift: wp.vec3,
+    surfaces: Surfaces,
+    body: wp.int32,
+    xi: wp.vec3,
+    spacing: wp.float32,
+    h: wp.float32,
+):
+    """Fill by a sheet, its gradient, and its part of the lift: of the mirror image in the nearest place of it, as a side of the domain has,
+    times the share that samples within reach are of a whole plane's."""
+    near = wp.mesh_query_point_no_sign(surfaces.mesh[body], xi, h)
+    if not near.result:
+        return wp.vec4(0.0, 0.0, 0.0, 0.0), wp.vec3(0.0, 0.0, 0.0)
+    away = xi - wp.mesh_eval_position(surfaces.mesh[body], near.face, near.u, near.v)
+    d = wp.length(away)
+    if d >= spacing or d < 1.0e-6 * spacing:
+        return wp.vec4(0.0, 0.0, 0.0, 0.0), wp.vec3(0.0, 0.0, 0.0)
+    n = away / d
+    share = wp.min(w / (spacing * plane_weight(d / h, h)), 1.0)
+    image = side(d, spacing, h)
+    f = (share * image[1]) * n
+    return wp.vec4(f[0], f[1], f[2], share * image[0]), wp.vec3(0.0, 0.0, 0.0)
 
 
 @wp.kernel
@@ -359,6 +388,10 @@ def fill_pairs(
             seen_as, borne = mirrored(sums[0], g + g2, m + m2, lift[i], surfaces, body, xi, spacing, h)
             slant = wp.vec3(seen_as[0], seen_as[1], seen_as[2])
             w = seen_as[3]
+        if surfaces.kind[body] == SHEET:
+            sheet, borne = thin(sums[0], lift[i], surfaces, body, xi, spacing, h)
+            slant = wp.vec3(sheet[0], sheet[1], sheet[2])
+            w = sheet[3]
         at = pairs.start[i] + k
         pairs.particle[at] = i
         pairs.body[at] = body

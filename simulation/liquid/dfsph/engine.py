@@ -149,7 +149,7 @@ class Dfsph:
 
         added = self._let_in()
         stable = min(self._stable(self.speed), self._stable(_fastest(bodies, self)))
-        dt = min(limit, stable)
+        dt = min(limit, stable, self.coupling.soft.longest(bodies))
         w, n = self.work, self.store.count
         self._host[10] = self.full
         self._host[:8] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.0)

@@ -88,7 +88,7 @@ def solve(
                 w.lean,
                 *w.lists,
                 coupling.taken,
-                w.stiffness,
+                w.firm if density else w.stiffness,
                 w.b,
                 s.volume,
                 w.settings,

@@ -100,9 +100,12 @@ def finish_factors(
     bound: wp.array(dtype=wp.float32),
     least: wp.float32,
     stiffness: wp.array(dtype=wp.float32),
+    firm: wp.array(dtype=wp.float32),
 ):
-    """Diagonal of A: own acceleration, neighbours' (summed by the search), and bounds of the bodies' rows, `bound` those of vertices."""
+    """Diagonal of A: own acceleration, neighbours' (summed by the search), and bounds of the bodies' rows, `bound` those of vertices;
+    `firm` without these, for the solve that moves none."""
     i = first + wp.tid()
+    give = wp.float32(0.0)
     s = stiffness[i] + lightness[i] * wp.dot(lean[i], lean[i])
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
         b = pairs.body[k]
@@ -119,10 +122,12 @@ def finish_factors(
             own = wp.length(pairs.slope[k])
             at = pairs.corner[k]
             share = pairs.share[k]
-            s += VERTICES * own * (share[0] * bound[at[0]] + share[1] * bound[at[1]] + share[2] * bound[at[2]])
+            give += VERTICES * own * (share[0] * bound[at[0]] + share[1] * bound[at[1]] + share[2] * bound[at[2]])
     if s < least:
         s = 0.0
-    stiffness[i] = s
+        give = 0.0
+    stiffness[i] = s + give
+    firm[i] = s
 
 
 @wp.kernel

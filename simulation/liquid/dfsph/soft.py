@@ -28,6 +28,9 @@ __all__ = ["SoftSurfaces"]
 
 REACH = 4.0
 """[spacings] Farthest that a pair's particle is from the surface: from a sample by a support, and that from the surface by DEPTH."""
+GIVE = 0.1
+"""[spacings] What the liquid's force alone would move a vertex by in a step: pressure then comes to what the surface bears before the
+liquid has noticed that it gave way. Light cloth under a pool asks for it; elastic bodies do not."""
 LARGEST = 10.0
 """Accelerations of vertices count up to so many times gravity: those of impacts end with the step."""
 
@@ -40,6 +43,10 @@ class _Last(NamedTuple):
     force: F64
     """Of the liquid (v, 3) [N]."""
     seconds: float
+    pull: float
+    """Acceleration that the liquid alone would give its vertices, mean over the force [m/s^2]."""
+    near: float
+    """1 where liquid is within reach."""
 
 
 class SoftSurfaces:
@@ -60,6 +67,7 @@ class SoftSurfaces:
         self._gravity = np.asarray(setup.gravity, dtype=float)
         boundaries = setup.boundaries
         self.rows = [k for k, b in enumerate(boundaries) if b.deforming]
+        self._thin = {k for k in self.rows if not boundaries[k].closed}
         counts = [len(b.mesh.vertices) if b.deforming else 0 for b in boundaries]
         starts = np.cumsum([0, *counts])
         self.slices = {k: slice(int(starts[k]), int(starts[k + 1])) for k in self.rows}
@@ -68,7 +76,9 @@ class SoftSurfaces:
         size = max(self.count, 1)
         self.deforms = wp.array([int(b.deforming) for b in boundaries] or [0], dtype=wp.int32, device=device)
         self._start = wp.array(starts[: max(len(boundaries), 1)].astype(np.int32), dtype=wp.int32, device=device)
-        self.x, self.velocity, self.acceleration, self._change = (wp.zeros(size, dtype=wp.vec3, device=device) for _ in range(4))
+        self.x, self.velocity, self.start, self.acceleration, self._change = (
+            wp.zeros(size, dtype=wp.vec3, device=device) for _ in range(5)
+        )
         self._ease, self.bound, self._load = (wp.zeros(size, dtype=wp.float32, device=device) for _ in range(3))
         self._impulse = wp.zeros(size, dtype=wp.vec3d, device=device)
         self._spans = wp.zeros(size + 1, dtype=wp.vec2i, device=device)
@@ -103,9 +113,11 @@ class SoftSurfaces:
         self._state, self.reacts = state, bool(ease.any())
         self.x.assign((place - self.origin).astype(np.float32))
         self.velocity.assign(speed.astype(np.float32))
+        self.start.assign(speed.astype(np.float32))
         self._change.assign(change.astype(np.float32))
         self._ease.assign(ease.astype(np.float32))
         self._impulse.zero_()
+        self._spans.zero_()
         if self._samples:
             corner, weights, offset, rest, rows = self._places
             inputs = [corner, weights, offset, rest, rows, self.x, local, volume]
@@ -117,8 +129,9 @@ class SoftSurfaces:
         if last is None:
             return np.where(ease[:, None] > 0.0, dt * self._gravity, 0.0)
         gain = (speed - last.speed) / last.seconds
-        size = np.linalg.norm(gain, axis=1, keepdims=True)
-        gain *= np.minimum(1.0, self._largest / np.maximum(size, 1e-300))
+        if row not in self._thin:
+            size = np.linalg.norm(gain, axis=1, keepdims=True)
+            gain *= np.minimum(1.0, self._largest / np.maximum(size, 1e-300))
         return np.asarray(np.where(ease[:, None] > 0.0, dt * (gain - ease[:, None] * last.force), 0.0))
 
     def lay_surface(self, row: int, mesh: Any) -> None:
@@ -126,6 +139,12 @@ class SoftSurfaces:
         own = self.slices[row]
         warp().copy(mesh.points, self.x, src_offset=own.start, count=own.stop - own.start)
         mesh.refit()
+
+    def longest(self, bodies: BodyState) -> float:
+        """Largest step beside surfaces as light and as stiff as these [s]: what the liquid touches sets the pace."""
+        steps = [float(np.sqrt(GIVE * self._spacing / last.pull)) for last in self._last.values() if last.pull > 0.0]
+        steps += [pace for row, pace in bodies.vertex_pace.items() if row in self._last and self._last[row].near > 0.0]
+        return min(steps, default=np.inf)
 
     # ------------------------------------------------------------------ pairs
 
@@ -144,12 +163,15 @@ class SoftSurfaces:
         near = [coupling._x, surfaces, coupling.bodies, self._start, reach, self.count, pairs, self._key, self._order]
         run("attach", kernels.attach, total, near)()
         wp.utils.radix_sort_pairs(self._key, self._order, 3 * total)
-        self._spans.zero_()
         run("soft_spans", grid_kernels.spans, 3 * total, [3 * total, self._key, self._spans])()
         self._lists = [pairs, self._order, self._spans, self._ease]
         inputs = [coupling._volume, work.lightness, *self._lists, self.bound, self._load]
         run("weigh", kernels.weigh, self.count, inputs)()
         run("soften", kernels.soften, total, [self._load, pairs])()
+        if self._thin:
+            w, h = work, 2.0 * self._spacing
+            sums = [w.fill, w.lean, w.stiffness]
+            run("cut", kernels.cut, coupling._n, [coupling._x, coupling._volume, w.lightness, pairs, surfaces, h, *w.lists, *sums])()
 
     def slow(self, coupling: Coupling, work: Work) -> None:
         """Let friction of the pairs not reverse what light vertices do against the liquid in one step."""
@@ -207,14 +229,18 @@ class SoftSurfaces:
         state = self._state
         if not self.count or state is None:
             return found
-        whole, ease = self._impulse.numpy(), self._ease.numpy()
+        whole, ease, reached = self._impulse.numpy(), self._ease.numpy(), self._spans.numpy()
         for row, own in self.slices.items():
             if row not in state.vertex_lightness:
                 continue
             places, speeds = state.vertices[row]
             got = _whole(whole[own], places, ease[own], impulse[row], state.center[row])
             found[row] = got
-            self._last[row] = _Last(np.array(speeds), got / dt, dt)
+            force = got / dt
+            size = np.linalg.norm(force, axis=1)
+            pull = float(size**2 @ ease[own] / max(float(size.sum()), 1e-300))
+            near = float((reached[own, 1] > reached[own, 0]).any())
+            self._last[row] = _Last(np.array(speeds), force, dt, pull, near)
         return found
 
     # ------------------------------------------------------------------ state
@@ -223,17 +249,14 @@ class SoftSurfaces:
         """What the next step needs of this one."""
         found: dict[str, F64] = {}
         for row, last in self._last.items():
-            found |= {
-                f"soft{row}_speed": last.speed,
-                f"soft{row}_force": last.force,
-                f"soft{row}_seconds": np.array(last.seconds),
-            }
+            pace = np.array([last.seconds, last.pull, last.near])
+            found |= {f"soft{row}_speed": last.speed, f"soft{row}_force": last.force, f"soft{row}_pace": pace}
         return found
 
     def unpack(self, found: dict[str, Any]) -> None:
         """Go on from such a state."""
         self._last = {
-            row: _Last(found[f"soft{row}_speed"], found[f"soft{row}_force"], float(found[f"soft{row}_seconds"]))
+            row: _Last(found[f"soft{row}_speed"], found[f"soft{row}_force"], *(float(k) for k in found[f"soft{row}_pace"]))
             for row in self.rows
             if f"soft{row}_speed" in found
         }

@@ -5,13 +5,17 @@ The pressure force of a pair acts on the corners of the nearest triangle by its 
 is the same mean of theirs, so that A = D M^-1 D^T stays symmetric with the vertices' masses in M.
 """
 
+from typing import Any
+
 import warp as wp
 
-from .boundary_kernels import Bodies, Pairs, Surfaces
+from .boundary_kernels import SHEET, Bodies, Pairs, Surfaces
+from .list_kernels import KINDS, neighbour, toward
+from .shape_kernels import weight
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["attach", "kick_vertices", "lay_samples", "press", "pull", "slow", "soften", "take", "thicken_walls", "weigh"]
+__all__ = ["attach", "cut", "kick_vertices", "lay_samples", "press", "pull", "slow", "soften", "take", "thicken_walls", "weigh"]
 
 TINY = wp.constant(wp.float32(1.0e-20))
 
@@ -80,6 +84,69 @@ def attach(
     for c in range(3):
         key[3 * k + c] = found[c]
         order[3 * k + c] = 3 * k + c
+
+
+@wp.func
+def sheets_of(pairs: Pairs, surfaces: Surfaces, i: wp.int32):
+    """How many pairs of a particle are with sheets that deform."""
+    found = wp.int32(0)
+    for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
+        if surfaces.kind[pairs.body[k]] == SHEET:
+            found += 1
+    return found
+
+
+@wp.kernel
+def cut(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    surfaces: Surfaces,
+    h: wp.float32,
+    count: wp.array(dtype=wp.int32),
+    near: wp.array(dtype=Any),
+    row: wp.int32,
+    stride: wp.int32,
+    unit: wp.float32,
+    fill: wp.array(dtype=wp.float32),
+    lean: wp.array(dtype=wp.vec3),
+    stiffness: wp.array(dtype=wp.float32),
+):
+    """Take neighbours off the lists that a sheet stands between, and out of the sums over them: liquid on both sides meets the sheet alone.
+
+    The way is followed from the particle of the lower number, so that both of a pair find the same.
+    """
+    i = first + wp.tid()
+    if sheets_of(pairs, surfaces, i) > 0:
+        kept = wp.int32(0)
+        at = i * row
+        to = at
+        for _k in range(count[i]):
+            w = near[at]
+            j = neighbour(w)
+            apart = wp.int32(0)
+            if sheets_of(pairs, surfaces, j) > 0:
+                a = x[wp.min(i, j)]
+                way = x[wp.max(i, j)] - a
+                length = wp.max(wp.length(way), TINY)
+                for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
+                    if surfaces.kind[pairs.body[k]] == SHEET:
+                        hit = wp.mesh_query_ray(surfaces.mesh[pairs.body[k]], a, way / length, length)
+                        if hit.result:
+                            apart = 1
+            g = unit * toward(w)
+            if apart == 1:
+                fill[i] = fill[i] - volume[j] * weight(wp.length(x[i] - x[j]) / h, h)
+                lean[i] = lean[i] - g
+                stiffness[i] = stiffness[i] - volume[i] * lightness[j] / volume[j] * wp.dot(g, g)
+            else:
+                near[to] = w
+                to += stride
+                kept += 1
+            at += stride
+        count[i] = kept
 
 
 @wp.kernel
@@ -236,3 +303,7 @@ def kick_vertices(
     """Velocity of vertices by everything but the liquid."""
     v = first + wp.tid()
     velocity[v] = velocity[v] + change[v]
+
+
+for _kind in KINDS:
+    wp.overload(cut, {"near": wp.array(dtype=_kind)})

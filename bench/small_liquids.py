@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["PROMPT", "sea_spec", "tank_spec"]
+__all__ = ["PROMPT", "jelly_tank_spec", "sea_spec", "tank_spec"]
 
 PROMPT = "A wooden crate drops into a tank of water."
 INNER = (0.4, 0.4, 0.3)
@@ -112,6 +112,32 @@ def tank_spec(
         },
     }  # fmt: skip
     return {**spec, **changes}
+
+
+def jelly_tank_spec(*, frames: int = 24, young: float = 15000.0, density: float = 600.0, **tank: Any) -> dict[str, Any]:
+    """The tank with a jelly in place of the crate, without its prompt.
+
+    Args:
+        frames: at 24 per second.
+        young: modulus of the jelly [Pa].
+        density: of the jelly [kg/m^3].
+        tank: arguments of `tank_spec`.
+    """
+    spec = tank_spec(frames=frames, **tank)
+    low, high = 0.12, 0.08
+    jelly = {**spec["entities"].pop("crate"), "role": "jelly", "material": "jelly", "dimensions": {"size": [low, low, high]}}
+    jelly["parts"] = {"body": {"shape": {"kind": "box", "size": [low, low, high]}}}
+    jelly["physics"] = {
+        "category": "elastic", "young_modulus": young, "poisson_ratio": 0.4, "damping": 0.004, "resolution": 0.06,
+    }  # fmt: skip
+    spec["entities"]["jelly"] = {**jelly, "outputs": ["deformation"]}
+    look = {"color": [0.75, 0.12, 0.08], "roughness": 0.2}
+    spec["materials"]["jelly"] = {"density": density, "friction": 0.4, "appearance": look}
+    spec["simulation"]["solvers"]["rigid"]["members"] = ["tank", "jelly"]
+    spec["simulation"]["drivers"] = {"let_go": {"kind": "release", "entity": "jelly", "time": 0.0}}
+    for beat in spec["story"]["beats"].values():
+        beat["subject"] = beat["predicate"]["entity"] = "jelly"
+    return spec
 
 
 def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True, frames: int = 90, **sea: Any) -> dict[str, Any]:

@@ -58,10 +58,12 @@ def _met(candidate: Candidate, first: str) -> list[dict[str, str]]:
             continue
         if not soft_met(spec, name):
             text = f"{instance.moves[0]} of {name!r} does not meet elastic bodies ({first!r})"
+            text += "; of engine dfsph it would" if instance.engine == "flip" else ""
             found.append({"what": text, "effect": "omitted in both directions: they pass through each other"})
         elif any(name in group for group in coupled_groups(spec)):
             text = f"{name!r} takes the surfaces of elastic bodies as giving way like their vertices alone within an exchange"
-            found.append({"what": text, "effect": "energy that the exchange makes or loses is told by category:elastic:together"})
+            row = f"category:liquid:energy:{name}" if name in spec.simulation.liquid else "category:elastic:together"
+            found.append({"what": text, "effect": f"energy that the exchange makes or loses is told by {row}"})
         else:
             text = f"{name!r} is pushed by elastic bodies ({first!r}) and does not push them"
             found.append({"what": text, "effect": "omitted reaction: they fall through what cannot hold them back"})

@@ -1,7 +1,7 @@
 """Whether a liquid and bodies gave each other what each says it got (R66, R67, R102).
 
 - `exchange`: for every boundary and frame, what the liquid gave and what it lost itself add up to zero (`REACTION` of the scale).
-- `received`: what a two-way coupled rigid instance received is what the liquid gave.
+- `received`: what a two-way coupled rigid instance, or cloth, received is what the liquid gave.
 - `declared`: bodies that move freely and get pushed by the liquid are coupled both ways, or the omission is declared one-way.
 - `buoyancy`: the upward push on a body is that of the water it displaces, less what its own acceleration and drag take.
 """
@@ -26,6 +26,7 @@ from .verdicts import correction
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ..worlds.cache import Cache
     from ..worlds.requirements import Correction
     from .liquid_frames import Frame, Liquid, Step
 
@@ -53,7 +54,7 @@ ROUGH = 2.0
 def coupled(liquid: Liquid, entity: str) -> str:
     """`two_way`, `one_way`, or `` where nothing is declared between the liquid and the instance that moves the entity."""
     plan = liquid.candidate.spec.simulation
-    owners = {n for n, s in plan.rigid.items() if entity in s.members}
+    owners = {n for n, s in plan.solvers.items() if entity in s.members}
     found = [
         c.direction for c in plan.couplings.values() if {c.source, c.target} & owners and liquid.solver in (c.source, c.target)
     ]
@@ -76,7 +77,11 @@ class Coupling:
         self.reaction: list[F64] = []
         self.received: list[F64] = []
         self.judged = [i for i, free in enumerate(self.bodies.free) if free]
-        self.inside = {i: sample_inside(liquid, self.bodies.names[i]) for i in self.judged}
+        self.sheets = {
+            i for i in self.judged if liquid.candidate.spec.entities[self.bodies.entities[i]].physics.category == "cloth"
+        }
+        """They displace nothing."""
+        self.inside = {i: sample_inside(liquid, self.bodies.names[i]) for i in self.judged if i not in self.sheets}
         self.sunk: list[F64] = []
         self.flow: list[F64] = []
 
@@ -93,6 +98,11 @@ class Coupling:
     def _received(self, index: int) -> F64:
         """What the rigid side says it got, shape (b, 6); NaN where no coupled body is behind the boundary."""
         result = np.full((self.bodies.count, 6), np.nan)
+        for row, soft in self.bodies.deforming.items():
+            if row in self.sheets and partners(self.liquid.candidate.spec, soft.cache.index.solver) == (self.liquid.solver,):
+                # A cloth's books have no moments: of these, the liquid's own stand.
+                result[row] = self.impulse[-1][row]
+                result[row, :3] = _loads(soft.cache, index)
         for row, name in enumerate(self.bodies.names):
             held = self.liquid.candidate.cache_row(*name.split("/"))
             if held is None or not self.bodies.free[row] or coupled(self.liquid, self.bodies.entities[row]) != "two_way":
@@ -113,6 +123,8 @@ class Coupling:
         sunk, flow = np.full(len(self.judged), np.nan), np.zeros(len(self.judged))
         seen = _seen(self.liquid, frame) if self.judged else np.zeros((0, 2))
         for column, row in enumerate(self.judged):
+            if row in self.sheets:
+                continue
             points = self._points(row, frame.index)
             near = _ring(self.liquid, seen, points)
             flow[column] = _flow(frame, near)
@@ -206,7 +218,8 @@ class Coupling:
         worst, culprit, when, judged, told = 0.0, None, None, 0, ""
         for column, row in enumerate(self.judged):
             if (
-                coupled(self.liquid, self.bodies.entities[row]) != "two_way"
+                row in self.sheets
+                or coupled(self.liquid, self.bodies.entities[row]) != "two_way"
                 or self.liquid.strength < 1e-6
                 or self.liquid.attracted
             ):
@@ -277,6 +290,13 @@ class Coupling:
             outside = max(low - push[k], push[k] - high, 0.0)
             excess[k] = outside / (density * volume * liquid.strength)
         return excess, push, wanted
+
+
+def _loads(cache: Cache, index: int) -> F64:
+    """Impulse that a cloth says others gave it over a frame, shape (3,) [N s]."""
+    names = tuple(f"record/load_impulse_{axis}" for axis in "xyz")
+    held = [cache.read(k, names) for k in (max(index - 1, 0), index)]
+    return np.array([float(held[1][n]) - float(held[0][n]) for n in names])
 
 
 def _flat(liquid: Liquid) -> F64:

@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from ..geometry.launch import warp
 from ..worlds.arrays import F64
 from .findings import Finding
 from .liquid_barriers import Barrier, barriers_of
 from .liquid_rows import coarse, longer_step, place
+from .soft_solids import passed_through, soft_walls
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -33,6 +35,8 @@ LEAKED = 1e-4
 """Own choice: share of the liquid's particles that may have passed a surface; never less than one."""
 SLACK = 6
 """[cubes] How far around a particle's way another one is searched, at least."""
+RIM = 3.0
+"""[spacings] Own choice: beside the rim of a sheet, particles may go around it from frame to frame."""
 PATIENCE = 6
 """Frames after which particles that stay next to a surface are asked on which side they are."""
 SOME = 2000
@@ -62,6 +66,8 @@ class Leaks:
         self.leaks: list[tuple[int, int, Barrier, F64, NDArray[np.int64]]] = []
         self.particles = 0
         self.leaked: set[int] = set()
+        self.crossed: list[tuple[int, str, str, F64, NDArray[np.int64]]] = []
+        self.rims: dict[tuple[str, str], NDArray[np.intp]] = {}
 
     def see(self, step: Step) -> None:
         """Follow every particle by one frame."""
@@ -69,6 +75,8 @@ class Leaks:
             self.barriers = barriers_of(self.liquid)
         frame = step.now
         self.particles = max(self.particles, frame.count)
+        if step.before is not None and frame.count:
+            self._sheets(step, step.before)
         wp = warp()
         before = np.full((frame.count, 3), np.nan)
         if step.before is not None:
@@ -76,6 +84,23 @@ class Leaks:
         now, then = (wp.array(np.ascontiguousarray(x), dtype=wp.vec3d, device="cpu") for x in (frame.position, before))
         for number, barrier in enumerate(self.barriers if frame.count else ()):
             self._follow(number, barrier, frame, now, then)
+
+    def _sheets(self, step: Step, before: Frame) -> None:
+        """Particles that have changed the side of a sheet that moves by itself, away from its rim."""
+        candidate, frame, s = self.liquid.candidate, step.now, self.liquid.spacing
+        places = (before.position[step.there], before.index), (frame.position[step.here], frame.index)
+        for found in passed_through(candidate, self.liquid.solver, *places, np.full(len(step.here), 0.5 * s)):
+            part = next(p for p in candidate.entity(found.entity).parts if p.part == found.part)
+            rim = self.rims.setdefault((found.entity, found.part), _rim(part.render.faces))
+            away = np.full(len(found.rows), np.inf)
+            for points, index in places if len(rim) else ():
+                edge = cKDTree(candidate.surface(found.entity, found.part, index)[rim])
+                away = np.minimum(away, edge.query(points[found.rows])[0])
+            rows = step.here[found.rows[away > RIM * s]]
+            fresh = rows[[int(k) not in self.leaked for k in frame.identity[rows]]] if len(rows) else rows
+            if len(fresh):
+                self.leaked |= set(frame.identity[fresh].tolist())
+                self.crossed.append((frame.index, found.entity, found.part, frame.position[fresh], frame.identity[fresh]))
 
     def _follow(self, number: int, barrier: Barrier, frame: Frame, now: Any, then: Any) -> None:
         waiting = np.full((frame.count, 3), np.nan)
@@ -122,13 +147,15 @@ class Leaks:
 
     def findings(self) -> dict[str, Finding]:
         """How many particles leaked, and where most did."""
-        if not self.barriers:
+        if not self.barriers and not soft_walls(self.liquid.candidate, self.liquid.solver):
             return {"leak": Finding("not_applicable", "no solid reaches to where the liquid is")}
         bound = max(1.0, np.floor(LEAKED * self.particles))
         count = float(len(self.leaked))
         if count <= bound:
             text = f"{count:.0f} of {self.particles} particles passed a surface (allowed {bound:.0f})"
             return {"leak": Finding("pass", text, count, bound, "1")}
+        if sum(len(c[4]) for c in self.crossed) > sum(len(e[4]) for e in self.leaks):
+            return {"leak": self._through(count, bound)}
         index, gap, piece, sizes = self._gap()
         where = place(gap)
         name = f"{piece.entity}/{piece.part}"
@@ -146,6 +173,18 @@ class Leaks:
                                     "per_frame": [[i, n] for i, n, *_ in self.leaks[:20]], "share": count / max(self.particles, 1)}  # fmt: skip
         return {"leak": Finding("fail", text, count, bound, "1", piece.entity, index, hints, evidence)}
 
+    def _through(self, count: float, bound: float) -> Finding:
+        """What went through a sheet."""
+        _, entity, part, points, _ = max(self.crossed, key=lambda c: len(c[4]))
+        where = place(np.median(points, axis=0))
+        text = (
+            f"{count:.0f} of {self.particles} particles passed through the sheet {entity}/{part}, first at frame "
+            f"{self.crossed[0][0]}, most about {where}"
+        )
+        hints = (longer_step(self.liquid, "particles and the sheet run through each other in a step"),)
+        evidence = {"place": where, "collider": entity, "part": part, "share": count / max(self.particles, 1)}
+        return Finding("fail", text, count, bound, "1", entity, self.crossed[0][0], hints, evidence)
+
     def _gap(self) -> tuple[int, F64, Piece, list[float]]:
         """First frame, place of the densest cluster of crossings in the world, the piece there and the cluster's extent."""
         index, _, barrier, _, _ = max(self.leaks, key=lambda e: e[1])
@@ -157,6 +196,13 @@ class Leaks:
         near = points[(np.abs(points - middle) <= 8.0 * barrier.cube).all(axis=1)]
         world = middle if barrier.world else barrier.pieces[0].world(middle[None], index)[0]
         return self.leaks[0][0], world, barrier.nearest(middle), place(np.ptp(near, axis=0))
+
+
+def _rim(faces: NDArray[Any]) -> NDArray[np.intp]:
+    """Vertices of edges that one triangle alone has."""
+    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    return np.unique(unique[count == 1]).astype(np.intp)
 
 
 def _middle(barrier: Barrier, start: F64, end: F64) -> F64:

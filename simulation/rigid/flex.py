@@ -12,6 +12,7 @@ import numpy as np
 from ...worlds.arrays import F64, I64, RigidPose, pose_of
 from ...worlds.built import BuiltPart
 from ...worlds.errors import InputError
+from ...worlds.simulation_mesh import volumes
 from ...worlds.spec import ElasticPhysics, Pin, WorldSpec
 from ..boundaries import MovingSurface
 from ..elastic import Lattice
@@ -96,6 +97,15 @@ class FlexBody:
             most = float(np.linalg.norm(image))
             way = image / max(most, 1e-300)
         return np.asarray(self.lightness * max(1.0, EIGEN_MARGIN * most))
+
+    @cached_property
+    def swing(self) -> float:
+        """Time in which waves of compression between neighbouring nodes turn by a radian [s]."""
+        young, poisson = self.physics.young_modulus, self.physics.poisson_ratio
+        stiff = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+        mesh = self.lattice.mesh
+        density = float(self.masses.sum()) / max(float(np.abs(volumes(mesh.vertices, mesh.tets)).sum()), 1e-300)
+        return float(0.25 * self.lattice.edge.min() / np.sqrt(stiff / density))
 
     @property
     def own(self) -> list[str]:
@@ -292,7 +302,9 @@ class Flexes:
         found = {}
         for body in self.bodies:
             places, speeds = (body.lattice.at_vertices(value) for value in self.nodes(data, body))
-            found[body.entity] = MovingSurface(places, speeds, body.lightness, body.give)
+            # Steps damp what swings faster than they are long.
+            pace = max(body.swing, float(self.model.opt.timestep))
+            found[body.entity] = MovingSurface(places, speeds, body.lightness, body.give, pace)
         return found
 
     def channels(self, data: Any) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
@@ -143,3 +144,80 @@ def test_a_jelly_bobs_like_a_crate_of_its_density(young):
     rigid, soft = course(24), course(24, young_modulus=young, resolution=0.06)
     assert np.ptp(rigid[8:]) > 0.02
     assert np.abs(soft - rigid).max() < 0.25 * 0.025
+
+
+def hung(frames, size, at, domain, *, spacing, sides=("open",) * 6):
+    """A cloth between four posts and water, coupled; the run of both and what the cloth weighs."""
+    spec = hammock_spec(frames=frames, edge=0.055, radius=None)
+    for gone in ("jelly", "tray"):
+        del spec["entities"][gone]
+    spec["simulation"]["drivers"] = {}
+    spec["simulation"]["solvers"]["bodies"]["members"] = ["ground", "posts"]
+    spec["materials"]["water"] = {"density": 1000, "substance": "water"}
+    spec["entities"]["water"] = {
+        "role": "water", "motion": "dynamic", "material": "water", "dimensions": {"size": size}, "pose": {"position": at},
+        "parts": {"body": {"shape": {"kind": "box", "size": size}}}, "physics": {"category": "liquid", "resolution": spacing},
+    }  # fmt: skip
+    settings = {"domain": {**domain, "sides": list(sides)}}
+    spec["simulation"]["solvers"]["water"] = {"engine": "dfsph", "members": ["water"], "settings": settings}
+    spec["simulation"]["couplings"]["wet"] = {
+        "source": "cloth", "target": "water", "direction": "two_way", "variables": ["motion", "wrench"],
+    }  # fmt: skip
+    made = parse_spec({**spec, "prompt": HAMMOCK_PROMPT})
+    built = {n: build_entity(made, n, Path()) for n in made.entities}
+    (group,) = groups_of(made)
+    run = make_run(made, built, group)
+    run.prepare()
+    return run, built["cloth"].bodies[0].mass
+
+
+def energy(water, cloth):
+    """Of both [J]."""
+    names = ("kinetic_energy", "potential_energy")
+    found = sum(float(one[f"record/{n}"]) for one in (water, cloth) for n in names)
+    return found + float(cloth["record/stretch_energy"]) + float(cloth["record/bending_energy"])
+
+
+@pytest.mark.slow
+def test_a_cloth_catches_water_and_its_pins_carry_both():
+    """Law: what the pins give is weight and momentum of water and cloth; nothing passes, and energy of both only falls."""
+    frames, s = 7, 0.03
+    run, mass = hung(frames, [0.18, 0.18, 0.06], [0, 0, HIGH + 0.05], {"center": [0, 0, 0.3], "size": [0.6, 0.6, 0.8]}, spacing=s)
+    water, cloth = run.solvers["water"], run.solvers["cloth"]
+    energies = []
+    for k in range(1, frames):
+        run.advance(k)
+        wet, sheet = water.frame_data(), cloth.frame_data()
+        energies.append(energy(wet, sheet))
+        below = wet["particle/position"][:, 2] + wet["origin"][2] < sheet["vertex/position"][:, 2].min() - 0.5 * s
+        assert not below.any()
+    weight = (float(wet["record/mass"]) + mass) * G * (frames - 1) / 24
+    pins = float(sheet["record/hold_impulse_z"])
+    gained = float(wet["record/momentum_z"]) + float(sheet["record/momentum_z"])
+    assert pins > 0.2 * weight
+    assert pins - weight + float(sheet["record/solid_impulse_z"]) == pytest.approx(gained, abs=1e-3 * weight)
+    assert max(np.diff(energies)) < 0.01 * np.ptp(energies) + 1e-3
+    assert float(sheet["record/max_speed"]) < 15.0
+
+
+@pytest.mark.slow
+def test_a_cloth_in_still_water_feels_no_net_force_and_keeps_both_sides_apart():
+    """Law: pressure on both sides of a sheet is the same; it stays where it is, and the water on its sides."""
+    frames, s, side = 4, 0.04, 0.24
+    run, _ = hung(
+        frames, [side, side, 0.24], [0, 0, HIGH], {"center": [0, 0, HIGH + 0.1], "size": [side, side, 0.44]}, spacing=s,
+        sides=("closed",) * 5 + ("open",),
+    )  # fmt: skip
+    water, cloth = run.solvers["water"], run.solvers["cloth"]
+    row = next(k for k, n in enumerate(water.index().colliders) if n.startswith("cloth/"))
+    start = water.frame_data()["particle/position"][:, 2] + water.origin[2] > HIGH
+    order = water.frame_data()["particle/id"]
+    above = dict(zip(order.tolist(), start.tolist(), strict=True))
+    for k in range(1, frames):
+        run.advance(k)
+        wet = water.frame_data()
+        weight = float(wet["record/mass"]) * G / 24
+        assert np.abs(wet["exchange/impulse"][row, :3]).max() < 0.02 * weight
+    heights = wet["particle/position"][:, 2] + wet["origin"][2]
+    assert [above[i] for i in wet["particle/id"].tolist()] == (heights > HIGH).tolist()
+    assert np.abs(cloth.frame_data()["vertex/position"][:, 2] - HIGH).max() < 0.5 * s

@@ -53,3 +53,26 @@ def test_grains_declared_before_the_cloth_they_read_are_refused() -> None:
     led = {"led": joined("cloth", "grains", "one_way", "motion")}
     (problem,) = coupling_problems(world(led, order=["bodies", "grains", "cloth"]))
     assert "'cloth'" in problem.text
+
+
+def wet(engine: str, direction: str = "two_way", *variables: str) -> Any:
+    """The hammock's cloth coupled with water."""
+    spec = hammock_spec(radius=None)
+    spec["materials"]["water"] = {"density": 1000, "substance": "water"}
+    size = [0.2, 0.2, 0.06]
+    spec["entities"]["water"] = {
+        "role": "water", "motion": "dynamic", "material": "water", "dimensions": {"size": size}, "pose": {"position": [0, 0, 0.4]},
+        "parts": {"body": {"shape": {"kind": "box", "size": size}}}, "physics": {"category": "liquid", "resolution": 0.02},
+    }  # fmt: skip
+    settings = {"domain": {"center": [0, 0, 0.3], "size": [0.6, 0.6, 0.8]}}
+    spec["simulation"]["solvers"]["water"] = {"engine": engine, "members": ["water"], "settings": settings}
+    spec["simulation"]["couplings"]["wet"] = joined("cloth", "water", direction, *(variables or ("motion", "wrench")))
+    return parse_spec({**spec, "prompt": HAMMOCK_PROMPT})
+
+
+def test_particle_liquids_meet_elastic_bodies_and_the_cloth_they_are_coupled_with_grids_neither() -> None:
+    spec = wet("dfsph")
+    assert (soft_met(spec, "water"), coupling_problems(spec)) == (("cloth", "jelly"), [])
+    assert soft_met(wet("flip"), "water") == ()
+    (problem,) = coupling_problems(wet("flip"))
+    assert problem.patch == {"op": "replace", "path": "/simulation/solvers/water/engine", "value": "dfsph"}

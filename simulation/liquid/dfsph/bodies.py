@@ -187,7 +187,19 @@ class Coupling:
             "finish",
             reaction_kernels.finish_factors,
             n,
-            [self.parts, x, w.lean, w.lightness, self.pairs, self.bodies, self.reach, self.soft.bound, self._least, w.stiffness, w.firm],
+            [
+                self.parts,
+                x,
+                w.lean,
+                w.lightness,
+                self.pairs,
+                self.bodies,
+                self.reach,
+                self.soft.bound,
+                self._least,
+                w.stiffness,
+                w.firm,
+            ],
         )()
         self.taken = w.none
 

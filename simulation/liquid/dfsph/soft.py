@@ -171,7 +171,9 @@ class SoftSurfaces:
         if self._thin:
             w, h = work, 2.0 * self._spacing
             sums = [w.fill, w.lean, w.stiffness]
-            run("cut", kernels.cut, coupling._n, [coupling._x, coupling._volume, w.lightness, pairs, surfaces, h, *w.lists, *sums])()
+            run(
+                "cut", kernels.cut, coupling._n, [coupling._x, coupling._volume, w.lightness, pairs, surfaces, h, *w.lists, *sums]
+            )()
 
     def slow(self, coupling: Coupling, work: Work) -> None:
         """Let friction of the pairs not reverse what light vertices do against the liquid in one step."""

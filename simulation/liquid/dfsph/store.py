@@ -118,7 +118,9 @@ class Work:
         self.count, self.touched, self.leaving = (zeros(capacity, wp.int32) for _ in range(3))
         self.grow(room)
         self.start = zeros(capacity, wp.int32)
-        self.fill, self.stiffness, self.firm, self.lightness, self.rate, self.b, self.y = (zeros(capacity, wp.float32) for _ in range(7))
+        self.fill, self.stiffness, self.firm, self.lightness, self.rate, self.b, self.y = (
+            zeros(capacity, wp.float32) for _ in range(7)
+        )
         self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(3))
         self.lean, self.lift, self.borne, self.a, self.way = (zeros(capacity, wp.vec3) for _ in range(5))
         parts = passes.parts(capacity)

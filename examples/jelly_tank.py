@@ -1,0 +1,77 @@
+"""A jelly drops into a tank of water and bobs, from its prompt to acceptance through a real client: `python -m worldagent.examples.jelly_tank`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from ..bench.small_liquids import jelly_tank_spec
+from .client_run import accept, play
+from .domino_run import Agent
+
+__all__ = ["FRAMES", "PROMPT", "main", "run", "tank_of_jelly"]
+
+PROMPT = "A jelly cube drops into a tank of water, comes up again and bobs."
+FRAMES = 30
+
+
+def tank_of_jelly(frames: int = FRAMES) -> dict[str, Any]:
+    """The world without its prompt, `frames` at 24 per second."""
+    spec = jelly_tank_spec(frames=frames)
+    last = frames - 1
+
+    def beat(text: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
+        made = {"text": text, "owner": "rigid", "subject": "jelly", "frames": when, "predicate": predicate}
+        return made | {"causes": list(causes)}
+
+    spec["graph"] = {
+        "regions": {
+            "deep": {"kind": "box", "min": [-0.2, -0.2, 0.0], "max": [0.2, 0.2, 0.18]},
+            "up": {"kind": "box", "min": [-0.2, -0.2, 0.204], "max": [0.2, 0.2, 0.4]},
+        }
+    }
+    spec["story"] = {
+        "semantics": "a soft body lighter than water falls into it and is borne up",
+        "beats": {
+            "drops": beat("the jelly drops", [0, 6], {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.05}),
+            "dips": beat("the water gives way to it", [2, 12], {"kind": "reaches", "entity": "jelly", "region": "deep"}, "drops"),
+            "rises": beat("the water bears it up again", [8, last], {"kind": "reaches", "entity": "jelly", "region": "up"}, "dips"),
+        },
+    }  # fmt: skip
+    spec["shots"] = {"main": {
+        "frames": [0, last], "covers": ["drops", "dips", "rises"], "subjects": ["jelly", "water"],
+        "keys": {"k0": {"frame": 0, "position": [0.75, -0.95, 0.75], "target": [0, 0, 0.14], "fov_deg": 40}},
+    }}  # fmt: skip
+    spec["clauses"] = {
+        "c1": {"met_by": ["/entities/tank", "/entities/water", "/story/beats/drops", "/story/beats/dips"]},
+        "c2": {"met_by": ["/story/beats/rises"]},
+    }
+    return spec
+
+
+async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:
+    return {"accepted": await accept(agent, PROMPT, tank_of_jelly(options.frames))}
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """One run in a fresh world folder; returns what happened."""
+    return play(Agent, "jelly_tank", PROMPT, options, lambda agent: _work(agent, options))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Exit code 0 when the world was accepted; the last line is one JSON object."""
+    parser = argparse.ArgumentParser(prog="jelly_tank", description=PROMPT)
+    parser.add_argument("--out", default="demo-out", help="workspace of the world")
+    parser.add_argument("--frames", type=int, default=FRAMES, help="at 24 per second")
+    parser.add_argument("--samples", type=int, default=16, help="of each pixel of the film")
+    parser.add_argument("--no-render", action="store_true")
+    found = run(parser.parse_args(argv))
+    print(json.dumps(found))
+    return 0 if found["accepted"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -24,7 +24,13 @@ def tank_of_jelly(frames: int = FRAMES) -> dict[str, Any]:
     last = frames - 1
 
     def beat(text: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
-        made = {"text": text, "owner": "rigid" if causes else "let_go", "subject": "jelly", "frames": when, "predicate": predicate}
+        made = {
+            "text": text,
+            "owner": "rigid" if causes else "let_go",
+            "subject": "jelly",
+            "frames": when,
+            "predicate": predicate,
+        }
         return made | {"causes": list(causes)}
 
     spec["graph"] = {

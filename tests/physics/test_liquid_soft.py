@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.bench.small_liquids import PROMPT, jelly_tank_spec, tank_spec
 from worldagent.bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.boundaries import Boundary
@@ -144,6 +144,24 @@ def test_a_jelly_bobs_like_a_crate_of_its_density(young):
     rigid, soft = course(24), course(24, young_modulus=young, resolution=0.06)
     assert np.ptp(rigid[8:]) > 0.02
     assert np.abs(soft - rigid).max() < 0.25 * 0.025
+
+
+@pytest.mark.slow
+def test_a_resumed_run_beside_a_jelly_equals_an_unbroken_one():
+    """Law: equal bytes of both instances."""
+    spec = parse_spec({**jelly_tank_spec(frames=5, spacing=0.04, crate_at=0.245), "prompt": PROMPT})
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    (group,) = groups_of(spec)
+    whole, rest = (make_run(spec, built, group) for _ in range(2))
+    whole.prepare()
+    for k in (1, 2, 3):
+        whole.advance(k)
+    rest.prepare(resumed=True)
+    rest.restore({n: s.checkpoint() for n, s in whole.solvers.items()}, 3)
+    for run in (whole, rest):
+        run.advance(4)
+    assert np.abs(whole.solvers["rigid"].frame_data()["exchange/soft"]).max() > 0.01
+    assert all(whole.solvers[n].checkpoint() == rest.solvers[n].checkpoint() for n in group)
 
 
 def hung(frames, size, at, domain, *, spacing, sides=("open",) * 6):

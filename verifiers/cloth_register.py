@@ -45,6 +45,12 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
                     "effect": f"a swing of 1 Hz loses {LOST * settings.max_step:.2%} of its amplitude in a second, of 5 Hz 25 times that",
                 }
             )
+            found.append(
+                {
+                    "what": f"where {name!r} touches something and moves slowly its steps are up to {settings.max_step:.3g} s long",
+                    "effect": f"a swing of 1 Hz loses up to {10 * LOST * settings.max_step:.1%} of its amplitude in a second",
+                }
+            )
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         for rigid, other in spec.simulation.rigid.items():
             if rigid not in coupled and any(spec.entities[m].motion == "dynamic" for m in other.members if m in spec.entities):

@@ -155,6 +155,7 @@ class Contacts:
         if self.solid is not None:
             self.solid.fit(passes, "solid_boxes", *self._moving(self._none))
         self.fresh = False
+        self.far = FAR
         self.searches = 0
         self.solid_margin = 0.0
         self._grow(256)
@@ -192,7 +193,7 @@ class Contacts:
             speed: fastest of the sheets' vertices against their mean velocity [m/s].
             drift: that mean velocity [m/s].
         """
-        own = 0.5 * (FAR * self.shortest - self.touch[0])
+        own = 0.5 * (self.far * self.shortest - self.touch[0])
         most = 0.5 * (FARTHEST * self.shortest - self.touch[1])
         return own, min(max(own * (1.0 + drift / max(speed, 1e-3)), own), most)
 
@@ -302,6 +303,12 @@ class Contacts:
             made += [press, yields] * self.iterations
             if self.held_count:
                 made.append(p("lean", contact.lean, self.held_count, [s["held"], self._start, self._items, self.wanted, self.share, self.impulse, s["reaction"]]))  # fmt: skip
+        return [*made, *self.ends()]
+
+    def ends(self) -> list[Pass]:
+        """Passes at the end of a step: what impulses gave to solids, and the move, cut short where anything would cross."""
+        p, s, n, count, made = self.passes, self.state, self.n, self.count, []
+        if self.count:
             if self.solid is not None:
                 made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
             if self._soft:

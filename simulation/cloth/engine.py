@@ -15,6 +15,7 @@ from ..passes import Passes
 from . import force_kernels as forces
 from . import step_kernels as steps
 from .contacts import Contacts
+from .grips import Grips
 from .mesh import adjacency
 from .pace import fastest_point, stiffening
 from .setup import ClothReport, ClothSetup
@@ -74,6 +75,7 @@ class Cloth:
         self._clock_bodies()
         self.contacts = self._make_contacts(setup)
         self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None
+        self.grips = Grips(self, self._strides) if self._strides is not None and not self._soft.rows else None
         self.time, self.steps_done = 0.0, 0
         self._known = False
         self._patience = Patience(setup.exchange, max(setup.shell))
@@ -255,11 +257,16 @@ class Cloth:
         if self._strides is not None and self._strides.take(span, time, solid_speed, air):
             count = 1
         else:
-            parts = max(1, math.ceil(span / BREATH - 1e-6))
-            for k in range(parts):
-                given, steps_taken = self._short(span / parts, time + k * span / parts, solid_speed, air)
-                total += given
-                count += steps_taken
+            done = 0.0
+            if self.grips is not None and self.contacts.active:
+                total, count, done = self.grips.run(span, time, solid_speed, air)
+            if done < span - 1e-12:
+                parts = max(1, math.ceil((span - done) / BREATH - 1e-6))
+                each = (span - done) / parts
+                for k in range(parts):
+                    given, steps_taken = self._short(each, time + done + k * each, solid_speed, air)
+                    total += given
+                    count += steps_taken
         pressed, worked = self.contacts.felt_by_vertices()
         self.steps_done += count
         return self._report(span, bodies, start, air, total, pressed, worked, count)
@@ -437,6 +444,8 @@ class Cloth:
         self._looks = 0
         if self._strides is not None:
             self._strides.begin()
+        if self.grips is not None:
+            self.grips.begin()
         self.contacts.fresh = False
         self.reaction.zero_()
         self.contacts.held_back.zero_()

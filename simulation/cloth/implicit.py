@@ -41,6 +41,8 @@ FINE = 0.01
 """Turn at which it ends: strains are then off by 5e-5 at most. With one step and 0.2, a flag in a gust doubled its energy in 2 s."""
 ROUNDS = 4
 """Its steps at most."""
+KNOWN = 8
+"""Lengths of step for which matrices are kept."""
 
 
 class Implicit:
@@ -77,12 +79,17 @@ class Implicit:
         self._area = wp.array(area, dtype=wp.float64, device=device)
         self._along, self._across, self._mixed = (wp.zeros(count, dtype=wp.mat33d, device=device) for _ in range(3))
         self._warps, self._wefts = (wp.zeros(count, dtype=wp.vec3d, device=device) for _ in range(2))
-        self._frames = wp.zeros(self.n, dtype=wp.mat33d, device=device)
+        self.frames = wp.zeros(self.n, dtype=wp.mat33d, device=device)
         self._felt = wp.zeros(count, dtype=wp.mat33d, device=device)
         self.drag = wp.zeros(self.n, dtype=wp.mat33d, device=device)
-        self.middle, self._left, self.before, self.mean = (wp.zeros(self.n, dtype=wp.vec3d, device=device) for _ in range(4))
+        self.middle, self.left, self.before, self.mean = (wp.zeros(self.n, dtype=wp.vec3d, device=device) for _ in range(4))
         self._change = np.zeros((self.n, 3))
-        self._dt, self._blown = 0.0, False
+        self._dt, self._blown = (0.0, THETA), False
+        self._known: dict[tuple[float, float], tuple[Any, ...]] = {}
+        self.theta = THETA
+        """Of steps from now on."""
+        self.rest: F64 = np.empty((0, 3))
+        """Diagonal of what the system is preconditioned with, in the order of its factor (free vertices, 3)."""
         self.solves = 0
 
     def _pattern(self, faces: I32, device: str) -> None:
@@ -122,20 +129,26 @@ class Implicit:
         p("catch_damping", tangents.catch_damping, self.n, [*corners, self._felt, self.drag])()
         self._blown = True
 
-    def _set(self, dt: float) -> None:
+    def prepare(self, dt: float) -> None:
         """Take a length of step."""
         # Equal shares of a time differ in their last digits.
         dt = float(f"{dt:.9g}")
-        if dt == self._dt:
-            return
-        step = THETA * dt
-        self._order, self._factor = self._preconditioner.factor(step)
+        key = self._dt = (dt, self.theta)
+        if key not in self._known:
+            if len(self._known) >= KNOWN:
+                self._known.pop(next(iter(self._known)))
+            self._known[key] = self._made(self.theta * dt)
+        self._order, self._factor, self.rest, self._stiff, self._bends = self._known[key]
+
+    def _made(self, step: float) -> tuple[Any, ...]:
+        order, factor = self._preconditioner.factor(step)
+        place = np.searchsorted(self._preconditioner.free, order)
+        rest = np.stack([m.diagonal() for m in self._preconditioner.matrices(step)], axis=1)[place]
         bend = (step * step * self._bend[0] + step * self._bend[1]).tocsr()
         bend.sort_indices()
-        self._stiff = bend.diagonal()
         upper = sp.triu(bend, k=1, format="csr")
-        self._bends = (upper.indptr.astype(np.int32), upper.indices.astype(np.int32), np.asarray(upper.data, dtype=np.float64))
-        self._dt = dt
+        bends = (upper.indptr.astype(np.int32), upper.indices.astype(np.int32), np.asarray(upper.data, dtype=np.float64))
+        return order, factor, rest, bend.diagonal(), bends
 
     def step(self, dt: float) -> bool:
         """Find the mean velocity of a step from where it starts; whether it can be trusted."""
@@ -143,38 +156,37 @@ class Implicit:
         warp().copy(self.before, s["v"])
         self.passes("guess", tangents.guess, self.n, [s["v"], s["x"], s["target"], s["inverse"], s["clock"], s["u"]])()
 
-        self._set(dt)
+        self.prepare(dt)
         for round_ in range(ROUNDS):
-            self._look()
-            factor = (self._order, self._frames.numpy(), *self._factor)
+            self.look()
             change = self._change if round_ == 0 else np.zeros_like(self._change)
-            taken = gradients(self._matrix(), factor, self._left.numpy(), change, CLOSE, MOST)
+            taken = gradients(self.matrix(), self.factor(), self.left.numpy(), change, CLOSE, MOST)
             s["u"].numpy()[: self.n] += change
             self.solves += taken
-            turn = self._turned(dt, change)
+            turn = self.turned(dt, change)
             if taken >= MOST or turn >= TURN:
                 return False
             if turn < FINE:
                 return True
         return False
 
-    def _turned(self, dt: float, change: F64) -> float:
+    def turned(self, dt: float, change: F64) -> float:
         """Largest turn or stretch of an edge by a change of the mean velocities, about [1]."""
-        return THETA * dt * float(turned(self._edges, self._length, change))
+        return self.theta * dt * float(turned(self._edges, self._length, change))
 
     def settle(self, dt: float) -> F64:
         """Give what the solve left over where it belongs; the impulse on what holds vertices, at theirs (k, 3) [N s]."""
         wp, s = warp(), self.state
-        u, left = s["u"].numpy(), self._left.numpy()
+        u, left = s["u"].numpy(), self.left.numpy()
         for piece in self._loose:
             u[piece] += self._rigid(piece, left, dt)
         wp.copy(self.mean, s["u"], count=self.n)
-        felt = left[self.held] / THETA
+        felt = left[self.held] / self.theta
         felt -= self.mass[self.held, None] * (u[self.held] - self.before.numpy()[self.held])
         for free, held in self._bound:
             rows = np.searchsorted(self.held, held)
             share = self.mass[held] / self.mass[held].sum()
-            felt[rows] += share[:, None] * (left[free].sum(axis=0) / THETA)
+            felt[rows] += share[:, None] * (left[free].sum(axis=0) / self.theta)
         return np.asarray(felt)
 
     def _rigid(self, piece: I32, left: F64, dt: float) -> F64:
@@ -186,21 +198,21 @@ class Implicit:
         moves[:, :, :3] = np.eye(3)
         for k in range(3):
             moves[:, :, 3 + k] = np.cross(np.eye(3)[k], arm)
-        inertia = mass[:, None, None] * np.eye(3) + THETA * dt * self.drag.numpy()[piece]
+        inertia = mass[:, None, None] * np.eye(3) + self.theta * dt * self.drag.numpy()[piece]
         whole = np.einsum("nia,nij,njb->ab", moves, inertia, moves)
         # A sheet of vertices in one line does not turn about it.
         found = np.linalg.lstsq(whole, np.einsum("nia,ni->a", moves, left[piece]), rcond=1e-12)[0]
         return np.asarray(moves @ found)
 
-    def _look(self) -> None:
+    def look(self) -> None:
         """Forces and their changes where the vertices are now taken to be."""
         s, p, n, count = self.state, self.passes, self.n, len(self.faces)
         made = [
-            p("ahead", tangents.ahead, n, [THETA, s["clock"], s["x"], s["u"], self.middle]),
+            p("ahead", tangents.ahead, n, [self.theta, s["clock"], s["x"], s["u"], self.middle]),
             p("membrane", forces.membrane, count, [self.middle, s["u"], s["faces"], s["rest"], s["law"], s["force"]]),
-            p("tangent", tangents.tangent, count, [THETA, s["clock"], self.middle, s["faces"], s["rest"], s["law"], self._along, self._across, self._mixed, self._warps, self._wefts]),
+            p("tangent", tangents.tangent, count, [self.theta, s["clock"], self.middle, s["faces"], s["rest"], s["law"], self._along, self._across, self._mixed, self._warps, self._wefts]),
             p("block", tangents.block, len(self._blocks), [*self._items, s["rest"], self._along, self._across, self._mixed, self._blocks]),
-            p("frame", tangents.frame, n, [*s["corners"], self._area, self._warps, self._wefts, self._frames]),
+            p("frame", tangents.frame, n, [*s["corners"], self._area, self._warps, self._wefts, self.frames]),
         ]  # fmt: skip
         if s["hinges"] is not None:
             made.append(
@@ -212,22 +224,27 @@ class Implicit:
                 )
             )
         made.append(
-            p("unbalanced", tangents.unbalanced, n, [THETA, s["v"], s["u"], s["mass"], *s["corners"], s["force"], *s["ends"], s["weights"], s["pull"],
-              s["acceleration"], self.drag, s["inverse"], s["clock"], self._left])
+            p("unbalanced", tangents.unbalanced, n, [self.theta, s["v"], s["u"], s["mass"], *s["corners"], s["force"], *s["ends"], s["weights"], s["pull"],
+              s["acceleration"], self.drag, s["inverse"], s["clock"], self.left])
         )  # fmt: skip
         for one in made:
             one()
 
-    def _matrix(self) -> tuple[Any, ...]:
+    def factor(self) -> tuple[Any, ...]:
+        """What the system is preconditioned with."""
+        return self._order, self.frames.numpy(), *self._factor
+
+    def matrix(self) -> tuple[Any, ...]:
+        """The system: diagonal blocks, those of the upper half, and bending."""
         blocks, n = self._blocks.numpy(), self.n
         diagonal = blocks[:n].copy()
         for k in range(3):
             diagonal[:, k, k] += self.mass + self._stiff
         if self._blown:
-            diagonal += THETA * self._dt * self.drag.numpy()
+            diagonal += self.theta * self._dt[0] * self.drag.numpy()
         return diagonal, self._start, self._column, blocks[n:], *self._bends
 
     def end(self) -> None:
         """Velocities after the step, when vertices have moved with the mean ones."""
         s = self.state
-        self.passes("regain", tangents.regain, self.n, [THETA, s["inverse"], self.before, self.mean, s["v"]])()
+        self.passes("regain", tangents.regain, self.n, [self.theta, s["inverse"], self.before, self.mean, s["v"]])()

@@ -3,11 +3,17 @@
 
 import warp as wp
 
+from .contact_kernels import FASTEST, PUSH, stands
 from .near_kernels import on_segments, on_triangle
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["meets"]
+__all__ = ["meets", "overlooked", "reckon"]
+
+SPARE = wp.constant(wp.float64(0.5))
+"""Of the distance of contact that contacts may turn things to each other besides what they do already."""
+KEPT = wp.constant(wp.float64(0.1))
+"""Of the distance of contact: farther apart than this beyond it, what two things gave each other before says nothing."""
 
 
 @wp.kernel
@@ -43,4 +49,86 @@ def meets(
     apart = wp.length(c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]])
     wanted[p] = wp.float64(-2.0e30)
     if apart - clock[0] * fast <= radius[q[0]] + radius[q[2]]:
+        met[0] = 1
+
+
+@wp.kernel
+def reckon(
+    first: wp.int32,
+    x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    radius: wp.array(dtype=wp.float64),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+    clock: wp.array(dtype=wp.float64),
+    share: wp.array(dtype=wp.vec4d),
+    normal: wp.array(dtype=wp.vec4d),
+    wanted: wp.array(dtype=wp.float64),
+    impulse: wp.array(dtype=wp.vec3d),
+    slack: wp.array(dtype=wp.float64),
+):
+    """Nearest points of each pair as in `meet`, with what is wanted of all that could come within their shells in this step; the others
+    are left alone (-2e30)."""
+    p = first + wp.tid()
+    q = pairs[p]
+    one = wp.float64(1.0)
+    edges = kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3
+    a = u[q[0]]
+    fast = wp.max(wp.length(u[q[2]] - a), wp.length(u[q[3]] - a))
+    c = wp.vec4d()
+    if edges:
+        s = on_segments(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
+        c = wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
+        b = u[q[1]]
+        fast = wp.max(fast, wp.max(wp.length(u[q[2]] - b), wp.length(u[q[3]] - b)))
+    else:
+        w = on_triangle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
+        c = wp.vec4d(one, -w[0], -w[1], -w[2])
+        fast = wp.max(fast, wp.length(u[q[1]] - a))
+    r = c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]]
+    d = wp.length(r)
+    n = r / wp.max(d, wp.float64(1.0e-30))
+    touch = radius[q[0]] + radius[q[2]]
+    gap = d - touch
+    dt = clock[0]
+    slack[p] = gap
+    share[p] = c
+    normal[p] = wp.vec4d(n[0], n[1], n[2], d)
+    if gap > KEPT * touch:
+        impulse[p] = wp.vec3d()
+    aim = -gap / dt
+    if gap < wp.float64(0.0):
+        aim = wp.min(PUSH * aim, FASTEST)
+    if gap > dt * fast + SPARE * touch:
+        aim = wp.float64(-2.0e30)
+    elif not stands(c, kinds[p]):
+        aim = wp.float64(-1.0e30)
+    wanted[p] = aim
+
+
+@wp.kernel
+def overlooked(
+    first: wp.int32,
+    u: wp.array(dtype=wp.vec3d),
+    pairs: wp.array(dtype=wp.vec4i),
+    kinds: wp.array(dtype=wp.vec2i),
+    clock: wp.array(dtype=wp.float64),
+    slack: wp.array(dtype=wp.float64),
+    wanted: wp.array(dtype=wp.float64),
+    met: wp.array(dtype=wp.int32),
+):
+    """Take back into account (-1e30) what was left alone and could come within its shells with the velocities as they have become."""
+    p = first + wp.tid()
+    if wanted[p] > wp.float64(-1.5e30):
+        return
+    q = pairs[p]
+    a = u[q[0]]
+    fast = wp.max(wp.length(u[q[2]] - a), wp.length(u[q[3]] - a))
+    if kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3:
+        b = u[q[1]]
+        fast = wp.max(fast, wp.max(wp.length(u[q[2]] - b), wp.length(u[q[3]] - b)))
+    else:
+        fast = wp.max(fast, wp.length(u[q[1]] - a))
+    if slack[p] <= clock[0] * fast:
+        wanted[p] = wp.float64(-1.0e30)
         met[0] = 1

@@ -56,7 +56,7 @@ class Strides:
 
     def begin(self) -> None:
         """Forget what went before."""
-        self._until, self._wait, self._last = 0.0, 0, -1
+        self.until, self._wait, self._last = 0.0, 0, -1
 
     def take(self, span: float, time: float, solid_speed: float, air: F64) -> bool:
         """Take an implicit step if it saves any, meets nothing and turns no edge too far; whether it was taken.
@@ -73,12 +73,14 @@ class Strides:
         self._wait = max(self._wait - 1, 0)
         if self._wait:
             return False
+        if e.grips is not None:
+            e.grips.remember()
         if e.steps_done != self._last:
             e.contacts.fresh = False
         push = e.blow(time, e.x.numpy()[: e.n])
         if e.blown:
             implicit.feel(e.x, e.v, e.face_array, e.air, e.drag, e.corners)
-        self._tell(0, span)
+        self.tell(0, span)
         if e.led_count:
             e.lead()()
         trusted = implicit.step(span)
@@ -100,7 +102,8 @@ class Strides:
         self.taken += 1
         return True
 
-    def _tell(self, place: int, value: float) -> None:
+    def tell(self, place: int, value: float) -> None:
+        """Set a value of the engine's clock."""
         clock = self._of.clock.numpy().copy()
         clock[place] = value
         self._of.clock.assign(clock)
@@ -112,10 +115,10 @@ class Strides:
         if not of.active:
             return True
         now = float(e.clock.numpy()[2])
-        outrun = now + dt > self._until or (now + dt) * solid_speed > of.solid_margin
-        if not of.fresh or outrun or self._strays():
-            self._search(dt, solid_speed)
-            if self._strays():
+        outrun = now + dt > self.until or (now + dt) * solid_speed > of.solid_margin
+        if not of.fresh or outrun or self.strays():
+            self.search(dt, solid_speed)
+            if self.strays():
                 return False
         if of.count == 0:
             return True
@@ -125,7 +128,7 @@ class Strides:
         )()
         return int(self._met.numpy()[0]) == 0
 
-    def _search(self, dt: float, solid_speed: float) -> None:
+    def search(self, dt: float, solid_speed: float) -> None:
         """Make new lists: of what is near while all is calm, else of what comes near as all goes on."""
         e = self._of
         of, u = e.contacts, e.u.numpy()[: e.n]
@@ -139,10 +142,10 @@ class Strides:
         span = 0.0 if calm else AHEAD * dt
         of.search(speed, drift, span)
         of.fresh = True
-        self._until = np.inf if calm else span * (1 + 1e-9)
-        self._tell(2, 0.0)
+        self.until = np.inf if calm else span * (1 + 1e-9)
+        self.tell(2, 0.0)
 
-    def _strays(self) -> bool:
+    def strays(self) -> bool:
         """Whether any vertex would go farther from where it was expected than lists hold."""
         e = self._of
         of = e.contacts

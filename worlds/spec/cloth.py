@@ -48,7 +48,7 @@ class ClothSettings(SpecModel):
 
     integrator: Literal["implicit", "explicit"] = Field(
         default="implicit",
-        description="implicit: steps of max_step wherever the cloth meets nothing, explicit ones elsewhere; explicit: those alone",
+        description="implicit: steps of max_step where the cloth meets nothing or lies nearly still, short ones elsewhere; explicit: those alone",
     )
     max_step: float = Field(
         default=1 / 240,

@@ -3,7 +3,8 @@
 Momentum: its change over a frame is what gravity, fields and walls gave, less what left. Energy: kinetic, of spin, of height and
 stored in contacts, less the work of fields and of moving walls, never grows by more than `limits.energy_growth` of what is in play;
 dashpots, friction and rolling only take from it. What contacts among grains store by their depth is worked out here from the overlaps by
-Hertz's law; what those with bodies store, and the springs that resist slip and rolling, no frame shows: they are as recorded.
+Hertz's law; what those with bodies store, and the springs that resist slip and rolling, no frame shows: they are as recorded. So is the
+work of moving walls, as far as what they gave and how they moved at the frames about it allows.
 """
 
 from __future__ import annotations
@@ -289,7 +290,9 @@ class Books:
             return Finding("not_applicable", "flying particles are judged one by one (flight)")
         kinetic = np.array(self.kinetic) + np.array(self.turning)
         mass, potential = np.array(self.mass), np.array(self.potential)
-        work = s.record("driver_work") + np.cumsum(self.work) + np.cumsum(self.doubt)
+        # What frames tell of the work of walls is loose where they hit within one: as recorded, but no more than that allows.
+        given = np.minimum(np.diff(s.record("wall_work"), prepend=0.0), np.array(self.work) + np.array(self.doubt))
+        work = s.record("driver_work") + np.cumsum(given)
         # What leaves takes its energy along: judged while nothing has.
         left = s.record("outflow_count") > 0
         last = int(np.argmax(left)) if left.any() else len(mass)

@@ -118,6 +118,7 @@ _ALL = (
     ),
     Quantity("domain_outflow", "kg", "left the domain since frame 0", of=_MATTER),
     Quantity("rotation_energy", "J", "of the spins of particles", of=_PARTICLES),
+    Quantity("wall_work", "J", "work of the motion of bodies on grains in contact since frame 0", of=_PARTICLES),
     Quantity("contact_energy", "J", "elastic energy of contacts by their depths, among grains and with bodies", of=_PARTICLES),
     Quantity("spring_energy", "J", "elastic energy of the springs that resist slip and rolling in contacts", of=_PARTICLES),
     Quantity("mean_speed", "m/s", "of all particles at the frame", of=_PARTICLES),

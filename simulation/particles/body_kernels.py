@@ -85,7 +85,7 @@ def move_bodies(
 def settle(
     first: wp.int32, width: wp.int32, pairs: Pairs, span: wp.array(dtype=wp.vec2i), reaction: wp.array2d(dtype=wp.float64)
 ):
-    """Add up what the grains got from each body since the sums were taken, and begin anew; `width` threads for each body."""
+    """Add up what the grains got from each body since the sums were taken, its work last; begin anew. `width` threads for each body."""
     t = first + wp.tid()
     b = t / width
     run = span[b]
@@ -95,6 +95,7 @@ def settle(
     tx = wp.float64(0.0)
     ty = wp.float64(0.0)
     tz = wp.float64(0.0)
+    work = wp.float64(0.0)
     for q in range(run[0] + t % width, run[1], width):
         f = pairs.given[q]
         c = pairs.twisted[q]
@@ -104,15 +105,19 @@ def settle(
         tx += c[0]
         ty += c[1]
         tz += c[2]
+        work += pairs.worked[q]
         pairs.given[q] = wp.vec3d()
         pairs.twisted[q] = wp.vec3d()
+        pairs.worked[q] = wp.float64(0.0)
     sx = wp.tile_sum(wp.tile(fx))
     sy = wp.tile_sum(wp.tile(fy))
     sz = wp.tile_sum(wp.tile(fz))
     ux = wp.tile_sum(wp.tile(tx))
     uy = wp.tile_sum(wp.tile(ty))
     uz = wp.tile_sum(wp.tile(tz))
+    sw = wp.tile_sum(wp.tile(work))
     if t % width == 0:
+        reaction[b, 6] = reaction[b, 6] + sw[0]
         reaction[b, 0] = reaction[b, 0] + sx[0]
         reaction[b, 1] = reaction[b, 1] + sy[0]
         reaction[b, 2] = reaction[b, 2] + sz[0]

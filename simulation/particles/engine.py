@@ -187,7 +187,8 @@ class Grains:
         reaction = self.walls.taken(self.passes, self.now)
         blown, work = self._blown()
         given = self.walls.soft.given()
-        return GrainReport(seconds, impulse, reaction, taken, speed, blown, work, self.left, given)
+        worked = float(reaction[:, 6].sum())
+        return GrainReport(seconds, impulse, reaction[:, :6], taken, speed, blown, work, self.left, given, worked)
 
     def _run(self, batch: int) -> int:
         """Queue steps; how many were done before the lists were used up."""

@@ -42,6 +42,7 @@ LEDGER = (
     "domain_outflow",
     "outflow_count",
     "driver_work",
+    "wall_work",
     "start_mass",
 )
 """Sums since frame 0."""
@@ -66,6 +67,8 @@ class Taken(NamedTuple):
     died: tuple[int, float] = (0, 0.0)
     vertex_impulse: Mapping[int, F64] = MappingProxyType({})
     """See `coupling.Stepped`."""
+    wall_work: float = 0.0
+    """Of the motion of bodies on grains in contact [J]."""
 
 
 class FramedParticles(SolverPartner):
@@ -148,6 +151,7 @@ class FramedParticles(SolverPartner):
         ledger["outflow_count"] += float(taken.left[0])
         ledger["domain_outflow"] += float(taken.left[1])
         ledger["driver_work"] += taken.work
+        ledger["wall_work"] += taken.wall_work
         ledger["inflow_count"] += taken.came[0]
         ledger["inflow_mass"] += taken.came[1]
         ledger["died_count"] += taken.died[0]

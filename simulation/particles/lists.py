@@ -77,6 +77,7 @@ class Buffer:
         made.triangle = wp.zeros((pairs, triangles), dtype=wp.int32, device=self.device)
         made.way, made.spring, made.roll = (wp.zeros((pairs, SLOTS), dtype=wp.vec3, device=self.device) for _ in range(3))
         made.depth = wp.zeros((pairs, SLOTS), dtype=wp.float32, device=self.device)
+        made.worked = wp.zeros(pairs, dtype=wp.float64, device=self.device)
         made.force, made.torque, made.turn, made.given, made.twisted = (
             wp.zeros(pairs, dtype=wp.vec3d, device=self.device) for _ in range(5)
         )

@@ -140,6 +140,7 @@ def carry(
     fresh.turn[q] = wp.vec3d()
     fresh.given[q] = wp.vec3d()
     fresh.twisted[q] = wp.vec3d()
+    fresh.worked[q] = wp.float64(0.0)
     if known != 0:
         before = index[fresh.grain[q]]
         for k in range(old_count[before]):

@@ -122,3 +122,5 @@ class GrainReport:
     """What left the domain: number, mass, momentum (5,)."""
     vertex_impulse: dict[int, F64] = field(default_factory=dict)
     """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""
+    wall_work: float = 0.0
+    """Of the motion of bodies on grains in contact [J]."""

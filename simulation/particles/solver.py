@@ -69,7 +69,7 @@ class SolverGrains(FramedParticles):
             blown = report.blown
         return Taken(
             seconds, report.impulse, report.reaction, report.steps, report.speed, blown, report.work, report.left,
-            vertex_impulse=report.vertex_impulse,
+            vertex_impulse=report.vertex_impulse, wall_work=report.wall_work,
         )  # fmt: skip
 
     def _feel(self, time: float) -> F64 | None:

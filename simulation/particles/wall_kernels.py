@@ -86,6 +86,8 @@ class Pairs:
     """Impulse on the grain since the sums were taken [N s]."""
     twisted: wp.array(dtype=wp.vec3d)
     """Angular impulse on the grain about the body's centre since then [N m s]."""
+    worked: wp.array(dtype=wp.float64)
+    """Work of the body's motion on the grain since then [J]."""
     face: wp.array2d(dtype=wp.int32)
     """First corner of the triangle that each contact is on; -1 where there is none, or its vertices do not move by themselves."""
     share: wp.array2d(dtype=wp.vec3d)
@@ -285,6 +287,7 @@ def walls(
     force = wp.vec3d()
     torque = wp.vec3d()
     turn = wp.vec3d()
+    power = wp.float64(0.0)
     spring = Stored()
     roll = Stored()
     for k in range(found.number):
@@ -334,6 +337,7 @@ def walls(
             force += given
             torque += double(wp.cross(n, one.force) * (-r) + one.couple)
             turn -= wp.cross(arm, given) + double(one.couple)
+            power += wp.dot(given, there) + wp.dot(double(one.couple), bodies.spin[b])
             pairs.face[q, k] = face
             pairs.depth[q, k] = wp.float32(found.depth[k])
             pairs.load[q, k] = given
@@ -345,3 +349,4 @@ def walls(
     pairs.turn[q] = turn
     pairs.given[q] = pairs.given[q] + force * wp.float64(dt[0])
     pairs.twisted[q] = pairs.twisted[q] - turn * wp.float64(dt[0])
+    pairs.worked[q] = pairs.worked[q] + power * wp.float64(dt[0])

@@ -89,7 +89,7 @@ class Walls:
         self.corner = wp.array(joined, dtype=wp.int32, device=device)
         self.span = wp.zeros(rows, dtype=wp.vec2i, device=device)
         self.drift = wp.zeros(1, dtype=wp.float32, device=device)
-        self.reaction = wp.zeros((rows, 6), dtype=wp.float64, device=device)
+        self.reaction = wp.zeros((rows, 7), dtype=wp.float64, device=device)
         self.soft = SoftWalls(self, setup)
         self._rigid = np.array([not x.deforming for x in setup.boundaries], dtype=bool)
 
@@ -125,7 +125,7 @@ class Walls:
         return found
 
     def taken(self, run: Passes, buffer: Buffer) -> F64:
-        """What the grains got from the bodies since the exchange began, shape (b, 6)."""
+        """What the grains got from the bodies since the exchange began, and the work of the bodies' motion on them, shape (b, 7)."""
         self.settle(run, buffer)
         found: F64 = self.reaction.numpy()[: self.count].copy()
         return found

@@ -102,3 +102,18 @@ def test_free_grains_hold_nothing() -> None:
     assert elastic(engine) == (0.0, 0.0)
     engine.step(1e-3)
     assert elastic(engine) == (0.0, 0.0)
+
+
+def test_a_wall_that_moves_does_the_work_that_a_grain_gains() -> None:
+    """Law: a grain at rest that a wall of speed v hits without loss leaves at 2 v, and the wall has done 2 m v^2 of work."""
+    speed, plate = 0.2, slab((-1, -0.1, -0.1), (0, 0.1, 0.1), "kinematic")
+    engine = grains([[R + 1e-4, 0, 0]], R, walls=(plate,), restitution=1.0, friction=0.0, step_share=0.02)
+    work, state = 0.0, still(1, velocity=np.array([[speed, 0, 0]]))
+    for k in range(100):
+        state.position[0, 0] = state.center[0, 0] = speed * k * 1e-4
+        work += engine.step(1e-4, state).wall_work
+    moving, depth, _ = _books(engine)
+    assert depth == 0.0, "it has left"
+    assert engine.columns()["velocity"][0, 0] == pytest.approx(2 * speed, rel=1e-3)
+    assert work == pytest.approx(2 * MASS * speed**2, rel=1e-3)
+    assert work == pytest.approx(moving, rel=1e-3)

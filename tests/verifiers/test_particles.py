@@ -140,7 +140,7 @@ def whirl(frame: int, data: dict[str, Any]) -> None:
 def wind(frame: int, data: dict[str, Any]) -> None:
     """Springs of contacts that hold more, late, than ever was there."""
     if late(frame):
-        data["record/spring_energy"] = data["record/spring_energy"] + 20.0 * data["record/mass"]
+        data["record/spring_energy"] = data["record/spring_energy"] + 0.5 * data["record/mass"]
 
 
 def slack(frame: int, data: dict[str, Any]) -> None:

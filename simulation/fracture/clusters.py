@@ -112,6 +112,8 @@ def elimination(built: BuiltEntity, clusters: Sequence[Cluster]) -> list[int]:
         return free
     both = np.concatenate([ends, ends[:, ::-1]]).T
     count = len(free)
-    graph = coo_array((np.full(both.shape[1], -1.0), (both[0], both[1])), shape=(count, count)) + count**2 * eye_array(count)
+    graph = coo_array((np.full(both.shape[1], -1.0), (both[0], both[1])), shape=(count, count))
+    # Only the pattern matters; a large diagonal keeps the factorisation from failing.
+    graph = graph + (len(ends) + 1.0) * eye_array(count)
     found = splu(graph.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     return [free[k] for k in np.argsort(found.perm_c)]

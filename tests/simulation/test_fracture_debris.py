@@ -56,6 +56,18 @@ def test_what_the_world_holds_is_not_eliminated(pieces: Pieces) -> None:
     assert elimination(pieces.built, held) == []
 
 
+def test_two_parts_that_share_many_faces_have_an_order(pieces: Pieces) -> None:
+    built = pieces.built
+    assert built.bonds is not None
+    # All bonds hold but those to the world and those across the middle.
+    left = pieces.centers[:, 0] < 0
+    first, other = built.bonds.pieces.T
+    whole = (other != WORLD) & (left[first] == left[np.maximum(other, 0)])
+    parts = clusters_of(built, whole)
+    assert len(parts) == 2
+    assert sorted(elimination(built, parts)) == [0, 1]
+
+
 def _weak(points: list[float], pair: list[int]) -> Weak:
     count = len(points)
     place = np.array([[x, 0.0, 0.0] for x in points])

@@ -107,7 +107,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             "silk": {"density": 240, "substance": "fabric", "friction": 0.4, "appearance": {"color": [0.7, 0.04, 0.05], "roughness": 0.6}},
         },
         "entities": {
-            "ground": _entity("field before the city", "static", "earth", (40, 40, 0.4), (0, 0, -0.2)),
+            "ground": _entity("field before the city", "static", "earth", (60, 60, 0.4), (0, 0, -0.2)),
             "wall": _entity(
                 "city wall and its breach", "dynamic", "ashlar", WALL, (0, 0, WALL[2] / 2 + LIFT),
                 breakable={"pattern": {"kind": "bricks", "size": STONE, "joint": JOINT},
@@ -156,7 +156,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             "frames": frames,
             "solvers": {
                 "stones": {"engine": "mujoco", "members": ["ground", "wall", "tower_west", "tower_east", "cannon", "ball", "pole"],
-                           "settings": {"step": 5e-4, "refine": 0, "impratio": 1.0, "tolerance": 1e-5}},
+                           "settings": {"step": 5e-4, "refine": 2, "impratio": 1.0, "tolerance": 1e-5}},
                 "silk": {"engine": "shell", "members": ["flag"]},
             },
             "drivers": {

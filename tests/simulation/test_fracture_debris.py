@@ -56,15 +56,10 @@ def test_what_the_world_holds_is_not_eliminated(pieces: Pieces) -> None:
     assert elimination(pieces.built, held) == []
 
 
-def test_two_parts_that_share_many_faces_have_an_order(pieces: Pieces) -> None:
-    built = pieces.built
-    assert built.bonds is not None
-    # All bonds hold but those to the world and those across the middle.
-    left = pieces.centers[:, 0] < 0
-    first, other = built.bonds.pieces.T
-    whole = (other != WORLD) & (left[first] == left[np.maximum(other, 0)])
-    parts = clusters_of(built, whole)
-    assert len(parts) == 2
+@pytest.mark.parametrize("shared", [1, 4, 9])
+def test_two_parts_have_an_order_however_many_faces_they_share(shared: int) -> None:
+    built: Any = SimpleNamespace(bodies=[None, None], bonds=SimpleNamespace(pieces=np.array([[0, 1]] * shared)))
+    parts: Any = [SimpleNamespace(fixed=False, pieces=(k,)) for k in range(2)]
     assert sorted(elimination(built, parts)) == [0, 1]
 
 

@@ -15,6 +15,7 @@ from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_rows import first_over, place
 from .liquid_solids import Piece, pieces_of
+from .soft_solids import soft_boxes
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -124,6 +125,8 @@ class Flight:
     def _touching(self, points: F64, reach: F64, index: int) -> NDArray[np.bool_]:
         """Which points may have come near a solid: within `reach` [m] of its box at both ends of the frame."""
         found = np.zeros(len(points), dtype=bool)
+        for low, high in soft_boxes(self.liquid.candidate, self.liquid.solver, index):
+            found |= np.maximum(low - points, points - high).max(axis=1) < reach
         for piece in self.pieces:
             boxes = [piece.box(k) for k in (max(index - 1, 0), index)]
             low, high = np.minimum(boxes[0][0], boxes[1][0]), np.maximum(boxes[0][1], boxes[1][1])

@@ -21,6 +21,7 @@ from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_rows import first_over, longer_step, place
 from .liquid_solids import deepest, pieces_of
+from .soft_solids import soft_depths
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -175,6 +176,8 @@ def declared_volume(liquid: Liquid) -> float:
             taken = np.asarray(((points < liquid.lower) | (points > liquid.upper)).any(axis=1))
             for found in deepest(pieces, points, 0, 0.0):
                 taken[found.rows] = True
+            for soft in soft_depths(candidate, liquid.solver, points, 0):
+                taken[soft.rows] = True
             total += abs(solid.volume) * (1.0 - float(taken.mean()) if len(points) else 1.0)
     return total
 

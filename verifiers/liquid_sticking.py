@@ -15,6 +15,7 @@ from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_rows import coarse, place
 from .liquid_solids import deepest, pieces_of
+from .soft_solids import soft_gaps
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -148,6 +149,7 @@ class Sticking:
 
         found = np.zeros(len(points), dtype=bool)
         reach = REACH * self.liquid.spacing
+        found |= np.isfinite(soft_gaps(self.liquid.candidate, self.liquid.solver, points, index, reach))
         for piece in self.pieces:
             low, high = piece.box(index)
             near = np.flatnonzero(((points >= low - reach) & (points <= high + reach)).all(axis=1) & ~found)

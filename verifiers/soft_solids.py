@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..worlds.deforming import Deforming
     from .liquid_frames import Rows
 
-__all__ = ["SoftDepth", "passed_through", "soft_depths", "soft_walls"]
+__all__ = ["SoftDepth", "passed_through", "soft_boxes", "soft_depths", "soft_gaps", "soft_walls"]
 
 NEAR = 4.0
 """[largest radii] Grains farther from a sheet than that at a frame are told by their nearest triangle no more."""
@@ -66,6 +66,30 @@ def soft_depths(candidate: Candidate, solver: str, points: F64, frame: int) -> l
             if len(rows):
                 found.append(SoftDepth(name, part.part, rows, distance_to_surface(solid, points[rows]).distance))
     return found
+
+
+def soft_boxes(candidate: Candidate, solver: str, frame: int) -> list[tuple[F64, F64]]:
+    """Least and greatest corners of the deforming parts that an instance meets, at a frame and the one before [m]."""
+    found = []
+    for name in soft_walls(candidate, solver):
+        for part in candidate.entity(name).parts:
+            both = [candidate.surface(name, part.part, k) for k in (max(frame - 1, 0), frame)]
+            found.append((np.min([p.min(axis=0) for p in both], axis=0), np.max([p.max(axis=0) for p in both], axis=0)))
+    return found
+
+
+def soft_gaps(candidate: Candidate, solver: str, points: F64, frame: int, reach: float) -> F64:
+    """Distance of points from the deforming surfaces that an instance meets [m], shape (n,); infinite beyond `reach`."""
+    found = np.full(len(points), np.inf)
+    for name in soft_walls(candidate, solver):
+        for part in candidate.entity(name).parts:
+            place = candidate.surface(name, part.part, frame)
+            low, high = place.min(axis=0) - reach, place.max(axis=0) + reach
+            near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+            if len(near):
+                solid = Solid.from_mesh(TriangleMesh(place, part.render.faces), closed=part.closed)
+                found[near] = np.minimum(found[near], distance_to_surface(solid, points[near]).distance)
+    return np.where(found <= reach, found, np.inf)
 
 
 def passed_through(

@@ -96,7 +96,7 @@ class ContactLaw:
         self.restitution, self.colliders = restitution, colliders
         self.kin = kin
         self._weak: Weak | None = None
-        self._found = False
+        self._found = self._tried = False
         self.count = int(colliders.max(initial=0)) + 1
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
         self._passes = 0 if model.nflex else SLIP_PASSES
@@ -122,7 +122,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
-        self._weak, self._found = None, False
+        self._weak, self._found, self._tried = None, False, False
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
@@ -157,14 +157,19 @@ class ContactLaw:
             self.kin.remember(data, self._weak)
 
     def _forward(self, data: Any) -> None:
+        option, flags = self.model.opt, self.model.opt.disableflags
+        if self.kin is not None and not self._tried:
+            # From the step before the solver may stop at once, far from the solution, where contacts have become much softer.
+            option.disableflags = flags | int(self.mj.mjtDisableBit.mjDSBL_WARMSTART)
         self.mj.mj_fwdActuation(self.model, data)
         self.mj.mj_fwdAcceleration(self.model, data)
         self.mj.mj_fwdConstraint(self.model, data)
+        option.disableflags = flags
 
     def _try(self, data: Any) -> None:
         """Find the forces of this step; the next solution starts from them."""
         self._forward(data)
-        data.qacc_warmstart[:] = data.qacc
+        data.qacc_warmstart[:], self._tried = data.qacc, True
 
     def _meet(
         self,

@@ -185,13 +185,14 @@ class Crumbling:
         """Go on after the model before, whose pieces are the same."""
         self._known = other._known
 
-    def recall(self, data: Any, weak: Weak) -> None:
-        """Start a step with contacts as soft as they were: those nearest to the ones that crumbled, pair by pair."""
+    def recall(self, data: Any, weak: Weak, still: NDArray[np.bool_]) -> None:
+        """Start a step with contacts as soft as they were, of those that are `still`, shape (w,): the ones nearest to those that
+        crumbled, pair by pair."""
         known = self._known
         if known is None or not len(known.pair):
             return
         place = np.minimum(np.searchsorted(known.pair, weak.pair), len(known.pair) - 1)
-        order = np.flatnonzero(known.pair[place] == weak.pair)
+        order = np.flatnonzero(still & (known.pair[place] == weak.pair))
         order = order[np.argsort(weak.pair[order], kind="stable")]
         pairs = weak.pair[order]
         low, high = np.searchsorted(pairs, known.pair, "left"), np.searchsorted(pairs, known.pair, "right")

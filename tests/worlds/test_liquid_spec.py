@@ -86,6 +86,22 @@ def test_the_audit_names_what_is_wrong(name: str) -> None:
     assert re.search(text, said), said
 
 
+@pytest.mark.parametrize("height", [0.0, 0.1, 0.06, 0.345])
+@pytest.mark.parametrize("side", [0.2, 0.09, 0.1])
+def test_the_spacing_that_a_message_asks_for_is_taken(side: float, height: float) -> None:
+    water = tank_spec()["entities"]["water"]
+    place, size = water["pose"]["position"], [0.4, 0.4, side]
+    operations = [
+        ("/entities/water/pose/position", [*place[:2], height + side / 2]),
+        ("/entities/water/dimensions/size", size),
+        ("/entities/water/parts", {"body": {"shape": {"kind": "box", "size": size}}}),
+    ]
+    said = problems(broken(*operations, ("/entities/water/physics/resolution", 0.5 * side)), "liquids")
+    asked = float(re.search(r"use at most (\S+) m", said)[1])
+    assert asked == pytest.approx(side / 3, rel=1e-3)
+    assert "thin" not in problems(broken(*operations, ("/entities/water/physics/resolution", asked)), "liquids")
+
+
 @pytest.mark.parametrize(
     ("change", "text"),
     [

@@ -104,7 +104,8 @@ class Coupling:
         self.pairs = Pairs()  # another one, so that no graph goes on with the arrays of the last
         self.pairs.particle, self.pairs.body = (wp.zeros(room, dtype=wp.int32, device=self.device) for _ in range(2))
         self.pairs.slope, self.pairs.borne = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))
-        self.pairs.drag, self.pairs.give = (wp.zeros(room, dtype=wp.float32, device=self.device) for _ in range(2))
+        self.pairs.drag = wp.zeros(room, dtype=wp.float32, device=self.device)
+        self.pairs.give = wp.ones(room, dtype=wp.float32, device=self.device)  # all, where nothing deforms
         self.pairs.corner = wp.zeros(room, dtype=wp.vec3i, device=self.device)
         self.pairs.share = wp.zeros(room, dtype=wp.vec3, device=self.device)
         self.pair_force, self.pair_return = (wp.zeros(room, dtype=wp.vec3, device=self.device) for _ in range(2))

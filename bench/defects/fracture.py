@@ -26,8 +26,8 @@ __all__ = ["SUITE"]
 Maker = Callable[[Path, float, np.random.Generator], World]
 NAME = "wall"
 BREAKING = ("struck", "crossfire", "unpropped", "dropped")
-APART = 0.12
-"""[m] How far a piece that is alone is from all others."""
+APART = 0.25
+"""[m] How far a piece that is alone is from all others: farther than what falls and tumbles sweeps between two frames."""
 EVENT = ("time", "bond", "point", "cause", "ratio", "energy", "case")
 
 
@@ -71,8 +71,17 @@ def _loose(made: Film) -> list[str]:
     return [b.name for k, b in enumerate(made.built[NAME].bodies) if k not in held]
 
 
-def _lonely(made: Film, rng: np.random.Generator) -> tuple[str, int]:
-    """A piece that broke off and a frame at which, and at the next, it is `APART` from all that stands or moves."""
+def _flying(rng: np.random.Generator) -> tuple[Film, str, int]:
+    """A world in which a piece that broke off is `APART` from all that stands or moves at a frame and the next; and these."""
+    while True:
+        made = _any(rng, "dropped")
+        found = _lonely(made)
+        if found:
+            return (made, *found[int(rng.integers(len(found)))])
+
+
+def _lonely(made: Film) -> list[tuple[str, int]]:
+    """Pieces and frames at which they are apart."""
     centers, reach = made.series("position"), []
     for name in made.index.bodies:
         entity, body = name.split("/", 1)
@@ -91,7 +100,7 @@ def _lonely(made: Film, rng: np.random.Generator) -> tuple[str, int]:
                 gaps.append(min(float(others.min()), float(np.linalg.norm(outside, axis=1).min())) - reach[row])
             if min(gaps) > APART:
                 found.append((piece, k))
-    return found[int(rng.integers(len(found)))]
+    return found
 
 
 def _declare(made: Film, change: Callable[[dict[str, Any]], None]) -> Film:
@@ -310,8 +319,7 @@ def drifts(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
 def hangs(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A piece that broke off hangs in the air for some frames, held by no bond and near nothing."""
-    made = _any(rng, "dropped")
-    piece, first = _lonely(made, rng)
+    made, piece, first = _flying(rng)
     last = first + max(2, round(magnitude))
     for channel in ("position", "quaternion", "velocity", "angular_velocity"):
         held = made.series(channel, NAME, piece)
@@ -323,8 +331,7 @@ def hangs(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
 def thrown(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A piece in the air is given a speed by nothing [m/s]."""
-    made = _any(rng, "dropped")
-    piece, before = _lonely(made, rng)
+    made, piece, before = _flying(rng)
     way, first = rng.normal(size=3), before + 1
     late = np.clip(np.arange(made.count) - first + 1, 0, None)[:, None] * made.duration
     change = magnitude * way / np.linalg.norm(way)

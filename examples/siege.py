@@ -125,7 +125,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
                 "pose": {"position": [round(v, 4) for v in flag_at], "quaternion": [math.sqrt(0.5), math.sqrt(0.5), 0, 0]},
                 "parts": {"body": {"shape": {"kind": "sheet", "size": list(FLAG), "resolution": edge}}},
                 "physics": {"category": "cloth", "area_density": 0.12, "thickness": 0.0005, "stretch_stiffness": 6000,
-                            "bend_stiffness": 1e-5, "damping": 1e-5, "pins": {"hoist": {"edge": "-x"}}},
+                            "bend_stiffness": 1e-5, "damping": 3e-5, "max_stretch": 0.08, "pins": {"hoist": {"edge": "-x"}}},
             },
         },
         "story": {

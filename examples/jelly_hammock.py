@@ -15,7 +15,7 @@ from .domino_run import Agent
 __all__ = ["FRAMES", "PROMPT", "jelly_spec", "main", "run"]
 
 PROMPT = HAMMOCK_PROMPT
-FRAMES = 30
+FRAMES = 24
 
 
 def jelly_spec(frames: int = FRAMES, edge: float = 0.025, radius: float = 0.009) -> dict[str, Any]:

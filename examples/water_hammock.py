@@ -1,0 +1,98 @@
+"""Water drops on a cloth that catches it, from its prompt to acceptance through a real client: `python -m worldagent.examples.water_hammock`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from ..bench.small_soft import HIGH, hammock_spec
+from .client_run import accept, play
+from .domino_run import Agent
+
+__all__ = ["FRAMES", "PROMPT", "caught_spec", "main", "run"]
+
+PROMPT = "Water drops on a cloth hung between four posts, which sags and holds it."
+FRAMES = 13
+SPACING = 0.02
+SIZE = [0.2, 0.2, 0.06]
+
+
+def caught_spec(frames: int = FRAMES) -> dict[str, Any]:
+    """The world without its prompt, `frames` at 24 per second."""
+    spec = hammock_spec(frames=frames, edge=0.055, radius=None)
+    for gone in ("jelly", "tray"):
+        del spec["entities"][gone]
+    last, plan = frames - 1, spec["simulation"]
+    plan["drivers"] = {}
+    plan["solvers"]["bodies"]["members"] = ["ground", "posts"]
+    plan["solvers"]["water"] = {"engine": "dfsph", "members": ["water"], "settings": {
+        "domain": {"center": [0, 0, 0.3], "size": [0.6, 0.6, 0.8], "sides": ["open"] * 6},
+    }}  # fmt: skip
+    plan["couplings"]["wet"] = {"source": "cloth", "target": "water", "direction": "two_way", "variables": ["motion", "wrench"]}
+    look = {"color": [0.75, 0.88, 0.95], "transmission": 1.0, "roughness": 0.02}
+    spec["materials"] = {k: spec["materials"][k] for k in ("cotton", "wood", "stone")}
+    spec["materials"]["water"] = {"density": 1000, "substance": "water", "appearance": look}
+    spec["entities"]["water"] = {
+        "role": "water", "motion": "dynamic", "material": "water", "dimensions": {"size": SIZE},
+        "pose": {"position": [0.0, 0.0, HIGH + 0.034]}, "parts": {"body": {"shape": {"kind": "box", "size": SIZE}}},
+        "physics": {"category": "liquid", "resolution": SPACING}, "outputs": ["motion"],
+    }  # fmt: skip
+    cloth = spec["entities"]["cloth"]["physics"]
+    cloth["damping"], cloth["stretch_stiffness"] = 1e-4, 3000.0
+    for pin in cloth["pins"].values():
+        pin["radius"] = 0.09
+
+    def beat(text: str, owner: str, subject: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
+        return {"text": text, "owner": owner, "subject": subject, "frames": when, "predicate": predicate, "causes": list(causes)}
+
+    spec["graph"] = {"regions": {"under": {"kind": "box", "min": [-0.2, -0.2, 0.0], "max": [0.2, 0.2, 0.15]}}}
+    spec["story"] = {
+        "semantics": "a sheet that is hung up gives way under water until its tension carries it",
+        "beats": {
+            "drops": beat("the water drops", "water", "water", [0, 6], {"kind": "liquid_speed", "entity": "water", "min": 0.3}),
+            "sags": beat("the cloth sags under it", "cloth", "cloth", [1, last],
+                         {"kind": "displacement", "entity": "cloth", "axis": [0, 0, -1], "min": 0.015}, "drops"),
+        },
+        "requirements": {
+            "holds": {"text": "no water goes through",
+                      "predicate": {"kind": "liquid_volume_in", "entity": "water", "region": "under", "max": 0.0, "when": "always"}},
+        },
+    }  # fmt: skip
+    spec["shots"] = {"main": {
+        "frames": [0, last], "covers": ["drops", "sags"], "subjects": ["water", "cloth"],
+        "keys": {"k0": {"frame": 0, "position": [0.62, -0.8, 0.72], "target": [0, 0, 0.28], "fov_deg": 42}},
+    }}  # fmt: skip
+    spec["clauses"] = {
+        "c1": {"met_by": ["/entities/water", "/entities/posts", "/story/beats/drops"]},
+        "c2": {"met_by": ["/story/beats/sags", "/story/requirements/holds"]},
+    }
+    spec["title"] = "Water in a cloth"
+    return spec
+
+
+async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:
+    return {"accepted": await accept(agent, PROMPT, caught_spec(options.frames))}
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """One run in a fresh world folder; returns what happened."""
+    return play(Agent, "water_hammock", PROMPT, options, lambda agent: _work(agent, options))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Exit code 0 when the world was accepted; the last line is one JSON object."""
+    parser = argparse.ArgumentParser(prog="water_hammock", description=PROMPT)
+    parser.add_argument("--out", default="demo-out", help="workspace of the world")
+    parser.add_argument("--frames", type=int, default=FRAMES, help="at 24 per second")
+    parser.add_argument("--samples", type=int, default=16, help="of each pixel of the film")
+    parser.add_argument("--no-render", action="store_true")
+    found = run(parser.parse_args(argv))
+    print(json.dumps(found))
+    return 0 if found["accepted"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

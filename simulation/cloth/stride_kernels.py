@@ -16,6 +16,34 @@ KEPT = wp.constant(wp.float64(0.1))
 """Of the distance of contact: farther apart than this beyond it, what two things gave each other before says nothing."""
 
 
+@wp.func
+def is_edges(kind: wp.vec2i):
+    """Whether a pair is of two edges, not of a vertex and a triangle."""
+    return kind[0] % 4 == 1 or kind[0] % 4 == 3
+
+
+@wp.func
+def shares(x: wp.array(dtype=wp.vec3d), q: wp.vec4i, kind: wp.vec2i):
+    """Signed shares of a pair's vertices in its nearest points."""
+    one = wp.float64(1.0)
+    if is_edges(kind):
+        s = on_segments(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
+        return wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
+    w = on_triangle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
+    return wp.vec4d(one, -w[0], -w[1], -w[2])
+
+
+@wp.func
+def fastest(u: wp.array(dtype=wp.vec3d), q: wp.vec4i, kind: wp.vec2i):
+    """Greatest speed of a vertex of one thing against one of the other [m/s]."""
+    a = u[q[0]]
+    fast = wp.max(wp.length(u[q[2]] - a), wp.length(u[q[3]] - a))
+    b = u[q[1]]
+    if is_edges(kind):
+        return wp.max(fast, wp.max(wp.length(u[q[2]] - b), wp.length(u[q[3]] - b)))
+    return wp.max(fast, wp.length(b - a))
+
+
 @wp.kernel
 def meets(
     first: wp.int32,
@@ -32,20 +60,8 @@ def meets(
     alone in it (-2e30)."""
     p = first + wp.tid()
     q = pairs[p]
-    one = wp.float64(1.0)
-    edges = kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3
-    a = u[q[0]]
-    fast = wp.max(wp.length(u[q[2]] - a), wp.length(u[q[3]] - a))
-    c = wp.vec4d()
-    if edges:
-        s = on_segments(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
-        c = wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
-        b = u[q[1]]
-        fast = wp.max(fast, wp.max(wp.length(u[q[2]] - b), wp.length(u[q[3]] - b)))
-    else:
-        w = on_triangle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
-        c = wp.vec4d(one, -w[0], -w[1], -w[2])
-        fast = wp.max(fast, wp.length(u[q[1]] - a))
+    c = shares(x, q, kinds[p])
+    fast = fastest(u, q, kinds[p])
     apart = wp.length(c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]])
     wanted[p] = wp.float64(-2.0e30)
     if apart - clock[0] * fast <= radius[q[0]] + radius[q[2]]:
@@ -71,20 +87,8 @@ def reckon(
     are left alone (-2e30)."""
     p = first + wp.tid()
     q = pairs[p]
-    one = wp.float64(1.0)
-    edges = kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3
-    a = u[q[0]]
-    fast = wp.max(wp.length(u[q[2]] - a), wp.length(u[q[3]] - a))
-    c = wp.vec4d()
-    if edges:
-        s = on_segments(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
-        c = wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
-        b = u[q[1]]
-        fast = wp.max(fast, wp.max(wp.length(u[q[2]] - b), wp.length(u[q[3]] - b)))
-    else:
-        w = on_triangle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
-        c = wp.vec4d(one, -w[0], -w[1], -w[2])
-        fast = wp.max(fast, wp.length(u[q[1]] - a))
+    c = shares(x, q, kinds[p])
+    fast = fastest(u, q, kinds[p])
     r = c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]]
     d = wp.length(r)
     n = r / wp.max(d, wp.float64(1.0e-30))
@@ -122,13 +126,6 @@ def overlooked(
     if wanted[p] > wp.float64(-1.5e30):
         return
     q = pairs[p]
-    a = u[q[0]]
-    fast = wp.max(wp.length(u[q[2]] - a), wp.length(u[q[3]] - a))
-    if kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3:
-        b = u[q[1]]
-        fast = wp.max(fast, wp.max(wp.length(u[q[2]] - b), wp.length(u[q[3]] - b)))
-    else:
-        fast = wp.max(fast, wp.length(u[q[1]] - a))
-    if slack[p] <= clock[0] * fast:
+    if slack[p] <= clock[0] * fastest(u, q, kinds[p]):
         wanted[p] = wp.float64(-1.0e30)
         met[0] = 1

@@ -64,8 +64,7 @@ SLIP_SPEED = 0.05
 SLIP_TOLERANCE = 0.01
 """Change of the lift in parts of the fastest impact that ends the iteration."""
 ATTEMPTS = 4
-"""How often a solution of debris whose forces do not fit its accelerations is taken up where it ended (about 130 times while the wall of
-the benchmark falls)."""
+"""How often a solution of debris whose forces do not fit its accelerations is taken up where it ended."""
 UNBALANCED = 0.05
 """Share of the largest force by which forces and accelerations may disagree."""
 _CONE = 4  # mjCNSTRSTATE_CONE: the contact slides

@@ -9,13 +9,13 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 from .domino_run import Agent
 
-__all__ = ["WAIT_SECONDS", "accept", "play"]
+__all__ = ["WAIT_SECONDS", "accept", "main_of", "play", "play_spec"]
 
 WAIT_SECONDS = 25.0
 STEPS = (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed"))
@@ -85,3 +85,26 @@ async def accept(agent: Agent, prompt: str, spec: dict[str, Any]) -> bool:
     data, refused = await agent.call("run_checks", scope="acceptance", wait_s=WAIT_SECONDS)
     agent.say(data.get("refused") or f"acceptance: {data['verdict']}, {data['counts']['pass']} rows pass")
     return not refused and bool(data["verdict"] == "accepted")
+
+
+def play_spec(world: str, prompt: str, spec: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
+    """One run of a whole specification in a fresh world folder; what happened."""
+
+    async def work(agent: Agent) -> dict[str, Any]:
+        return {"accepted": await accept(agent, prompt, spec)}
+
+    return play(Agent, world, prompt, options, work)
+
+
+def main_of(
+    world: str, prompt: str, frames: int, run: Callable[[argparse.Namespace], dict[str, Any]], argv: Sequence[str] | None
+) -> int:
+    """Command line of an example whose length is told in frames; exit code 0 when accepted, the last line is one JSON object."""
+    parser = argparse.ArgumentParser(prog=world, description=prompt)
+    parser.add_argument("--out", default="demo-out", help="workspace of the world")
+    parser.add_argument("--frames", type=int, default=frames, help="at 24 per second")
+    parser.add_argument("--samples", type=int, default=16, help="of each pixel of the film")
+    parser.add_argument("--no-render", action="store_true")
+    found = run(parser.parse_args(argv))
+    print(json.dumps(found))
+    return 0 if found["accepted"] else 1

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from typing import Any
 
 from ..bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
-from .client_run import accept, play
-from .domino_run import Agent
+from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "jelly_spec", "main", "run"]
 
@@ -71,25 +69,14 @@ def jelly_spec(frames: int = FRAMES, edge: float = 0.025, radius: float = 0.009)
     return spec
 
 
-async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:
-    return {"accepted": await accept(agent, PROMPT, jelly_spec(options.frames))}
-
-
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """One run in a fresh world folder; returns what happened."""
-    return play(Agent, "jelly_hammock", PROMPT, options, lambda agent: _work(agent, options))
+    return play_spec("jelly_hammock", PROMPT, jelly_spec(options.frames), options)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Exit code 0 when the world was accepted; the last line is one JSON object."""
-    parser = argparse.ArgumentParser(prog="jelly_hammock", description=PROMPT)
-    parser.add_argument("--out", default="demo-out", help="workspace of the world")
-    parser.add_argument("--frames", type=int, default=FRAMES, help="at 24 per second")
-    parser.add_argument("--samples", type=int, default=16, help="of each pixel of the film")
-    parser.add_argument("--no-render", action="store_true")
-    found = run(parser.parse_args(argv))
-    print(json.dumps(found))
-    return 0 if found["accepted"] else 1
+    return main_of("jelly_hammock", PROMPT, FRAMES, run, argv)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .solve_kernels import multiply
+from .solve_kernels import multiply, substitute
 
 __all__ = ["agree", "answer", "clamp", "ease", "fails", "grip", "near_ones", "offer", "press", "pressing", "weigh"]
 
@@ -247,23 +247,7 @@ def _ready(factor, weight, r, room, z):
         f = frames[i]
         for a in range(3):
             room[j, a] = weight[j, a] * (f[a, 0] * r[i, 0] + f[a, 1] * r[i, 1] + f[a, 2] * r[i, 2])
-    for j in range(count):
-        x, y, w = room[j, 0], room[j, 1], room[j, 2]
-        for k in range(start[j], start[j + 1]):
-            i = row[k]
-            room[i, 0] -= lower[k, 0] * x
-            room[i, 1] -= lower[k, 1] * y
-            room[i, 2] -= lower[k, 2] * w
-    for j in range(count - 1, -1, -1):
-        x, y, w = room[j, 0] * pivot[j, 0], room[j, 1] * pivot[j, 1], room[j, 2] * pivot[j, 2]
-        for k in range(start[j], start[j + 1]):
-            i = row[k]
-            x -= lower[k, 0] * room[i, 0]
-            y -= lower[k, 1] * room[i, 1]
-            w -= lower[k, 2] * room[i, 2]
-        room[j, 0] = x
-        room[j, 1] = y
-        room[j, 2] = w
+    substitute(start, row, lower, pivot, room)
     for j in range(count):
         i = place[j]
         f = frames[i]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["gradients", "multiply", "precondition", "turned"]
+__all__ = ["gradients", "multiply", "precondition", "substitute", "turned"]
 
 
 @njit(cache=True, nogil=True)
@@ -43,16 +43,9 @@ def multiply(diagonal, start, column, block, bend_start, bend_column, bend, p, o
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def precondition(place, frames, start, row, lower, pivot, r, room, z):
-    """z = frames^T (L D L^T)^-1 frames r of the free vertices, three scalar factors of one pattern side by side; 0 elsewhere.
-
-    place[j] is the vertex in row j of the factor."""
-    count = len(place)
-    for j in range(count):
-        i = place[j]
-        f = frames[i]
-        for a in range(3):
-            room[j, a] = f[a, 0] * r[i, 0] + f[a, 1] * r[i, 1] + f[a, 2] * r[i, 2]
+def substitute(start, row, lower, pivot, room):
+    """room = (L D L^T)^-1 room, three scalar factors of one pattern side by side, (n, 3)."""
+    count = len(room)
     for j in range(count):
         x, y, w = room[j, 0], room[j, 1], room[j, 2]
         for k in range(start[j], start[j + 1]):
@@ -70,6 +63,20 @@ def precondition(place, frames, start, row, lower, pivot, r, room, z):
         room[j, 0] = x
         room[j, 1] = y
         room[j, 2] = w
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def precondition(place, frames, start, row, lower, pivot, r, room, z):
+    """z = frames^T (L D L^T)^-1 frames r of the free vertices, three scalar factors of one pattern side by side; 0 elsewhere.
+
+    place[j] is the vertex in row j of the factor."""
+    count = len(place)
+    for j in range(count):
+        i = place[j]
+        f = frames[i]
+        for a in range(3):
+            room[j, a] = f[a, 0] * r[i, 0] + f[a, 1] * r[i, 1] + f[a, 2] * r[i, 2]
+    substitute(start, row, lower, pivot, room)
     for j in range(count):
         i = place[j]
         f = frames[i]

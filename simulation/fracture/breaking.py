@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,21 @@ __all__ = ["Breaker"]
 TOGETHER = 0.6
 """Bonds of the two pieces at the worst bond that are loaded to this share of it break with it. A load that grows breaks bonds
 one after the other, and what it does to the others depends on those that broke; so the load of all others is found anew."""
+LIGHT = 0.1
+"""Where lasting loads take no bond to more than this share of its strength, a blow breaks what it breaks before they are found
+anew."""
 FAINT_CAUSE = 1e-3
 """Loads below this share of a piece's weight are not what breaks a bond."""
+
+
+class _Steady(NamedTuple):
+    """What bonds carry of lasting loads."""
+
+    bonds: Any
+    force: F64
+    """Shape (b, 6)."""
+    most: float
+    """Largest share of its strength that a bond bears."""
 
 
 class Breaker:
@@ -73,19 +86,23 @@ class Breaker:
         turn = data.xmat[body].reshape(3, 3)
         spin = np.zeros(3) if cluster.fixed else turn.T @ data.cvel[body, :3]
         total = lasting + self._own_forces(cluster, lasting, turn, spin)
-        case = -1
+        case, steady = -1, None
         shares = SHARES if np.abs(loads[:, 6:]).max(initial=0.0) > 0 else (0.0,)
         while True:
-            stiffness = own.stiffness(cluster, 0.0)
-            steady = own.network.carry(stiffness, total)
+            latest = steady is None
+            steady = steady or self._steady(cluster, total)
             for share in shares:
-                force = steady
+                stiffness = own.stiffness(cluster, share)
+                force = steady.force[np.searchsorted(steady.bonds, stiffness.bonds)]
                 if share:
-                    force = steady + own.network.carry(own.stiffness(cluster, share), loads[:, 6:])
+                    force = force + own.network.carry(stiffness, loads[:, 6:])
                 ratio, energy = own.network.limit(stiffness.faces, force)
                 worst = float(ratio.max(initial=0.0))
                 if worst > 1.0:
                     break
+            if worst <= 1.0 and not latest:
+                steady = None
+                continue
             if worst <= 1.0:
                 self._records.stressed(self._index, stiffness.bonds, ratio)
                 own.keep(cluster, loads, worst, self._weight, time)
@@ -100,6 +117,14 @@ class Breaker:
             own.drop(cluster)
             if self._fell_apart(cluster):
                 return True
+            if shares == (0.0,) or steady.most > LIGHT:
+                steady = None
+
+    def _steady(self, cluster: Cluster, loads: F64) -> _Steady:
+        """What the bonds of a cluster carry of lasting loads, shape (pieces, 6)."""
+        network, stiffness = self.pieces.network, self.pieces.stiffness(cluster, 0.0)
+        force = network.carry(stiffness, loads)
+        return _Steady(stiffness.bonds, force, float(network.ratio(stiffness.faces, force).max(initial=0.0)))
 
     def _own_forces(self, cluster: Cluster, loads: F64, turn: F64, spin: F64) -> F64:
         """Gravity, or inertia against the loads where the cluster is free to move; cluster's pieces, shape (n, 6)."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ...worlds.built import BuiltEntity
 
-__all__ = ["Cluster", "clusters_of", "elimination"]
+__all__ = ["Cluster", "clusters_of", "elimination", "matter"]
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ _found: deque[tuple[BuiltEntity, bytes, list[Cluster]]] = deque(maxlen=8)
 """The latest clusters: model and loads are made of the same ones."""
 
 
-def _matter(built: BuiltEntity) -> tuple[F64, F64, F64]:
+def matter(built: BuiltEntity) -> tuple[F64, F64, F64]:
     """Masses (n,), centres in the entity's frame (n, 3) and inertias (n, 3, 3) of the pieces."""
-    found = next((matter for entity, matter in _known if entity is built), None)
+    found = next((own for entity, own in _known if entity is built), None)
     if found is None:
         mass = np.array([b.mass for b in built.bodies])
         middle = np.array([b.pose.apply(b.center[None])[0] for b in built.bodies])
@@ -66,7 +66,7 @@ def clusters_of(built: BuiltEntity, whole: Any) -> list[Cluster]:
 def _clusters(built: BuiltEntity, whole: Any) -> list[Cluster]:
     assert built.bonds is not None
     labels, fixed = components(len(built.bodies), built.bonds, whole)
-    mass, middle, own = _matter(built)
+    mass, middle, own = matter(built)
     order = np.argsort(labels, kind="stable")
     pieces = np.split(order, np.cumsum(np.bincount(labels))[:-1])
     total = np.bincount(labels, weights=mass)

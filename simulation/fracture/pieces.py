@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64
-from .clusters import Cluster, clusters_of
+from .clusters import Cluster, clusters_of, matter
 from .network import BondNetwork
 from .stiffness import Stiffness
 
@@ -153,8 +153,7 @@ def pieces_of(spec: WorldSpec, built: BuiltEntity, name: str) -> Pieces:
     breakable = spec.entities[name].breakable
     assert breakable is not None
     assert built.bonds is not None
-    centers = np.array([b.pose.apply(b.center[None])[0] for b in built.bodies])
-    mass, inertia = np.array([b.mass for b in built.bodies]), np.array([b.inertia for b in built.bodies])
+    mass, centers, inertia = matter(built)
     count = len(built.bodies)
     return Pieces(
         built=built,

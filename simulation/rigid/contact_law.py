@@ -152,7 +152,7 @@ class ContactLaw:
                 self._try(data)
                 self._found = not kin.crumble(data, weak, np.ones(len(weak.rows), dtype=bool))
             else:
-                kin.recall(data, weak, np.ones(len(weak.rows), dtype=bool))
+                kin.recall(data, weak)
 
     def solve(self, data: Any) -> None:
         """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
@@ -206,8 +206,7 @@ class ContactLaw:
         passes, kin = self._passes, self.kin
         if kin is not None:
             if weak is not None:
-                # What an impact presses is found anew: from contacts as soft as before it blows would jam what they meet.
-                kin.recall(data, weak, ~self._near(data, weak.rows, rows[hit]))
+                kin.recall(data, weak)
             passes = MORE_PASSES if len(rows) <= FEW_CONTACTS else FEW_PASSES if len(rows) > CROWD else SLIP_PASSES
         near = self._near(data, rows, rows[hit])
         for _ in range(passes if fastest > SLIP_SPEED else 0):

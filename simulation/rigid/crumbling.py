@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, pose_of
 from ...worlds.fracture import bonded_pairs, crumble_of, crumbled_force, piece_overlap
+from ..fracture.clusters import matter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -29,9 +30,11 @@ __all__ = ["Crumbling", "Weak", "make_crumbling", "scale_rows"]
 OUT_SPEED = 0.1
 """[m/s] Fast debris of a coarse step may lie deep in what it hit; it is pushed out no faster than this."""
 OUTWARDS = 0.1
-"""Depth that counts for pushing pieces apart, in parts of their summed skins at most; or, where that is more,"""
-BEARING = 25.0
-"""as deep as gives this acceleration [m/s^2]: in long steps contacts are soft, and pieces would sink under those that lie on them."""
+"""Depth that counts for pushing pieces apart, in parts of their summed skins at most; or, where that is more,
+as deep as bears what stood on a piece (`_columns`): in long steps contacts are soft. A wall whose pieces push one another apart
+by more than they must bear creeps out of itself."""
+APART = 25.0
+"""Acceleration [m/s^2] with which pieces are pushed apart that shared no face or are deeper than faces crumble."""
 STOP = 0.9
 """Part of the distance over which faces crumble after which they meet as all bodies: what closes on it stops within a step."""
 NEXT_TO = 0.02
@@ -85,6 +88,7 @@ class Crumbling:
         distance: how far shared faces crumble, per body [m].
         force: most that a contact point carries meanwhile, per body [N].
         overlap: how deep pieces may lie in one another, per body [m].
+        column: what a contact point of each piece may have to bear at rest, shape (count,) [N].
     """
 
     def __init__(
@@ -96,8 +100,9 @@ class Crumbling:
         distance: F64,
         force: F64,
         overlap: F64,
+        column: F64,
     ) -> None:
-        self.overlap = overlap
+        self.overlap, self.column = overlap, column
         self.piece, self.body, self.shared, self.count = piece, body, shared, count
         self.distance, self.force = distance, force
         self._known: _Soft | None = None
@@ -126,22 +131,24 @@ class Crumbling:
         if not len(own):
             return None
         at, body = rows[own], self.body[geoms[own, 0]]
+        one, two = self.piece[geoms[own, 0]], self.piece[geoms[own, 1]]
+        key = np.minimum(one, two) * self.count + np.maximum(one, two)
+        kin = np.zeros(len(own), dtype=bool)
+        if len(self.shared):
+            kin = self.shared[np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)] == key
         skins, gap = data.efc_margin[at], data.efc_pos[at]
         stiffness = data.efc_KBIP[at, 0] * data.efc_KBIP[at, 2]
         most = OUT_SPEED * data.efc_KBIP[at, 1] / stiffness
-        deepest = np.minimum(np.maximum(OUTWARDS * skins, BEARING / stiffness), most)
-        wanted = np.maximum(np.minimum(0.0, gap - NEXT_TO * skins), -deepest)
-        data.efc_aref[at] += stiffness * (np.maximum(gap - skins, -most) - wanted)
-        if not len(self.shared):
-            return None
-        one, two = self.piece[geoms[own, 0]], self.piece[geoms[own, 1]]
-        key = np.minimum(one, two) * self.count + np.maximum(one, two)
-        place = np.minimum(np.searchsorted(self.shared, key), len(self.shared) - 1)
-        kin = self.shared[place] == key
-        left = np.maximum(gap + STOP * self.distance[body], 0.0)
-        weak = kin & (left + np.minimum(data.efc_vel[at], 0.0) * dt > 0.0)
+        depth = np.maximum(NEXT_TO * skins - gap, 0.0)
+        column = np.maximum(self.column[one], self.column[two]) * data.efc_R[at]
+        bearing = np.minimum(depth, np.maximum(OUTWARDS * skins, column / stiffness))
+        apart = np.minimum(depth - np.where(kin, self.distance[body], 0.0), APART / stiffness)
+        wanted = np.minimum(np.maximum(bearing, apart), most)
+        data.efc_aref[at] += stiffness * (np.maximum(gap - skins, -most) + wanted)
         if not kin.any():
             return None
+        left = np.maximum(gap + STOP * self.distance[body], 0.0)
+        weak = kin & (left + np.minimum(data.efc_vel[at], 0.0) * dt > 0.0)
         slack = np.zeros(len(rows))
         slack[own] = np.where(kin & ~weak, left / dt, 0.0)
         return Weak(at[weak], self.force[body[weak]], key[weak], points[own[weak]], np.ones(int(weak.sum())), slack)
@@ -185,14 +192,13 @@ class Crumbling:
         """Go on after the model before, whose pieces are the same."""
         self._known = other._known
 
-    def recall(self, data: Any, weak: Weak, still: NDArray[np.bool_]) -> None:
-        """Start a step with contacts as soft as they were, of those that are `still`, shape (w,): the ones nearest to those that
-        crumbled, pair by pair."""
+    def recall(self, data: Any, weak: Weak) -> None:
+        """Start a step with contacts as soft as they were: the ones nearest to those that crumbled, pair by pair."""
         known = self._known
         if known is None or not len(known.pair):
             return
         place = np.minimum(np.searchsorted(known.pair, weak.pair), len(known.pair) - 1)
-        order = np.flatnonzero(still & (known.pair[place] == weak.pair))
+        order = np.flatnonzero(known.pair[place] == weak.pair)
         order = order[np.argsort(weak.pair[order], kind="stable")]
         pairs = weak.pair[order]
         low, high = np.searchsorted(pairs, known.pair, "left"), np.searchsorted(pairs, known.pair, "right")
@@ -262,4 +268,16 @@ def make_crumbling(
         np.array([crumble_of(*pair) for pair in limits]),
         np.array([crumbled_force(*pair) for pair in limits]),
         np.array([piece_overlap(*pair) for pair in limits]),
+        np.concatenate([_columns(spec, built[n]) for n in names]),
     )
+
+
+def _columns(spec: WorldSpec, built: BuiltEntity) -> F64:
+    """Weight of a column as wide as each piece from it to the top of the body that it was part of, shape (pieces,) [N]."""
+    gravity = np.array(spec.simulation.gravity)
+    strength = float(np.linalg.norm(gravity))
+    mass, centers, _ = matter(built)
+    edge = np.cbrt([b.volume for b in built.bodies])
+    height = pose_of(spec.entities[built.entity].pose).apply(centers) @ (-gravity / max(strength, 1e-12))
+    above = (height + edge / 2).max() - height
+    return np.asarray(mass / edge * above * strength)

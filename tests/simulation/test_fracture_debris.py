@@ -78,7 +78,7 @@ def _state(force: list[float]) -> Any:
 
 
 def _crumbling() -> Crumbling:
-    return Crumbling(NONE, NONE, NONE, 9, np.zeros(1), np.zeros(1), np.zeros(1))
+    return Crumbling(NONE, NONE, NONE, 9, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(9))
 
 
 def test_a_contact_that_crumbled_starts_the_next_step_as_soft() -> None:
@@ -86,14 +86,14 @@ def test_a_contact_that_crumbled_starts_the_next_step_as_soft() -> None:
     kin.remember(_state([10.0 * EXCESS, 30.0, 10.0]), weak)
     # The step after lists them in another order and a little elsewhere; pair 5 has none.
     later, state = _weak([1.1, 0.9, 0.1], [5, 4, 4]), _state([0.0, 0.0, 0.0])
-    kin.recall(state, later, np.ones(3, dtype=bool))
+    kin.recall(state, later)
     assert later.soft.tolist() == [1.0, 3.0 * STIFFNESS_OF_STEP, 1.0]
     assert state.efc_R.tolist() == [1.0] * 3 + [3.0 * STIFFNESS_OF_STEP] * 3 + [1.0] * 3
     assert (state.efc_R * state.efc_D).tolist() == pytest.approx([1.0] * 9)
     # It carries nothing any more, and grows hard again step by step.
     kin.remember(state, later)
     again = _weak([0.9], [4])
-    kin.recall(_state([0.0]), again, np.ones(1, dtype=bool))
+    kin.recall(_state([0.0]), again)
     assert again.soft[0] == pytest.approx(HARDENING * 3.0 * STIFFNESS_OF_STEP)
 
 
@@ -103,7 +103,7 @@ def test_a_frame_starts_without_memory_of_what_crumbled() -> None:
     kin.remember(_state([1e3]), weak)
     assert not kin.fresh
     kin.forget()
-    kin.recall(_state([0.0]), weak, np.ones(1, dtype=bool))
+    kin.recall(_state([0.0]), weak)
     assert kin.fresh
     assert weak.soft[0] == 1.0
 

@@ -1,4 +1,4 @@
-"""A small world of soft matter of several kinds, for tests and seeded defects: a jelly drops on a cloth between four posts over a tray of sand."""
+"""Small worlds of soft matter of several kinds, for tests and seeded defects: what drops on a cloth between four posts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 from .small_cloth import COTTON
 from .small_grains import tray
 
-__all__ = ["HAMMOCK_PROMPT", "hammock_spec"]
+__all__ = ["HAMMOCK_PROMPT", "HIGH", "caught_spec", "hammock_spec"]
 
 HAMMOCK_PROMPT = "A jelly drops on a cloth hung between four posts over a tray of sand."
 HALF, HIGH, POST = 0.22, 0.3, 0.012
@@ -129,3 +129,61 @@ def hammock_spec(
         "look": {"width": 480, "height": 360, "samples": 16},
         **changes,
     }  # fmt: skip
+
+
+def caught_spec(
+    *,
+    frames: int = 13,
+    spacing: float = 0.02,
+    size: tuple[float, float, float] = (0.2, 0.2, 0.06),
+    above: float = 0.004,
+    speed: float = 0.0,
+    stiffness: float = 3000.0,
+    direction: str = "two_way",
+) -> dict[str, Any]:
+    """Water in place of the jelly and no sand, without its prompt.
+
+    Args:
+        frames: at 24 per second.
+        spacing: of the particles [m].
+        size: of the water [m].
+        above: height of its lowest face over the cloth at frame 0 [m].
+        speed: with which it falls at frame 0 [m/s].
+        stiffness: of the cloth [N/m].
+        direction: of the coupling of cloth and water.
+    """
+    spec = hammock_spec(frames=frames, edge=0.055, radius=None)
+    for gone in ("jelly", "tray"):
+        del spec["entities"][gone]
+    plan = spec["simulation"]
+    plan["drivers"] = {}
+    plan["solvers"]["bodies"]["members"] = ["ground", "posts"]
+    plan["solvers"]["water"] = {"engine": "dfsph", "members": ["water"], "settings": {
+        "domain": {"center": [0, 0, 0.3], "size": [0.6, 0.6, 0.8], "sides": ["open"] * 6},
+    }}  # fmt: skip
+    passed = ["motion", "wrench"] if direction == "two_way" else ["motion"]
+    plan["couplings"]["wet"] = {"source": "cloth", "target": "water", "direction": direction, "variables": passed}
+    look = {"color": [0.75, 0.88, 0.95], "transmission": 1.0, "roughness": 0.02}
+    spec["materials"] = {k: spec["materials"][k] for k in ("cotton", "wood", "stone")}
+    spec["materials"]["water"] = {"density": 1000, "substance": "water", "appearance": look}
+    moving = {"linear_velocity": [0.0, 0.0, -speed]} if speed else {}
+    spec["entities"]["water"] = {
+        **_entity("water", "dynamic", "water", {"body": {"shape": {"kind": "box", "size": list(size)}}}, list(size),
+                  [0.0, 0.0, round(HIGH + above + size[2] / 2, 6)]),
+        "physics": {"category": "liquid", "resolution": spacing, **moving}, "outputs": ["motion"],
+    }  # fmt: skip
+    cloth = spec["entities"]["cloth"]["physics"]
+    cloth["damping"], cloth["stretch_stiffness"] = 1e-4, stiffness
+    for pin in cloth["pins"].values():
+        pin["radius"] = 0.09
+    drops = {"kind": "liquid_speed", "entity": "water", "min": 0.3}
+    beat = {
+        "text": "the water drops",
+        "owner": "water",
+        "subject": "water",
+        "frames": [0, min(6, frames - 1)],
+        "predicate": drops,
+    }
+    spec["story"] = {"beats": {"drops": {**beat, "causes": []}}}
+    spec["clauses"] = {"c1": {"met_by": ["/story/beats/drops", "/entities/posts", "/entities/water"]}}
+    return spec

@@ -7,41 +7,19 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ..bench.small_soft import HIGH, hammock_spec
+from ..bench.small_soft import caught_spec
 from .client_run import main_of, play_spec
 
-__all__ = ["FRAMES", "PROMPT", "caught_spec", "main", "run"]
+__all__ = ["FRAMES", "PROMPT", "held_spec", "main", "run"]
 
 PROMPT = "Water drops on a cloth hung between four posts, which sags and holds it."
 FRAMES = 13
-SPACING = 0.02
-SIZE = [0.2, 0.2, 0.06]
 
 
-def caught_spec(frames: int = FRAMES) -> dict[str, Any]:
+def held_spec(frames: int = FRAMES) -> dict[str, Any]:
     """The world without its prompt, `frames` at 24 per second."""
-    spec = hammock_spec(frames=frames, edge=0.055, radius=None)
-    for gone in ("jelly", "tray"):
-        del spec["entities"][gone]
-    last, plan = frames - 1, spec["simulation"]
-    plan["drivers"] = {}
-    plan["solvers"]["bodies"]["members"] = ["ground", "posts"]
-    plan["solvers"]["water"] = {"engine": "dfsph", "members": ["water"], "settings": {
-        "domain": {"center": [0, 0, 0.3], "size": [0.6, 0.6, 0.8], "sides": ["open"] * 6},
-    }}  # fmt: skip
-    plan["couplings"]["wet"] = {"source": "cloth", "target": "water", "direction": "two_way", "variables": ["motion", "wrench"]}
-    look = {"color": [0.75, 0.88, 0.95], "transmission": 1.0, "roughness": 0.02}
-    spec["materials"] = {k: spec["materials"][k] for k in ("cotton", "wood", "stone")}
-    spec["materials"]["water"] = {"density": 1000, "substance": "water", "appearance": look}
-    spec["entities"]["water"] = {
-        "role": "water", "motion": "dynamic", "material": "water", "dimensions": {"size": SIZE},
-        "pose": {"position": [0.0, 0.0, HIGH + 0.034]}, "parts": {"body": {"shape": {"kind": "box", "size": SIZE}}},
-        "physics": {"category": "liquid", "resolution": SPACING}, "outputs": ["motion"],
-    }  # fmt: skip
-    cloth = spec["entities"]["cloth"]["physics"]
-    cloth["damping"], cloth["stretch_stiffness"] = 1e-4, 3000.0
-    for pin in cloth["pins"].values():
-        pin["radius"] = 0.09
+    spec = caught_spec(frames=frames)
+    last = frames - 1
 
     def beat(text: str, owner: str, subject: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
         return {"text": text, "owner": owner, "subject": subject, "frames": when, "predicate": predicate, "causes": list(causes)}
@@ -73,7 +51,7 @@ def caught_spec(frames: int = FRAMES) -> dict[str, Any]:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """One run in a fresh world folder; returns what happened."""
-    return play_spec("water_hammock", PROMPT, caught_spec(options.frames), options)
+    return play_spec("water_hammock", PROMPT, held_spec(options.frames), options)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

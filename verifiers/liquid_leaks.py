@@ -20,7 +20,8 @@ from ..worlds.arrays import F64
 from .findings import Finding
 from .liquid_barriers import Barrier, barriers_of
 from .liquid_rows import coarse, longer_step, place
-from .soft_solids import passed_through, soft_walls
+from .sheet_sides import PassedSheets
+from .soft_solids import soft_walls
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -35,8 +36,8 @@ LEAKED = 1e-4
 """Own choice: share of the liquid's particles that may have passed a surface; never less than one."""
 SLACK = 6
 """[cubes] How far around a particle's way another one is searched, at least."""
-RIM = 3.0
-"""[spacings] Own choice: beside the rim of a sheet, particles may go around it from frame to frame."""
+RIM = 1.0
+"""[spacings] Own choice: so near to the rim of a sheet, and by half of their way more, particles may have gone around it between two frames."""
 PATIENCE = 6
 """Frames after which particles that stay next to a surface are asked on which side they are."""
 SOME = 2000
@@ -61,6 +62,7 @@ class Leaks:
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
         self.barriers: list[Barrier] | None = None
+        self.sides: PassedSheets | None = None
         self.waiting: dict[int, _Waiting] = {}
         self.known: dict[tuple[int, ...], bool] = {}
         self.leaks: list[tuple[int, int, Barrier, F64, NDArray[np.int64]]] = []
@@ -89,14 +91,16 @@ class Leaks:
         """Particles that have changed the side of a sheet that moves by itself, away from its rim."""
         candidate, frame, s = self.liquid.candidate, step.now, self.liquid.spacing
         places = (before.position[step.there], before.index), (frame.position[step.here], frame.index)
-        for found in passed_through(candidate, self.liquid.solver, *places, np.full(len(step.here), 0.5 * s)):
+        self.sides = self.sides or PassedSheets(candidate, self.liquid.solver)
+        for found in self.sides.see(frame.identity[step.here], *places, np.full(len(step.here), 0.5 * s)):
             part = next(p for p in candidate.entity(found.entity).parts if p.part == found.part)
             rim = self.rims.setdefault((found.entity, found.part), _rim(part.render.faces))
             away = np.full(len(found.rows), np.inf)
             for points, index in places if len(rim) else ():
                 edge = cKDTree(candidate.surface(found.entity, found.part, index)[rim])
                 away = np.minimum(away, edge.query(points[found.rows])[0])
-            rows = step.here[found.rows[away > RIM * s]]
+            way = step.duration * np.maximum(frame.speed[step.here], before.speed[step.there])[found.rows]
+            rows = step.here[found.rows[away > RIM * s + 0.5 * way]]
             fresh = rows[[int(k) not in self.leaked for k in frame.identity[rows]]] if len(rows) else rows
             if len(fresh):
                 self.leaked |= set(frame.identity[fresh].tolist())

@@ -13,7 +13,8 @@ from .instance_rows import baked_again
 from .liquid_solids import deepest, pieces_of
 from .particle_frames import matched
 from .particle_rows import finer_step, stiffer
-from .soft_solids import passed_through, soft_depths
+from .sheet_sides import PassedSheets
+from .soft_solids import soft_depths
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Walls:
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
         self.pieces = pieces_of(swarm.candidate)
+        self.sides: PassedSheets | None = None
         self.depth, self.total = 0.0, 0
         self.first: tuple[int, str, str, int, float, list[float]] | None = None
         self.impulse: list[F64] = []
@@ -66,7 +68,8 @@ class Walls:
             if before is not None:
                 here, there = matched(now, before)
                 places = (before.position[there], before.index), (now.position[here], now.index)
-                through = passed_through(self.swarm.candidate, self.swarm.solver, *places, now.radius[here])
+                self.sides = self.sides or PassedSheets(self.swarm.candidate, self.swarm.solver)
+                through = self.sides.see(now.identity[here], *places, now.radius[here])
                 found_soft += [s._replace(rows=here[s.rows]) for s in through]
             for soft in found_soft:
                 self.total += len(soft.rows)

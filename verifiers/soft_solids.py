@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry import Solid, contains, distance_to_surface
-from ..geometry.inside import nearest_faces
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import EvidenceError
@@ -18,12 +17,7 @@ if TYPE_CHECKING:
     from ..worlds.deforming import Deforming
     from .liquid_frames import Rows
 
-__all__ = ["SoftDepth", "passed_through", "soft_boxes", "soft_depths", "soft_gaps", "soft_walls"]
-
-NEAR = 4.0
-"""[largest radii] Grains farther from a sheet than that at a frame are told by their nearest triangle no more."""
-CROSSED = 0.2
-"""Of the radius: own choice; a middle so far on the other side has gone through."""
+__all__ = ["SoftDepth", "soft_boxes", "soft_depths", "soft_gaps", "soft_walls"]
 
 
 class SoftDepth(NamedTuple):
@@ -90,56 +84,3 @@ def soft_gaps(candidate: Candidate, solver: str, points: F64, frame: int, reach:
                 solid = Solid.from_mesh(TriangleMesh(place, part.render.faces), closed=part.closed)
                 found[near] = np.minimum(found[near], distance_to_surface(solid, points[near]).distance)
     return np.where(found <= reach, found, np.inf)
-
-
-def passed_through(
-    candidate: Candidate, solver: str, before: tuple[F64, int], now: tuple[F64, int], radius: F64
-) -> list[SoftDepth]:
-    """Particles that were on one side of a sheet at a frame and are on the other side of the same triangle at the next.
-
-    Args:
-        candidate: what is judged.
-        solver: the instance of the particles.
-        before: their places (n, 3) [m], and the frame.
-        now: the same at a later frame, in the same order.
-        radius: theirs (n,) [m].
-    """
-    found = []
-    for name in soft_walls(candidate, solver):
-        for part in candidate.entity(name).parts:
-            if part.closed or not len(radius):
-                continue
-            first, last = (candidate.surface(name, part.part, k) for _, k in (before, now))
-            sheet = Solid.from_mesh(TriangleMesh(first, part.render.faces), closed=False)
-            gap, point, face = nearest_faces(sheet, before[0])
-            rows = np.flatnonzero(gap < NEAR * radius.max())
-            corners = part.render.faces[face[rows]]
-            one, two = first[corners], last[corners]
-            weight = _weights(one, point[rows])
-            there = np.einsum("nk,nkd->nd", weight, two)
-            side = [
-                np.einsum("nd,nd->n", p[rows] - q, _normals(c))
-                for p, q, c in ((before[0], point[rows], one), (now[0], there, two))
-            ]
-            along = np.linalg.norm(now[0][rows] - there, axis=1)
-            least = CROSSED * radius[rows]
-            gone = (side[0] * side[1] < 0) & (np.abs(side[0]) > least) & (np.abs(side[1]) > least) & (along < NEAR * radius.max())
-            if gone.any():
-                found.append(SoftDepth(name, part.part, rows[gone], np.abs(side[1])[gone]))
-    return found
-
-
-def _normals(corners: F64) -> F64:
-    """Unit normals of triangles (n, 3, 3)."""
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-300))
-
-
-def _weights(corners: F64, points: F64) -> F64:
-    """Barycentric weights of points of triangles, (n, 3)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normal = np.cross(b - a, c - a)
-    double = np.maximum((normal**2).sum(axis=1), 1e-300)
-    v = (np.cross(points - a, c - a) * normal).sum(axis=1) / double
-    w = (np.cross(b - a, points - a) * normal).sum(axis=1) / double
-    return np.stack([1.0 - v - w, v, w], axis=1)

@@ -25,6 +25,7 @@ CHECKS = (
     "category",
     "elastic",
     "liquid",
+    "liquid_soft",
     "particles",
     "cloth",
     "fracture",

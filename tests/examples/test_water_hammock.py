@@ -7,13 +7,13 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from worldagent.examples.water_hammock import FRAMES, PROMPT, caught_spec, run
+from worldagent.examples.water_hammock import FRAMES, PROMPT, held_spec, run
 from worldagent.worlds.audit import audit
 from worldagent.worlds.patch import parse_spec
 
 
 def test_the_specification_passes_the_audit() -> None:
-    report = audit(parse_spec({"prompt": PROMPT, **caught_spec()}))
+    report = audit(parse_spec({"prompt": PROMPT, **held_spec()}))
     assert report.passed, [r for r in report.rows if r.status == "fail"]
 
 

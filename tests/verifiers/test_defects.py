@@ -8,8 +8,13 @@ from worldagent.bench.defects.judge import interval, survey
 
 EACH_KIND = 12
 MECHANISMS = 6
-CASES = [(check, m) for check in CHECKS for m in suite_of(check).mechanisms]
-IDS = [f"{check}-{m.name}" for check, m in CASES]
+SLOW = ("liquid_soft",)
+"""Suites whose worlds take seconds to simulate; `test_liquid_soft.py` has one of each kind."""
+CASES = [
+    pytest.param(check, m, id=f"{check}-{m.name}", marks=[pytest.mark.slow] if check in SLOW else [])
+    for check in CHECKS
+    for m in suite_of(check).mechanisms
+]
 
 
 @pytest.mark.parametrize("check", CHECKS)
@@ -20,7 +25,7 @@ def test_a_suite_has_enough_distinct_worlds_of_each_kind(check: str) -> None:
         assert sum(len(m.hand_picked) for m in chosen) >= EACH_KIND
 
 
-@pytest.mark.parametrize(("check", "mechanism"), CASES, ids=IDS)
+@pytest.mark.parametrize(("check", "mechanism"), CASES)
 def test_a_hand_picked_world_of_every_mechanism_is_judged_rightly(check: str, mechanism: Mechanism) -> None:
     """The least magnitude is the hardest: just over the bound, or as near to it as a sound world goes."""
     verdict = judge_one(suite_of(check).check, mechanism, mechanism.hand_picked[0], seed=1)

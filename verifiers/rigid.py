@@ -8,7 +8,7 @@
 - `category:rigid:escape:<solver>`: no body leaves a cube `ESCAPE` times the scene's largest extent, unless a
   predicate sends it there.
 
-Laws of motion on the instance's ledgers (`ledgers.py`): `rigid_laws.py`; of contact: `rigid_contacts.py`; the records against
+Laws of motion on the instance's ledgers (`ledgers.py`): `rigid_laws.py`; of contact: `rigid_contacts.py`, `rigid_bounces.py`; the records against
 the ledgers: `rigid_books.py`. Friction and restitution are judged where frames decide them: a body that slides straight for a
 whole frame, a ball that hits once in one. Elsewhere impulses bound them, and what returns more than it got shows in the energy.
 """
@@ -25,7 +25,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
 from ..worlds.requirements import Row
 from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
-from . import field_ledger, motion, rigid_books, rigid_contacts, rigid_laws
+from . import field_ledger, motion, rigid_books, rigid_bounces, rigid_contacts, rigid_laws
 from .elastic_ledger import elastic_energies
 from .ledgers import books_of
 from .rigid_joints import openings
@@ -80,7 +80,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         "driven": rigid_laws.driven,
         "contacts": rigid_contacts.contacts,
         "friction": rigid_contacts.friction,
-        "restitution": rigid_contacts.restitution,
+        "restitution": rigid_bounces.restitution,
         "fields": field_ledger.fields,
     }
     rows = []
@@ -113,6 +113,7 @@ PREDICATES = {
     **rigid_books.PREDICATES,
     **rigid_laws.PREDICATES,
     **rigid_contacts.PREDICATES,
+    **rigid_bounces.PREDICATES,
     **field_ledger.PREDICATES,
 }
 

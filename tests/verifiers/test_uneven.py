@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from worldagent.bench.small_worlds import ball, box, entity, make_candidate, world
-from worldagent.verifiers.rigid_contacts import _even
+from worldagent.verifiers.rigid_bounces import _even
 from worldagent.verifiers.uneven import even_ground
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.spec import HeightField

@@ -39,12 +39,12 @@ def length(p: Particles) -> float:
 
 
 @cache
-def swing(cells: int, seed: int) -> tuple[float, float, float]:
+def swing(cells: int, seed: int, stretch: float = 1.15) -> tuple[float, float, float]:
     """Frequency of a drop over Lamb's sqrt(8 tension / (density R^3)), its change of momentum over sum |m v|, and the
     largest torque of the tension over the sum of its parts."""
     spacing = RADIUS / cells
     points = Rotation.random(random_state=seed).apply(lattice((-1.7 * RADIUS,) * 3, (1.7 * RADIUS,) * 3, spacing))
-    ball = points[(points**2).sum(axis=1) < RADIUS**2] * np.array([1.15**-0.5, 1.15**-0.5, 1.15])
+    ball = points[(points**2).sum(axis=1) < RADIUS**2] * np.array([stretch**-0.5, stretch**-0.5, stretch])
     setup = floating(ball, spacing)
     exact = float(np.sqrt(8 * TENSION / (1000.0 * round_radius(setup) ** 3)))
     engine, course, turned = make("dfsph", setup), [], []
@@ -74,7 +74,7 @@ def swing(cells: int, seed: int) -> tuple[float, float, float]:
 
 
 def test_a_drop_swings_at_lambs_frequency() -> None:
-    """Rayleigh 1879, Lamb: 10 %, five spacings radius (measured 0.96); momentum stays, and tension makes no torque."""
+    """Rayleigh 1879, Lamb: 10 %, five spacings radius (measured 0.98); momentum stays, and tension makes no torque."""
     rate, moved, spun = swing(5, 1)
     assert rate == pytest.approx(1.0, abs=0.1)
     assert moved < 1e-5
@@ -84,8 +84,35 @@ def test_a_drop_swings_at_lambs_frequency() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("cells", "seed"), [(6, 2), (7, 3), (8, 4)])
 def test_finer_drops_swing_at_lambs_frequency(cells: int, seed: int) -> None:
-    """Measured 0.97, 0.99, 1.01."""
+    """Measured 0.96, 0.98, 0.99."""
     assert swing(cells, seed)[0] == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("stretch", "low", "high"), [(1.07, 0.95, 1.05), (1.3, 0.9, 1.0)])
+def test_small_swings_are_no_faster_than_large_ones_by_more_than_they_must(stretch: float, low: float, high: float) -> None:
+    """An arrangement of particles that resists small changes of shape would swing faster the smaller they are (1.21 and 1.02 without the
+    push). Measured 1.02, 0.95; large swings are slower in nature too (Tsamopoulos and Brown 1983)."""
+    assert low < swing(7, 3, stretch)[0] < high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cells", [5, 8])
+def test_the_pressure_inside_a_drop_is_laplaces(cells: int) -> None:
+    """2 tension / R within 10 %, three spacings and more below the surface, over a fifth of a second."""
+    spacing = RADIUS / cells
+    points = Rotation.random(random_state=cells).apply(lattice((-1.7 * RADIUS,) * 3, (1.7 * RADIUS,) * 3, spacing))
+    setup = floating(points[(points**2).sum(axis=1) < RADIUS**2], spacing)
+    engine, found, radius = make("dfsph", setup), [], round_radius(setup)
+
+    def look(t: float, _: Any) -> None:
+        p = engine.particles()
+        away = np.linalg.norm(p.position - p.position.mean(axis=0), axis=1)
+        if t > 0.2:
+            found.append(float(p.pressure[away < radius - 3 * spacing].mean()))
+
+    advance(engine, 0.4, (), look)
+    assert np.median(found) == pytest.approx(2 * TENSION / radius, rel=0.1)
 
 
 @pytest.mark.slow
@@ -109,7 +136,7 @@ def test_a_cube_becomes_a_ball() -> None:
 
 @pytest.mark.parametrize("kind", ["side", "body"])
 def test_a_drop_stands_on_a_wall_at_about_a_right_angle(kind: str) -> None:
-    """Half a ball of thick water stays half a ball on closed sides, middle 0.375 R over the wall; on bodies it draws up to some 105 degrees (0.46 R). Wall and drop give each other the same."""
+    """Half a ball of thick water stays half a ball on closed sides, middle 0.375 R over the wall; on bodies it draws up to some 105 degrees (0.45 R). Wall and drop give each other the same."""
     spacing = RADIUS / 6
     points = lattice((-1.5 * RADIUS, -1.5 * RADIUS, 0), (1.5 * RADIUS, 1.5 * RADIUS, 1.5 * RADIUS), spacing)
     half = points[(points**2).sum(axis=1) < RADIUS**2] + np.array([2 * RADIUS, 2 * RADIUS, 0])

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Warp kernels of surface tension: attractions between particles that reach farther than their pressure, and adhesion to walls."""
+"""Warp kernels of surface tension: forces between particles that reach farther than their pressure, and adhesion to walls."""
 
 import warp as wp
 
@@ -12,8 +12,8 @@ wp.set_module_options({"enable_backward": False})
 __all__ = ["adhere", "attract", "cling"]
 
 DT = wp.constant(0)
-SIDES = wp.constant(wp.float32(1.3))
-"""Measured: makes up for the gap within which closed sides do not attract, so that drops stand on them at about 90 degrees."""
+SIDES = wp.constant(wp.float32(2.75))
+"""Measured: closed sides attract so much more than bodies, so that drops stand on them at about 90 degrees; none within a gap of theirs."""
 
 
 @wp.func
@@ -22,6 +22,16 @@ def drawn(q: wp.float32, h: wp.float32):
     f = wp.float32(0.0)
     if q > 0.125 and q < 1.0:
         f = SIDES * MIRROR * wp.min(4.0 * (q - 0.125), 1.0) * plane_weight(q, h)
+    return f
+
+
+@wp.func
+def steep(q: wp.float32):
+    """W'(r) / r of the cubic spline at distance q in supports, without its scale."""
+    u = wp.max(1.0 - q, 0.0)
+    f = -6.0 * u * u / q
+    if q < 0.5:
+        f = 6.0 * (3.0 * q - 2.0)
     return f
 
 
@@ -38,6 +48,8 @@ def attract(
     inverse: wp.float32,
     size: wp.vec3i,
     reach: wp.float32,
+    ratio: wp.float32,
+    core: wp.float32,
     lower: wp.vec3,
     upper: wp.vec3,
     lower_closed: wp.vec3,
@@ -47,7 +59,8 @@ def attract(
     settings: wp.array(dtype=wp.float32),
     v: wp.array(dtype=wp.vec3),
 ):
-    """Velocity after a step of central forces V_i V_j k_i k_j W'(r) with the cubic spline of support `reach` (two cells).
+    """Velocity after a step of central forces V_i V_j k_i k_j (W'(r) - c w'(r)) with cubic splines: W of support `reach` (two cells)
+    attracts, w of support `reach` / `ratio` parts; `core` is c ratio^5.
 
     `strength` is k of each fluid [sqrt(Pa)]. Closed sides of the domain attract with `adhesion` k^2 times the slope of the fill that
     a half-space has in the kernel of support h, doubled as that of bodies is.
@@ -70,11 +83,7 @@ def attract(
                     way = xi - x[j]
                     q = wp.length(way) * per
                     if q < 1.0 and q > 0.0:
-                        u = 1.0 - q
-                        f = -6.0 * u * u / q
-                        if q < 0.5:
-                            f = 6.0 * (3.0 * q - 2.0)
-                        s += (strength[fluid[j]] * volume[j] * f) * way
+                        s += (strength[fluid[j]] * volume[j] * (steep(q) - core * steep(q * ratio))) * way
     s = SIGMA * per * per * per * per * per * s
     for a in range(3):
         if lower_closed[a] > 0.0:

@@ -56,6 +56,8 @@ class BodyBooks:
             self._channel(n, w) for n, w in (("position", 3), ("quaternion", 4), ("velocity", 3), ("angular_velocity", 3))
         )
         self.asleep: Flags = np.asarray(self.series("asleep")).astype(bool)
+        self.stirred: Flags = np.asarray(self.series("asleep")) == 2
+        """Asleep, but awake at some time since the frame before."""
         if self.asleep.shape != (self.frames, len(self.owner)):
             raise EvidenceError(f"channel 'asleep' has shape {self.asleep.shape}, not {(self.frames, len(self.owner))}")
         self.kinematic: Flags = np.array([spec.entities[n].motion == "kinematic" for n in self.entities])

@@ -155,7 +155,8 @@ def resting(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     asleep = books.asleep & free & ~held
     if not asleep.any():
         return Finding("pass", "no free body sleeps", 0.0, ASLEEP_CREEP, "m")
-    stays = asleep[:-1] & asleep[1:]
+    # What was stirred between two frames may have moved a little before it slept again.
+    stays = asleep[:-1] & asleep[1:] & ~books.stirred[1:]
     way = np.where(stays, np.linalg.norm(np.diff(books.body_centers, axis=0), axis=2), 0.0)
     speed = np.where(asleep, np.linalg.norm(books.velocity, axis=2), 0.0)
     for values, bound, unit, what, shift in ((way, ASLEEP_CREEP, "m", "creeps", 1), (speed, ASLEEP_SPEED, "m/s", "moves at", 0)):

@@ -11,6 +11,7 @@ CHANNELS = (
     Channel("quaternion", "f8", "1", ("bodies", "4"), "body"),
     Channel("velocity", "f8", "m/s", ("bodies", "3"), "body"),
     Channel("angular_velocity", "f8", "rad/s", ("bodies", "3"), "body"),
+    # 1 asleep, 2 asleep since a time within the frame.
     Channel("asleep", "u1", "1", ("bodies",), "body"),
     Channel("joint", "f8", "rad or m", ("joints",), "joint"),
     Channel("contact/pair", "i4", "1", ("pairs", "2"), "pair"),

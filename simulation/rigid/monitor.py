@@ -118,6 +118,13 @@ class ContactMonitor:
         self._events, self._total = other._events, other._total
         self.max_contacts, self.iterations, self.capped = other.max_contacts, other.iterations, other.capped
 
+    def sleeping(self, data: Any, bodies: Any, since: float) -> NDArray[np.uint8]:
+        """Which of the model's `bodies` sleep: 1, or 2 where they fell asleep after `since` [s], shape (n,)."""
+        asleep = data.body_awake[bodies] == 0
+        tree = self.rigid.model.body_treeid[bodies]
+        late = (tree >= 0) & (self.slept[np.maximum(tree, 0)] > since) if len(self.slept) else np.zeros(len(tree), dtype=bool)
+        return np.where(asleep, np.where(late, 2, 1), 0).astype(np.uint8)
+
     def adopt(self, data: Any, time: float) -> None:
         """Take the contacts listed in `data` as having begun before `time` [s]."""
         if data.ncon:

@@ -42,7 +42,7 @@ def frame_channels(
         "quaternion": data.xquat[ids].copy(),
         "velocity": row_velocities(rigid, data, speeds),
         "angular_velocity": speeds[1][ids],
-        "asleep": (data.body_awake[ids] == 0).astype(np.uint8) if len(ids) else np.zeros(0, dtype=np.uint8),
+        "asleep": parts.monitor.sleeping(data, ids, span[0]),
         "joint": data.qpos[rigid.joint_qpos].copy() if rigid.joints else np.zeros(0),
         "driver/active": parts.drivers.active(*span),
         **({"exchange/impulse": exchange.received.copy()} if coupled else {}),

@@ -107,6 +107,12 @@ def test_a_sleeping_stack_that_is_hit_logs_only_real_touches():
     run = Run(world({"ground": floor(), **boxes, "far": far}, seconds=1.5, friction=0.9))
     assert any(f["asleep"][:3].all() for f in run.frames[: round(0.6 * 24)])
     first = run.events("far")[0]
+    before = run.frames[math.floor(24 * first["time"])]
+    assert before["asleep"][:3].tolist() == [1, 1, 1]
+    # It wakes when it is hit and falls asleep again: the first frame of its sleep says so, the next one that it slept on.
+    after = [f["asleep"][0] for f in run.frames[math.floor(24 * first["time"]) + 1 :]]
+    awake_or_late = [k for k, value in enumerate(after) if value != 1]
+    assert after[awake_or_late[-1]] == 2
     quiet = [e for e in run.events() if "far" not in e["names"] and e["time"] < first["time"]]
     assert quiet == []
     # The stack hardly moves under one per cent of its mass: its own contacts never end.

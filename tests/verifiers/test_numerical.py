@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.bench.defects import _scenes as scenes
+from worldagent.bench.defects._films import film_of
 from worldagent.bench.simulated_worlds import simulate
 from worldagent.bench.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.numerical import CLAIMS, check, thickness
@@ -225,6 +226,22 @@ def test_a_repeated_frame_and_a_body_asleep_in_the_air_fail(tmp_path: Path) -> N
     aloft.put("position", np.repeat(aloft.series("position", "small")[:1], aloft.count, axis=0), "small")
     row = rows_of(aloft.candidate(tmp_path / "b"))["resting"]
     assert (row.status, row.first_failing_entity, row.first_failing_frame, row.unit) == ("fail", "small", 0, "m")
+
+
+@pytest.mark.parametrize(("sleep", "status"), [(1, "fail"), (2, "pass")])
+def test_a_sleeping_body_moves_only_in_frames_in_which_it_was_awake(tmp_path: Path, sleep: int, status: str) -> None:
+    entities = {"floor": ground(), "crate": ball(0.05, motion="dynamic", at=(0, 0, 0.05))}
+    film = film_of(world(entities, frames=6))
+    film.put("asleep", np.array([1, 1, 1, sleep, 1, 1]), "crate")
+    place = np.repeat(film.series("position", "crate")[:1], film.count, axis=0)
+    place[3:, 0] += 5e-6
+    film.put("position", place, "crate")
+    for channel in ("velocity", "angular_velocity"):
+        film.put(channel, np.zeros((film.count, 3)), "crate")
+    row = rows_of(film.candidate(tmp_path))["resting"]
+    assert row.status == status
+    if status == "fail":
+        assert (row.first_failing_entity, row.first_failing_frame) == ("crate", 3)
 
 
 def test_a_held_body_may_still_be_asleep_at_the_moment_of_its_release(tmp_path: Path) -> None:

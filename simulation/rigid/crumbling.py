@@ -273,11 +273,12 @@ def make_crumbling(
 
 
 def _columns(spec: WorldSpec, built: BuiltEntity) -> F64:
-    """Weight of a column as wide as each piece from it to the top of the body that it was part of, shape (pieces,) [N]."""
+    """What a contact point of each piece may have to bear, shape (pieces,) [N]: the weight of a column as wide as the piece from it to
+    the top of the body that it was part of, twice for faces wider than high, by the four points that a face has at least."""
     gravity = np.array(spec.simulation.gravity)
     strength = float(np.linalg.norm(gravity))
     mass, centers, _ = matter(built)
     edge = np.cbrt([b.volume for b in built.bodies])
     height = pose_of(spec.entities[built.entity].pose).apply(centers) @ (-gravity / max(strength, 1e-12))
     above = (height + edge / 2).max() - height
-    return np.asarray(mass / edge * above * strength)
+    return np.asarray(2.0 / 4.0 * mass / edge * above * strength)

@@ -179,6 +179,7 @@ class SolverRigid(Stepper):
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes (all bodies awake)."""
+        self.monitor.wake_all(self.frame * self._frame_time)
         state = self._bytes()
         self.restore(state, self.frame)
         return state

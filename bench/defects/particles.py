@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ...worlds.arrays import F64
 from ...worlds.cache import Cache, write_container
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
@@ -38,8 +39,8 @@ Change = Callable[[int, dict[str, Any], float, np.random.Generator], None]
 
 @kept
 def _bed(kind: int) -> Candidate:
-    """A bed of sand under a ball; kinds differ in stiffness and depth."""
-    young, depth, ball = ((1e7, 0.05, 0.12), (2e7, 0.05, None), (1e7, 0.075, None))[kind]
+    """A bed of sand under a ball; kinds differ in stiffness and depth, and the last is two layers deep."""
+    young, depth, ball = ((1e7, 0.05, 0.12), (2e7, 0.05, None), (1e7, 0.075, None), (1e7, 0.065, None))[kind]
     spec = sand_spec(radius=RADIUS, depth=depth, frames=FRAMES, ball_at=ball, young=young, preroll=0.1)
     return simulate(kept_folder("sand"), WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
 
@@ -74,6 +75,10 @@ def _breaks(change: Change) -> Callable[[Path, float, np.random.Generator], Worl
 
 def _breaks_sparks(change: Change) -> Callable[[Path, float, np.random.Generator], World]:
     return lambda folder, magnitude, rng: World(_edited(folder, change, magnitude, rng, SPARKS), ("sparks", SPARKS))
+
+
+def _thin(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    return World(_bed(3))
 
 
 def _looks(change: Change | None) -> Callable[[Path, float, np.random.Generator], World]:
@@ -165,10 +170,28 @@ def pack(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Gene
     points = side * (cells + corners).reshape(-1, 3) + side * rng.random(3)
     found = points[np.argsort(np.linalg.norm(points, axis=1), kind="stable")[:PACKED]]
     found[:, 2] += RADIUS - found[:, 2].min() + 1e-4
+    _laid(data, found)
+
+
+def pack_shallow(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator) -> None:
+    """The same in two to four layers over the tray's floor, from wall to wall."""
+    side = RADIUS * (16.0 * np.pi / 3.0 / magnitude) ** (1 / 3)
+    layers, half = int(rng.integers(2, 5)), INNER / 2 - RADIUS - 1e-4
+    count = int(2 * half / side) + 1
+    cells = np.stack(np.meshgrid(np.arange(count), np.arange(count), np.arange(2), indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    corners = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
+    points = side * (cells + corners).reshape(-1, 3) + [-half, -half, RADIUS + 1e-4]
+    inside = (points[:, :2] <= half).all(axis=1) & (points[:, 2] < RADIUS + 1e-3 + 0.5 * side * (layers - 1) + 1e-4)
+    _laid(data, points[inside])
+
+
+def _laid(data: dict[str, Any], found: F64) -> None:
+    """Equal grains at rest at these places."""
+    count = len(found)
     data["particle/position"] = (found - data["origin"]).astype(np.float32)
-    data["particle/velocity"], data["particle/spin"] = (np.zeros((PACKED, 3), np.float32) for _ in range(2))
-    data["particle/radius"] = np.full(PACKED, RADIUS, np.float32)
-    data["particle/id"], data["particle/member"] = np.arange(PACKED, dtype=np.int32), np.zeros(PACKED, np.int32)
+    data["particle/velocity"], data["particle/spin"] = (np.zeros((count, 3), np.float32) for _ in range(2))
+    data["particle/radius"] = np.full(count, RADIUS, np.float32)
+    data["particle/id"], data["particle/member"] = np.arange(count, dtype=np.int32), np.zeros(count, np.int32)
     _tell(data, SAND)
     given = np.zeros_like(data["exchange/reaction"])
     given[0, 2] = data["record/mass"] * 9.81 / 24
@@ -255,10 +278,13 @@ SUITE = Suite(
         Mechanism("forge", "what grains gave to bodies is not what they lost", True, _breaks(forge), 1e-4, 0.5, "1"),
         Mechanism("twin", "two grains have one id", True, _breaks(twin), 1.0, 1.0, "1"),
         Mechanism("pack", "grains fill more than random close packing", True, _breaks(pack), 0.7, 0.74, "1"),
+        Mechanism("pack_shallow", "a shallow bed is filled beyond it", True, _breaks(pack_shallow), 0.7, 0.74, "1"),
         Mechanism("leak", "a grain goes out through a wall", True, _breaks(leak), 1e-4, 0.029, "m", 0.0),
         Mechanism("wind", "springs of contacts hold what nothing gave them", True, _breaks(wind), 0.5, 5.0, "m"),
         Mechanism("flood", "an emitter lets out too many, and the records say so", True, _breaks_sparks(flood), 2.0, 20.0, "1"),
         Mechanism("sound", "sound as simulated", False, _looks(still), 1.0, 1.0, "1"),
+        Mechanism("thin", "a bed of two layers, as simulated", False, _thin, 1.0, 1.0, "1"),
+        Mechanism("loose", "a shallow bed in order, no denser than at random", False, _looks(pack_shallow), 0.55, 0.66, "1"),
         Mechanism("order", "rows in another order in every frame", False, _looks(unchanged_but_order), 1.0, 1.0, "1"),
         Mechanism("renamed", "other ids, the same in every frame", False, _looks(renamed), 1.0, 1e6, "1"),
         Mechanism("touched", "places off by single precision", False, _looks(touched), 1e-9, 1e-7, "m"),

@@ -20,6 +20,7 @@ from ..worlds.errors import EvidenceError
 from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_rows import first_over, longer_step, place
+from .liquid_samples import spread
 from .liquid_solids import deepest, pieces_of
 from .soft_solids import soft_depths
 from .verdicts import correction
@@ -168,10 +169,7 @@ def declared_volume(liquid: Liquid) -> float:
         for part in candidate.entity(member).parts:
             solid = Solid.from_mesh(part.render, closed=part.closed)
             pose = candidate.pose(member, 0, part.body)
-            step = float(np.cbrt(np.prod(solid.upper - solid.lower) / OVERLAP_POINTS))
-            counts = np.maximum(np.ceil((solid.upper - solid.lower) / step).astype(int), 2)
-            axes = [np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(solid.lower, solid.upper, counts, strict=True)]
-            grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+            grid = spread(solid.lower, solid.upper, OVERLAP_POINTS)
             points = pose.apply(grid[contains(solid, grid)])
             taken = np.asarray(((points < liquid.lower) | (points > liquid.upper)).any(axis=1))
             for found in deepest(pieces, points, 0, 0.0):

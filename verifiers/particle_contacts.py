@@ -15,7 +15,7 @@ from ..worlds.arrays import F64
 from ..worlds.particles import CLOSE_PACKING
 from .findings import Finding
 from .instance_rows import baked_again
-from .particle_packing import GRAINS, LEAST, local_packing
+from .particle_packing import LEAST, chosen, local_packing
 from .particle_rows import finer_step, stiffer
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Contacts:
                 self.depth, self.at = float(share.max()), now.index
             if (share > OVERLAP).any() and self.first is None:
                 self.first = (now.index, int((share > OVERLAP).sum()), float(share.max()))
-        rows = np.linspace(0, now.count - 1, min(GRAINS, now.count)).astype(np.intp)
+        rows = chosen(now)
         found = local_packing(now, rows)
         if np.isnan(found).all():
             return

@@ -22,15 +22,17 @@ def parted(rng: np.random.Generator, width: float, wall: float = 0.04) -> Flow:
     flow = scenes.pool(rng)
     points = flow.position[0]
     x, y, top = (np.unique(np.round(points[:, a], 9)) for a in range(3))
-    # Posts stand where whole columns of the lattice were, so that what is left is what was declared.
     at = 0.5 * (x[len(x) // 2 - 1] + x[len(x) // 2])
-    first = (len(y) - round(width / SPACING)) // 2 + int(rng.integers(-1, 2))
-    middle = float(np.mean(y[first : first + round(width / SPACING)])) if width >= SPACING else float(y[first])
+    lines = max(1, round(width / SPACING))
+    first = (len(y) - lines) // 2 + int(rng.integers(-1, 2))
+    middle = float(np.mean(y[first : first + lines]))
     side, height = float(y[-1]) + SPACING / 2, 2.0 * (float(top[-1]) + SPACING / 2)
+    inside = (np.abs(points[:, 0] - at) < wall / 2) & (np.abs(points[:, 1] - middle) > width / 2)
+    # The posts take as much room as the particles did that were there, so that what is left is what was declared.
+    thick = round(wall / SPACING) * SPACING * (len(y) - lines) / (len(y) - width / SPACING)
     posts = {}
     for name, low, high in (("near_post", -side, middle - width / 2), ("far_post", middle + width / 2, side)):
-        posts[name] = sw.box(wall, high - low, height, at=(at, (low + high) / 2, height / 2))
-    inside = (np.abs(points[:, 0] - at) < wall / 2) & (np.abs(points[:, 1] - middle) > width / 2)
+        posts[name] = sw.box(thick, high - low, height, at=(at, (low + high) / 2, height / 2))
     return _without(flow, inside, posts)
 
 

@@ -53,7 +53,9 @@ def _sparks() -> Candidate:
 
 
 def _edited(folder: Path, change: Change | None, magnitude: float, rng: np.random.Generator, solver: str = SOLVER) -> Candidate:
-    base = _bed(int(rng.integers(3))) if solver == SOLVER else _sparks()
+    kind = int(rng.integers(3))
+    # No ball is in the way of what is laid over all of the tray.
+    base = _bed(max(kind, 1) if change is pack_shallow else kind) if solver == SOLVER else _sparks()
     other = folder / solver
     shutil.copytree(base.caches[solver].folder, other)
     found = Cache(other)

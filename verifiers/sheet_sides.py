@@ -27,8 +27,8 @@ __all__ = ["PassedSheets", "SheetSides"]
 
 Rows: TypeAlias = NDArray[np.intp]
 
-NEAR = 4.0
-"""[largest radii] Particles farther from a sheet than that, and than they move, are not followed."""
+NEAR = 1.0
+"""[largest radii] Particles farther from a sheet than that and all that the two move in a frame are not followed."""
 CROSSED = 0.2
 """Of the radius: own choice; a middle nearer than that to a sheet is on neither side for certain."""
 STRETCHES = 64

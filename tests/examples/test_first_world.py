@@ -90,9 +90,9 @@ def test_the_example_of_the_skill_has_a_prompt_and_a_specification() -> None:
 
 
 @pytest.mark.slow
-def test_the_first_world_is_accepted_and_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_first_world_is_accepted_and_shown(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["--workspace", str(tmp_path)]) == 0
-    found = json.loads(capsys.readouterr().out.splitlines()[-1])
+    found = json.loads(capfd.readouterr().out.splitlines()[-1])
     assert found["accepted"]
     assert found["pictures"] == 1
     assert [s["tool"] for s in found["steps"]] == [

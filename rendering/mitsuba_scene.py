@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from .liquid import liquids_of
 from .liquid_light import liquid_integrator
 from .liquid_shapes import liquid_shapes
 from .scenery import cut_from, landscapes_of, scenery_shapes
+from .shades import brick_tone
 from .soft_parts import SoftPart, soft_part
 from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
@@ -94,9 +95,9 @@ def _joined(surfaces: list[Surface]) -> Surface:
 
 def _batches(
     candidate: Candidate, tiles: dict[str, dict[str, Tile]], wetness: Wetness
-) -> dict[tuple[str, str, bool, bool], _Batch]:
-    """Batches by (material, layer, moving, ever wet)."""
-    found: dict[tuple[str, str, bool, bool], list[tuple[str, BuiltPart, Surface]]] = {}
+) -> dict[tuple[str, str, bool, bool, float], _Batch]:
+    """Batches by (material, layer, moving, ever wet, tone)."""
+    found: dict[tuple[str, str, bool, bool, float], list[tuple[str, BuiltPart, Surface]]] = {}
     wet = wetness.entities()
     scenery = landscapes_of(candidate)
     for entity in sorted(candidate.built):
@@ -115,20 +116,30 @@ def _batches(
                 key=f"{entity}/{part.part}",
             )
             wets = entity in wet and look.transmission < PANE and entity not in candidate.deforming
+            tone = brick_tone(candidate.spec, entity, part.part)
             for layer, surface in layers.items():
                 fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
-                found.setdefault((part.material, layer, changing, wets), []).append((entity, part, fine))
+                found.setdefault((part.material, layer, changing, wets, tone), []).append((entity, part, fine))
     batches = {}
     for key, pieces in found.items():
         bodies = tuple(dict.fromkeys((entity, part.body) for entity, part, _ in pieces))
         index = {name: k for k, name in enumerate(bodies)}
         owner = np.concatenate([np.full(len(s.positions), index[entity, part.body]) for entity, part, s in pieces])
         name = f"{'moving' if key[2] else 'static'}-{key[0]}-{key[1]}{'-wet' if key[3] else ''}"
+        name += f"-{round(100 * key[4])}" if key[4] != 1.0 else ""
         links = [(len(s.positions), tuple(wetness.links(e, p.body, p.part, s))) for e, p, s in pieces] if key[3] else []
         starts = np.cumsum([0, *(len(s.positions) for *_, s in pieces)])
         soft = [soft_part(e, p, s, int(k)) for (e, p, s), k in zip(pieces, starts, strict=False) if e in candidate.deforming]
         batches[key] = _Batch(name, bodies, owner, _joined([s for *_, s in pieces]), tuple(links), tuple(soft))
     return batches
+
+
+def _toned(look: Appearance, tile: Tile | None, tone: float) -> tuple[Appearance, Tile | None]:
+    """An appearance and its tile so many times lighter."""
+    if tone == 1.0:
+        return look, tile
+    lit = look.model_copy(update={"color": tuple(min(1.0, tone * c) for c in look.color)})
+    return lit, None if tile is None else replace(tile, image=np.minimum(tone * tile.image, 1.0).astype(np.float32))
 
 
 def _bsdf(mi: Any, look: Appearance, tile: Tile | None, *, open_surface: bool, wets: bool = False) -> Any:
@@ -217,14 +228,15 @@ class SceneRenderer:
         self._panes: list[str] = []
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
         self._wetness, self._wet, known = Wetness(candidate), [], dict[str, F64]()
-        bsdfs: dict[tuple[str, str, bool], Any] = {}
-        for (material, layer, moving, wets), batch in sorted(_batches(candidate, tiles, self._wetness).items()):
-            if (material, layer, wets) not in bsdfs:
-                tile, both = tiles[material].get(layer), material in open_materials
-                bsdfs[material, layer, wets] = _bsdf(mi, looks[material], tile, open_surface=both, wets=wets)
+        bsdfs: dict[tuple[str, str, bool, float], Any] = {}
+        for (material, layer, moving, wets, tone), batch in sorted(_batches(candidate, tiles, self._wetness).items()):
+            if (material, layer, wets, tone) not in bsdfs:
+                both = material in open_materials
+                look, tile = _toned(looks[material], tiles[material].get(layer), tone)
+                bsdfs[material, layer, wets, tone] = _bsdf(mi, look, tile, open_surface=both, wets=wets)
             positions, normals = batch.placed(candidate, frame)
             film = batch.film(self._wetness, frame, known) if wets else None
-            scene[batch.name] = _mesh(mi, batch.name, batch.surface, positions, normals, bsdfs[material, layer, wets], film)
+            scene[batch.name] = _mesh(mi, batch.name, batch.surface, positions, normals, bsdfs[material, layer, wets, tone], film)
             if moving:
                 self._moving.append(batch)
             if wets:

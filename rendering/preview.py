@@ -17,7 +17,7 @@ from .grains import GrainLayer
 from .land_preview import LandLayer
 from .liquid_preview import LiquidLayer, over, tinted
 from .scenery import cut_from, is_stems
-from .shades import pattern_shade
+from .shades import brick_tone, pattern_shade
 from .textures import F32
 from .views import active, camera_for, focus_bounds, part_frame
 
@@ -58,7 +58,8 @@ class PreviewRenderer:
         index = {name: k for k, name in enumerate(self.entities)}
         self._entity_of = np.array([index[name] for name in [*(n for n, _ in self.parts), *grains, *liquid]], dtype=np.int32)
         looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
-        colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3)
+        tones = np.array([brick_tone(candidate.spec, name, part.part) for name, part in self.parts], dtype=np.float32)
+        colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3) * tones[:, None]
         self._colors = np.concatenate([colors, self._grains.colors])
         self._looks = looks
         self._panes = [k for k, look in enumerate(looks) if look.transmission >= PANE]

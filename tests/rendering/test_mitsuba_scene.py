@@ -8,8 +8,11 @@ import math
 import numpy as np
 import pytest
 from worldagent.geometry.camera import Camera
+from worldagent.rendering import preview
 from worldagent.rendering.mitsuba_scene import SceneRenderer
 from worldagent.rendering.views import automatic_camera, camera_for, focus_bounds
+from worldagent.tests.physics import rigid_world
+from worldagent.tests.physics.fracture_world import STONE, bricks, simulate, struck_wall
 from worldagent.worlds.errors import InputError
 
 FURNACE_TOLERANCE = 0.03
@@ -165,3 +168,19 @@ def test_the_far_disc_gives_the_light_of_the_sun_that_it_replaces(make_candidate
     measured = SceneRenderer(candidate, lights=ours).radiance(camera, 256).mean((0, 1))
     expected = SceneRenderer(candidate, lights={"sky": whole}).radiance(camera, 2048).mean((0, 1))
     assert np.allclose(measured, expected, rtol=0.06)
+
+
+@pytest.mark.parametrize(("kind", "tones"), [("bricks", 3), ("voronoi", 1)])
+def test_a_whole_wall_shows_its_bricks_and_a_pot_no_cracks(tmp_path, kind, tones):
+    """Bricks lie there before a wall breaks; cells of other patterns are not to be seen before."""
+    pattern = bricks() if kind == "bricks" else {"kind": "voronoi", "pieces": 12}
+    entities = struck_wall(0.0).model_dump(mode="json")["entities"]
+    wall = entities["wall"] | {"breakable": entities["wall"]["breakable"] | {"pattern": pattern}}
+    spec = rigid_world.world({"floor": entities["floor"], "wall": wall}, seconds=1 / 24, materials=STONE)
+    candidate = simulate(tmp_path, spec)
+    camera = Camera(np.array([0.0, -1.2, 0.2]), np.array([0.0, 0.0, 0.2]), 20.0, 160, 90)
+    image = preview(candidate, 0, camera=camera)[30:60, 40:120].reshape(-1, 3)
+    albedo = SceneRenderer(candidate).features(camera).albedo[30:60, 40:120].reshape(-1, 3)
+    assert len(np.unique(albedo.round(3), axis=0)) == tones, "three of the four tones lie in this window"
+    # Previews shade by the light as well, the same all over a wall's front, and draw no lines within an entity.
+    assert len(np.unique(image // 8, axis=0)) >= tones if tones > 1 else np.ptp(image.astype(int), axis=0).max() < 8

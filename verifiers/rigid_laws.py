@@ -56,7 +56,7 @@ TURN = 2e-3
 HELD = 1e-5
 """[m] Distance of a driven body's surface from where its driver puts it; measured 4e-11 m for held bodies."""
 UNSTEADY = 0.1
-"""Own choice: share of a body's weight by which the force of a liquid may vary within a frame beside its mean."""
+"""Own choice: share of a body's weight by which the force of a liquid may vary within a frame beside its mean and what the frames beside show."""
 FASTER = 1.01
 """Allowance on recorded peak speeds: a path's cubic between two steps."""
 ROUNDING = 1e-6
@@ -223,7 +223,10 @@ def _uneven(books: Books) -> F64:
     spring = np.linalg.norm(books.spring_impulse[0], axis=2)
     force = np.linalg.norm(books.driver_wrench[0], axis=2)
     weight = books.mass * float(np.linalg.norm(books.gravity)) * books.duration
-    liquid = np.linalg.norm(books.liquid.linear, axis=2) + np.where(books.liquid.wet, UNSTEADY * weight, 0.0)
+    # What differs so much from one interval to the next may change as much within either.
+    change = np.linalg.norm(np.diff(books.liquid.linear, axis=0), axis=2)
+    swing = np.maximum(np.pad(change, ((1, 0), (0, 0))), np.pad(change, ((0, 1), (0, 0))))
+    liquid = np.linalg.norm(books.liquid.linear, axis=2) + np.where(books.liquid.wet, UNSTEADY * weight + swing, 0.0)
     field = np.linalg.norm(books.fields.linear, axis=2)
     result: F64 = drag + spring + liquid + field + np.where(books.switching, force, 0.0)
     return result

@@ -100,7 +100,7 @@ class Blown:
         allowed = ATTRACTION * pulled + MEDIUM * blew
         if allowed <= 0:
             allowed = 1e-12
-        excess = np.array([float(np.maximum(o - d, 0.0).max()) / allowed for o, d in zip(self.off, self.doubt, strict=True)])
+        excess = np.linalg.norm([np.maximum(o - d, 0.0) for o, d in zip(self.off, self.doubt, strict=True)], axis=1) / allowed
         found = first_over(
             excess, 1.0, "1", "difference of recorded impulses from the declared fields', over what is allowed,",
             (baked_again("the cache is of a run with other fields"),),

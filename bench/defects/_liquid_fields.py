@@ -30,7 +30,7 @@ def drawn(rng: np.random.Generator, *, pull: float = 3.0, gain: float = 1.0) -> 
     far = 1e4
     field = AttractionField(center=tuple(far * way), acceleration=pull, distance=1.0, exponent=0.0)
     spec = liquid_world(
-        {"pool": water((SIDE,) * 3, (0.0, 0.0, 1.0), SPACING)}, spacing=SPACING, low=(-1.0, -1.0, -0.6), high=(1.0, 1.0, 1.4),
+        {"pool": water((SIDE,) * 3, (0.0, 0.0, 1.0), SPACING)}, spacing=SPACING, low=(-2.0, -2.0, -0.6), high=(2.0, 2.0, 1.4),
         sides=("open",) * 6, frames=FRAMES, drivers={"draw": FieldDriver(field=field)},
     )  # fmt: skip
     base = lattice((-SIDE / 2, -SIDE / 2, 1.0 - SIDE / 2), (SIDE,) * 3, SPACING)

@@ -7,67 +7,25 @@ that an adversary would change with it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache as kept
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...simulation.schedule import run_frames
 from ...worlds.arrays import F64, I32
-from ...worlds.candidate import Candidate, cache_digest
-from ...worlds.patch import parse_spec
+from ...worlds.candidate import Candidate
 from ..simulated_worlds import edited
-from ..small_liquids import PROMPT, jelly_tank_spec
-from ..small_soft import HAMMOCK_PROMPT, caught_spec
-from ._kept import kept_folder
+from ._soft_scenes import BATHED, CAUGHT, CLOTH, FIRST, JELLY, LAST, SPACING, SPILLED, soft_world
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
 
-WATER, CLOTH, BODIES, JELLY = "water", "cloth", "rigid", "jelly"
+WATER, BODIES = "water", "rigid"
 FPS = 24
-BATHED: tuple[dict[str, Any], ...] = (
-    {"crate_at": 0.245},
-    {"crate_at": 0.243, "density": 1300.0, "young": 30000.0},
-    {"crate_at": 0.3, "depth": 0.16, "young": 40000.0},
-    {"crate_at": 0.26, "density": 400.0, "young": 25000.0},
-)
-CAUGHT: tuple[dict[str, Any], ...] = (
-    {},
-    {"size": (0.1, 0.175, 0.05), "speed": 1.2},
-    {"size": (0.1, 0.1, 0.1), "speed": 0.3},
-    {"speed": 0.2, "direction": "one_way"},
-)
-SPILLED: tuple[dict[str, Any], ...] = ({"size": (0.5, 0.05, 0.05), "speed": 1.5}, {"size": (0.1, 0.5, 0.05), "speed": 1.0})
-"""Water that reaches the rim of the cloth, and beyond it."""
-SPACING = {JELLY: 0.04, CLOTH: 0.025}
-FIRST, LAST = 2, 5
-"""Frames in which things go wrong."""
 Frame = dict[str, Any]
 Edit = Callable[[int, Frame, float], None]
 Draw = Callable[[Candidate, float, np.random.Generator], dict[str, Edit]]
 """What is changed in which instance."""
-
-
-@kept
-def _world(kind: str, number: int) -> Candidate:
-    """One of the sound worlds, simulated once."""
-    frames = LAST + 1
-    if kind == JELLY:
-        jelly: dict[str, Any] = {"frames": frames, "spacing": SPACING[JELLY], **BATHED[number]}
-        given = {"prompt": PROMPT, **jelly_tank_spec(**jelly)}
-    else:
-        own = (CAUGHT if kind == CLOTH else SPILLED)[number]
-        sheet: dict[str, Any] = {"size": (0.15, 0.15, 0.05), "above": 0.0125, "speed": 0.8, "stiffness": 1000.0, **own}
-        given = {"prompt": HAMMOCK_PROMPT, **caught_spec(frames=frames, spacing=SPACING[CLOTH], **sheet)}
-        given["entities"][CLOTH]["physics"]["max_stretch"] = 0.8
-    from ...construction.build import build_entity
-
-    spec, folder = parse_spec(given), kept_folder(kind)
-    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
-    caches = run_frames(spec, built, folder / "run", frames=frames)
-    return Candidate(folder, spec, built, "probe", caches, "run", cache_digest(caches))
 
 
 def _changed(base: Candidate, folder: Path, edits: dict[str, Edit], magnitude: float) -> Candidate:
@@ -80,7 +38,7 @@ def _defect(kind: str, text: str, draw: Draw, low: float, high: float, unit: str
     name, culprits = draw.__name__.removeprefix("_"), more.pop("culprits", (kind,))
 
     def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-        base = _world(kind, int(rng.integers(2)))
+        base = soft_world(kind, int(rng.integers(2)))
         return World(_changed(base, folder, draw(base, magnitude, rng), magnitude), culprits)
 
     return Mechanism(name, text, True, build, low, high, unit, **more)
@@ -323,7 +281,7 @@ def _sound(name: str, text: str, kind: str, kinds: int) -> Mechanism:
     """Worlds as simulated; the magnitude is which one."""
 
     def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-        return World(_world(kind, round(magnitude) - 1))
+        return World(soft_world(kind, round(magnitude) - 1))
 
     return Mechanism(name, text, False, build, 1.0, float(kinds), "1", named=tuple(range(1, kinds + 1)))
 
@@ -332,7 +290,7 @@ def _looks(name: str, text: str, edit: Edit, low: float, high: float, unit: str 
     """A change that changes nothing."""
 
     def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-        base = _world((JELLY, CLOTH)[int(rng.integers(2))], 0)
+        base = soft_world((JELLY, CLOTH)[int(rng.integers(2))], 0)
         return World(_changed(base, folder, {solver: edit}, magnitude))
 
     return Mechanism(name, text, False, build, low, high, unit)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from .cloth import THIN, grids_of, held_by, vertices_of
 from .gate import Problem
+from .holders import cannot_hold
 
 if TYPE_CHECKING:
     from .spec import Entity, WorldSpec
@@ -104,9 +105,9 @@ def _pins(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
     taken: dict[str, set[int]] = {}
     for key, pin in physics.pins.items():
         place = f"/entities/{name}/physics/pins/{key}"
-        if pin.to is not None and pin.to in spec.entities and spec.entities[pin.to].physics.category != "rigid":
-            text = f"pin {key!r} of {name!r} is held by {pin.to!r}, which is {spec.entities[pin.to].physics.category}; only rigid ones hold"
-            yield Problem(f"{place}/to", text)
+        why = cannot_hold(spec.entities[pin.to]) if pin.to is not None and pin.to in spec.entities else None
+        if why is not None:
+            yield Problem(f"{place}/to", f"pin {key!r} of {name!r} is held by {pin.to!r}, {why}")
         if vertices is None:
             continue
         held = held_by(pin, vertices)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from .gate import Problem
+from .holders import cannot_hold
 from .spec import ElasticPhysics
 
 if TYPE_CHECKING:
@@ -46,11 +47,10 @@ def _entity(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
             yield Problem(where, f"{name}/{part} is elastic and collides", {"op": "replace", "path": where, "value": True})
     for key, pin in physics.pins.items():
         target = spec.entities.get(pin.to) if pin.to is not None else None
-        if target is not None and target.physics.category != "rigid":
-            yield Problem(
-                f"{place}/physics/pins/{key}/to",
-                f"{pin.to!r} is {target.physics.category}; a pin hangs on a rigid body or the world",
-            )
+        why = cannot_hold(target) if target is not None else None
+        if why is not None:
+            text = f"pin {key!r} of {name!r} hangs on {pin.to!r}, {why}, or leave out `to` for the world"
+            yield Problem(f"{place}/physics/pins/{key}/to", text)
     if physics.resolution is not None and physics.resolution > max(entity.dimensions.size):
         where = f"{place}/physics/resolution"
         yield Problem(

@@ -29,7 +29,7 @@ def _flag(**changes: Any) -> WorldSpec:
 
 
 def _problems(spec: WorldSpec) -> list[str]:
-    return [str(p) for r in audit(spec).rows if r.id == "audit:cloth" for p in r.evidence["problems"]]
+    return [str(p) for r in audit(spec).rows if r.id == "audit:cloth" for p in r.evidence.get("problems", ())]
 
 
 def test_sound_worlds_pass_the_audit() -> None:
@@ -49,6 +49,25 @@ def test_sound_worlds_pass_the_audit() -> None:
 )
 def test_what_cannot_work_is_named(changes: dict[str, Any], said: str) -> None:
     assert any(said in p for p in _problems(_flag(**changes)))
+
+
+def test_a_pin_needs_a_holder_of_one_body() -> None:
+    """A rope is a chain of bodies, a breakable body falls into pieces: the audit refuses both before anything is simulated."""
+    spec = deepcopy(flag_spec())
+    spec["entities"]["flag"]["physics"]["pins"] = {"top": {"edge": "-x", "to": "pole"}}
+    assert _problems(parse_spec({**spec, "prompt": FLAG_PROMPT})) == []
+    pole = spec["entities"]["pole"]
+    body = pole.pop("parts")
+    pole |= {"motion": "dynamic", "generator": {"kind": "rope", "points": [[0, 0, 0], [0, 0, 1]], "radius": 0.01, "segments": 7}}
+    (said,) = _problems(parse_spec({**spec, "prompt": FLAG_PROMPT}))
+    assert "/entities/flag/physics/pins/top/to" in said
+    for told in ("'pole', which is a rope of 7 bodies", "a holder of one body", "rod"):
+        assert told in said
+    del pole["generator"]
+    bond = {"tension": 1e5, "shear": 1e5, "toughness": 10.0}
+    pole |= {"parts": body, "breakable": {"pattern": {"kind": "voronoi", "pieces": 9, "seed": 1}, "bond": bond}}
+    (said,) = _problems(parse_spec({**spec, "prompt": FLAG_PROMPT}))
+    assert "'pole', which is breakable, of about 9 bodies" in said
 
 
 def test_a_sheet_belongs_to_cloth_and_cloth_to_sheets() -> None:

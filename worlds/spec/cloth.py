@@ -22,7 +22,9 @@ class ClothPin(SpecModel):
     )
     center: Vec3 | None = Field(default=None, description="all vertices within `radius` of this point of the entity's frame [m]")
     radius: NonNegative = Field(default=0.0, description="[m]; 0: the nearest vertex alone")
-    to: EntityRef | None = Field(default=None, description="rigid entity that takes them along; default: they stay in space")
+    to: EntityRef | None = Field(
+        default=None, description="rigid entity of one body that takes them along; default: they stay in space"
+    )
 
     @model_validator(mode="after")
     def _one_place(self) -> ClothPin:

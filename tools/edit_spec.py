@@ -120,10 +120,14 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     ]
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
     then = _next(session, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})
+    if outcome.get("undoes_revisions") and report.passed:
+        then = _after_undo(session)
     links = ((f"{world} specification", f"worldagent://worlds/{world}/spec", "application/json"),)
     stale = outcome.get("rows_now_stale", 0)
     if outcome.get("changed") == []:
         done += ", though nothing changed"
+    if outcome.get("undoes_revisions"):
+        done += f", which takes back {', '.join(f'revision {n}' for n in outcome['undoes_revisions'])}"
     text = f"{world} {done}; {verdict}" + (f"; {stale} rows are stale now" if stale else "")
     return ToolReply(answer(data, text, then, warnings), links=links)
 
@@ -143,6 +147,14 @@ def _next(session: Any, passed: bool, groups: set[str]) -> str:
     if not groups & SCENE_GROUPS:
         return call("probe_sim", world=world)
     return call("place_object", world=world)
+
+
+def _after_undo(session: Any) -> str:
+    from .answers import call
+    from .earlier import has_motion
+
+    again = f", or {call('run_checks', world=session.folder.id, scope='probe')} to judge the motion of these settings again"
+    return f"edit_spec: another hypothesis{again if has_motion(session) else ''}"
 
 
 def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
@@ -166,12 +178,13 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
     folder.root.mkdir(parents=True, exist_ok=True)
     folder.assets.mkdir(exist_ok=True)
     ledger = Ledger(folder.ledger_path)
+    siblings = _siblings(context, world, prompt)
     number = ledger.add_revision(
         parsed.model_dump_json(exclude_none=True),
         spec_digest(parsed),
         expected=0,
         hypothesis="created",
-        weakenings=_siblings(context, world, prompt),
+        weakenings=siblings,
         reason="a new world for a prompt whose earlier world has failed rows",
     )
     if number is None:
@@ -183,7 +196,8 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
         raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
     session = Session(folder, ledger, parsed, number)
     session.write_spec()
-    return _answer(session, {"revision": number, "created": True, "clauses": clauses_of(prompt)})
+    beside = {"weakenings_recorded": siblings} if siblings else {}
+    return _answer(session, {"revision": number, "created": True, "clauses": clauses_of(prompt), **beside})
 
 
 def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,12 +19,13 @@ from ..worlds.limits import check_cap
 from ..worlds.patch import differences, parse_spec, weakenings
 from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
-from ..worlds.spec import HeightField, WorldSpec
+from ..worlds.spec import WorldSpec
+from .earlier import has_motion
 from .known_specs import KnownSpecs
+from .repair_rules import CAUSAL_CLASSES, UNDONE, causal_groups, cut_grounds, failed, same_causes
 
-__all__ = ["CAUSAL_CLASSES", "Session", "no_revision"]
+__all__ = ["Session", "no_revision"]
 
-CAUSAL_CLASSES = ("scene", "solver")
 MAX_CHANGES = 8
 MAX_LENGTH = 4
 """An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
@@ -107,10 +108,11 @@ class Session:
         documents = before.model_dump(mode="json"), after.model_dump(mode="json")
         places = list(differences(*documents))
         groups = {group_of(p) for p in places}
-        causal = [] if derived else _causal(places, _cut_grounds(before, after))
+        causal = [] if derived else causal_groups(places, cut_grounds(before, after))
+        undone = self._undone(after) if causal else []
         weaker = weakenings(before, after)
-        failing = [r for r in self.ledger.rows() if _failed(r) and r.mandatory and r.check != "audit"]
-        self._rules(failing, groups, causal, weaker, hypothesis, weakening_reason)
+        failing = [r for r in self.ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
+        self._rules(failing, groups, [] if undone else causal, weaker, hypothesis, weakening_reason)
         number = self.ledger.add_revision(
             after.model_dump_json(exclude_none=True),
             spec_digest(after),
@@ -129,7 +131,10 @@ class Session:
         stale = stale_artifacts(before, after)
         lost = stale_rows(self.ledger.rows(), self.ledger.stages(), stale)
         self.ledger.mark_stale({k: f"{v} changed in revision {number}" for k, v in lost.items()}, number)
-        if failing and causal:
+        if undone:
+            still = {r.id for r in failing}.union(*(json.loads(str(i["failing_before"])) for i in undone))
+            self.ledger.close_iterations(UNDONE, sorted(still))
+        elif failing and causal:
             changed = [p for p in places if group_of(p).edit_class in CAUSAL_CLASSES]
             values = [(p, _value(documents[0], p), _value(documents[1], p)) for p in changed[:MAX_CHANGES]]
             self.ledger.add_iteration(number, hypothesis, causal[0], failing, values)
@@ -141,8 +146,17 @@ class Session:
             "groups": sorted(g.name for g in groups),
             "stale": _shorten(stale),
             "rows_now_stale": len(lost),
+            **({"undoes_revisions": [i["revision"] for i in undone]} if undone else {}),
             **({"weakenings_recorded": weaker} if weaker and self.ledger.ever_failed() else {}),
         }
+
+    def _undone(self, after: WorldSpec) -> list[dict[str, Any]]:
+        """The untested changes that `after` takes back, all of them; none unless its causes are those last tested."""
+        untested = self.ledger.open_iterations()
+        recorded = self.ledger.revision_spec(int(untested[0]["revision"]) - 1) if untested else None
+        if recorded is None:
+            return []
+        return untested if same_causes(WorldSpec.model_validate_json(recorded[0]), after) else []
 
     def _rules(
         self, failing: list[Row], groups: set[Any], causal: list[str], weaker: list[str], hypothesis: str, reason: str
@@ -166,10 +180,12 @@ class Session:
         untested = self.ledger.open_iterations()
         if untested:
             rows = ", ".join(json.loads(str(untested[-1]["failing_before"]))[:3])
-            test = "place_object" if self._static_only(untested[-1]) else "probe_sim (or a whole run_checks(scope='probe'))"
+            again = " (or a whole run_checks(scope='probe'): there is motion of these settings)" if has_motion(self) else ""
+            test = "place_object" if self._static_only(untested[-1]) else f"probe_sim{again}"
             told.append(
                 f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet: it answered {rows}. "
-                f"Call {test} before the next change"
+                f"Call {test} before the next change; or take it back: setting everything causal to what it was in revision "
+                f"{untested[0]['revision'] - 1} is allowed at once"
             )
         if not failing:
             return told
@@ -261,38 +277,6 @@ def no_revision(folder: WorldFolder) -> str:
     )
 
 
-def _causal(places: Sequence[str], grounds: Collection[str] = ()) -> list[str]:
-    """Causal parameter groups of an edit.
-
-    The declared size of an entity goes along with its shape: one says what the other is. So does the place of a ground that is cut
-    from a landscape: where it is cut decides what it is.
-    """
-    by_group: dict[str, set[str]] = {}
-    for place in places:
-        info = group_of(place)
-        if info.edit_class in CAUSAL_CLASSES:
-            by_group.setdefault(info.name, set()).add("/".join(place.split("/")[:3]))
-    shaped = by_group.get("shape", set())
-    if by_group.get("dimensions", {""}) <= shaped:
-        del by_group["dimensions"]
-    if by_group.get("placement", {""}) <= shaped & {f"/entities/{name}" for name in grounds}:
-        del by_group["placement"]
-    return sorted(by_group)
-
-
-def _cut_grounds(*specs: WorldSpec) -> set[str]:
-    """Entities that are ground cut from a landscape in each of these specifications."""
-    found = [
-        {
-            name
-            for name, entity in spec.entities.items()
-            if any(isinstance(p.shape, HeightField) and p.shape.file is not None for p in entity.parts.values())
-        }
-        for spec in specs
-    ]
-    return set.intersection(*found)
-
-
 def _value(document: Any, pointer: str) -> Any:
     """What a document holds at a pointer, where it is a number, a word or a short list of them; else None."""
     at = document
@@ -326,11 +310,6 @@ def _current(folder: WorldFolder, recorded: str) -> tuple[WorldSpec | None, str]
 def _same(spec: WorldSpec, recorded: str) -> bool:
     """Whether a specification is the recorded one, which an earlier version may have written without newer fields."""
     return spec.model_dump_json(exclude_none=True) == recorded or spec == WorldSpec.model_validate_json(recorded)
-
-
-def _failed(row: Row) -> bool:
-    """Whether the last judgement of a row was a failure, even if an edit made it stale since."""
-    return row.status == "fail" or (row.status == "unverified" and row.evidence.get("was") == "fail")
 
 
 def _shorten(names: list[str]) -> list[str]:

@@ -217,7 +217,7 @@ class Ledger(LedgerFile):
             )
 
     def close_iterations(self, probe: str, failing: Iterable[str], rows: Iterable[Row] = ()) -> None:
-        """Record the outcome of the test of all open iterations: what fails now, and what `rows` measured.
+        """Record the outcome of the test of all open iterations, or that they were undone: what fails now, what `rows` measured.
 
         Rows that are still `unverified` were not judged by the test and are left out.
         """

@@ -110,7 +110,7 @@ class Attempt(BaseModel):
     changes: tuple[tuple[str, Any, Any], ...] = ()
     """(JSON pointer, old value, new value) of what was changed; values that are no plain numbers or words are None."""
     test: str | None = None
-    """What tested it: `audit`, `static`, or the freeze of a probe; None while nothing has."""
+    """What tested it: `audit`, `static`, or the freeze of a probe; `undone` where it was taken back untested; None while nothing has."""
     before: Outcome | None = None
     after: Outcome | None = None
     """None where the test did not judge this row."""

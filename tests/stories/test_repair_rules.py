@@ -57,6 +57,49 @@ def test_a_second_change_waits_for_the_test_of_the_first(failed: Any, patch: Pat
     assert iterations[0]["failing_after"] == []
 
 
+def test_an_untested_change_can_be_taken_back_at_once(failed: Any, patch: Patch) -> None:
+    """Back to what was last tested needs no test and no hypothesis, and opens no way around the rules."""
+    old = [0.3, 0, 0]
+    failed.edit(("/entities/ball/physics/linear_velocity", [0.6, 0, 0]), hypothesis=WHY)
+    text = failed.refused("edit_spec", world="w", patch=patch(FASTER), hypothesis=WHY)
+    assert "run_checks" not in text
+    assert "what it was in revision 1 is allowed at once" in text
+    partly = ("/entities/ball/physics", {"category": "rigid", "linear_velocity": old, "angular_velocity": [0, 30, 0]})
+    assert "not tested yet" in failed.refused("edit_spec", world="w", patch=patch(partly), hypothesis=WHY)
+    back = failed.edit(("/entities/ball/physics/linear_velocity", old), ("/shots/only/intent", "wider"))
+    assert back["undoes_revisions"] == [2]
+    assert "takes back revision 2" in back["summary"]
+    assert "run_checks(world='w', scope='probe')" in back["next"]
+    (undone,) = failed.call("inspect_world", world="w", part="iterations")["iterations"]
+    assert (undone["probe"], undone["mended"]) == ("undone", [])
+    assert [r["n"] for r in failed.call("inspect_world", world="w", part="revisions")["revisions"]] == [3, 2, 1]
+    both = patch(FASTER, ("/simulation/solvers/rigid/settings/step", 0.00025))
+    assert "hypothesis" in failed.refused("edit_spec", world="w", patch=patch(FASTER))
+    assert "2 causal parameter groups" in failed.refused("edit_spec", world="w", patch=both, hypothesis=WHY)
+    assert failed.call("run_checks", world="w", scope="probe")["open_rows"]
+    failed.edit(FASTER, hypothesis=WHY)
+    assert "what it was in revision 3" in failed.refused("edit_spec", world="w", patch=both, hypothesis=WHY)
+
+
+def test_a_position_goes_along_with_the_shape_of_the_same_entity(failed: Any, patch: Patch) -> None:
+    wider, moved = ("/entities/b2/parts/body/shape/size", [0.032, 0.05, 0.05]), ("/entities/b2/pose/position/0", 0.171)
+    turned, other = ("/entities/b2/pose/euler", [0, 0, 0.1]), ("/entities/b1/pose/position/0", 0.13)
+    size = ("/entities/b2/dimensions/size", [0.032, 0.05, 0.05])
+    for more in (turned, other):
+        text = failed.refused("edit_spec", world="w", patch=patch(wider, size, moved, more), hypothesis=WHY)
+        assert "(placement, shape)" in text
+    failed.edit(wider, size, moved, hypothesis=WHY)
+    assert [i["grp"] for i in failed.call("inspect_world", world="w", part="iterations")["iterations"]] == ["shape"]
+
+
+def test_a_world_beside_a_failed_one_of_its_prompt_is_told_so_at_once(failed: Any) -> None:
+    again = failed.call("edit_spec", world="again", prompt=PROMPT, spec=small_spec())
+    (warning,) = again["warnings"]
+    assert "printed with the acceptance: started anew beside world w, which has failed rows" in warning
+    other = failed.call("edit_spec", world="other", prompt="A ball rolls into three blocks.", spec={})
+    assert other["warnings"] == []
+
+
 def test_a_failing_row_cites_what_past_edits_did_to_it(failed: Any) -> None:
     """A ball that is hardly faster does not mend the row: the row says so, and its start speed ranks last."""
     failed.edit(("/entities/ball/physics/linear_velocity/0", 0.31), hypothesis=WHY)

@@ -1,0 +1,45 @@
+"""Probes that a world's ledger tells of: whether there is motion of the present settings, and what is left of older ones."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..worlds.canonical import digest_of
+from ..worlds.provenance import motion_slice
+from ..worlds.spec import WorldSpec
+
+if TYPE_CHECKING:
+    from .session import Session
+
+__all__ = ["Probe", "has_motion", "latest_probe"]
+
+LOOKED_AT = 20
+"""Newest probes whose settings are compared with the present ones."""
+
+
+class Probe(NamedTuple):
+    """A probe whose frames are in the world's folder."""
+
+    freeze: str
+    revision: int
+
+
+def _probes(session: Session) -> list[Probe]:
+    """Probes that are still there, newest first."""
+    found = [Probe(str(f["freeze"]), int(f["revision"])) for f in session.ledger.freezes(LOOKED_AT)]
+    return [p for p in found if (session.folder.candidate(p.freeze) / "probe").is_dir()]
+
+
+def latest_probe(session: Session) -> Probe | None:
+    """The newest probe of any settings of this world."""
+    return next(iter(_probes(session)), None)
+
+
+def has_motion(session: Session) -> bool:
+    """Whether a probe moved what the present specification says, told by the specifications alone: nothing is built."""
+    wanted = digest_of(motion_slice(session.spec))
+    for number in {p.revision for p in _probes(session)}:
+        recorded = session.ledger.revision_spec(number)
+        if recorded is not None and digest_of(motion_slice(WorldSpec.model_validate_json(recorded[0]))) == wanted:
+            return True
+    return False

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, RigidPose
+from ..worlds.errors import EvidenceError
 from .batch import clearance_batch
 from .clearance import clearance_series, query_noise, signed_clearance
 from .forest import Forest
@@ -31,6 +32,9 @@ DEPTH_SHARE = 0.25
 """Share of the precision of a search by which single depths may be too small."""
 TOGETHER = 200_000
 """Clearances of many searches measured in one batch."""
+FARTHEST = 1e8
+"""Own choice: a way longer than this many times the precision is not searched (1 km at 10 um): where surfaces stay near each other on
+it, halving it down to the precision would not end."""
 ADVANCES = 10_000
 """Steps of conservative advancement after which a grazing motion counts as touching: never seen in tests."""
 
@@ -97,6 +101,8 @@ class Sweep(NamedTuple):
     first_found: bool = False
     ends_above: float = -np.inf
     """[m]"""
+    names: str = "two surfaces"
+    """Of both, for messages."""
 
 
 class _Ask(NamedTuple):
@@ -132,6 +138,9 @@ def lowest_clearance(
         skip_above: bounding-box gap [m] from which on a lower bound of the clearance is enough.
         first_found: whether any value lower than `below` ends the search of its motion.
         ends_above: motions with a lower clearance [m] at one of their ends are not searched.
+
+    Raises:
+        EvidenceError: surfaces that may meet move more than `FARTHEST` precisions.
     """
     pair = _Pair(a, motion_a, b, motion_b, skip_above=skip_above)
     search = _search(pair, Sweep(a, motion_a, b, motion_b, below, precision, first_found, ends_above))
@@ -219,6 +228,11 @@ def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
         rows, s, e, c0, c1, travel = rows[open_], s[open_], e[open_], c0[open_], c1[open_], travel[open_]
         if len(rows) == 0:
             break
+        if travel.max() > FARTHEST * sweep.precision > 0.0:
+            raise EvidenceError(
+                f"{sweep.names} move by up to {travel.max():.3g} m against each other between two frames; ways beyond "
+                f"{FARTHEST * sweep.precision:.3g} m are not searched; lower their speed or spin, or raise fps"
+            )
         middle = 0.5 * (s + e)
         c = yield _Ask(rows, middle, travel + spare)
         order = np.argsort(-c, kind="stable")

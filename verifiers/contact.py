@@ -44,7 +44,10 @@ the deepest surface point and cannot exceed half the thinner body, so this is ha
 Pair = tuple[str, str]
 
 
-@guarded("contact", "visible surfaces do not overlap on any written frame", group="physical")
+OVERLAP = "visible surfaces do not overlap on any written frame"
+
+
+@guarded("contact", OVERLAP, group="physical")
 def check(candidate: Candidate) -> list[Row]:
     """One row per pair that ever comes within twice the contact tolerance, one per passage, and one for the scene."""
     if candidate.stage == "static":
@@ -64,9 +67,17 @@ def check(candidate: Candidate) -> list[Row]:
             predicate=_predicate(surfaces, a, b),
             entities=(a, b),
         )
+    scene, *through = guarded_rows(
+        candidate, lambda: _between(surfaces, rows), id="contact:scene", check="contact", group="physical", predicate=OVERLAP
+    )
+    return [scene, *rows, *through]
+
+
+def _between(surfaces: Surfaces, rows: list[Row]) -> list[Row]:
+    """The row of the scene and one for each passage between frames."""
     passages = find_passages(surfaces, known={(r.id.split(":")[1], r.id.split(":")[2]) for r in rows if r.status == "fail"})
     through = [_through(surfaces, passage) for passage in passages.found]
-    return [_scene(surfaces, rows, through, passages.inspected), *rows, *through]
+    return [_scene(surfaces, rows, through, passages.inspected), *through]
 
 
 def _all(surfaces: Surfaces) -> NDArray[np.intp]:

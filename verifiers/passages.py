@@ -178,6 +178,9 @@ def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()
     Args:
         surfaces: what is inspected.
         known: pairs that need no test, because they fail at a written frame.
+
+    Raises:
+        EvidenceError: something moves too far between two frames.
     """
     if surfaces.frames < 2 or not surfaces.parts:
         return Passages([], 0)
@@ -195,7 +198,8 @@ def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()
         if case is not None:
             cases.append(case)
     first: dict[tuple[str, str], Passage] = {}
-    for case, lowest in zip(cases, lowest_clearances([c.sweep() for c in cases]), strict=True):
+    asked = [c.sweep()._replace(names=" and ".join(surfaces.parts[k].entity for k in (c.i, c.j))) for c in cases]
+    for case, lowest in zip(cases, lowest_clearances(asked), strict=True):
         passage = _judge(search, case, lowest)
         if passage is not None:
             key = (passage.entity, passage.through)

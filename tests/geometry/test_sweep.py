@@ -10,6 +10,7 @@ import trimesh
 from worldagent.geometry import Motion, State, clearance_series, lowest_clearance, swept_clearance, wall_thickness
 from worldagent.geometry.motions import relative_travel
 from worldagent.worlds.arrays import rotation_matrix
+from worldagent.worlds.errors import EvidenceError
 
 from .meshes import ball, box, hull, ring, solid_of
 
@@ -38,6 +39,16 @@ def random_motion(rng, spread, n=1):
     position, velocity, spin = rng.normal(size=(2, n, 3)) * spread, rng.normal(size=(2, n, 3)) * 2, rng.normal(size=(2, n, 3)) * 4
     first = State(position[0], quaternion[0], velocity[0], spin[0])
     return Motion.between(first, State(position[1], quaternion[1], velocity[1], spin[1]), rng.normal(size=3) * 0.1, 1.0)
+
+
+def test_a_way_without_end_is_refused_in_words():
+    """Choice: a spin of 1e9 rad/s between two frames would ask for as many places."""
+    spin = np.array([[0.0, 0.0, 1e9]])
+    state = State(np.zeros((1, 3)), UPRIGHT, np.zeros((1, 3)), spin)
+    motion = Motion.between(state, state, np.zeros(3), 1.0)
+    one, two = solid_of(box(1, 1, 1)), solid_of(box(1, 1, 1))
+    with pytest.raises(EvidenceError, match=r"two surfaces move by up to .* lower their speed or spin"):
+        lowest_clearance(one, motion, two, still(at=(2.0, 0, 0)), below=0.0, precision=1e-5)
 
 
 def test_a_cubic_through_both_velocities_is_the_parabola_of_a_throw():

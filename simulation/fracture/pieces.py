@@ -95,10 +95,12 @@ class Pieces:
     def _inherited(self) -> dict[tuple[str, float], Stiffness]:
         """What is known of the stiffness of clusters, handed to the largest part of each that is left."""
         found: dict[tuple[str, float], Stiffness] = {}
+        first = np.array([c.pieces[0] for c in self.clusters], dtype=np.int64)
+        size, fixed = np.array([len(c.pieces) for c in self.clusters]), np.array([c.fixed for c in self.clusters], dtype=bool)
         for (_, share), stiffness in self.factors.items():
-            parts = [c for c in self.clusters if c.pieces[0] in stiffness.pieces and c.fixed == stiffness.held]
-            if parts:
-                found[max(parts, key=lambda c: len(c.pieces)).name, share] = stiffness
+            parts = np.flatnonzero(np.isin(first, stiffness.pieces) & (fixed == stiffness.held))
+            if len(parts):
+                found[self.clusters[int(parts[size[parts].argmax()])].name, share] = stiffness
         return found
 
     def forget(self) -> None:

@@ -183,11 +183,13 @@ def correction_order(surfaces: Surfaces, a: str, b: str) -> tuple[str, str]:
     return (a, b) if rank[a] <= rank[b] else (b, a)
 
 
-def separating_move(surfaces: Surfaces, mover: str, other: str, frame: int, direction: F64, depth: float) -> float | None:
+def separating_move(
+    surfaces: Surfaces, mover: str, other: str, frame: int, direction: F64, depth: float, *, most: float = np.inf
+) -> float | None:
     """Distance along a unit `direction` after which `mover` clears `other` by `MARGIN` [m], short to within 1 %.
 
     Starts at the measured `depth` [m], which no move can undercut, then doubles and bisects; None where it takes more
-    than four sizes of the mover.
+    than `most` [m], or four sizes of the mover.
     """
 
     def clear(distance: float) -> bool:
@@ -196,7 +198,7 @@ def separating_move(surfaces: Surfaces, mover: str, other: str, frame: int, dire
     low, high = 0.0, depth + 2.0 * MARGIN
     while not clear(high):
         low, high = high, 2.0 * high
-        if high > WIDEST * surfaces.size(mover) + depth:
+        if low > most or high > WIDEST * surfaces.size(mover) + depth:
             return None
     for _ in range(HALVINGS if low > 0.0 else 0):
         middle = 0.5 * (low + high)
@@ -239,6 +241,32 @@ def _struck(surfaces: Surfaces, mover: str, other: str, offset: F64) -> str | No
     return None
 
 
+def _category(surfaces: Surfaces, entity: str) -> str:
+    return surfaces.candidate.spec.entities[entity].physics.category
+
+
+def _fixed(surfaces: Surfaces, entity: str) -> bool:
+    """Whether an entity stays where it is placed: it is static, or a cloth that pins hold."""
+    physics = surfaces.candidate.spec.entities[entity].physics
+    return surfaces.is_static(entity) or (physics.category == "cloth" and bool(physics.pins))
+
+
+def _along_axes(surfaces: Surfaces, names: tuple[str, ...], depth: float) -> dict[str, F64]:
+    """Moves of the first entity along each axis of the world that clear the second, the shorter way of each [m].
+
+    A sheet has no inside that its deepest point could show the way out of: the shortest way out may lead along the sheet.
+    """
+    found: dict[str, F64] = {}
+    for axis, name in enumerate("xyz"):
+        least = np.inf
+        for sign in (-1.0, 1.0):
+            direction = sign * np.eye(3)[axis]
+            distance = separating_move(surfaces, *names, 0, direction, depth, most=least)
+            if distance is not None and distance < least:
+                least, found[f"along {name}"] = distance, distance * direction
+    return found
+
+
 def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool) -> list[Correction]:
     mover, other = names
     out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
@@ -259,7 +287,10 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
         distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance) if detailed else None
         if distance is not None:
             moves[name] = distance * direction
+    if detailed and "cloth" in (_category(surfaces, n) for n in names):
+        moves = _along_axes(surfaces, names, -gap.distance) | moves
     pose = pointer("entities", mover, "pose")
+    either = f" Both are fixed: either may move, {other!r} the opposite way." if all(_fixed(surfaces, n) for n in names) else ""
     found = []
     hits = {name: _struck(surfaces, mover, other, offset) for name, offset in moves.items()}
     for name, offset in sorted(moves.items(), key=lambda item: (hits[item[0]] is not None, float(np.linalg.norm(item[1])))):
@@ -270,7 +301,8 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
                 edit_class="scene",
                 group="placement",
                 action=f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m."
-                + (f" It would then overlap {hits[name]!r}." if hits[name] else ""),
+                + (f" It would then overlap {hits[name]!r}." if hits[name] else "")
+                + either,
                 pointers=(pose,),
                 patch=translation_patch(surfaces.candidate, mover, offset),
             )

@@ -9,9 +9,25 @@ import numpy as np
 import pytest
 import trimesh
 from worldagent.bench.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
+from worldagent.construction.build import build_entity
 from worldagent.verifiers import interpenetration
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Box, Extrusion, Fastened, Mesh, Part, Rope, Wedge, WorldSpec
+from worldagent.worlds.spec import (
+    Box,
+    ClothPhysics,
+    ClothPin,
+    Cylinder,
+    Dimensions,
+    Entity,
+    Extrusion,
+    Fastened,
+    Mesh,
+    Part,
+    Rope,
+    Sheet,
+    Wedge,
+    WorldSpec,
+)
 from worldagent.worlds.spec.entities import LiquidPhysics
 
 
@@ -83,6 +99,41 @@ def test_the_suggested_patch_clears_the_pair(tmp_path):
         mended = make_candidate(tmp_path, WorldSpec.model_validate(data))
         again = next((r for r in interpenetration.check(mended) if r.id == "interpenetration:r:b"), None)
         assert again is None or again.status == "pass"
+
+
+def test_a_sheet_over_its_rod_is_sent_the_least_way_out(tmp_path):
+    """A banner whose top edge stands 5 mm above the axis of a rod of 6 mm: 6 mm sideways or 11 mm down, no other way."""
+    size, shape = (0.6, 0.3), Sheet(size=(0.6, 0.3), resolution=0.05)
+    pins = {"top": ClothPin(edge="+y", to="rod")}
+    physics = ClothPhysics(area_density=0.15, thickness=4e-4, stretch_stiffness=800.0, bend_stiffness=1e-5, pins=pins)
+    things = {
+        "rod": entity(Cylinder(radius=0.006, height=1.0), at=(0, 0, 1.7), euler=(0, math.pi / 2, 0)),
+        "banner": Entity(
+            role="banner",
+            motion="dynamic",
+            physics=physics,
+            dimensions=Dimensions(size=(*size, 4e-4)),
+            pose=pose((0, 0, 1.555), euler=(math.pi / 2, 0, 0)),
+            material="wood",
+            parts={"sheet": Part(shape=shape)},
+        ),
+    }
+    spec = world(things)
+
+    def judged(spec: WorldSpec) -> dict[str, Row]:
+        built = {name: build_entity(spec, name, tmp_path) for name in spec.entities}
+        return {r.id: r for r in interpenetration.check(make_candidate(tmp_path, spec, built=built))}
+
+    row = judged(spec)["interpenetration:rod:banner"]
+    assert row.status == "fail"
+    moves = [c for c in row.corrections if c.group == "placement"]
+    aside, down = (np.array(c.patch[0]["value"]["position"]) - (0, 0, 1.555) for c in moves[:2])
+    assert np.abs(aside) == pytest.approx((0.0, 0.0061, 0.0), rel=0.03, abs=1e-9)
+    assert down == pytest.approx((0.0, 0.0, -0.0111), abs=6e-4)
+    assert all("either may move, 'rod' the opposite way" in c.action for c in moves)
+    for correction in moves:
+        moved = WorldSpec.model_validate(jsonpatch.apply_patch(spec.model_dump(mode="json"), list(correction.patch)))
+        assert "interpenetration:rod:banner" not in failing(judged(moved))
 
 
 def test_static_pairs_and_hidden_overlaps_fail(tmp_path):

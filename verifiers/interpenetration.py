@@ -31,6 +31,8 @@ MARGIN = 1e-4
 """[m] Own choice: a suggested move leaves this clearance, so that its rounding cannot touch again."""
 WIDEST = 4.0
 """Own choice: a suggested move longer than this many sizes of the moved body is not suggested."""
+SAME_MOVE = 0.05
+"""Own choice: of two suggested moves that differ by less than this part of their length, one is enough."""
 HALVINGS = 8
 DETAILED = 20
 """Failing pairs whose separating move is computed; a pile of failures is mended one by one anyway."""
@@ -261,9 +263,18 @@ def _along_axes(surfaces: Surfaces, names: tuple[str, ...], depth: float) -> dic
         least = np.inf
         for sign in (-1.0, 1.0):
             direction = sign * np.eye(3)[axis]
-            distance = separating_move(surfaces, *names, 0, direction, depth, most=least)
+            distance = separating_move(surfaces, names[0], names[1], 0, direction, depth, most=least)
             if distance is not None and distance < least:
                 least, found[f"along {name}"] = distance, distance * direction
+    return found
+
+
+def _different(moves: dict[str, F64]) -> dict[str, F64]:
+    """Of moves that are nearly the same the shortest only."""
+    found: dict[str, F64] = {}
+    for name, move in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1]))):
+        if not any(np.linalg.norm(move - other) < SAME_MOVE * np.linalg.norm(move) for other in found.values()):
+            found[name] = move
     return found
 
 
@@ -288,7 +299,7 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
         if distance is not None:
             moves[name] = distance * direction
     if detailed and "cloth" in (_category(surfaces, n) for n in names):
-        moves = _along_axes(surfaces, names, -gap.distance) | moves
+        moves = _different(moves | _along_axes(surfaces, names, -gap.distance))
     pose = pointer("entities", mover, "pose")
     either = f" Both are fixed: either may move, {other!r} the opposite way." if all(_fixed(surfaces, n) for n in names) else ""
     found = []

@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.candidate import Candidate
-from ..worlds.predicates import describe_predicate, entities_of, is_invariant
-from ..worlds.requirements import Correction, Group, Row
+from ..worlds.predicates import atoms_of, describe_predicate, entities_of, is_invariant
+from ..worlds.requirements import Group, Row
 from ..worlds.spec import PathDriver
+from .beat_corrections import corrections_of, happens_at
 from .causal import driver_start
 from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row, requested_frames
 
 if TYPE_CHECKING:
+    from ..worlds.requirements import Correction
     from ..worlds.spec import Beat, Requirement, SpecModel
 
 __all__ = ["check"]
@@ -38,10 +40,6 @@ SPATIAL = frozenset(
         "landscape_field",
     }
 )
-SETTLING_FRAMES = 2
-"""A closest approach this near to the end of the run counts as still under way. Own choice."""
-STARTED = 0.05
-"""Own choice: share of the asked angle below which a fall has not begun, so that waiting for it is no help."""
 
 
 def check(candidate: Candidate) -> list[Row]:
@@ -50,14 +48,14 @@ def check(candidate: Candidate) -> list[Row]:
     rows: list[Row] = []
     for beat_id, beat in candidate.spec.story.beats.items():
         outcome = _decided_early(candidate, beat.predicate, times.outcome(beat_id))
-        hints = _corrections(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
+        hints = corrections_of(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
         rows.append(_row(candidate, f"beat:{beat_id}", "temporal", beat, outcome, hints, (beat.subject,)))
         rows += _vacuous(candidate, beat_id, beat)
         rows += _driven(candidate, beat_id, beat)
     for name, requirement in candidate.spec.story.requirements.items():
         frames = requirement.frames or requested_frames(candidate)
         outcome = _decided_early(candidate, requirement.predicate, evaluate(candidate, requirement.predicate, frames))
-        hints = _corrections(candidate, requirement.predicate, outcome, f"/story/requirements/{name}", frames)
+        hints = corrections_of(candidate, requirement.predicate, outcome, f"/story/requirements/{name}", frames)
         group: Group = "spatial" if requirement.predicate.kind in SPATIAL else "physical"
         rows.append(_row(candidate, f"requirement:{name}", group, requirement, outcome, hints, ()))
     return rows
@@ -84,7 +82,7 @@ def _row(
     subjects: tuple[str, ...],
 ) -> Row:
     pointer = "/story/" + row_id.replace("beat:", "beats/").replace("requirement:", "requirements/")
-    at = _happens_at(candidate, declared.predicate, outcome.frames) if outcome.status == "fail" else None
+    at = happens_at(candidate, declared.predicate, outcome.frames) if outcome.status == "fail" else None
     late = 0 if at is None else at - outcome.frames[0 if at < outcome.frames[0] else 1]
     off = {"happens_at_frame": at, "late_frames": late, "late_s": late / candidate.spec.simulation.fps} if late else {}
     return make_row(
@@ -107,6 +105,7 @@ def _row(
         corrections=hints,
         evidence={
             "text": declared.text,
+            **_kinds(candidate, declared.predicate, outcome),
             "first_true_frame": outcome.first_true_frame,
             "margin": outcome.margin,
             "failing": list(outcome.failing),
@@ -116,6 +115,20 @@ def _row(
         },
         extra=[declared.model_dump(mode="json"), candidate.spec.simulation.limits.contact_gap],
     )
+
+
+def _kinds(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> dict[str, str]:
+    """Of which kind of matter the row speaks, and which atom asks: the one about what fails, where only one kind does."""
+    entities, named = candidate.spec.entities, entities_of(predicate)
+    entity = next((n for n in (outcome.first_failing_entity, *outcome.failing, *named) if n in entities), None)
+    atoms = [a for a in atoms_of(predicate) if entity is None or {entity, "each"} & {*_fields(a)}] or atoms_of(predicate)
+    asks = {str(getattr(a, "kind", "")) for a in atoms}
+    about = {} if entity is None else {"about": entities[entity].physics.category}
+    return {**about, "asks": asks.pop() if len(asks) == 1 else str(getattr(predicate, "kind", ""))}
+
+
+def _fields(atom: SpecModel) -> list[str]:
+    return [v for n in type(atom).model_fields if isinstance(v := getattr(atom, n), str)]
 
 
 # ---------------------------------------------------------------- derived rows (R156)
@@ -277,157 +290,3 @@ def _helper(candidate: Candidate, beat_id: str) -> str | None:
         if beat.subject in entities and start < until:
             return name
     return None
-
-
-# ---------------------------------------------------------------- corrections
-
-
-def _corrections(
-    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
-) -> list[Correction]:
-    """Ranked hints from what was measured."""
-    if outcome.status != "fail":
-        return []
-    entity = outcome.first_failing_entity or next(iter(entities_of(predicate)), None)
-    details = dict(outcome.details)
-    if isinstance(details.get("nearest"), dict):
-        details |= details["nearest"]
-    if details.get("non_finite"):
-        return [
-            correction(
-                "the solver diverged",
-                "step",
-                "halve the step and look at the contacts before the first frame that is not finite",
-                pointers=("/simulation/solvers",),
-            )
-        ]
-    found = _timing(candidate, predicate, outcome, pointer, frames)
-    if entity is not None and entity in candidate.spec.entities:
-        found += _aim(candidate, entity, outcome, details)
-    return found
-
-
-def _timing(
-    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
-) -> list[Correction]:
-    late = _happens_at(candidate, predicate, frames)
-    found = []
-    if late is not None:
-        gap = late - frames[1] if late > frames[1] else frames[0] - late
-        when = "after the interval ends" if late > frames[1] else "before it begins"
-        moved = [min(frames[0], late), max(frames[1], late)]
-        found.append(
-            correction(
-                f"it does happen, at frame {late}, {gap} frames {when}",
-                "story",
-                f"plan the beat for frames {moved}, or bring it about {gap} frames {'earlier' if late > frames[1] else 'later'}",
-                pointers=(f"{pointer}/frames",),
-                patch=({"op": "replace", "path": f"{pointer}/frames", "value": moved},),
-            )
-        )
-    if late is None and _under_way(candidate, predicate, outcome):
-        nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
-        more = max(1, candidate.spec.simulation.fps)
-        total = candidate.spec.simulation.frames + more
-        found.append(
-            correction(
-                f"it was nearest at frame {nearest}, where the run ends: perhaps it is still under way",
-                "interval",
-                f"simulate {more} more frames and see whether it comes true",
-                pointers=("/simulation/frames", f"{pointer}/frames"),
-                patch=({"op": "replace", "path": "/simulation/frames", "value": total},),
-            )
-        )
-    return found
-
-
-def _happens_at(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]) -> int | None:
-    """Frame outside its interval at which an event comes true; None where it does not, or is a state that lasts."""
-    if is_invariant(predicate) or frames == (0, candidate.last_frame):
-        return None
-    at = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
-    return None if at is None or frames[0] <= at <= frames[1] else at
-
-
-def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:
-    """Whether an event came nearest where the run ends."""
-    nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
-    if not isinstance(nearest, int) or outcome.comparison == "" or getattr(predicate, "when", "") == "end":
-        return False
-    angle = outcome.details.get("largest_angle")
-    if isinstance(angle, float) and outcome.bound and angle < STARTED * outcome.bound:
-        return False
-    return nearest >= candidate.last_frame - SETTLING_FRAMES
-
-
-def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
-    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
-    offset = details.get("offset")
-    if isinstance(offset, list) and details.get("distance"):
-        shift = [-float(c) for c in offset]
-        words = ", ".join(f"{c:+.3f}" for c in shift)
-        position = candidate.spec.entities[entity].pose.position
-        value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
-        return [
-            correction(
-                f"{entity} misses by {float(details['distance']):.3g} m",  # type: ignore[arg-type]
-                "placement",
-                f"move its start by ({words}) m; where a throw or slope magnifies the start, by less",
-                pointers=(start,),
-                patch=({"op": "add", "path": f"/entities/{entity}/pose/position", "value": value},),
-            ),
-            correction(
-                "its speed or direction is off",
-                "initial_state",
-                f"aim {entity} so that it arrives ({words}) m further",
-                pointers=(speed,),
-            ),
-        ]
-    if outcome.unit == "N s" and outcome.bound and outcome.value is not None and outcome.comparison == ">=":
-        ratio = f"{outcome.bound / outcome.value:.2g} times the" if outcome.value > 0 else "more"
-        return [
-            correction(
-                "the impact is too weak",
-                "initial_state",
-                f"raise the closing speed: {ratio} impulse is needed",
-                pointers=(speed,),
-            ),
-            correction(
-                "the impact is too weak",
-                "mass",
-                f"make {entity} or what hits it heavier",
-                pointers=(f"/entities/{entity}/physics/mass",),
-            ),
-            correction("they may not meet at all", "placement", "bring their paths together", pointers=(start,)),
-        ]
-    if "largest_angle" in details and outcome.bound:
-        missing = f"{float(details['largest_angle']):.2g} of {outcome.bound:.2g} rad"  # type: ignore[arg-type]
-        return [
-            correction(
-                f"{entity} turns {missing}: the push is too weak or too low",
-                "initial_state",
-                "raise the speed of what hits it",
-                pointers=(speed,),
-            ),
-            correction(
-                "nothing reaches it, or too low", "placement", f"bring what hits {entity} closer and higher up", pointers=(start,)
-            ),
-            correction(
-                "it is too heavy or too wide to fall",
-                "dimensions",
-                f"make {entity} more slender",
-                pointers=(f"/entities/{entity}/dimensions",),
-            ),
-        ]
-    return [
-        correction(
-            "start conditions do not bring it about",
-            "initial_state",
-            f"change {entity}'s start speed or what drives it; measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}",
-            pointers=(speed, start),
-        )
-    ]
-
-
-def _number(value: float | None) -> str:
-    return "nothing" if value is None else f"{value:.4g}"

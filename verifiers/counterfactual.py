@@ -315,14 +315,14 @@ def _changed(
     # An impulse adds up from the interval's beginning; everything else is what it is at the frame.
     span = (effect.frames[0] if isinstance(predicate, Contact) else first, first)
     values = [evaluate(c, predicate, span) for c in (candidate, variant)]
-    if values[0].value is None or values[1].value is None:
-        raise EvidenceError(
-            f"{values[0].unit or 'the predicate'} has no measured value at frame {first}; declare a margin in frames"
-        )
-    change = abs(values[0].value - values[1].value)
-    asked = max(margin.value, LEAST_CHANGE * abs(values[0].value))
-    text = f"at frame {first} it measures {values[1].value:.4g} instead of {values[0].value:.4g} {values[0].unit}, {asked:g} is asked"
-    measured = {"measured": change, "bound": asked, "comparison": ">=", "unit": values[0].unit}
+    unit = "N s" if isinstance(predicate, Contact) else values[0].unit
+    here, there = (v.details.get("impulse", v.value) if isinstance(predicate, Contact) else v.value for v in values)
+    if here is None or there is None or (values[0].unit != values[1].unit and not isinstance(predicate, Contact)):
+        raise EvidenceError(f"{unit or 'the predicate'} has no measured value at frame {first}; declare a margin in frames")
+    change = abs(here - there)
+    asked = max(margin.value, LEAST_CHANGE * abs(here))
+    text = f"at frame {first} it measures {there:.4g} instead of {here:.4g} {unit}, {asked:g} is asked"
+    measured = {"measured": change, "bound": asked, "comparison": ">=", "unit": unit}
     return ("pass" if change >= asked else "fail"), measured, text
 
 

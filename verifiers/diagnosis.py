@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.requirements import Attempt, Correction, Outcome, Row
+from .diagnosis_names import names_of
 from .diagnosis_table import Cause, Condition, Entry, PatchRule, entries
 
 if TYPE_CHECKING:
@@ -23,8 +24,6 @@ __all__ = ["MIN_EFFECT", "cite", "diagnose"]
 MIN_EFFECT = 0.1
 """Share by which an edit must bring a row closer to its bound to count as having an effect. Own choice: below a tenth,
 more of the same takes over ten edits."""
-AROUND = 3
-"""Frames before and after a failure that the suggested probes look at."""
 NEAREST = 2.5e-3
 """Least gap [m] that a suggested move leaves: two skins of 1.2 mm, the largest that the audit lets pass by default."""
 CHAINED = ("beat", "causal", "robustness")
@@ -56,7 +55,7 @@ def diagnose(row: Row, spec: WorldSpec | None = None) -> Row:
         return row
     source, entry = found
     cited = f"{source}#{entry.id}"
-    names = _names(row, spec)
+    names = names_of(row, spec)
     ruled = spec is not None and row.status == "fail" and any(c.patch for c in entry.causes)
     document = spec.model_dump(mode="json", exclude_none=True) if spec is not None and ruled else None
     ranked: list[tuple[int, Correction]] = []
@@ -208,62 +207,6 @@ def _joined(
         skill=cited,
         because=because,
     )
-
-
-def _names(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
-    """What the placeholders of a table stand for in this row."""
-    named = list(row.entities) or ([row.first_failing_entity] if row.first_failing_entity else [])
-    frame = row.first_failing_frame
-    tail = row.id.rsplit(":", 1)[-1]
-    found: dict[str, Any] = {
-        "row": row.id,
-        "entity": row.first_failing_entity or next(iter(named), None),
-        "other": next((n for n in named if n != (row.first_failing_entity or named[0])), None),
-        "frame": frame,
-        "first": None if frame is None else max(0, frame - AROUND),
-        "last": None if frame is None else frame + AROUND,
-        "solver": row.evidence.get("solver") or (tail if row.check in ("numerical", "category") else None),
-        "beat": tail if row.check == "beat" else None,
-        "shot": tail if row.check == "shots" else None,
-    }
-    if spec is not None:
-        _names_of_spec(found, row, spec)
-    return {k: v for k, v in found.items() if v is not None}
-
-
-def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
-    entity, plan = found["entity"], spec.simulation
-    if found["solver"] not in plan.solvers:
-        moved = [n for n in (entity, *row.entities) if n in spec.entities and spec.entities[n].motion != "static"]
-        found["solver"] = next((s for s, p in plan.solvers.items() for n in moved[:1] if n in p.members), None)
-    if entity in spec.entities:
-        found["material"] = spec.entities[entity].material
-    thrown = [n for n, e in spec.entities.items() if any(getattr(e.physics, "linear_velocity", None) or ())]
-    found["striker"] = thrown[0] if len(thrown) == 1 else None
-    if row.check in ("beat", "causal"):
-        found["driver"] = _driver(spec, row.id.split(":")[-2] if row.check == "causal" else found["beat"])
-    acting = [n for n, d in plan.drivers.items() if getattr(d, "entity", None) in row.entities]
-    found["driver"] = found.get("driver") or (acting[0] if len(acting) == 1 else None)
-    tip = row.evidence.get("tip")
-    # What stands and falls can be set nearer to what follows it; what is thrown starts elsewhere.
-    found["tip"] = tip if tip in spec.entities and tip not in thrown else None
-    if found["shot"] not in spec.shots:
-        found["shot"] = next((n for n, s in spec.shots.items() if found["shot"] in s.covers), None)
-
-
-def _driver(spec: WorldSpec, beat: str | None) -> str | None:
-    """The driver that starts the chain of causes which ends in a beat."""
-    seen: set[str] = set()
-    todo = [beat] if beat in spec.story.beats else []
-    while todo:
-        name = todo.pop(0)
-        if name is None or name in seen:
-            continue
-        seen.add(name)
-        if spec.story.beats[name].owner in spec.simulation.drivers:
-            return spec.story.beats[name].owner
-        todo += [c for c in spec.story.beats[name].causes if c in spec.story.beats]
-    return None
 
 
 def _filled(value: Any, names: Mapping[str, Any]) -> Any:

@@ -78,6 +78,9 @@ def test_an_approach_that_the_end_cuts_off_asks_for_more_frames(tmp_path: Path) 
     row = rows_of(sliding(tmp_path, far))["beat:b"]
     assert row.corrections[0].group == "interval"
     assert row.corrections[0].patch[0] == {"op": "replace", "path": "/simulation/frames", "value": N + 24}
+    assert f"the run ends at frame {N - 1}" in row.corrections[0].cause
+    assert f"to frame {N + 23}" in row.corrections[0].action
+    assert (row.evidence["about"], row.evidence["asks"]) == ("rigid", "displacement")
 
 
 def test_what_never_started_to_fall_is_not_waited_for(tmp_path: Path) -> None:

@@ -11,14 +11,17 @@ import numpy as np
 import pytest
 from worldagent.bench.simulated_worlds import edited, simulate
 from worldagent.bench.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, PULLED_PROMPT, drape_spec, flag_spec, pulled_spec
+from worldagent.tests.verifiers.agreement import agrees, evaluate
+from worldagent.verifiers import beats
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.cloth import check_instance
 from worldagent.verifiers.cloth_register import cloth_lines
-from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.diagnosis import diagnose
 from worldagent.verifiers.predicates.cloth import shadow
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import Drape, Flutters, Pinned, Torn
+from worldagent.worlds.requirements import Row
 
 Frame = dict[str, Any]
 FRAMES, STRENGTH = 10, 20.0
@@ -156,38 +159,107 @@ def test_pins_on_a_rod_that_moves_and_turns_keep_the_cloth_and_a_slip_is_found(t
     assert evaluate(sound, Pinned(entity="strip", pin="no"), (0, 5)).status == "unverified"
 
 
-def test_a_flutter_is_measured_and_what_does_not_go_to_and_fro_is_rejected(tmp_path: Path) -> None:
-    """Written motions: 2.9 Hz with 0.2 m at the tip, a bend to one side, none at all."""
-    frames = 33
-    spec = flag_spec(frames=frames, resolution=0.2)
+Waves = Callable[[str, Callable[[Any, float], Any]], Candidate]
+
+
+@pytest.fixture(scope="module")
+def waved(tmp_path_factory: pytest.TempPathFactory) -> Waves:
+    """Makes flags of 33 frames that move across their plane as a function of the place at rest and the time says."""
+    folder = tmp_path_factory.mktemp("waves")
+    spec = flag_spec(frames=33, resolution=0.1)
     spec["simulation"]["drivers"] = {}
-    base = simulate(tmp_path / "base", parse_spec({**spec, "prompt": FLAG_PROMPT}))
+    base = simulate(folder / "base", parse_spec({**spec, "prompt": FLAG_PROMPT}))
     rest = base.caches["cloth"].read(0)["vertex/position"]
-    along = (rest[:, 0] - rest[:, 0].min()) / np.ptp(rest[:, 0])
+    place = (rest - rest.min(axis=0)) / np.ptp(rest, axis=0).max()
 
-    def moved(name: str, way: Callable[[float], float]) -> Candidate:
+    def moved(name: str, way: Callable[[Any, float], Any]) -> Candidate:
         def change(k: int, data: Frame) -> None:
-            data["vertex/position"] = rest + np.outer(along * way(k / 24), [0.0, 1.0, 0.0])
+            data["vertex/position"] = rest + np.outer(way(place, k / 24), [0.0, 1.0, 0.0])
 
-        return edited(base, tmp_path / name, "cloth", change)
+        return edited(base, folder / name, "cloth", change)
 
+    return moved
+
+
+def test_a_flutter_is_measured_and_what_does_not_go_to_and_fro_is_rejected(waved: Waves) -> None:
+    """Written motions: 2.9 Hz with 0.2 m at the fly end, a bend to one side, none at all."""
     asked = Flutters(entity="flag", min_amplitude=0.15)
-    waving = moved("waves", lambda t: 0.2 * float(np.sin(2 * np.pi * 2.9 * t + 0.4)))
-    found = evaluate(waving, asked, (0, frames - 1))
-    assert (found.status, found.value) == ("pass", pytest.approx(0.2, rel=0.05))
+    waving = waved("waves", lambda place, t: place[:, 0] * 0.2 * float(np.sin(2 * np.pi * 2.9 * t + 0.4)))
+    found = evaluate(waving, asked, (0, 32))
+    assert (found.status, found.value, found.unit) == ("pass", pytest.approx(0.19, rel=0.05), "m")
+    agrees(found)
+    assert found.details["amplitude_m"] == pytest.approx(0.2, rel=0.05)
     assert found.details["frequency_hz"] == pytest.approx(2.9, rel=0.2)
-    for changes in (
-        {"min_frequency": 5.0},
-        {"max_frequency": 2.0},
-        {"min_amplitude": 0.3},
-        {"max_amplitude": 0.1},
-        {"min_cycles": 6.0},
+    assert found.details["share"] == pytest.approx(0.25, abs=0.08)
+    for changes, unit, value in (
+        ({"min_frequency": 5.0}, "Hz", 2.9),
+        ({"max_frequency": 2.0}, "Hz", 2.9),
+        ({"min_amplitude": 0.3}, "m", 0.19),
+        ({"max_amplitude": 0.16}, "m", 0.19),
+        ({"min_cycles": 6.0}, "cycles", 3.75),
     ):
-        assert evaluate(waving, asked.model_copy(update=changes), (0, frames - 1)).status == "fail", changes
-    middle = evaluate(waving, asked.model_copy(update={"point": (0.0, 0.0, 0.0)}), (0, frames - 1))
+        missed = evaluate(waving, asked.model_copy(update=changes), (0, 32))
+        assert (missed.status, missed.unit, missed.value) == ("fail", unit, pytest.approx(value, rel=0.15)), changes
+        assert missed.bound == next(iter(changes.values()))
+        agrees(missed)
+    middle = evaluate(waving, asked.model_copy(update={"point": (0.0, 0.0, 0.0)}), (0, 32))
     assert (middle.status, middle.value) == ("fail", pytest.approx(0.1, rel=0.05))
-    for still in (moved("bends", lambda t: 0.5 * t), moved("stands", lambda t: 0.0)):
-        assert evaluate(still, asked, (0, frames - 1)).status == "fail"
+    for still in (waved("bends", lambda place, t: place[:, 0] * 0.5 * t), waved("stands", lambda place, t: 0.0 * place[:, 0])):
+        found = evaluate(still, asked, (0, 32))
+        assert found.status == "fail"
+        agrees(found)
+
+
+def test_a_corner_that_shakes_is_no_flutter_and_one_still_corner_stops_none(waved: Waves) -> None:
+    """A sheet 1 wide and 2/3 high (of its own width): its far corner shakes alone, or all but that corner ripples."""
+    asked = Flutters(entity="flag", min_amplitude=0.05)
+    fly, hoist = (0.6, 0.4, 0.0), (-0.35, 0.0, 0.0)
+
+    def corner(place: Any) -> Any:
+        return (place[:, 0] > 0.85) & (place[:, 2] > 0.85 * place[:, 2].max())
+
+    def shake(t: float) -> float:
+        return 0.1 * float(np.sin(2 * np.pi * 3.0 * t))
+
+    board = waved("board", lambda place, t: corner(place) * shake(t))
+    found = evaluate(board, asked, (0, 32))
+    assert (found.status, found.value) == ("fail", pytest.approx(0.0, abs=1e-6))
+    assert 0.0 < found.details["share"] < 0.1
+    assert found.details["point"] == pytest.approx(fly, abs=0.21)
+    assert evaluate(board, asked.model_copy(update={"point": fly}), (0, 32)).status == "pass"
+    ripples = waved("ripples", lambda place, t: ~corner(place) * (place[:, 0] > 0.05) * shake(t + 0.2))
+    found = evaluate(ripples, asked, (0, 32))
+    assert (found.status, found.value) == ("pass", pytest.approx(0.1, rel=0.1))
+    assert found.details["share"] > 0.8
+    assert evaluate(ripples, asked.model_copy(update={"point": fly}), (0, 32)).status == "fail"
+    assert evaluate(ripples, asked.model_copy(update={"point": hoist}), (0, 32)).status == "pass"
+
+
+def test_a_flutter_that_is_too_seldom_asks_for_more_frames(waved: Waves) -> None:
+    """Of the run where it ends with the interval, else of the interval; a ball or friction is never to blame."""
+    waving = waved("seldom", lambda place, t: place[:, 0] * 0.2 * float(np.sin(2 * np.pi * 2.9 * t + 0.4)))
+
+    def row(cycles: float, frames: tuple[int, int]) -> Row:
+        event = waving.spec.story.beats["event"]
+        asked = event.model_copy(
+            update={"predicate": Flutters(entity="flag", min_amplitude=0.1, min_cycles=cycles), "frames": frames}
+        )
+        story = waving.spec.story.model_copy(update={"beats": {"event": asked}})
+        spec = waving.spec.model_copy(update={"story": story})
+        (found,) = [r for r in beats.check(replace(waving, spec=spec)) if r.id == "beat:event"]
+        return diagnose(found, spec)
+
+    short = row(6.0, (0, 32))
+    assert (short.status, short.unit, short.comparison, short.bound) == ("fail", "cycles", ">=", 6.0)
+    assert (short.evidence["about"], short.evidence["asks"]) == ("cloth", "flutters")
+    assert short.corrections[0].group == "interval"
+    assert short.measured == 3.5
+    assert short.corrections[0].patch[0]["value"] == 67  # 3.5 cycles in 32 frames: 6 take 55, and a fifth more
+    assert {c.group for c in short.corrections} <= {"interval", "drivers", "cloth", "mass", "joints"}
+    inner = row(2.4, (0, 16))
+    assert inner.corrections[-1].group == "story"
+    assert inner.measured == 1.5
+    assert inner.corrections[-1].patch[0]["value"] == [0, 31]  # 1.5 cycles in 16 frames: 2.4 take 25.6, and a fifth more
 
 
 def test_a_drape_is_told_by_its_shadow(tmp_path: Path) -> None:

@@ -256,3 +256,92 @@ def test_the_ledger_keeps_what_was_measured_before_and_after(tmp_path: Path) -> 
     assert (attempt.before and attempt.before.measured, attempt.after and attempt.after.measured) == (-0.0011, -0.001)
     assert attempt.changes == ((STEP, 0.0005, 0.00025),)
     assert cite(_two(), [attempt]).corrections[-1].group == "step"
+
+
+# ---------------------------------------------------------------- sheets and particles
+
+
+def _soft_world(**drivers: Any) -> WorldSpec:
+    """A flag in the wind, sand, sparks, and a thrown ball that has to do with none of them."""
+    from worldagent.bench.small_cloth import FLAG_PROMPT, flag_spec
+
+    spec = flag_spec(frames=30)
+    pole = spec["entities"]["pole"]
+    ball = {
+        **pole,
+        "motion": "dynamic",
+        "pose": {"position": [0, 3, 1.3]},
+        "physics": {"category": "rigid", "linear_velocity": [0, 2, 0]},
+    }
+    grains = {"category": "particles", "radius": 0.02}
+    sand = {**pole, "motion": "dynamic", "pose": {"position": [0, -3, 1.3]}, "physics": grains}
+    spec["entities"] |= {"ball": ball, "sand": sand, "sparks": {**sand, "physics": {**grains, "law": "ballistic"}}}
+    spec["simulation"]["drivers"] |= drivers
+    spec["story"]["beats"]["event"] |= {"causes": ["rolls"]}
+    rolls = {"kind": "displacement", "entity": "pole", "min": 0.1}
+    spec["story"]["beats"]["rolls"] = {"text": "t", "owner": "rigid", "subject": "pole", "frames": [0, 9], "predicate": rolls}
+    return parse_spec({**spec, "prompt": FLAG_PROMPT})
+
+
+def _asked(entity: str, about: str, asks: str, **more: Any) -> Row:
+    told = {"comparison": ">=", "measured": 1.0, "bound": 1.5, "unit": "1", "first_failing_frame": 28} | more
+    return _row("beat:event", check="beat", entities=(entity,), evidence={"about": about, "asks": asks}, **told)
+
+
+def _patched(row: Row) -> set[str]:
+    return {str(o["path"]) for c in row.corrections for o in c.patch}
+
+
+def test_a_sheet_that_hardly_flutters_gets_the_causes_of_sheets() -> None:
+    spec = _soft_world()
+    often = diagnose(_asked("flag", "cloth", "flutters", unit="cycles"), spec)
+    assert _groups(often)[0] == "interval"
+    far = diagnose(_asked("flag", "cloth", "flutters", unit="m"), spec)
+    assert _groups(far)[0] == "drivers"
+    assert far.corrections[0].patch[0]["value"] == [pytest.approx(9.8), pytest.approx(2.1), 0.0]
+    for row in (often, far):
+        wind, sheet = "/simulation/drivers/breeze/field/", "/entities/flag/physics/"
+        assert _patched(row) == {wind + "velocity", sheet + "bend_stiffness", sheet + "area_density"}
+        assert not any("ball" in str(c) for c in row.corrections)
+    steady = spec.model_dump(mode="json", exclude_none=True)
+    steady["simulation"]["drivers"]["breeze"]["field"]["gust"] = 0.0
+    row = diagnose(_asked("flag", "cloth", "flutters", unit="cycles"), parse_spec(steady))
+    assert {wind + "gust", wind + "gust_period"} <= _patched(row)
+    steady["simulation"]["drivers"]["breeze"]["entities"] = ["ball"]
+    row = diagnose(_asked("flag", "cloth", "flutters"), parse_spec(steady))
+    assert any(c.cause == "no air moves it" for c in row.corrections)
+    assert not any(p.startswith("/simulation") for p in _patched(row))
+
+
+@pytest.mark.parametrize(
+    ("asks", "unit"), [("particle_count_in", "1"), ("particle_volume_in", "m^3"), ("pile_height", "m"), ("run_out", "m")]
+)
+def test_grains_that_do_not_come_are_told_of_openings_that_jam(asks: str, unit: str) -> None:
+    row = diagnose(_asked("sand", "particles", asks, unit=unit), _soft_world())
+    assert any("6 grain diameters" in c.cause and c.group == "shape" for c in row.corrections)
+    assert _patched(row) == {"/entities/sand/physics/radius"}
+    assert not any("sliding body" in c.action or "ball" in str(c) for c in row.corrections)
+
+
+def test_sparks_that_do_not_come_are_told_of_their_emitter() -> None:
+    tap = {"kind": "emitter", "entity": "sparks", "rate": 100.0, "speed": 1.0}
+    row = diagnose(_asked("sparks", "particles", "particle_count_in"), _soft_world(tap=tap))
+    assert _patched(row) == {"/simulation/drivers/tap/rate"}
+    assert not any("diameters" in c.cause for c in row.corrections)
+
+
+def test_no_start_speed_is_suggested_of_what_has_no_part_in_the_row() -> None:
+    """The thrown ball is none of the pole's; where it is the subject of a cause, it is."""
+    spec = _soft_world()
+    assert "initial_state" not in _groups(diagnose(_asked("pole", "rigid", "displacement"), spec))
+    thrown = spec.model_dump(mode="json", exclude_none=True)
+    thrown["story"]["beats"]["rolls"]["subject"] = "ball"
+    row = diagnose(_asked("pole", "rigid", "displacement"), parse_spec(thrown))
+    assert "/entities/ball/physics/linear_velocity" in _patched(row)
+    own = diagnose(_asked("ball", "rigid", "displacement"), spec)
+    assert "/entities/ball/physics/linear_velocity" in _patched(own)
+
+
+def test_probes_look_at_frames_that_the_world_has() -> None:
+    row = diagnose(_asked("ball", "rigid", "displacement"), _soft_world())
+    assert row.evidence["diagnosis"]["cheapest_probe"][0]["arguments"]["frames"] == [25, 29]

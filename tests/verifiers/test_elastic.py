@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from worldagent.bench.small_worlds import Touch, box, ground, world
 from worldagent.bench.soft_worlds import block_mesh, deformed_candidate
+from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers import elastic
-from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.predicates import Deflection, Strain
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Pin

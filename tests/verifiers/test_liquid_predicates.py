@@ -11,7 +11,8 @@ from pydantic import ValidationError
 from worldagent.bench import small_worlds as sw
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.liquid_worlds import Flow, stream
-from worldagent.verifiers.predicates import Outcome, evaluate
+from worldagent.tests.verifiers.agreement import evaluate
+from worldagent.verifiers.predicates import Outcome
 from worldagent.worlds.predicates import (
     LiquidArrives,
     LiquidFluxThrough,

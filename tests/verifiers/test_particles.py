@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
-from worldagent.bench.simulated_worlds import simulate
+from worldagent.bench.simulated_worlds import edited, simulate
 from worldagent.bench.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
 from worldagent.simulation.particles import engine
+from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers import category, numerical
 from worldagent.verifiers.chains import Chains
 from worldagent.verifiers.particle_contacts import Contacts
@@ -20,7 +21,6 @@ from worldagent.verifiers.particle_lines import particle_lines
 from worldagent.verifiers.particle_links import grain_motion, grain_pushes, running
 from worldagent.verifiers.particle_packing import local_packing
 from worldagent.verifiers.particles import WATCHES
-from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Predicate
@@ -325,3 +325,21 @@ def test_predicates_are_judged_by_the_particles(sand: Candidate, asked: dict[str
     assert evaluate(sand, predicate, (0, FRAMES - 1)).status == status
     other = TypeAdapter(Predicate).validate_python({**asked, "entity": "ball"})
     assert evaluate(sand, other, (0, FRAMES - 1)).status == "fail"
+
+
+@pytest.mark.parametrize("asked", [PREDICATES[2][0], PREDICATES[4][0], PREDICATES[7][0]], ids=lambda a: str(a["kind"]))
+def test_where_no_particle_is_there_is_no_number_and_nothing_diverged(
+    sand: Candidate, tmp_path: Path, asked: dict[str, Any]
+) -> None:
+    def gone(frame: int, data: dict[str, Any]) -> None:
+        if frame == FRAMES - 1:
+            for name in [n for n in data if n.startswith("particle/")]:
+                data[name] = data[name][:0]
+
+    empty = edited(sand, tmp_path, "grains", gone)
+    predicate = TypeAdapter(Predicate).validate_python({"entity": "sand", **asked})
+    found = evaluate(empty, predicate, (0, FRAMES - 1))
+    assert (found.status, found.value) == ("fail", None)
+    assert "no particle of sand is there" in found.explanation
+    assert "non_finite" not in found.details
+    assert evaluate(empty, predicate.model_copy(update={"when": "eventually"}), (0, FRAMES - 1)).status == "pass"

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 from worldagent.bench.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
-from worldagent.verifiers.predicates import EVALUATORS, evaluate
+from worldagent.tests.verifiers.agreement import agrees, evaluate
+from worldagent.verifiers.predicates import EVALUATORS
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import (
     PREDICATES,
@@ -153,8 +154,14 @@ def test_crossing_needs_to_come_from_behind(tmp_path: Path) -> None:
     never = evaluate(candidate, Crosses(entity="cube", point=(-0.5, 0, 0), normal=(1, 0, 0)), (0, N - 1))
     assert never.status == "fail"
     assert "never behind" in never.explanation
+    assert never.value == pytest.approx(0.5)
+    agrees(back)
+    agrees(never)
+    agrees(forth)
     short = evaluate(candidate, Crosses(entity="cube", point=(1.25, 0, 0), normal=(1, 0, 0)), (0, N - 1))
     assert short.details["distance"] == pytest.approx(0.25)
+    assert short.value == pytest.approx(-0.25)
+    agrees(short)
     late = evaluate(candidate, Crosses(entity="cube", point=(0.5, 0, 0), normal=(1, 0, 0)), (12, N - 1))
     assert late.first_true_frame == 12  # the frame before the interval was behind
     assert evaluate(candidate, Crosses(entity="cube", point=(0.5, 0, 0), normal=(1, 0, 0)), (13, N - 1)).status == "fail"
@@ -222,6 +229,8 @@ def test_contact_adds_up_the_impulse_of_its_frames(tmp_path: Path) -> None:
 def test_entities_that_never_touch_report_their_nearest_gap(tmp_path: Path) -> None:
     outcome = evaluate(moving_cube(tmp_path), Contact(a="cube", b="car"), (0, N - 1))
     assert outcome.details["nearest_gap"] == pytest.approx(0.3 - 0.1 - 0.05)
+    assert (outcome.value, outcome.unit) == (pytest.approx(0.15), "m")
+    agrees(outcome)
     assert evaluate(moving_cube(tmp_path / "b"), NoContact(a="cube", b="car"), (0, N - 1)).status == "pass"
 
 
@@ -229,8 +238,8 @@ def test_no_contact_fails_at_the_first_touch_even_without_impulse(tmp_path: Path
     candidate = moving_cube(tmp_path, touches=[Touch(9, "cube", "car", 0.0)])
     outcome = evaluate(candidate, NoContact(a="cube", b="car"), (0, N - 1))
     assert (outcome.status, outcome.first_failing_frame) == ("fail", 9)
-    assert outcome.margin is not None
-    assert outcome.margin < 0
+    assert (outcome.value, outcome.unit) == (1.0, "frame")
+    agrees(outcome)
 
 
 def test_sleeping_bodies_touch_by_their_surfaces(tmp_path: Path) -> None:
@@ -266,6 +275,11 @@ def test_what_leans_against_a_wall_does_not_rest_on_it(tmp_path: Path) -> None:
     leaning = evaluate(candidate, RestsOn(entity="cube", on="wall"), (0, 23))
     assert leaning.status == "fail"
     assert "from the side" in leaning.explanation
+    agrees(leaning)
+    away = make_candidate(tmp_path / "away", world(entities), tracks={"cube": (np.array([0, 0, 0.3]), np.array(IDENTITY))})
+    hangs = evaluate(away, RestsOn(entity="cube", on="floor"), (0, 23))
+    assert (hangs.value, hangs.unit) == (pytest.approx(0.2), "m")
+    agrees(hangs)
 
 
 def test_support_follows_the_chain_down_to_the_ground(tmp_path: Path) -> None:

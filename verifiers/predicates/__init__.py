@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import PREDICATES
-from . import cloth, combine, elastic, fracture, kinematic, landscape, liquid, particle, touching
+from . import cloth, combine, elastic, flutter, fracture, kinematic, landscape, liquid, particle, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed
@@ -54,7 +54,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "breach": fracture.breach,
     "debris": fracture.debris,
     "drape": cloth.drape,
-    "flutters": cloth.flutters,
+    "flutters": flutter.flutters,
     "torn": cloth.torn,
     "pinned": cloth.pinned,
     "count": combine.count,

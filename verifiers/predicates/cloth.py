@@ -1,4 +1,4 @@
-"""Evaluators of predicates about cloth."""
+"""Evaluators of predicates about cloth, but for `flutters`."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I32
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import Drape, Flutters, Pinned, Torn
+from ...worlds.predicates import Drape, Pinned, Torn
 from ..cloth_frames import cloth_run
 from ..cloth_tears import TearingPiece, tearing_pieces
-from .outcome import Comparison, Outcome, Series, band, judge
+from .outcome import Outcome, Series, band, judge
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -20,13 +20,11 @@ if TYPE_CHECKING:
     from ..cloth_frames import ClothRun
     from .scope import Scope
 
-__all__ = ["drape", "flutters", "pinned", "torn"]
+__all__ = ["drape", "instance_run", "pinned", "torn"]
 
 P = TypeVar("P")
 CELLS = 300
 """Own choice: cells across the longer side of a shadow; its area is then right to about a thousandth."""
-NOISE = 0.2
-"""Own choice, of the amplitude: a crossing of the mean counts once the point was this far on its other side."""
 
 
 def _typed(predicate: SpecModel, kind: type[P]) -> P:
@@ -34,7 +32,12 @@ def _typed(predicate: SpecModel, kind: type[P]) -> P:
     return predicate
 
 
-def _run(candidate: Candidate, entity: str) -> ClothRun:
+def instance_run(candidate: Candidate, entity: str) -> ClothRun:
+    """The run of the instance that moves a cloth.
+
+    Raises:
+        EvidenceError: it is no cloth, or nothing moves it.
+    """
     contract = candidate.spec.entities.get(entity)
     if contract is None:
         raise EvidenceError(f"entity {entity!r} is not in the specification")
@@ -84,7 +87,7 @@ def drape(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: the drape coefficient."""
     p = _typed(predicate, Drape)
     candidate = scope.candidate
-    run = _run(candidate, p.entity)
+    run = instance_run(candidate, p.entity)
     if p.over not in candidate.spec.entities or candidate.spec.entities[p.over].physics.category != "rigid":
         raise EvidenceError(f"{p.over!r} is no rigid entity that {p.entity!r} could drape over")
     flat = float(sum(piece.area.sum() for piece in run.pieces if piece.entity == p.entity))
@@ -103,73 +106,6 @@ def drape(scope: Scope, predicate: SpecModel) -> Outcome:
         return f"the drape coefficient of {p.entity} over {p.over} was {found[i]:.3f} at frame {scope.frames[0] + i}"
 
     return judge(Series(scope.frames, found, margin, "1", p.entity, side, tell), p.when)
-
-
-# ---------------------------------------------------------------------- flutter
-
-
-def _tip(run: ClothRun, p: Flutters) -> int:
-    """Row of the vertex that is asked about."""
-    own = [piece for piece in run.pieces if piece.entity == p.entity]
-    rows = np.concatenate([np.arange(piece.rows.start, piece.rows.stop) for piece in own])
-    rest = np.concatenate([piece.vertices for piece in own])
-    if p.point is not None:
-        return int(rows[np.linalg.norm(rest - np.array(p.point), axis=1).argmin()])
-    held = np.isin(rows, np.concatenate([np.empty(0, dtype=np.int32), *(h.rows for h in run.held)]))
-    from_ = rest[held] if held.any() else rest.mean(axis=0)[None]
-    return int(rows[np.linalg.norm(rest[:, None] - from_[None], axis=2).min(axis=1).argmax()])
-
-
-def _cycles(signal: F64, noise: float) -> float:
-    """How often a signal about its mean goes to and fro: half its changes of side, those within the noise left out."""
-    sides = np.sign(signal[np.abs(signal) > noise])
-    return 0.5 * float((sides[1:] != sides[:-1]).sum())
-
-
-def flutters(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: half the width of the point's motion; it has to change sides often enough, and fast enough."""
-    p = _typed(predicate, Flutters)
-    run = _run(scope.candidate, p.entity)
-    tip, (first, last) = _tip(run, p), scope.frames
-    places = np.array([run.frame(k)[0][tip] for k in range(first, last + 1)])
-    away = places - places.mean(axis=0)
-    signal = away @ np.linalg.svd(away, full_matrices=False)[2][0]
-    middle = 0.5 * float(signal.max() + signal.min())
-    amplitude = 0.5 * float(np.ptp(signal))
-    cycles = _cycles(signal - middle, NOISE * amplitude)
-    rate = cycles * scope.candidate.spec.simulation.fps / max(last - first, 1)
-    checks: list[tuple[bool, float, Comparison, float]] = [
-        (amplitude >= p.min_amplitude, p.min_amplitude, ">=", amplitude - p.min_amplitude),
-        (
-            p.max_amplitude is None or amplitude <= p.max_amplitude,
-            p.max_amplitude or 0.0,
-            "<=",
-            (p.max_amplitude or 0.0) - amplitude,
-        ),
-    ]
-    steady = cycles >= p.min_cycles and rate >= p.min_frequency and (p.max_frequency is None or rate <= p.max_frequency)
-    bad = next((c for c in checks if not c[0]), None)
-    chosen = bad or checks[0]
-    ok = bad is None and steady
-    wanted = f"at least {p.min_amplitude:g} m and {p.min_cycles:g} cycles" + (
-        f" at {p.min_frequency:g} to {p.max_frequency or np.inf:g} Hz" if p.min_frequency or p.max_frequency else ""
-    )
-    text = f"a point of {p.entity} went {amplitude:.3g} m to and fro, {cycles:g} times, {rate:.3g} Hz; asked: {wanted}"
-    return Outcome(
-        "pass" if ok else "fail",
-        scope.frames,
-        "m",
-        text,
-        value=amplitude,
-        bound=chosen[1],
-        comparison=chosen[2],
-        margin=chosen[3] if bad is not None or steady else -amplitude,
-        first_true_frame=first + int(np.argmax(np.abs(signal - signal[0]) >= 0.5 * amplitude)) if ok else None,
-        first_failing_entity=None if ok else p.entity,
-        first_failing_frame=None if ok else last,
-        failing=() if ok else (p.entity,),
-        details={"amplitude_m": amplitude, "cycles": cycles, "frequency_hz": rate, "vertex": tip},
-    )
 
 
 # ---------------------------------------------------------------------- tears and pins
@@ -191,7 +127,7 @@ def _opened(piece: TearingPiece, frame: int, since: int, by: str | None, collide
 def torn(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: length at rest of the edges that opened since the interval began."""
     p = _typed(predicate, Torn)
-    run = _run(scope.candidate, p.entity)
+    run = instance_run(scope.candidate, p.entity)
     pieces = [q for q in tearing_pieces(run) if q.entity == p.entity]
     if not pieces:
         raise EvidenceError(f"{p.entity!r} cannot tear; give its physics tear with a strength")
@@ -210,7 +146,7 @@ def torn(scope: Scope, predicate: SpecModel) -> Outcome:
 def pinned(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: farthest that a held vertex is off the place where its holder takes it."""
     p = _typed(predicate, Pinned)
-    run = _run(scope.candidate, p.entity)
+    run = instance_run(scope.candidate, p.entity)
     held = [h for h in run.held if h.entity == p.entity and p.pin in (None, h.pin)]
     if not held:
         raise EvidenceError(f"no pin {p.pin or ''!r} holds {p.entity!r}; give its physics pins")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -21,7 +22,7 @@ __all__ = ["crosses", "displacement", "joint_angle", "reaches", "region_offset",
 
 P = TypeVar("P")
 TINY = 1e-300
-"""Keeps a margin below zero where the entity started exactly on the plane."""
+"""Keeps a margin below zero, and a distance above it, where the entity was exactly on the plane."""
 MOST_SURFACE_POINTS = 20_000
 """Above this many visible vertices `measure=surface` takes the corners of the convex hull (regions are convex)."""
 
@@ -171,7 +172,15 @@ def crosses(scope: Scope, predicate: SpecModel) -> Outcome:
         tell,
         lambda i: {"distance": max(0.0, -float(ahead[best])), "closest_frame": start + best},
     )
-    return judge(series, "eventually")
+    outcome = judge(series, "eventually")
+    if outcome.status == "pass" or outcome.details.get("non_finite"):
+        return outcome
+    after = ahead[behind > 0]
+    if len(after):
+        return replace(outcome, value=float(after.max()))
+    # It never was behind, or at the last frame only: what is missing is the start.
+    nearest = float(ahead.min())
+    return replace(outcome, value=nearest if nearest < 0 else max(nearest, TINY), comparison=">=" if nearest < 0 else "<=")
 
 
 def tilts(scope: Scope, predicate: SpecModel) -> Outcome:

@@ -383,11 +383,12 @@ def liquid_temperature(scope: Scope, predicate: SpecModel) -> Outcome:
             value[i] = _measured(heat[own], frame.mass[own], p.measure)
     if np.isnan(value).all():
         raise EvidenceError(f"no particle of {p.entity!r} is in {p.region or 'the domain'} in these frames")
-    margin, side = band(np.where(np.isnan(value), -1e9, value), p.min, p.max)
-    margin = np.where(np.isnan(value), -1e9, margin)
+    margin, side = band(value, p.min, p.max)
+    margin = np.where(np.isnan(value), -np.inf, margin)
 
     def tell(i: int) -> str:
+        if np.isnan(value[i]):
+            return f"no particle of {p.entity} is in {p.region or 'the domain'} at frame {scope.frames[0] + i}"
         return f"{p.measure} temperature of {p.entity} is {value[i]:.5g} K at frame {scope.frames[0] + i}"
 
-    shown = np.where(np.isnan(value), 0.0, value)
-    return judge(Series(scope.frames, shown, margin, "K", p.entity, side, tell), p.when)
+    return judge(Series(scope.frames, value, margin, "K", p.entity, side, tell), p.when)

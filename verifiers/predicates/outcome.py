@@ -64,7 +64,7 @@ class Series:
     """A measured quantity at every frame of an interval, with its signed distance from failing.
 
     `side(i)` names bound and comparison that decide at index i, `tell(i)` describes index i in words and
-    `detail(i)` in numbers.
+    `detail(i)` in numbers. Where nothing is there to measure the value is NaN and the margin -inf: not true, and no number.
     """
 
     frames: tuple[int, int]

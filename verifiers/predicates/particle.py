@@ -68,14 +68,21 @@ def _banded(
     if isinstance(value, Outcome):
         return value
     margin, side = band(value, p.min, p.max)
+    margin = np.where(np.isnan(value), -np.inf, margin)
     named = "" if unit == "1" else f" {unit}"
 
     def tell(i: int) -> str:
+        if np.isnan(value[i]):
+            return _absent(scope, p.entity, i)
         known = value[np.isfinite(value)]
         span = f" (range {known.min():.4g} to {known.max():.4g}{named})" if len(known) else ""
         return f"{what} is {value[i]:.4g}{named} at frame {scope.frames[0] + i}{span}"
 
     return judge(Series(scope.frames, value, margin, unit, p.entity, side, tell), p.when)
+
+
+def _absent(scope: Scope, entity: str, i: int) -> str:
+    return f"no particle of {entity} is there at frame {scope.frames[0] + i}"
 
 
 def _within(candidate: Candidate, region_id: str | None, frame: SwarmFrame, rows: Rows) -> Rows:
@@ -154,8 +161,11 @@ def particles_settled(scope: Scope, predicate: SpecModel) -> Outcome:
     if isinstance(value, Outcome):
         return value
     margin, side = band(value, None, p.max_speed)
+    margin = np.where(np.isnan(value), -np.inf, margin)
 
     def tell(i: int) -> str:
+        if np.isnan(value[i]):
+            return _absent(scope, p.entity, i)
         return f"mean speed of {p.entity} is {value[i]:.4g} m/s at frame {scope.frames[0] + i}, allowed {p.max_speed:g} m/s"
 
     return judge(Series(scope.frames, value, margin, "m/s", p.entity, side, tell), p.when)

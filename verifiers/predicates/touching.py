@@ -7,7 +7,7 @@ visible surfaces. The log of a sleeping body is empty, so where both bodies slee
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,20 @@ if TYPE_CHECKING:
 __all__ = ["contact", "no_contact", "rests_on", "separation", "supported"]
 
 P = TypeVar("P")
+
+
+class _Missed(NamedTuple):
+    """What decides an outcome that several things decide."""
+
+    value: float
+    bound: float
+    comparison: Comparison
+    unit: str
+
+    @property
+    def margin(self) -> float:
+        """By how much it is met; negative where it is missed."""
+        return self.value - self.bound if self.comparison == ">=" else self.bound - self.value
 
 
 def _typed(predicate: SpecModel, kind: type[P]) -> P:
@@ -100,7 +114,10 @@ def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
 
 
 def contact(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: summed normal impulse. First true: when they have touched and the sum has reached `min_impulse`."""
+    """Measured: summed normal impulse, or how far they stay apart where none is asked for.
+
+    First true: when they have touched and the sum has reached `min_impulse`.
+    """
     p = _typed(predicate, Contact)
     touched, impulse = _touched(scope, p.a, p.b)
     if not np.isfinite(impulse).all():
@@ -110,7 +127,7 @@ def contact(scope: Scope, predicate: SpecModel) -> Outcome:
     reached = np.flatnonzero(np.maximum.accumulate(touched) & (summed >= p.min_impulse))
     ok = len(reached) > 0
     total = float(summed[-1])
-    details: dict[str, object] = {"touched_frames": int(touched.sum())}
+    details: dict[str, Any] = {"touched_frames": int(touched.sum()), "impulse": total}
     if touched.any():
         first = scope.frames[0] + int(np.argmax(touched))
         text = f"{p.a} and {p.b} first touch at frame {first}, {total:.4g} N s in all (needed {p.min_impulse:g})"
@@ -119,16 +136,21 @@ def contact(scope: Scope, predicate: SpecModel) -> Outcome:
         distance, frame = _closest(scope, p.a, p.b)
         text = f"{p.a} and {p.b} never touch; nearest {distance:.3g} m at frame {frame}"
         details |= {"nearest_gap": distance, "frame": frame}
+    missed = _Missed(total, p.min_impulse, ">=", "N s")
+    if not ok and total >= p.min_impulse:
+        # No impulse is asked for, and yet they never touch: the distance is what is missed.
+        gap, distance = surfaces_of(scope.candidate).contact_gap(p.a, p.b), float(details["nearest_gap"])
+        missed = _Missed(distance, gap, "<=", "m") if distance > gap else _Missed(0.0, 1.0, ">=", "frame")
     return Outcome(
         "pass" if ok else "fail",
         scope.frames,
-        "N s",
+        missed.unit,
         text,
-        value=total,
-        bound=p.min_impulse,
-        comparison=">=",
+        value=missed.value,
+        bound=missed.bound,
+        comparison=missed.comparison,
         truth=touched,
-        margin=total - p.min_impulse if touched.any() else -max(p.min_impulse, float(np.finfo(float).tiny)),
+        margin=missed.margin,
         first_true_frame=scope.frames[0] + int(reached[0]) if ok else None,
         first_failing_entity=None if ok else p.a,
         first_failing_frame=None if ok else scope.frames[1],
@@ -138,7 +160,7 @@ def contact(scope: Scope, predicate: SpecModel) -> Outcome:
 
 
 def no_contact(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: summed normal impulse, which must be absent; a touch without impulse fails as well."""
+    """Measured: summed normal impulse, which must be absent; of touches without impulse the number of frames."""
     p = _typed(predicate, NoContact)
     touched, impulse = _touched(scope, p.a, p.b)
     if not np.isfinite(impulse).all():
@@ -146,16 +168,17 @@ def no_contact(scope: Scope, predicate: SpecModel) -> Outcome:
     total, hit = float(impulse.sum()), bool(touched.any())
     frame = scope.frames[0] + int(np.argmax(touched)) if hit else None
     text = f"{p.a} and {p.b} touch first at frame {frame}, {total:.4g} N s in all" if hit else f"{p.a} and {p.b} never touch"
+    missed = _Missed(float(touched.sum()), 0.0, "<=", "frame") if hit and total <= 0.0 else _Missed(total, 0.0, "<=", "N s")
     return Outcome(
         "fail" if hit else "pass",
         scope.frames,
-        "N s",
+        missed.unit,
         text,
-        value=total,
-        bound=0.0,
-        comparison="<=",
+        value=missed.value,
+        bound=missed.bound,
+        comparison=missed.comparison,
         truth=~touched,
-        margin=-max(total, float(np.finfo(float).tiny)) if hit else 0.0,
+        margin=missed.margin,
         first_true_frame=None if touched.all() else scope.frames[0] + int(np.argmin(touched)),
         first_failing_entity=p.a if hit else None,
         first_failing_frame=frame,
@@ -188,7 +211,7 @@ def _closest(scope: Scope, a: str, b: str) -> tuple[float, int]:
 
 
 def rests_on(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: speed of the fastest point. Where `on` does not carry the entity the margin is -max_speed.
+    """Measured: speed of the fastest point; where that is as asked and `on` does not carry the entity, how far it is away.
 
     "Above it at the contact" is a contact normal that rises: the clearance shrinks when the entity is lowered.
     """
@@ -219,7 +242,16 @@ def rests_on(scope: Scope, predicate: SpecModel) -> Outcome:
         return {"carried_frames": int(carried.sum()), "carried": bool(carried[i])}
 
     side: tuple[float, Comparison] = (p.max_speed, "<=")
-    return judge(Series(scope.frames, speed, margin, "m/s", p.entity, lambda i: side, tell, detail), p.when)
+    outcome = judge(Series(scope.frames, speed, margin, "m/s", p.entity, lambda i: side, tell, detail), p.when)
+    if outcome.status == "pass" or outcome.value is None or outcome.value > p.max_speed:
+        return outcome
+    # It is slow enough: what is missed is that it is carried.
+    gap = surfaces.gap(p.entity, p.on, int(outcome.details["frame"])).distance
+    allowed = surfaces.contact_gap(p.entity, p.on)
+    missed = _Missed(gap, allowed, "<=", "m") if gap > allowed else _Missed(0.0, 1.0, ">=", "1")
+    return replace(
+        outcome, value=missed.value, bound=missed.bound, comparison=missed.comparison, unit=missed.unit, margin=missed.margin
+    )
 
 
 def supported(scope: Scope, predicate: SpecModel) -> Outcome:

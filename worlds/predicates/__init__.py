@@ -45,7 +45,7 @@ from .models import (
     WetArea,
     Within,
 )
-from .registry import PREDICATES, PredicateInfo, describe_predicate, entities_of, is_invariant
+from .registry import PREDICATES, PredicateInfo, atoms_of, describe_predicate, entities_of, is_invariant
 
 __all__ = [
     "ATOMS",
@@ -100,6 +100,7 @@ __all__ = [
     "Until",
     "WetArea",
     "Within",
+    "atoms_of",
     "describe_predicate",
     "entities_of",
     "is_invariant",

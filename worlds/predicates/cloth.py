@@ -22,12 +22,13 @@ class Drape(Band):
 
 
 class Flutters(SpecModel):
-    """A point of a cloth goes to and fro, by so much to either side along its main direction."""
+    """A cloth goes to and fro, by so much to either side along the main direction of each of its points: a tenth of its free area at least."""
 
     kind: Literal["flutters"] = "flutters"
     entity: Subject
     point: Vec3 | None = Field(
-        default=None, description="of the cloth, in the entity's frame [m]; default: the one farthest from all that is held"
+        default=None,
+        description="of the cloth, in the entity's frame [m]: it alone is judged; default: a tenth of the area that no pin holds",
     )
     min_amplitude: Positive = Field(description="[m]")
     max_amplitude: Positive | None = Field(default=None, description="[m]")

@@ -10,7 +10,7 @@ from ..vocabulary import Ref, SpecModel
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREDICATES", "PredicateInfo", "describe_predicate", "entities_of", "is_invariant"]
+__all__ = ["PREDICATES", "PredicateInfo", "atoms_of", "describe_predicate", "entities_of", "is_invariant"]
 
 Tightens = Literal["up", "down", "none"]
 
@@ -105,6 +105,12 @@ def _children(predicate: SpecModel) -> list[SpecModel]:
             if isinstance(item, SpecModel):
                 found.append(item)
     return found
+
+
+def atoms_of(predicate: SpecModel) -> list[SpecModel]:
+    """The predicates that it is made of and that hold no others; itself where it holds none."""
+    inner = _children(predicate)
+    return [a for child in inner for a in atoms_of(child)] if inner else [predicate]
 
 
 def entities_of(predicate: SpecModel) -> tuple[str, ...]:

@@ -1,0 +1,222 @@
+"""What would mend a beat or requirement that fails, from what was measured."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..worlds.candidate import Candidate
+from ..worlds.predicates import atoms_of, entities_of, is_invariant
+from .predicates import Outcome, evaluate
+from .verdicts import correction
+
+if TYPE_CHECKING:
+    from ..worlds.requirements import Correction
+    from ..worlds.spec import SpecModel
+
+__all__ = ["corrections_of", "happens_at"]
+
+SETTLING_FRAMES = 2
+"""A closest approach this near to the end of the run counts as still under way. Own choice."""
+STARTED = 0.05
+"""Own choice: share of the asked angle below which a fall has not begun, so that waiting for it is no help."""
+AIMED = ("rigid", "elastic")
+"""Categories of matter that are aimed: where they start and how fast decides where they go."""
+LASTING = frozenset({"flutters"})
+"""Kinds that an interval as a whole makes true, not one of its frames."""
+MORE = 1.2
+"""Own choice: frames that a number of cycles is given over those that it takes."""
+
+
+def corrections_of(
+    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
+) -> list[Correction]:
+    """Ranked hints from what was measured.
+
+    Args:
+        candidate: what was judged.
+        predicate: what is asked.
+        outcome: what it came to.
+        pointer: of the beat or requirement.
+        frames: of its interval.
+    """
+    if outcome.status != "fail":
+        return []
+    entity = outcome.first_failing_entity or next(iter(entities_of(predicate)), None)
+    details = dict(outcome.details)
+    if isinstance(details.get("nearest"), dict):
+        details |= details["nearest"]
+    if details.get("non_finite"):
+        return [
+            correction(
+                "the solver diverged",
+                "step",
+                "halve the step and look at the contacts before the first frame that is not finite",
+                pointers=("/simulation/solvers",),
+            )
+        ]
+    found = _timing(candidate, predicate, outcome, pointer, frames)
+    if outcome.unit == "cycles":
+        found += _longer(candidate, outcome, pointer)
+    aimed = None if entity is None else candidate.spec.entities.get(entity)
+    if entity is not None and aimed is not None and aimed.physics.category in AIMED:
+        found += _aim(candidate, entity, outcome, details)
+    return found
+
+
+def _timing(
+    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
+) -> list[Correction]:
+    late = happens_at(candidate, predicate, frames)
+    found = []
+    if late is not None:
+        gap = late - frames[1] if late > frames[1] else frames[0] - late
+        when = "after the interval ends" if late > frames[1] else "before it begins"
+        moved = [min(frames[0], late), max(frames[1], late)]
+        found.append(
+            correction(
+                f"it does happen, at frame {late}, {gap} frames {when}",
+                "story",
+                f"plan the beat for frames {moved}, or bring it about {gap} frames {'earlier' if late > frames[1] else 'later'}",
+                pointers=(f"{pointer}/frames",),
+                patch=({"op": "replace", "path": f"{pointer}/frames", "value": moved},),
+            )
+        )
+    if late is None and _under_way(candidate, predicate, outcome):
+        nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
+        more = max(1, candidate.spec.simulation.fps)
+        total = candidate.spec.simulation.frames + more
+        found.append(
+            correction(
+                f"it was nearest at frame {nearest}, and the run ends at frame {candidate.last_frame}: perhaps it is still under way",
+                "interval",
+                f"simulate {more} more frames, to frame {total - 1}, and see whether it comes true",
+                pointers=("/simulation/frames", f"{pointer}/frames"),
+                patch=({"op": "replace", "path": "/simulation/frames", "value": total},),
+            )
+        )
+    return found
+
+
+def _longer(candidate: Candidate, outcome: Outcome, pointer: str) -> list[Correction]:
+    """More frames for what goes to and fro fast enough, but not as often as asked."""
+    plan, (first, until) = candidate.spec.simulation, outcome.frames
+    if not outcome.value or outcome.bound is None or until <= first:
+        return []
+    last, rate = plan.frames - 1, outcome.value * plan.fps / (until - first)
+    end = first + math.ceil(MORE * outcome.bound / rate * plan.fps)
+    cause = f"the interval is short: at {rate:.3g} Hz {outcome.bound:g} cycles take {end - first} frames with some to spare"
+    if end > last:
+        return [
+            correction(
+                cause,
+                "interval",
+                f"simulate to frame {end}, and let the interval last as long",
+                pointers=("/simulation/frames", f"{pointer}/frames"),
+                patch=({"op": "replace", "path": "/simulation/frames", "value": end + 1},),
+            )
+        ]
+    frames = [first, end]
+    return [
+        correction(
+            cause,
+            "story",
+            f"plan it for frames {frames}",
+            pointers=(f"{pointer}/frames",),
+            patch=({"op": "add", "path": f"{pointer}/frames", "value": frames},),
+        )
+    ]
+
+
+def happens_at(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]) -> int | None:
+    """Frame outside its interval at which an event comes true; None where it does not, or is a state that lasts."""
+    if is_invariant(predicate) or frames == (0, candidate.last_frame):
+        return None
+    if any(getattr(a, "kind", "") in LASTING for a in atoms_of(predicate)):
+        return None
+    at = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
+    return None if at is None or frames[0] <= at <= frames[1] else at
+
+
+def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:
+    """Whether an event came nearest where the run ends."""
+    nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
+    if not isinstance(nearest, int) or outcome.comparison == "" or getattr(predicate, "when", "") == "end":
+        return False
+    angle = outcome.details.get("largest_angle")
+    if isinstance(angle, float) and outcome.bound and angle < STARTED * outcome.bound:
+        return False
+    return nearest >= candidate.last_frame - SETTLING_FRAMES
+
+
+def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
+    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
+    offset = details.get("offset")
+    if isinstance(offset, list) and details.get("distance"):
+        shift = [-float(c) for c in offset]
+        words = ", ".join(f"{c:+.3f}" for c in shift)
+        position = candidate.spec.entities[entity].pose.position
+        value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
+        return [
+            correction(
+                f"{entity} misses by {float(details['distance']):.3g} m",  # type: ignore[arg-type]
+                "placement",
+                f"move its start by ({words}) m; where a throw or slope magnifies the start, by less",
+                pointers=(start,),
+                patch=({"op": "add", "path": f"/entities/{entity}/pose/position", "value": value},),
+            ),
+            correction(
+                "its speed or direction is off",
+                "initial_state",
+                f"aim {entity} so that it arrives ({words}) m further",
+                pointers=(speed,),
+            ),
+        ]
+    if outcome.unit == "N s" and outcome.bound and outcome.value is not None and outcome.comparison == ">=":
+        ratio = f"{outcome.bound / outcome.value:.2g} times the" if outcome.value > 0 else "more"
+        return [
+            correction(
+                "the impact is too weak",
+                "initial_state",
+                f"raise the closing speed: {ratio} impulse is needed",
+                pointers=(speed,),
+            ),
+            correction(
+                "the impact is too weak",
+                "mass",
+                f"make {entity} or what hits it heavier",
+                pointers=(f"/entities/{entity}/physics/mass",),
+            ),
+            correction("they may not meet at all", "placement", "bring their paths together", pointers=(start,)),
+        ]
+    if "largest_angle" in details and outcome.bound:
+        missing = f"{float(details['largest_angle']):.2g} of {outcome.bound:.2g} rad"  # type: ignore[arg-type]
+        return [
+            correction(
+                f"{entity} turns {missing}: the push is too weak or too low",
+                "initial_state",
+                "raise the speed of what hits it",
+                pointers=(speed,),
+            ),
+            correction(
+                "nothing reaches it, or too low", "placement", f"bring what hits {entity} closer and higher up", pointers=(start,)
+            ),
+            correction(
+                "it is too heavy or too wide to fall",
+                "dimensions",
+                f"make {entity} more slender",
+                pointers=(f"/entities/{entity}/dimensions",),
+            ),
+        ]
+    return [
+        correction(
+            "start conditions do not bring it about",
+            "initial_state",
+            f"change {entity}'s start speed or what drives it; measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}",
+            pointers=(speed, start),
+        )
+    ]
+
+
+def _number(value: float | None) -> str:
+    return "nothing" if value is None else f"{value:.4g}"

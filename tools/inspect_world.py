@@ -61,7 +61,12 @@ def inspect_world(
         Literal["open", "fail", "unverified", "pass", "not_applicable"] | None,
         Field(description="For matrix: only these; open means fail or unverified"),
     ] = None,
-    entities: Annotated[list[str] | None, Field(description="For state, events and wet: only these entities")] = None,
+    entities: Annotated[
+        list[str] | None,
+        Field(
+            description="For state, events and wet: only these entities; for state also one body of a rope or breakable entity, 'wall/piece_003'"
+        ),
+    ] = None,
     frames: Annotated[tuple[int, int] | None, Field(description="For state, events, records and wet: [first, last]")] = None,
     terrain: Annotated[str | None, Field(description="For terrain: id under /terrains; default the only one")] = None,
     points: Annotated[

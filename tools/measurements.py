@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+import numpy as np
+
+from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.coarsening import coarsened, read_overrides
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
 from ..worlds.records import QUANTITIES
 from .answers import answer, call, paged
+from .earlier import latest_probe
 from .session import Session
 
 __all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
 
+MAX_NAMED = 6
+"""Bodies of one entity that a reply names."""
 MAX_SAMPLES = 40
 """Frames at which one reply tells a motion."""
 
@@ -45,7 +51,25 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
     if stage == "best":
         return static
     raise RefusedError(
-        f"there is no {'bake' if stage == 'full' else stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} first"
+        f"there is no {'bake' if stage == 'full' else stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} "
+        f"first{_left(session) if stage == 'probe' else ''}"
+    )
+
+
+def _left(session: Session) -> str:
+    """What is left to see of the newest probe of other settings."""
+    earlier = latest_probe(session)
+    if earlier is None:
+        return ""
+    name = f"probe_{earlier.freeze[:8]}.jpg"
+    seen = (
+        f" its contact sheet is worldagent://worlds/{session.folder.id}/pictures/{name}, and"
+        if (session.folder.pictures / name).is_file()
+        else ""
+    )
+    return (
+        f". The probe {earlier.freeze[:16]} of revision {earlier.revision} is of other settings and is not drawn under these:{seen} "
+        "an edit back to its settings shows it again"
     )
 
 
@@ -92,7 +116,8 @@ def measured(
     world = session.folder.id
     if candidate.stage == "static" and part != "state":
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")
-    unknown = [e for e in entities or [] if e not in session.spec.entities]
+    owners = [e.partition("/")[0] if part == "state" else e for e in entities or []]
+    unknown = [e for e, owner in zip(entities or [], owners, strict=True) if owner not in session.spec.entities]
     if unknown:
         hint = did_you_mean(unknown[0], session.spec.entities) or ";"
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
@@ -140,16 +165,45 @@ def _records(candidate: Candidate, first: int, last: int, limit: int, head: dict
     return answer({**head, "frames": chosen, "step": step, "records": series}, text, then)
 
 
+def _one_body(candidate: Candidate, asked: str) -> tuple[str, str, dict[str, str]]:
+    """Entity and body that `entity` or `entity/body` means, and, where it has several, which of them is told.
+
+    Raises:
+        InputError: the entity has no such body.
+    """
+    name, _, wanted = asked.partition("/")
+    bodies = [b.name for b in candidate.entity(name).bodies]
+    if wanted and wanted not in bodies:
+        listed = ", ".join(bodies[:MAX_NAMED]) + (f", ... {bodies[-1]}" if len(bodies) > MAX_NAMED else "")
+        raise InputError(
+            f"{name!r} has no body {wanted!r}{did_you_mean(wanted, bodies) or ';'} its {len(bodies)} bodies are {listed}"
+        )
+    body = wanted or bodies[0]
+    if len(bodies) == 1:
+        return name, body, {}
+    place = f"{body!r}, {bodies.index(body) + 1} of {len(bodies)}"
+    if wanted:
+        return name, body, {"body": place}
+    listed = ", ".join(bodies[:MAX_NAMED])
+    return name, body, {"body": f"{place}; a box holds all; entities=['{name}/{bodies[1]}'] tells of another: {listed}, ..."}
+
+
+def _body_vertices(candidate: Candidate, name: str, body: str, frame: int) -> F64:
+    """Visible vertices of one body in the world, shape (n, 3)."""
+    return np.concatenate([candidate.surface(name, p.part, frame) for p in candidate.entity(name).parts if p.body == body])
+
+
 def _state(
     candidate: Candidate, names: list[str], frame: int, last: int, limit: int, offset: int
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Pose, box and velocity of entities at one frame, a page of them."""
 
-    def told(name: str) -> dict[str, Any]:
-        body = candidate.entity(name).bodies[0].name
+    def told(asked: str) -> dict[str, Any]:
+        name, body, which = _one_body(candidate, asked)
         pose = candidate.pose(name, frame, body)
-        vertices = candidate.vertices(name, frame)
-        found = {
+        vertices = candidate.vertices(name, frame) if asked == name else _body_vertices(candidate, name, body, frame)
+        found: dict[str, Any] = {
+            **which,
             "position": _rounded(pose.position),
             "quaternion": _rounded(pose.quaternion),
             "box_min": _rounded(vertices.min(0)),
@@ -171,9 +225,9 @@ def _motion(
     step = max(1, -(-(last - first + 1) // MAX_SAMPLES))
     chosen = list(range(first, last + 1, step))
 
-    def told(name: str) -> dict[str, Any]:
-        body = candidate.entity(name).bodies[0].name
-        found: dict[str, Any] = {"position": [_rounded(candidate.pose(name, k, body).position, 4) for k in chosen]}
+    def told(asked: str) -> dict[str, Any]:
+        name, body, which = _one_body(candidate, asked)
+        found: dict[str, Any] = {**which, "position": [_rounded(candidate.pose(name, k, body).position, 4) for k in chosen]}
         place = candidate.cache_row(name, body)
         if place is not None:
             velocity = place[0].series("velocity")[:, place[1]]

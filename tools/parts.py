@@ -224,7 +224,7 @@ def matrix(session: Session, status: str | None, detail: Detail, *, offset: int,
     then = call("inspect_world", world=world, part="row", row=first) if first else call("inspect_world", world=world)
     found = counts(rows)
     text = f"{found['pass']} rows pass, {found['fail']} fail, {found['unverified']} unverified ({found['mandatory_open']} mandatory open)"
-    data = {"counts": counts(chosen), "rows": page, **place}
+    data = {"counts": found, "rows": page, **place}
     more = {"status": status, "detail": detail if detail == "full" else None}
     return answer(data, f"{text}; showing {len(page)} of {place['total']}", _on(world, "matrix", place, then, **more))
 

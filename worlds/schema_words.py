@@ -36,6 +36,10 @@ NESTED = 6
 LONGEST = 6900
 """Characters of a union: its longest members are then named only, and told when they are asked for."""
 SHORT_DEFAULT = 40
+LEAST_STEM = 4
+"""Letters of a word from which on parts are looked for by the beginning and end of their name."""
+NAMED = 4
+"""Parts that are offered for a word."""
 UNSAID = 1e9
 """Bounds that only keep numbers finite are left out."""
 _ID = "^[A-Za-z][A-Za-z0-9_-]{0,63}$"
@@ -104,17 +108,55 @@ def described(part: str, document: Any = None) -> dict[str, Any]:
     if name in _members():
         return _union(name)
     if name not in _schema()["$defs"]:
-        folded = {k.lower(): k for k in known_parts()}
-        close = difflib.get_close_matches(name.lower(), folded, n=3, cutoff=0.5)
-        hint = f"; did you mean {' or '.join(folded[c] for c in close)}?" if close else ""
         raise InputError(
-            f"the schema has no part {part!r}{hint} Parts: {', '.join((ROOT, *UNIONS))}, and every name they mention"
+            f"the schema has no part {part!r}{_hint(name)} Parts: {', '.join((ROOT, *UNIONS))}, and every name they mention"
         )
     found: dict[str, Any] = {"type": name, **_type(name)}
     nested = [n for n in _mentioned(_schema()["$defs"][name]) if n not in UNIONS][:NESTED]
     if nested:
         found["parts"] = {n: _type(n) for n in nested}
     return found
+
+
+def _hint(name: str) -> str:
+    """Parts that a word may mean, each with where it stands: by name, kind, beginning or end of their name, else by likeness."""
+    folded = {k.lower(): k for k in known_parts()}
+    word = name.lower()
+    stem = word.removesuffix("s")
+    kinds = {k: _kinds(node) for k, node in _schema()["$defs"].items()}
+
+    def rank(part: str) -> tuple[bool, bool, bool]:
+        return (
+            part.lower() != stem,
+            not kinds.get(part, set()) & {word, stem},
+            not part.endswith(("Physics", "Instance", "Driver")),
+        )
+
+    found = [k for f, k in folded.items() if kinds.get(k, set()) & {word, stem} or f.startswith(stem) or f.endswith(stem)]
+    if found and len(stem) >= LEAST_STEM:
+        told = [f"{k} ({_home(k)})" for k in sorted(found, key=rank)[:NAMED]]
+    else:
+        told = [folded[c] for c in difflib.get_close_matches(word, folded, n=3, cutoff=0.5)]
+    return f"; did you mean {' or '.join(told)}?" if told else ""
+
+
+def _kinds(node: Mapping[str, Any]) -> set[str]:
+    fields = (node.get("properties", {}).get(k, {}) for k in ("kind", "category", "engine"))
+    return {str(f["const"]) for f in fields if "const" in f}
+
+
+def _home(name: str) -> str:
+    """Where a part stands: the union that it is one of, else the part that mentions it."""
+    union = next((u for u, members in _members().items() if name in members), None)
+    if union is not None:
+        return f"one of {union}"
+    wanted = UNIONS.get(name, name)
+    known = {ROOT: _schema()} | dict(_schema()["$defs"])
+    own = {k: v for k, v in known.items() if k not in ("$defs", name)}
+    for other, node in own.items():
+        if any(_ref(n) == wanted for n in _nodes(node.get("properties", {})) if "$ref" in n):
+            return f"in {other}"
+    return "by itself"
 
 
 def _union(name: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from worldagent.tests.stories.small_run import PROMPT, small_spec
 
 KINDS = ("preview", "contact_sheet", "ids", "ledger", "plan", "section")
 PARTS = ("overview", "schema", "guide", "spec", "matrix", "revisions", "iterations", "state", "events", "records", "acceptance", "worlds")  # fmt: skip
@@ -98,6 +99,42 @@ def test_states_are_paged_and_cover_frames(accepted: Any) -> None:
     assert len(told["position"]) == len(told["speed"]) == 36
     one = accepted.call("inspect_world", world="w", part="state", entities=["ball"], frames=[20, 20])
     assert told["position"][20] == pytest.approx(one["entities"]["ball"]["position"], abs=1e-4)
+
+
+def test_the_state_of_several_bodies_says_whose_it_is(agent: Any) -> None:
+    spec = small_spec()
+    rope = {"kind": "rope", "points": [[0, 0, 0], [0, 0, 0.7]], "radius": 0.01, "segments": 7}
+    spec["entities"]["rope"] = {
+        "role": "rope", "motion": "dynamic", "material": "steel", "dimensions": {"size": [0.02, 0.02, 0.72]},
+        "pose": {"position": [1, 1, 1]}, "generator": rope,
+    }  # fmt: skip
+    agent.call("edit_spec", world="w", prompt=PROMPT, spec=spec)
+    asked = {"world": "w", "part": "state"}
+    told = agent.call("inspect_world", **asked, entities=["rope", "rope/seg006", "ball"])["entities"]
+    assert told["rope"]["body"].startswith(
+        "'seg000', 1 of 7; a box holds all; entities=['rope/seg001'] tells of another: seg000, seg001"
+    )
+    assert told["rope/seg006"]["body"] == "'seg006', 7 of 7"
+    assert "body" not in told["ball"]
+    assert told["rope/seg006"]["box_min"][2] == pytest.approx(1.6, abs=0.02)
+    assert told["rope"]["box_min"][2] == pytest.approx(1.0, abs=0.02)
+    assert "'rope' has no body 'seg9'" in agent.refused("inspect_world", **asked, entities=["rope/seg9"])
+
+
+def test_counts_are_of_the_whole_matrix(accepted: Any) -> None:
+    whole = accepted.call("inspect_world", world="w", part="matrix")["counts"]
+    only = accepted.call("inspect_world", world="w", part="matrix", status="not_applicable", limit=1)
+    assert only["counts"] == whole
+    assert only["total"] == whole["not_applicable"] < whole["pass"]
+
+
+def test_a_probe_of_other_settings_is_named_where_it_cannot_be_shown(accepted: Any) -> None:
+    accepted.edit(("/entities/ball/physics/linear_velocity/0", 0.9))
+    text = accepted.refused("render_shot", world="w", frame=3, stage="probe")
+    assert "call probe_sim first" in text
+    assert "of revision 1 is of other settings" in text
+    uri = text.split("contact sheet is ")[1].split(",")[0]
+    assert accepted.read(uri).mime_type == "image/jpeg"
 
 
 def test_a_row_in_full_says_more_than_a_concise_one(accepted: Any) -> None:

@@ -68,3 +68,22 @@ def test_ranges_and_defaults_are_told() -> None:
 def test_what_is_no_part_is_refused_with_what_there_is(part: str) -> None:
     with pytest.raises(InputError, match="schema has no"):
         described(part)
+
+
+@pytest.mark.parametrize(
+    ("word", "told"),
+    [
+        ("Cloth", ["ClothPhysics (one of Physics)", "ClothInstance (one of SolverInstance)", "ClothPin (in ClothPhysics)"]),
+        ("Wind", ["WindField (in FieldDriver)"]),
+        ("Field", ["FieldDriver (one of Driver)"]),
+        ("Turbulence", ["TurbulenceField (in FieldDriver)"]),
+        ("Particles", ["ParticlePhysics (one of Physics)"]),
+        ("Solver", ["SolverInstance (in SimulationPlan)"]),
+        ("Spheres", ["did you mean Sphere (one of Shape)"]),
+        ("Boxx", ["did you mean Box"]),
+    ],
+)
+def test_a_word_that_is_no_part_leads_to_the_parts_it_means(word: str, told: list[str]) -> None:
+    with pytest.raises(InputError) as refused:
+        described(word)
+    assert all(t in str(refused.value) for t in told), refused.value

@@ -11,6 +11,7 @@ from .executor import Executor, ExecutorLocal
 from .inline import run_inline
 from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled, Job, JobState, Progress, result_of
 from .jobs import JobStore
+from .parts import Part, Tell
 from .queue import Standing
 from .usage import machine_memory
 
@@ -27,8 +28,10 @@ __all__ = [
     "JobContext",
     "JobState",
     "JobStore",
+    "Part",
     "Progress",
     "Standing",
+    "Tell",
     "machine_memory",
     "memory_cap",
     "result_of",

@@ -25,12 +25,12 @@ class JobContext:
         self._cancel_asked = cancel_asked
         self._done = 0.0
 
-    def progress(self, done: float, total: float | None = None, message: str = "") -> None:
-        """Say how far the work is. `done` never falls: a lower or non-finite number counts as the last one."""
+    def progress(self, done: float, total: float | None = None, message: str = "", ends: float | None = None) -> None:
+        """Say how far the work is; see `Progress`. `done` never falls: a lower or non-finite number counts as the last one."""
         if math.isfinite(done):
             self._done = max(self._done, float(done))
         known = total is not None and math.isfinite(total)
-        self._report(Progress(self._done, float(total) if known and total is not None else None, message))
+        self._report(Progress(self._done, float(total) if known and total is not None else None, message, ends))
 
     def cancelled(self) -> bool:
         """Whether the caller wants the work to stop."""
@@ -57,9 +57,9 @@ class Board:
     _CANCEL = 0
     _SEQUENCE = struct.Struct("<I")
     _SEQUENCE_AT = 4
-    _NUMBERS = struct.Struct("<ddH")
+    _NUMBERS = struct.Struct("<dddH")
     _NUMBERS_AT = 8
-    _TEXT_AT = 32
+    _TEXT_AT = 40
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, self.SIZE)
@@ -79,7 +79,8 @@ class Board:
         text = progress.message.encode("utf-8", "replace")[: self.SIZE - self._TEXT_AT]
         total = math.nan if progress.total is None else progress.total
         self._SEQUENCE.pack_into(self._memory, self._SEQUENCE_AT, (self._written + 1) & 0xFFFFFFFF)
-        self._NUMBERS.pack_into(self._memory, self._NUMBERS_AT, progress.done, total, len(text))
+        ends = math.nan if progress.ends is None else progress.ends
+        self._NUMBERS.pack_into(self._memory, self._NUMBERS_AT, progress.done, total, ends, len(text))
         self._memory[self._TEXT_AT : self._TEXT_AT + len(text)] = text
         self._written += 2
         self._SEQUENCE.pack_into(self._memory, self._SEQUENCE_AT, self._written & 0xFFFFFFFF)
@@ -89,10 +90,11 @@ class Board:
         (before,) = self._SEQUENCE.unpack_from(self._memory, self._SEQUENCE_AT)
         if before == self._read or before % 2:
             return None
-        done, total, length = self._NUMBERS.unpack_from(self._memory, self._NUMBERS_AT)
+        done, total, ends, length = self._NUMBERS.unpack_from(self._memory, self._NUMBERS_AT)
         text = self._memory[self._TEXT_AT : min(self._TEXT_AT + length, self.SIZE)]
         (after,) = self._SEQUENCE.unpack_from(self._memory, self._SEQUENCE_AT)
         if after != before:
             return None
         self._read = before
-        return Progress(done, None if math.isnan(total) else total, text.decode("utf-8", "ignore"))
+        known = (None if math.isnan(n) else n for n in (total, ends))
+        return Progress(done, next(known), text.decode("utf-8", "ignore"), next(known))

@@ -12,8 +12,10 @@ class Estimate:
     """Time left [s]. Steady: it counts down, and rises only when the work has clearly become slower.
 
     Phases differ in pace: frames may be quick and checks slow. The pace of an earlier run says how; how much faster or
-    slower this one is, is measured. Without one the rate is that of the later half of the run, at least WINDOW_S. The
-    time before the first report, when engines load, does not count.
+    slower this one is, is measured, and one that goes on quite otherwise tells nothing. Without one the rate is that of the later
+    half of the run, at least WINDOW_S. Where reports say that the present pace ends before the work does, the rate tells of that
+    stretch alone, and of the whole in the last one. The time before the first report, when engines load, does not count, nor the
+    first step of a stretch, when its kernels are compiled.
     """
 
     WINDOW_S = 5.0
@@ -29,17 +31,27 @@ class Estimate:
     """A run whose first report lies beyond this part of the work began midway."""
     TRUST = 0.1
     """The part of an earlier run as which its total counts against what is measured now."""
+    DOUBT = 3.0
+    """A run that takes so many times longer or shorter than the earlier one is not like it."""
 
     def __init__(self, pace: Sequence[float] | None = None) -> None:
         self._times: list[float] = []
         self._done: list[float] = []
+        self._stretch: list[tuple[float, float]] = []
+        self._ends: float | None = None
         self._total: float | None = None
         self._end: float | None = None
         self._pace = list(pace) if pace is not None and len(pace) == self.STEPS + 1 and pace[-1] > 0 else None
 
-    def add(self, now: float, done: float, total: float | None) -> None:
-        """Take a report; `now` [s] on any clock that does not fall."""
+    def add(self, now: float, done: float, total: float | None, ends: float | None = None) -> None:
+        """Take a report; `now` [s] on any clock that does not fall, `ends`: where the stretch of one pace ends that it is of."""
         self._total = total
+        if ends != self._ends:
+            self._ends, self._stretch = ends, []
+        if not self._stretch or done > self._stretch[-1][1]:
+            self._stretch.append((now, done))
+            if len(self._stretch) > self.SAMPLES_MAX:
+                del self._stretch[2:-1:2]
         if self._done and done <= self._done[-1]:
             return
         self._times.append(now)
@@ -51,8 +63,11 @@ class Estimate:
         """Time left at `now` [s]; None where it cannot be told."""
         if not self._total or not self._times or self._done[-1] > self._total:
             return None
-        left = self._by_pace(now, self._total) if self._pace is not None else self._by_rate(now, self._total)
+        left = None if self._pace is None else self._by_pace(now, self._total)
+        if left is None and (self._ends is None or self._ends >= self._total * (1.0 - 1e-9)):
+            left = self.left_of_stretch(now)
         if left is None:
+            self._end = None
             return None
         told = None if self._end is None else self._end - now
         if told is None or left < told or left > max(self.SLOWER * told, told + self.SLACK_S):
@@ -60,27 +75,35 @@ class Estimate:
             told = left
         return max(0.0, told)
 
-    def _by_rate(self, now: float, total: float) -> float | None:
-        if now - self._times[0] < self.EARLIEST_S:
+    def left_of_stretch(self, now: float) -> float | None:
+        """Time until the end of what goes on at the present pace [s], by its own rate; None where it was not measured yet."""
+        # The step that compiles kernels is no measure of those that follow.
+        samples = self._stretch if self._ends is None else self._stretch[1:]
+        if len(samples) < 2 or now - self._stretch[0][0] < self.EARLIEST_S:
             return None
-        done = self._done[-1]
-        since = max(self._times[0], min(now - self.WINDOW_S, (self._times[0] + now) / 2))
-        first = max(0, bisect_right(self._times, since) - 1)
-        if done <= self._done[first]:  # nothing moved in the window: the pace of the whole run
+        ends = self._total if self._ends is None else self._ends
+        if ends is None:
+            return None
+        times, done = [t for t, _ in samples], samples[-1][1]
+        since = max(times[0], min(now - self.WINDOW_S, (times[0] + now) / 2))
+        first = max(0, bisect_right(times, since) - 1)
+        if done <= samples[first][1]:  # nothing moved in the window: the pace of the whole stretch
             first = 0
-        gained = done - self._done[first]
-        return (total - done) * (now - self._times[first]) / gained if gained > 0 else None
+        gained = done - samples[first][1]
+        return max(0.0, (ends - done) * (now - times[first]) / gained) if gained > 0 else None
 
-    def _by_pace(self, now: float, total: float) -> float:
+    def _by_pace(self, now: float, total: float) -> float | None:
         assert self._pace is not None
         whole, trust = self._pace[-1], self.TRUST * self._pace[-1]
         first, done, count = self._done[0], self._done[-1], len(self._done) - 1
         step = (done - first) / count if count else total / self.STEPS
         then_first, then, then_next = (_between(self._pace, d / total) for d in (first, done, done + step))
         start, last = self._times[0], self._times[-1]
-        by_last_report = (last - start + trust) / (then - then_first + trust) * (whole - then) - (now - last)
-        by_silence = (now - start + trust) / (then_next - then_first + trust) * (whole - then_next)
-        return max(by_last_report, by_silence)
+        at_last_report = (last - start + trust) / (then - then_first + trust)
+        in_silence = (now - start + trust) / (then_next - then_first + trust)
+        if max(at_last_report, in_silence) > self.DOUBT or max(at_last_report, in_silence) < 1.0 / self.DOUBT:
+            return None
+        return max(at_last_report * (whole - then) - (now - last), in_silence * (whole - then_next))
 
     def pace(self, now: float) -> list[float] | None:
         """Times since the first report [s] at equal steps of work that is done `now`; None of a run that began midway."""

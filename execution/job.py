@@ -42,6 +42,8 @@ class Progress(NamedTuple):
     done: float
     total: float | None
     message: str
+    ends: float | None = None
+    """How far it is when what goes on at one pace ends, in the same unit: what comes then goes on at another."""
 
 
 class Usage(NamedTuple):

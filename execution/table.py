@@ -29,6 +29,10 @@ START_S = 30.0
 """A worker that has not reported so long after its start is lost [s]; a start takes 0.1 s on an idle machine."""
 KNOWN_IDS = 5
 """Ids that the error about an unknown one names."""
+KNOWN_PACES = 50
+"""Latest jobs that are looked through for one to compare with."""
+EXTENT = ("scope", "only", "coarser")
+"""Fields of a payload that decide how much of its work a job does."""
 
 AHEAD_S = 3600.0
 """Further than this [s] no clock of another host runs ahead."""
@@ -176,13 +180,19 @@ class JobTable(JobFile):
         return self.change(statement, values | (usage or Usage(None, None))._asdict())
 
     def latest_pace(self, job: Job) -> list[float] | None:
-        """How the last done job of this kind went on in time, best in the same world; see `Estimate`."""
+        """How the last done job of this kind, world and extent went on in time; see `Estimate`. Another world's tells nothing."""
         statement = """
-            SELECT pace FROM jobs WHERE kind = :kind AND state = 'done' AND pace IS NOT NULL
-            ORDER BY world IS :world DESC, number DESC LIMIT 1"""
+            SELECT pace, payload FROM jobs WHERE kind = :kind AND world IS :world AND state = 'done' AND pace IS NOT NULL
+            ORDER BY number DESC LIMIT :most"""
         with self.open() as connection:
-            row = connection.execute(statement, {"kind": job.kind, "world": job.world}).fetchone()
-        return None if row is None else json.loads(row["pace"])
+            rows = connection.execute(statement, {"kind": job.kind, "world": job.world, "most": KNOWN_PACES}).fetchall()
+        wanted = [job.payload.get(name) for name in EXTENT]
+        for row in rows:
+            payload = json.loads(row["payload"])
+            if [payload.get(name) for name in EXTENT] == wanted:
+                pace: list[float] = json.loads(row["pace"])
+                return pace
+        return None
 
     # Recovery
 

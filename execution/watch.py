@@ -34,6 +34,8 @@ TERMINATE_S = 1.0
 """From the request to end until SIGTERM [s]."""
 KILL_S = 1.8
 """From the request to end until SIGKILL [s]."""
+LONG_S = 90.0
+"""Longer times are told in minutes [s]."""
 UNREACHABLE_S = 30.0
 """The task is ended when jobs.db could not be written for so long [s]: the workspace is gone or the disk full."""
 STRAGGLERS_S = 1.0
@@ -142,7 +144,7 @@ class Watch:
         news = self._board.read_new()
         if news is not None:
             self._progress = news
-            self._estimate.add(time.monotonic(), news.done, news.total)
+            self._estimate.add(time.monotonic(), news.done, news.total, news.ends)
 
     def _write(self) -> bool:
         """Heartbeat and progress; False if the job was taken away."""
@@ -154,11 +156,20 @@ class Watch:
             return True
         trim_log(self._table.log_path(self._job))
         left, usage = self._estimate.left(now), Usage(self._meter.peak or None, None)
-        mine = self._reach(lambda: self._table.beat(self._job.id, self._worker, self._progress, left_s=left, usage=usage))
+        told = self._progress if left is not None else self._of_stretch(now)
+        mine = self._reach(lambda: self._table.beat(self._job.id, self._worker, told, left_s=left, usage=usage))
         if mine is None:
             return True
         self._written, self._progress = now, None
         return mine
+
+    def _of_stretch(self, now: float) -> Progress | None:
+        """The latest progress; where only the time left of its stretch is known, with that in its words."""
+        news = self._progress
+        if news is None or news.ends is None or (left := self._estimate.left_of_stretch(now)) is None:
+            return news
+        about = f"{max(1.0, left):.0f} s" if left < LONG_S else f"{left / 60:.0f} min"
+        return news._replace(message=f"{news.message} (this part: about {about} more)")
 
     def _look_for_reasons(self) -> None:
         now = time.monotonic()

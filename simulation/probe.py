@@ -78,7 +78,9 @@ def recorded_inputs(folder: WorldFolder, freeze: str) -> tuple[WorldSpec, dict[s
     return spec, {name: load_built(safe_join(folder.root, file)) for name, file in files.items()}
 
 
-def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str, object]]:
+def replay(
+    candidate: Candidate, *, intervals: int, seed: int, progress: Callable[[float, float, str], None] | None = None
+) -> list[dict[str, object]]:
     """Re-simulate randomly chosen checkpoint intervals of a bake and compare bytes (acceptance and replay).
 
     The start is compared too: what the rows of the cache stand for, frame 0 and its checkpoint. Each interval ends at the
@@ -92,9 +94,9 @@ def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str,
     """
     rng = np.random.default_rng(seed)
     results: list[dict[str, object]] = []
-    groups = groups_of(candidate.spec)
     # In the order of the specification, so that the same intervals are drawn for the same seed.
-    for names in sorted(groups, key=lambda group: min(list(candidate.caches).index(n) for n in group)):
+    groups = sorted(groups_of(candidate.spec), key=lambda group: min(list(candidate.caches).index(n) for n in group))
+    for gone, names in enumerate(groups):
         caches = {n: candidate.caches[n] for n in names}
         count = min(c.index.frames for c in caches.values())
         marks = checkpoint_frames(candidate.spec, count)
@@ -103,9 +105,28 @@ def replay(candidate: Candidate, *, intervals: int, seed: int) -> list[dict[str,
         run.prepare()
         results += [_replay_start(run.solvers[n], c) for n, c in caches.items()]
         ends = dict(zip(marks, [*marks[1:], count - 1], strict=True))
-        for start in chosen:
-            results += _replay_interval(run, caches, start, ends[start], set(marks))
+        for rank, start in enumerate(chosen):
+            share = 1.0 / len(chosen) / len(groups)
+            tell = _teller(progress, names, (gone / len(groups) + rank * share, share), (start, ends[start]))
+            results += _replay_interval(run, caches, start, ends[start], set(marks), tell)
     return results
+
+
+def _teller(
+    progress: Callable[[float, float, str], None] | None,
+    names: tuple[str, ...],
+    part: tuple[float, float],
+    interval: tuple[int, int],
+) -> Callable[[int], None]:
+    """Takes the frames of an interval; `part`: where it begins in the whole replay, and its share of it."""
+    (before, share), (start, end) = part, interval
+
+    def tell(frame: int) -> None:
+        if progress is not None:
+            done = before + share * (frame - start) / max(1, end - start)
+            progress(done, 1.0, f"replaying {' and '.join(names)}: frame {frame} of {start} to {end}")
+
+    return tell
 
 
 def _checkpoint(cache: Cache, frame: int) -> bytes:
@@ -148,7 +169,9 @@ def _apart(cache: Cache, frame: int, data: Mapping[str, Any]) -> float | None:
     return distance if math.isfinite(distance) else None
 
 
-def _replay_interval(run: Run, caches: Mapping[str, Cache], start: int, end: int, marks: set[int]) -> list[dict[str, object]]:
+def _replay_interval(
+    run: Run, caches: Mapping[str, Cache], start: int, end: int, marks: set[int], tell: Callable[[int], None]
+) -> list[dict[str, object]]:
     """One record per instance of the run."""
     try:
         run.restore({n: _checkpoint(c, start) for n, c in caches.items()}, start)
@@ -173,6 +196,7 @@ def _replay_interval(run: Run, caches: Mapping[str, Cache], start: int, end: int
             if digest_arrays(data) != cache.frame_digest(frame):
                 first_bad.setdefault(name, frame)
                 apart[name].append(_apart(cache, frame, data))
+        tell(frame)
     for name, cache in caches.items():
         if end in marks and name not in first_bad and run.solvers[name].checkpoint() != _checkpoint(cache, end):
             first_bad[name] = end

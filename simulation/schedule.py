@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import shutil
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 from ..worlds.built import BuiltEntity
@@ -14,7 +15,7 @@ from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from .runs import Run, groups_of, make_run
 
-__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "run_frames"]
+__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "run_frames", "stretch_count"]
 
 CHECKPOINT_SECONDS = 0.5
 """Interval between checkpoints [s of the world]: what a resumed or replayed run repeats at most."""
@@ -76,6 +77,11 @@ def _take_over(cache: Cache, index: CacheIndex) -> bool:
     return False
 
 
+def stretch_count(spec: WorldSpec) -> int:
+    """In how many equal stretches `run_frames` tells its progress: one per group of instances, then surfaces and wet maps of liquids."""
+    return len(groups_of(spec)) + 2 * bool(spec.simulation.liquid)
+
+
 def run_frames(
     spec: WorldSpec,
     built: Mapping[str, BuiltEntity],
@@ -101,14 +107,17 @@ def run_frames(
         InputError: an instance cannot be prepared.
         EngineError: a solver failed.
     """
-    groups = groups_of(spec)
+    groups, stretches = groups_of(spec), stretch_count(spec)
     caches: dict[str, Cache] = {}
+
+    def tell(stretch: int, done: int, total: int, message: str) -> None:
+        if progress is not None:
+            progress(stretch * total + done, stretches * total, message)
+
     for rank, names in enumerate(groups):
 
         def say(frame: int, rank: int = rank, names: tuple[str, ...] = names) -> None:
-            if progress is not None:
-                text = f"{' and '.join(names)}: frame {frame + 1} of {frames}"
-                progress(rank * frames + frame + 1, frames * len(groups), text)
+            tell(rank, frame + 1, frames, f"{' and '.join(names)}: frame {frame + 1} of {frames}")
             if check is not None:
                 check()
 
@@ -116,8 +125,8 @@ def run_frames(
     if spec.simulation.liquid:
         from .surfaces import map_wet_solids, mesh_liquids
 
-        mesh_liquids(spec, built, caches, progress=progress, check=check)
-        map_wet_solids(spec, built, caches, progress=progress, check=check)
+        mesh_liquids(spec, built, caches, progress=partial(tell, len(groups)), check=check)
+        map_wet_solids(spec, built, caches, progress=partial(tell, len(groups) + 1), check=check)
     return caches
 
 

@@ -1,13 +1,16 @@
 """Variants of a run that was made: the same world with something in it prevented, or with other start values.
 
-Verifiers use them to ask what would have happened (counterfactuals, robustness). A variant lives in memory, so that
-whoever judges a world writes nothing into it.
+Verifiers use them to ask what would have happened (counterfactuals, robustness). A group of instances is simulated when one of
+its frames is first read: what nobody asks about costs nothing. A variant lives in memory, so that whoever judges a world writes
+nothing into it, unless the candidate names a folder for `kept_runs`.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,15 +18,18 @@ import numpy as np
 from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, CacheIndex
 from ..worlds.candidate import Candidate
+from ..worlds.canonical import digest_of
 from ..worlds.errors import EngineError, EvidenceError, InputError
 from ..worlds.fields import acting_on
 from ..worlds.spec import FieldDriver, WorldSpec
+from .kept_runs import KeptRuns
 from .probe import positions_of
 from .protocol import Intervention, Solver
+from .recipes import coupled_recipe
 from .runs import Run, groups_of, make_run, reads
 from .schedule import checkpoint_frames, checkpoint_path
 
-__all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant"]
+__all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 
 CONTINUES = 1e-4
 """[m] A run that goes on from a checkpoint may differ from its cache by so much at the frame where the variant begins. Equal
@@ -31,21 +37,50 @@ bytes are expected on the device that baked it; another device rounds otherwise,
 a tenth of the summed skins."""
 
 
+Tell = Callable[[int, int, str], None]
+"""Takes (done, total, message) after every simulated frame."""
+_Own = dict[str, dict[int, Mapping[str, Any]]]
+
+
+class _Once:
+    """What a function gives, or the evidence that it found missing: it is called at the first question, and once."""
+
+    def __init__(self, make: Callable[[], _Own]) -> None:
+        self._make = make
+        self._found: _Own | EvidenceError | None = None
+
+    def __call__(self) -> _Own:
+        if self._found is None:
+            try:
+                self._found = self._make()
+            except EvidenceError as error:
+                self._found = error
+        if isinstance(self._found, EvidenceError):
+            raise self._found
+        return self._found
+
+    @property
+    def done(self) -> bool:
+        """Whether it was asked and gave something."""
+        return isinstance(self._found, dict)
+
+
 class _VariantCache(Cache):
     """Frames of a variant: the original's up to the first one of its own, then its own, which are kept in memory."""
 
-    def __init__(self, original: Cache, index: CacheIndex, own: Mapping[int, Mapping[str, Any]]) -> None:
+    def __init__(self, original: Cache, name: str, index: CacheIndex, first: int, frames: _Once | None = None) -> None:
         super().__init__(original.folder)
         vars(self)["index"] = index
-        self._original, self._own = original, own
-        self._first = min(own, default=index.frames)
+        self._original, self._name, self._first, self.frames = original, name, first, frames
         self._kept: dict[Any, Any] = {}
 
     def read(self, frame: int, names: Iterable[str] | None = None) -> dict[str, Any]:
         """Channels of one frame."""
-        if frame not in self._own:
+        if frame < self._first or self.frames is None:
             return self._original.read(frame, names)
-        data = self._own[frame]
+        data = self.frames()[self._name].get(frame)
+        if data is None:
+            raise EvidenceError(f"the variant ends before frame {frame}")
         missing = [n for n in (names or ()) if n not in data]
         if missing:
             raise EvidenceError(f"the variant's frames lack channels {missing}")
@@ -102,44 +137,88 @@ def _concerned(spec: WorldSpec, name: str, done: Intervention) -> bool:
     return bool(members & (driven | done.held)) or parted
 
 
-def run_variant(candidate: Candidate, done: Intervention, *, start: int, end: int) -> Candidate:
+def run_variant(candidate: Candidate, done: Intervention, *, start: int, end: int, progress: Tell | None = None) -> Candidate:
     """The candidate as it goes on from frame `start` to `end` under an intervention; frames up to `start` are its own.
 
-    Raises:
-        EvidenceError: there is no checkpoint to start from, the cache is not what its checkpoint leads to, or the variant
-            cannot be simulated.
+    A group of instances is simulated when one of its later frames is first read; that read raises EvidenceError where there is no
+    checkpoint to start from, the cache is not what its checkpoint leads to, or the variant cannot be simulated.
     """
     spec = candidate.spec
     caches: dict[str, Cache] = {}
     changed: set[str] = set()
     for names in groups_of(spec):
         own = {n: candidate.caches[n] for n in names}
-        if not any(_concerned(spec, n, done) or changed & set(reads(spec, n)) for n in names):
-            caches |= {n: _VariantCache(c, dataclasses.replace(c.index, frames=end + 1), {}) for n, c in own.items()}
-            continue
-        changed |= set(names)
-        mark = min(_nearest_checkpoint(candidate, c, start) for c in own.values())
-        frames: dict[str, dict[int, Mapping[str, Any]]] = {n: {} for n in names}
-        try:
-            states = {n: checkpoint_path(c.folder, mark).read_bytes() for n, c in own.items()}
-            if done.apart and mark < start:
-                # Pairs that rest on each other until then must not part before.
-                states, mark = _states_at(candidate, own, states, (mark, start)), start
-            run = make_run(spec, candidate.built, names, caches=caches, intervention=done)
-            run.prepare(resumed=True)
-            run.restore(states, mark)
-            for frame in range(mark + 1, end + 1):
-                run.advance(frame)
-                for name, cache in own.items():
-                    if frame == start:
-                        _require_same(cache, run.solvers[name], frame)
-                    elif frame > start:
-                        frames[name][frame] = _finite(run.solvers[name], frame)
-        except (EngineError, InputError, OSError) as error:
-            raise EvidenceError(f"the run cannot be repeated: {error}") from error
-        caches |= {n: _VariantCache(c, dataclasses.replace(c.index, frames=end + 1), frames[n]) for n, c in own.items()}
+        frames = None
+        if any(_concerned(spec, n, done) or changed & set(reads(spec, n)) for n in names):
+            changed |= set(names)
+            frames = _Once(partial(_continued, candidate, own, dict(caches), done, (start, end), progress))
+        for name, cache in own.items():
+            index = dataclasses.replace(cache.index, frames=end + 1)
+            caches[name] = _VariantCache(cache, name, index, end + 1 if frames is None else start + 1, frames)
     caches = {n: caches[n] for n in candidate.caches}
     return dataclasses.replace(candidate, caches=caches, digest=f"{candidate.digest}+variant", apart=done.apart)
+
+
+def simulated(variant: Candidate) -> tuple[str, ...]:
+    """Instances of a variant that were simulated so far, because somebody read what they do in it."""
+    return tuple(n for n, c in variant.caches.items() if isinstance(c, _VariantCache) and c.frames is not None and c.frames.done)
+
+
+def _continued(
+    candidate: Candidate,
+    own: Mapping[str, Cache],
+    read: Mapping[str, Cache],
+    done: Intervention,
+    span: tuple[int, int],
+    progress: Tell | None,
+) -> _Own:
+    """Frames after the first of the span, up to its last, of one group under an intervention; `read` are caches of those before it."""
+    start, end = span
+    mark = min(_nearest_checkpoint(candidate, c, start) for c in own.values())
+    frames: _Own = {n: {} for n in own}
+    try:
+        states = {n: checkpoint_path(c.folder, mark).read_bytes() for n, c in own.items()}
+        kept = KeptRuns(candidate.variants)
+        recipe = "" if candidate.variants is None else _recipe(candidate, own, states, done, span)
+        found = kept.find(recipe)
+        if found is not None and all(set(found.get(n, ())) == set(range(start + 1, end + 1)) for n in own):
+            return found
+        if done.apart and mark < start:
+            # Pairs that rest on each other until then must not part before.
+            states, mark = _states_at(candidate, own, states, (mark, start)), start
+        run = make_run(candidate.spec, candidate.built, tuple(own), caches=read, intervention=done)
+        run.prepare(resumed=True)
+        run.restore(states, mark)
+        for frame in range(mark + 1, end + 1):
+            run.advance(frame)
+            for name, cache in own.items():
+                if frame == start:
+                    _require_same(cache, run.solvers[name], frame)
+                elif frame > start:
+                    frames[name][frame] = _finite(run.solvers[name], frame)
+            _tell(progress, tuple(own), frame - mark, end - mark)
+    except (EngineError, InputError, OSError) as error:
+        raise EvidenceError(f"the run cannot be repeated: {error}") from error
+    kept.keep(recipe, frames)
+    return frames
+
+
+def _tell(progress: Tell | None, names: tuple[str, ...], done: int, total: int) -> None:
+    if progress is not None:
+        progress(done, total, f"{' and '.join(names)}: frame {done} of {total}")
+
+
+def _recipe(
+    candidate: Candidate, own: Mapping[str, Cache], states: Mapping[str, bytes], done: Intervention, span: tuple[int, int]
+) -> str:
+    """Hash of all that the frames of a group follow from: settings, geometry, engines, the run that they continue, what is prevented."""
+    checkpoints = {n: hashlib.sha256(s).hexdigest() for n, s in states.items()}
+    # As they are, not as they were recorded: a run is not continued from a frame that was altered.
+    begins = {n: c.frame_digest(span[0]) for n, c in own.items()}
+    prevented = {k: sorted(v) if isinstance(v, frozenset) else v for k, v in dataclasses.asdict(done).items()}
+    return digest_of(
+        "continued", coupled_recipe(candidate.spec, candidate.built), candidate.digest, checkpoints, begins, prevented, span
+    )
 
 
 def _states_at(
@@ -156,30 +235,52 @@ def _states_at(
     return {n: s.checkpoint() for n, s in run.solvers.items()}
 
 
-def run_altered(candidate: Candidate, spec: WorldSpec, built: Mapping[str, BuiltEntity], *, end: int) -> Candidate:
+def run_altered(
+    candidate: Candidate, spec: WorldSpec, built: Mapping[str, BuiltEntity], *, end: int, progress: Tell | None = None
+) -> Candidate:
     """The candidate's world with another specification of the same bodies, simulated from frame 0 to `end`.
 
     Raises:
         EvidenceError: it cannot be simulated.
     """
     caches: dict[str, Cache] = {}
+    kept = KeptRuns(candidate.variants)
+    whole = "" if candidate.variants is None else digest_of("altered", coupled_recipe(spec, built), end)
     for names in groups_of(spec):
-        frames: dict[str, dict[int, Mapping[str, Any]]] = {n: {} for n in names}
-        try:
-            run = make_run(spec, built, names, caches=caches)
-            run.prepare()
-            for frame in range(end + 1):
-                if frame:
-                    run.advance(frame)
-                for name in names:
-                    frames[name][frame] = _finite(run.solvers[name], frame)
-        except (EngineError, InputError) as error:
-            raise EvidenceError(f"the altered world cannot be simulated: {error}") from error
+        recipe = digest_of(whole, names)
+        frames = kept.find(recipe)
+        if frames is None or any(set(frames.get(n, ())) != set(range(end + 1)) for n in names):
+            frames = _from_start(spec, built, names, caches, end, progress)
+            kept.keep(recipe, frames)
         for name in names:
-            cache = candidate.caches[name]
-            caches[name] = _VariantCache(cache, dataclasses.replace(cache.index, frames=end + 1), frames[name])
+            index = dataclasses.replace(candidate.caches[name].index, frames=end + 1)
+            caches[name] = _VariantCache(candidate.caches[name], name, index, 0, _Once(partial(dict, frames)))
     caches = {n: caches[n] for n in candidate.caches}
     return dataclasses.replace(candidate, spec=spec, built=built, caches=caches, digest=f"{candidate.digest}+altered")
+
+
+def _from_start(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    names: tuple[str, ...],
+    caches: Mapping[str, Cache],
+    end: int,
+    progress: Tell | None,
+) -> _Own:
+    """All frames of one group."""
+    frames: _Own = {n: {} for n in names}
+    try:
+        run = make_run(spec, built, names, caches=caches)
+        run.prepare()
+        for frame in range(end + 1):
+            if frame:
+                run.advance(frame)
+            for name in names:
+                frames[name][frame] = _finite(run.solvers[name], frame)
+            _tell(progress, names, frame, end)
+    except (EngineError, InputError) as error:
+        raise EvidenceError(f"the altered world cannot be simulated: {error}") from error
+    return frames
 
 
 def _finite(solver: Solver, frame: int) -> Mapping[str, Any]:

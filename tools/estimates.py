@@ -30,12 +30,15 @@ class Pace:
     def __init__(self, report: Callable[[float, float, str], None]) -> None:
         self._report = report
         self._first: tuple[float, float] | None = None
+        self.reports = 0
+        """How many there were: fewer than steps where some were done before."""
         self.seconds_per_step: float | None = None
         """Mean over the steps seen; None before the second report."""
 
     def __call__(self, done: float, total: float, message: str) -> None:
         """Pass a report on."""
         now = time.monotonic()
+        self.reports += 1
         if self._first is None:
             self._first = (done, now)
         elif done > self._first[0]:
@@ -44,12 +47,18 @@ class Pace:
 
 
 def bake_estimate(session: Session, record: dict[str, Any]) -> float | None:
-    """Seconds that a bake with its checks will take, by the pace of its probe; None where that was not measured."""
-    spent = record["detail"].get("seconds")
+    """Seconds that a bake with its checks will take, by the pace of its probe; None where that was not measured.
+
+    A bake simulates and judges the frames; what the probe simulated once more to judge its causes, the bake leaves out.
+    """
+    simulated, judged = record["detail"].get("simulated_s"), record["detail"].get("judged_s")
     frames = record["detail"].get("frames")
+    if not simulated or judged is None or not frames:
+        return None
     # Particles and steps that a coarser probe did without.
     finer = float(record["detail"].get("coarser", 1.0)) ** 4
-    return None if not spent or not frames else round(finer * spent / frames * session.spec.simulation.frames, 1)
+    per_frame = (finer * float(simulated) + float(judged)) / float(frames)
+    return round(per_frame * session.spec.simulation.frames, 1)
 
 
 def liquid_seconds(spec: WorldSpec, frames: int) -> float | None:

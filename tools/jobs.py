@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..execution import JobContext
+from ..execution import JobContext, Part
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
@@ -14,6 +16,9 @@ from .estimates import Pace
 from .landscapes import terrain
 from .rows import summary
 from .session import Session
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
 
 __all__ = ["accept", "bake", "check", "final", "probe", "terrain"]
 
@@ -44,6 +49,8 @@ WARM = (
 """What a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
 no Mitsuba (Dr.Jit starts a thread)."""
 SHEET_FRAMES = 9
+JUDGED = 1.0 - 1e-9
+"""Part of an acceptance that is the judgement; the report takes a moment."""
 
 
 def _failing(rows: list[Row], last: int) -> list[str]:
@@ -95,20 +102,24 @@ def _film_sheet(folder: WorldFolder, frames: list[Path], name: str, fps: int) ->
 def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Probe the present settings; a pass freezes them."""
     from ..simulation.probe import probe_frames, run_probe
-    from ..verifiers.checks import names_of, run_checks
+    from ..simulation.runs import groups_of
+    from ..simulation.schedule import stretch_count
+    from ..verifiers.checks import judging_share, names_of, run_checks
     from ..verifiers.phases import find_phases
     from ..worlds.coarsening import overrides_for
 
     session, freeze = _session(payload)
-    total = probe_frames(session.spec)
-    started = time.monotonic()
-    pace = Pace(context.progress)
+    total, known = probe_frames(session.spec), session.ledger.freeze(freeze)
+    split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
+    pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
     coarser = float(payload.get("coarser") or 1.0)
     overrides = overrides_for(session.spec, coarser)
-    candidate = run_probe(
-        session.folder, freeze, overrides=overrides, progress=lambda d, n, m: pace(d, n * 1.4, m), check=context.check
-    )
-    rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.35 * d / n), total * 1.4, m))
+    started, seconds = time.monotonic(), {}
+    candidate = run_probe(session.folder, freeze, overrides=overrides, progress=pace, check=context.check)
+    if pace.reports >= total * len(groups_of(session.spec)):
+        seconds["simulated"] = time.monotonic() - started
+    candidate = _keeping(candidate, session.folder, freeze)
+    rows = run_checks(candidate, progress=Part(context.progress, split, 1.0), seconds=seconds)
     open_rows = _failing(rows, candidate.last_frame)
     session.ledger.close_iterations(freeze[:16], open_rows, rows)
     rows = session.cited(rows)
@@ -128,7 +139,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             "failing": open_rows,
             "digest": candidate.digest,
             "events": _events(candidate),
-            "seconds": round(time.monotonic() - started, 2),
+            **_spent(seconds, known),
             **({"coarser": coarser, "overrides": overrides} if overrides else {}),
         },
     )
@@ -145,6 +156,17 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     }
 
 
+def _keeping(candidate: Candidate, folder: WorldFolder, freeze: str) -> Candidate:
+    """The candidate, with a place for the runs without its causes. Acceptance has none: it simulates for itself."""
+    return dataclasses.replace(candidate, variants=folder.candidate(freeze) / "variants")
+
+
+def _spent(seconds: Mapping[str, float], known: dict[str, Any] | None) -> dict[str, float]:
+    """Seconds that the frames and their judgement took; of frames that were there before, as they were measured then."""
+    before = {} if known is None else {k: v for k, v in known["detail"].items() if k in ("simulated_s", "judged_s")}
+    return before | {f"{name}_s": round(value, 2) for name, value in seconds.items()}
+
+
 def _events(candidate: Any) -> dict[str, int | None]:
     """First true frame of every beat: what the probe promises about the bake."""
     from ..verifiers.predicates import evaluate
@@ -157,7 +179,8 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     import shutil
 
     from ..simulation.bake import run_bake
-    from ..verifiers.checks import names_of, rerun_ids, run_checks
+    from ..simulation.schedule import stretch_count
+    from ..verifiers.checks import judging_share, names_of, rerun_ids, run_checks
     from .measurements import refuted
     from .promises import promise_row
 
@@ -176,11 +199,10 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     forged = refuted(session, freeze)
     if forged:  # a forged frame and its forged digest agree: nothing of that bake is trusted
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
-    pace = Pace(context.progress)
-    candidate = run_bake(
-        session.folder, freeze, progress=lambda d, n, m: pace(d, n * 1.5, m), check=context.check, reuse=not forged
-    )
-    rows = run_checks(candidate, progress=lambda d, n, m: context.progress(total * (1 + 0.45 * d / n), total * 1.5, m))
+    split = 1.0 - judging_share(session.spec, "full")
+    part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
+    candidate = run_bake(session.folder, freeze, progress=part, check=context.check, reuse=not forged)
+    rows = run_checks(candidate, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
@@ -212,7 +234,9 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     session, freeze = _session(payload)
     stage = payload["scope"]
     candidate = open_candidate(session.folder, freeze, stage)
-    rows = run_checks(candidate, only=payload.get("only"), progress=context.progress)
+    if stage == "probe":
+        candidate = _keeping(candidate, session.folder, freeze)
+    rows = run_checks(candidate, only=payload.get("only"), progress=Part(context.progress))
     done = names_of(stage) if payload.get("only") is None else payload["only"]
     whole = stage == "probe" and payload.get("only") is None
     open_rows = _failing(rows, candidate.last_frame)
@@ -225,7 +249,8 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
         known = session.ledger.freeze(freeze)
-        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k in ("seconds", "coarser", "overrides")}
+        kept = ("simulated_s", "judged_s", "coarser", "overrides")
+        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k in kept}
         detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
         detail |= spent
         session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
@@ -243,14 +268,14 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
     require_true_geometry(session)
     context.progress(0, 1, "a fresh process judges the candidate")
-    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31))
+    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
     rows = [Row.model_validate(r) for r in record["rows"]]
     record |= {"weakenings": session.ledger.weakenings(), "stage": "full"}
     session.ledger.put_rows(rows, revision=session.revision, stage="full")
     # The ledger keeps verdicts; contact events are in the caches.
     kept = {k: v for k, v in record.items() if k != "events"}
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)
-    context.progress(0.6, 1, "writing the report")
+    context.progress(JUDGED, 1, "writing the report")
     proof = _proof(session, record)
     context.progress(1, 1, record["verdict"])
     return {

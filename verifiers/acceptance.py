@@ -1,7 +1,7 @@
 """Acceptance (R117-R123): a fresh process reopens the exact candidate read-only and judges the whole sequence.
 
 `judge` reads and returns; it writes nothing. `python -m worldagent.verifiers.acceptance FOLDER` is that fresh
-process: it prints one JSON object. Its parent writes the ledger.
+process: it prints its progress line by line, then one JSON object. Its parent writes the ledger.
 """
 
 from __future__ import annotations
@@ -10,9 +10,12 @@ import json
 import math
 import subprocess
 import sys
+import tempfile
+import threading
 from pathlib import Path
 from typing import Any
 
+from ..execution import Part, Tell
 from ..worlds.audit import audit
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
@@ -280,10 +283,10 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
     return found
 
 
-def _replay_row(candidate: Candidate, seed: int, intervals: int) -> Row:
+def _replay_row(candidate: Candidate, seed: int, intervals: int, progress: Tell) -> Row:
     from ..simulation.probe import replay
 
-    results = replay(candidate, intervals=intervals, seed=seed)
+    results = replay(candidate, intervals=intervals, seed=seed, progress=progress)
     bad = [r for r in results if not r["identical"]]
     return Row(
         id="delivery:replay",
@@ -312,7 +315,14 @@ def _replay_row(candidate: Candidate, seed: int, intervals: int) -> Row:
     )
 
 
-def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = REPLAY_INTERVALS) -> dict[str, Any]:
+def judge(
+    root: Path,
+    *,
+    replay: bool = True,
+    seed: int = 0,
+    intervals: int = REPLAY_INTERVALS,
+    progress: Tell | None = None,
+) -> dict[str, Any]:
     """Judge the candidate of a world folder's present `world.json`, reading only.
 
     Args:
@@ -320,6 +330,7 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = RE
         replay: also simulate again: the start and randomly chosen checkpoint intervals, and the world without its causes.
         seed: of that choice.
         intervals: how many per solver instance; more than there are means all.
+        progress: told of every check, and of the frames that are simulated.
 
     Returns a JSON-able record: verdict, freeze, subject, rows, clauses, approximations, versions, environment, events.
 
@@ -328,7 +339,8 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = RE
         EvidenceError: something recorded is missing or damaged.
     """
     from ..simulation.freeze import engine_versions, freeze_hash
-    from .checks import run_checks
+    from ..simulation.runs import groups_of
+    from .checks import judging_share, run_checks
 
     folder = WorldFolder(root)
     spec = parse_spec(folder.read_json(folder.spec_path))
@@ -336,9 +348,12 @@ def judge(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = RE
     candidate = open_candidate(folder, freeze, "full")
     rows = list(audit(spec).rows)
     rows.append(_freeze_row(candidate, freeze, freeze_hash(spec, candidate.built)))
-    rows += run_checks(candidate, reruns=replay)
+    tell = progress or _silent
+    judged = judging_share(spec, "full", reruns=replay) if replay else 1.0
+    rows += run_checks(candidate, reruns=replay, progress=Part(tell, 0.0, judged))
     if replay:
-        rows.append(_replay_row(candidate, seed, intervals))
+        parts = len(groups_of(spec))
+        rows.append(_replay_row(candidate, seed, intervals, Part(tell, judged, 1.0, alike=parts)))
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]
     mapped = spec.clauses
     return {
@@ -424,30 +439,71 @@ def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
     )
 
 
-def judge_fresh(root: Path, *, replay: bool = True, seed: int = 0, intervals: int = REPLAY_INTERVALS) -> dict[str, Any]:
-    """Run `judge` in a fresh Python process and return its record.
+def _silent(done: float, total: float, message: str, ends: float | None = None) -> None:
+    """Tell nobody."""
+
+
+def judge_fresh(
+    root: Path,
+    *,
+    replay: bool = True,
+    seed: int = 0,
+    intervals: int = REPLAY_INTERVALS,
+    progress: Tell | None = None,
+) -> dict[str, Any]:
+    """Run `judge` in a fresh Python process, pass its progress on, and return its record.
 
     Raises:
         RefusedError, EvidenceError: as `judge`.
-        EngineError: the process died.
+        EngineError: the process died, or took longer than TIMEOUT_SECONDS.
     """
     command = [sys.executable, "-P", "-m", "worldagent.verifiers.acceptance", str(root), "--seed", str(seed)]
     command += ["--intervals", str(intervals)]
     if not replay:
         command.append("--no-replay")
-    done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_SECONDS, check=False, stdin=subprocess.DEVNULL)
-    try:
-        answer: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    except (IndexError, ValueError) as error:
-        raise EngineError(f"the acceptance process ended with code {done.returncode}: {done.stderr[-800:]}") from error
+    answer: dict[str, Any] | None = None
+    with tempfile.TemporaryFile() as errors:
+        pipes = {"stdout": subprocess.PIPE, "stderr": errors, "stdin": subprocess.DEVNULL}
+        with subprocess.Popen(command, text=True, **pipes) as process:  # type: ignore[call-overload]
+            timer = threading.Timer(TIMEOUT_SECONDS, process.kill)
+            timer.start()
+            try:
+                for line in process.stdout:
+                    answer = _heard(line, progress or _silent)
+                code = process.wait()
+            finally:
+                timer.cancel()
+                if process.poll() is None:  # the caller was cancelled: nobody waits for the verdict
+                    process.kill()
+        errors.seek(0)
+        said = errors.read().decode("utf-8", "replace")
+    if answer is None:
+        raise EngineError(f"the acceptance process ended with code {code}: {said[-800:]}")
     if "error" in answer:
         kind = {"RefusedError": RefusedError, "EvidenceError": EvidenceError}.get(answer["error"]["type"], EngineError)
         raise kind(answer["error"]["message"])
     return answer
 
 
+def _heard(line: str, progress: Tell) -> dict[str, Any] | None:
+    """Takes a line of the fresh process: passes progress on; else the record, or None of what an engine printed."""
+    try:
+        told = json.loads(line)
+        if isinstance(told, dict) and "progress" in told:
+            progress(*told["progress"])
+            return None
+    except (ValueError, TypeError):
+        return None
+    return told if isinstance(told, dict) else None
+
+
+def _print(document: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(document, allow_nan=False) + "\n")
+    sys.stdout.flush()
+
+
 def main() -> None:
-    """The fresh process: one JSON object on the last line of standard output."""
+    """The fresh process: lines of progress, then one JSON object on the last line of standard output."""
     import argparse
 
     from ..worlds.errors import WorldAgentError
@@ -459,10 +515,16 @@ def main() -> None:
     parser.add_argument("--no-replay", action="store_true")
     options = parser.parse_args()
     try:
-        record = judge(options.folder, replay=not options.no_replay, seed=options.seed, intervals=options.intervals)
+        record = judge(
+            options.folder,
+            replay=not options.no_replay,
+            seed=options.seed,
+            intervals=options.intervals,
+            progress=lambda *told: _print({"progress": told}),
+        )
     except WorldAgentError as error:
         record = {"error": {"type": type(error).__name__, "message": str(error)}}
-    sys.stdout.write(json.dumps(record, allow_nan=False) + "\n")
+    _print(record)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from ..execution import Part, Tell
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Row, fail_closed
 from ..worlds.spec import WorldSpec
@@ -28,7 +30,14 @@ from . import (
 )
 from .diagnosis import diagnose
 
-__all__ = ["CHECKS", "CheckBinding", "names_of", "rerun_ids", "run_checks"]
+__all__ = ["CHECKS", "CheckBinding", "judging_share", "names_of", "rerun_ids", "run_checks"]
+
+CHECK_WORK = 0.03
+"""Work of a check that simulates nothing, in simulations of the probe; own choice, for progress alone."""
+RERUN_WORK = 0.3
+"""Work of a row whose check simulates the world again: from the middle on, mostly, and not all instances."""
+MOST_WORK = 4.0
+"""Judging counts as no more, so that a simulation before it is seen to go on."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +45,8 @@ class CheckBinding:
     """One check: its name in rows, the function, and where it can judge."""
 
     name: str
-    function: Callable[[Candidate], list[Row]]
+    function: Callable[..., list[Row]]
+    """Takes a candidate; one that reruns also takes `progress`."""
     stages: tuple[Stage, ...]
     reruns: Callable[[WorldSpec], frozenset[str]] | None = None
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
@@ -72,12 +82,30 @@ def rerun_ids(spec: WorldSpec) -> frozenset[str]:
     return frozenset().union(*(c.reruns(spec) for c in CHECKS if c.reruns is not None))
 
 
+def _chosen(stage: Stage, only: Iterable[str] | None = None, reruns: bool | None = None) -> list[CheckBinding]:
+    wanted = None if only is None else set(only)
+    again = stage == "probe" if reruns is None else reruns
+    return [c for c in CHECKS if stage in c.stages and (wanted is None or c.name in wanted) and (again or c.reruns is None)]
+
+
+def _work(spec: WorldSpec, chosen: Iterable[CheckBinding]) -> list[float]:
+    """How much work each check is, in simulations of the whole."""
+    return [CHECK_WORK if c.reruns is None else RERUN_WORK * len(c.reruns(spec)) for c in chosen]
+
+
+def judging_share(spec: WorldSpec, stage: Stage, *, reruns: bool | None = None) -> float:
+    """Which part of a job judging is, beside one simulation of all that is judged, in (0, 1)."""
+    work = min(MOST_WORK, sum(_work(spec, _chosen(stage, reruns=reruns))))
+    return work / (1.0 + work)
+
+
 def run_checks(
     candidate: Candidate,
     *,
     only: Iterable[str] | None = None,
     reruns: bool | None = None,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Tell | None = None,
+    seconds: dict[str, float] | None = None,
 ) -> list[Row]:
     """Run every check that judges at the candidate's stage.
 
@@ -85,16 +113,23 @@ def run_checks(
         candidate: what is judged.
         only: names of checks; default all.
         reruns: whether to simulate variants of the world for the checks that need them; default at the probe only.
-        progress: called with (done, total, message) before each check.
+        progress: told before each check, and from within those that simulate.
+        seconds: gets the time that the others took, as `judged`.
     """
-    wanted = None if only is None else set(only)
-    again = candidate.stage == "probe" if reruns is None else reruns
-    chosen = [
-        c for c in CHECKS if candidate.stage in c.stages and (wanted is None or c.name in wanted) and (again or c.reruns is None)
-    ]
+    chosen = _chosen(candidate.stage, only, reruns)
     rows: list[Row] = []
+    work, took = _work(candidate.spec, chosen), 0.0
     for done, binding in enumerate(chosen):
-        if progress is not None:
-            progress(done, len(chosen), f"checking {binding.name}")
-        rows += [diagnose(fail_closed(r), candidate.spec) for r in binding.function(candidate)]
+        whole, began = max(sum(work), CHECK_WORK), time.monotonic()
+        told = Part(progress or _silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
+        told(0, 1, f"checking {binding.name}")
+        found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told)
+        rows += [diagnose(fail_closed(r), candidate.spec) for r in found]
+        took += time.monotonic() - began if binding.reruns is None else 0.0
+    if seconds is not None:
+        seconds["judged"] = took
     return rows
+
+
+def _silent(done: float, total: float, message: str, ends: float | None = None) -> None:
+    """Tell nobody."""

@@ -21,14 +21,14 @@ Causality*, 2016, chapter 2 (why the rest of the world is left as it happened).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..simulation.protocol import Intervention
-from ..simulation.variants import first_frame, run_variant
+from ..simulation.variants import first_frame, run_variant, simulated
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact, entities_of
@@ -65,8 +65,18 @@ class _Run:
 
     candidate: Candidate
     frames: int
-    steps: int
-    """Solver steps of the frames from its start on; unlike seconds equal on every machine."""
+    start: int
+
+    @property
+    def instances(self) -> tuple[str, ...]:
+        """Those that the judgement needed."""
+        return simulated(self.candidate)
+
+    @property
+    def steps(self) -> int:
+        """Solver steps of the frames from its start on; unlike seconds equal on every machine."""
+        rigid = self.candidate.rigid_caches
+        return int(sum(rigid[n].series("record/steps")[self.start + 1 :].sum() for n in self.instances if n in rigid))
 
 
 def row_ids(spec: WorldSpec) -> frozenset[str]:
@@ -78,15 +88,27 @@ def _row_id(cause_id: str, effect_id: str) -> str:
     return f"causal:without:{cause_id}:{effect_id}"
 
 
-def check(candidate: Candidate) -> list[Row]:
-    """One row per declared cause of every beat; runs that serve several effects are made once."""
+def check(candidate: Candidate, progress: Callable[[float, float, str], None] | None = None) -> list[Row]:
+    """One row per declared cause of every beat; runs that serve several effects are made once.
+
+    Args:
+        candidate: what is judged.
+        progress: called with (rows done, rows planned, message), also from within a run.
+    """
     beats = candidate.spec.story.beats
     edges = [(c, e) for e, beat in beats.items() for c in beat.causes if c in beats]
     if not edges:
         return []
-    work = _Work(candidate, edges)
-    rows = []
+    rows: list[Row] = []
+
+    def tell(done: int, total: int, message: str) -> None:
+        if progress is not None:
+            cause, effect = edges[len(rows)]
+            progress(len(rows) + done / max(total, 1), len(edges), f"checking causal: {effect} without {cause}, {message}")
+
+    work = _Work(candidate, edges, tell)
     for cause_id, effect_id in edges:
+        tell(0, 1, f"{len(rows) + 1} of {len(edges)}")
         try:
             rows.append(work.judge(cause_id, effect_id))
         except EvidenceError as error:
@@ -97,8 +119,9 @@ def check(candidate: Candidate) -> list[Row]:
 class _Work:
     """The variants of one candidate."""
 
-    def __init__(self, candidate: Candidate, edges: list[tuple[str, str]]) -> None:
+    def __init__(self, candidate: Candidate, edges: list[tuple[str, str]], tell: Callable[[int, int, str], None]) -> None:
         self.candidate = candidate
+        self._tell = tell
         self._chains: Chains | None = None
         self._tries: dict[tuple[str, str], list[_Try] | EvidenceError] = {}
         self._ends: dict[_Try, int] = {}
@@ -147,10 +170,8 @@ class _Work:
         if option not in self._runs:
             try:
                 end = self._ends[option]
-                made = run_variant(self.candidate, option.done, start=option.start, end=end)
-                frames = end - first_frame(self.candidate, option.start)
-                steps = sum(c.series("record/steps")[option.start + 1 :].sum() for c in made.rigid_caches.values())
-                self._runs[option] = _Run(made, frames, int(steps))
+                made = run_variant(self.candidate, option.done, start=option.start, end=end, progress=self._tell)
+                self._runs[option] = _Run(made, end - first_frame(self.candidate, option.start), option.start)
             except EvidenceError as error:
                 self._runs[option] = error
         found = self._runs[option]
@@ -250,6 +271,7 @@ def _compare(candidate: Candidate, edge: tuple[str, str], option: _Try, run: _Ru
         "from_frame": option.start,
         "frames_rerun": run.frames,
         "steps_rerun": run.steps,
+        "instances_rerun": list(run.instances),
         "frame_with_cause": first,
         "frame_without_cause": without.first_true_frame if came else None,
         "value_with_cause": original.value,

@@ -12,7 +12,8 @@ Every sample runs from frame 0 to the last frame that its beats need.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -34,6 +35,8 @@ __all__ = ["CONFIDENCE", "check", "clopper_pearson", "row_ids"]
 CONFIDENCE = 0.95
 TOLD = 6
 """Most entities whose draws of a failed sample are told."""
+_Tell = Callable[[int, int, int, str], None]
+"""Takes (run, frames done, frames planned, message)."""
 LEAST_STEP = 2e-5
 """[s] Smallest step that solver settings allow."""
 
@@ -55,29 +58,49 @@ def clopper_pearson(hits: int, count: int) -> tuple[float, float]:
     return (low, high)
 
 
-def check(candidate: Candidate) -> list[Row]:
-    """One row per declared item and beat."""
+def check(candidate: Candidate, progress: Callable[[float, float, str], None] | None = None) -> list[Row]:
+    """One row per declared item and beat.
+
+    Args:
+        candidate: what is judged.
+        progress: called with (runs done, runs planned, message), also from within a run.
+    """
     rows: list[Row] = []
-    for name, item in candidate.spec.story.robustness.items():
+    declared = candidate.spec.story.robustness
+    planned = sum(_runs(item) for item in declared.values())
+    begun = 0
+
+    def tell(run: int, done: int, total: int, message: str) -> None:
+        if progress is not None:
+            progress(
+                begun + run + done / max(total, 1), planned, f"checking robustness: run {begun + run + 1} of {planned}, {message}"
+            )
+
+    for name, item in declared.items():
         beats = [b for b in dict.fromkeys(item.beats) if b in candidate.spec.story.beats]
         try:
             if not candidate.rigid_caches:
                 raise EvidenceError("nothing was simulated yet: probe first")
             made = (
-                _perturbed(candidate, name, item, beats)
+                _perturbed(candidate, name, item, beats, tell)
                 if isinstance(item, Perturbed)
-                else _refined(candidate, name, item, beats)
+                else _refined(candidate, name, item, beats, tell)
             )
         except EvidenceError as error:
             made = [_row(candidate, name, item, b, "unverified", str(error)) for b in beats]
         rows += made
+        begun += _runs(item)
     return rows
+
+
+def _runs(item: Perturbed | Refined) -> int:
+    return item.samples if isinstance(item, Perturbed) else 1
 
 
 # ---------------------------------------------------------------- perturbed starts
 
 
-def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str]) -> list[Row]:
+def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str], tell: _Tell) -> list[Row]:
     end = last_needed(candidate.spec, beats)
     passed = dict.fromkeys(beats, 0)
     failed: dict[str, list[dict[str, Any]]] = {b: [] for b in beats}
@@ -85,7 +108,7 @@ def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str
     for sample in range(item.samples):
         spec, built, drawn = perturbed(candidate, name, item, sample)
         try:
-            variant = run_altered(candidate, spec, built, end=end)
+            variant = run_altered(candidate, spec, built, end=end, progress=partial(tell, sample))
         except EvidenceError as error:
             for beat in beats:
                 failed[beat].append({"sample": sample, "why": str(error), "drawn": _largest(drawn)})
@@ -163,7 +186,7 @@ def _fraction_row(
 # ---------------------------------------------------------------- finer steps
 
 
-def _refined(candidate: Candidate, name: str, item: Refined, beats: list[str]) -> list[Row]:
+def _refined(candidate: Candidate, name: str, item: Refined, beats: list[str], tell: _Tell) -> list[Row]:
     spec = candidate.spec
     solvers = {}
     for key, instance in spec.simulation.solvers.items():
@@ -173,7 +196,7 @@ def _refined(candidate: Candidate, name: str, item: Refined, beats: list[str]) -
             raise EvidenceError(f"{field} {step * item.factor:g} s of {key!r} divided by {item.factor} is below {LEAST_STEP:g} s")
         solvers[key] = instance.model_copy(update={"settings": instance.settings.model_copy(update={field: step})})
     finer = spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"solvers": solvers})})
-    variant = run_altered(candidate, finer, candidate.built, end=last_needed(spec, beats))
+    variant = run_altered(candidate, finer, candidate.built, end=last_needed(spec, beats), progress=partial(tell, 0))
     return [_shift_row(candidate, name, item, b, beat_times(candidate).outcome(b), beat_times(variant).outcome(b)) for b in beats]
 
 

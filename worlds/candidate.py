@@ -53,6 +53,8 @@ class Candidate:
     """Content digest of the inspected caches; empty at the static stage."""
     apart: frozenset[tuple[str, str]] = frozenset()
     """Pairs of entities that this run lets pass through each other (a counterfactual one): neither carries the other."""
+    variants: Path | None = None
+    """Where simulated variants of it are kept and taken from; None writes nothing, and trusts nothing that was written."""
 
     @cached_property
     def rigid_caches(self) -> dict[str, Cache]:

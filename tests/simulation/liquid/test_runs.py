@@ -15,7 +15,7 @@ from worldagent.simulation.probe import replay
 from worldagent.simulation.protocol import Intervention
 from worldagent.simulation.runs import groups_of, make_run
 from worldagent.simulation.schedule import run_frames
-from worldagent.simulation.variants import run_variant
+from worldagent.simulation.variants import run_variant, simulated
 from worldagent.worlds.audit import ENGINE_CHANNELS
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache
@@ -144,6 +144,21 @@ def test_a_counterfactual_of_a_coupled_run_holds_the_crate_and_leaves_the_past(b
     assert after.shape != untouched.shape or not np.array_equal(after, untouched)
 
 
+def test_a_liquid_that_nobody_asks_about_is_not_simulated_without_a_cause(tmp_path: Path) -> None:
+    """It reads the crate, so that a held crate may change it; the crate's own fate is known without it."""
+    spec, built = build(coupled=False)
+    caches = run_frames(spec, built, tmp_path / "bake", frames=3)
+    candidate = Candidate(folder=tmp_path, spec=spec, built=built, stage="full", caches=caches, digest=cache_digest(caches))
+    told: list[str] = []
+    done = Intervention(held=frozenset({"crate"}), since=0.0)
+    variant = run_variant(candidate, done, start=0, end=2, progress=lambda _, __, text: told.append(text))
+    variant.caches["rigid"].series("position")
+    assert simulated(variant) == ("rigid",)
+    variant.caches["water"].read(2)
+    assert set(simulated(variant)) == {"rigid", "water"}
+    assert told == [f"{name}: frame {k} of 2" for name in ("rigid", "water") for k in (1, 2)]
+
+
 def test_held_water_neither_moves_nor_pushes(baked: Candidate) -> None:
     variant = run_variant(baked, Intervention(held=frozenset({"water"}), since=5 / 24), start=5, end=7)
     held = [variant.caches["water"].read(k)["particle/position"] for k in (5, 6, 7)]
@@ -161,7 +176,7 @@ def test_a_liquid_that_reads_bodies_needs_their_cache() -> None:
 
 def test_a_liquid_cannot_be_let_through_a_solid(baked: Candidate) -> None:
     with pytest.raises(EvidenceError, match="cannot be let through"):
-        run_variant(baked, Intervention(apart=frozenset({("crate", "water")})), start=0, end=2)
+        run_variant(baked, Intervention(apart=frozenset({("crate", "water")})), start=0, end=2).caches["water"].read(1)
 
 
 def test_a_damaged_checkpoint_is_no_checkpoint(baked: Candidate) -> None:

@@ -489,12 +489,13 @@ def _heard(line: str, progress: Tell) -> dict[str, Any] | None:
     """Takes a line of the fresh process: passes progress on; else the record, or None of what an engine printed."""
     try:
         told = json.loads(line)
-        if isinstance(told, dict) and "progress" in told:
-            progress(*told["progress"])
-            return None
-    except (ValueError, TypeError):
+    except ValueError:
         return None
-    return told if isinstance(told, dict) else None
+    if not isinstance(told, dict) or "progress" not in told:
+        return told if isinstance(told, dict) else None
+    if isinstance(told["progress"], list):
+        progress(*told["progress"])
+    return None
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -143,6 +144,8 @@ def test_a_job_knows_how_long_one_like_it_took(store, tmp_path, until):
     assert len(pace) == 21
     assert pace == sorted(pace)
     assert pace[-1] > 0
+    assert JobTable(store.workspace).latest_pace(replace(first, world="another")) is None
+    assert JobTable(store.workspace).latest_pace(replace(first, payload={**first.payload, "only": ["causal"]})) is None
     second = start("b")
     told = until(lambda: store.get(second.id).left_s)  # at its first step; the rate alone needs two
     assert told > 0

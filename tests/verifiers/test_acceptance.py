@@ -163,3 +163,25 @@ def test_a_process_that_dies_is_an_engine_error(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(EngineError, match="ended with code 1"):
         judge_fresh(tmp_path)
+
+
+def test_the_fresh_process_passes_its_progress_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What an engine prints between is no record; the last line is."""
+    lines = ['{"progress": [0.1, 1.0, "checking causal", 0.4]}', "engine 1.0", '{"progress": "none"}', '{"verdict": "accepted"}']
+    script = tmp_path / "python"
+    script.write_text("#!/bin/sh\n" + "".join(f"echo '{line}'\n" for line in lines))
+    script.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(script))
+    told: list[Any] = []
+    assert judge_fresh(tmp_path, progress=lambda *report: told.append(report)) == {"verdict": "accepted"}
+    assert told == [(0.1, 1.0, "checking causal", 0.4)]
+
+
+def test_a_process_that_takes_too_long_is_an_engine_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = tmp_path / "python"
+    script.write_text('#!/bin/sh\necho \'{"progress": [0.1, 1.0, "a"]}\'\nexec sleep 60\n')
+    script.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(script))
+    monkeypatch.setattr(acceptance, "TIMEOUT_SECONDS", 0.5)
+    with pytest.raises(EngineError, match="ended with code -9"):
+        judge_fresh(tmp_path)

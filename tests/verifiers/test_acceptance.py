@@ -10,8 +10,9 @@ from typing import Any, get_args
 import pytest
 from worldagent.bench.small_worlds import box, ground, make_candidate, world
 from worldagent.verifiers import acceptance
-from worldagent.verifiers.acceptance import acceptance_subject, approximations, find_candidate, judge_fresh, verdict_of
+from worldagent.verifiers.acceptance import acceptance_subject, find_candidate, judge_fresh, verdict_of
 from worldagent.verifiers.checks import CHECKS, names_of
+from worldagent.verifiers.register import approximations
 from worldagent.worlds.canonical import spec_digest
 from worldagent.worlds.errors import EngineError, EvidenceError, RefusedError
 from worldagent.worlds.folder import WorldFolder

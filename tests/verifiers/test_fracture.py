@@ -13,7 +13,7 @@ import pytest
 from worldagent.tests.physics.fracture_world import simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers import fracture, rigid
-from worldagent.verifiers.acceptance import approximations
+from worldagent.verifiers.register import approximations
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Breach, Broken, Debris

@@ -12,8 +12,8 @@ import pytest
 import trimesh
 from worldagent.bench.small_liquids import tank_spec
 from worldagent.construction.build import build_entity
-from worldagent.verifiers.acceptance import approximations
 from worldagent.verifiers.outlines import filled_cells, liquid_outline
+from worldagent.verifiers.register import approximations
 from worldagent.verifiers.sight import Sight
 from worldagent.verifiers.support import check as check_support
 from worldagent.worlds.arrays import F64

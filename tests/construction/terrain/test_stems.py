@@ -18,9 +18,9 @@ from worldagent.geometry.solids import Solid
 from worldagent.rendering.planting import free_plants
 from worldagent.simulation.rigid import SolverRigid
 from worldagent.tests.physics.rigid_world import ball, world
-from worldagent.verifiers.acceptance import approximations
 from worldagent.verifiers.ground_stems import stem_gap
 from worldagent.verifiers.interpenetration import check as interpenetration
+from worldagent.verifiers.register import approximations
 from worldagent.verifiers.scale import check as scale
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import InputError, LimitError

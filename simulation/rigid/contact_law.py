@@ -46,7 +46,7 @@ DAMPING_STEPS = 4.0
 """Time constant of contact damping and of sticking friction, in steps."""
 HARDER = 0.01
 """Softness of closing contacts, in parts of that of others. How softly MuJoCo meets a reference depends on the estimated,
-not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution."""
+not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution. Not among pieces of one body."""
 SLOWEST_BOUNCE = 0.01
 """[m/s] Contacts that close slower do not bounce: a hop from there is 5 micrometres high."""
 GRAVITY_STEPS = 4.0
@@ -200,7 +200,9 @@ class ContactLaw:
         own = data.efc_aref[rows]
         closing = speed[hit] if weak is None else np.minimum(speed[hit] + weak.slack[hit], 0.0)
         own[hit] = -(1.0 + self.restitution_of(sides[hit])) * closing / dt
-        self._harden(data, rows[hit], sizes[hit])
+        # Faces in a tight fit ask for what cannot all be had: hard ones would answer with 1e7 N where soft ones do with 1e5.
+        hard = hit if self.kin is None else hit & ~self.kin.among(sides)
+        self._harden(data, rows[hard], sizes[hard])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
         acceleration = np.zeros(data.nefc)
         swung = np.zeros(len(rows), dtype=bool)
@@ -252,7 +254,7 @@ class ContactLaw:
         return np.asarray(np.sqrt(square))
 
     def _harden(self, data: Any, rows: NDArray[np.int32], sizes: NDArray[np.int32]) -> None:
-        for k in range(int(sizes.max())):
+        for k in range(int(sizes.max(initial=0))):
             scale_rows(data, rows[sizes > k] + k, HARDER)
 
 

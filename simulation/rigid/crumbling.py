@@ -109,8 +109,12 @@ class Crumbling:
 
     def overlap_of(self, geoms: Any) -> F64:
         """How deep pairs of geoms, shape (n, 2), may lie in one another [m], shape (n,)."""
+        return np.asarray(np.where(self.among(geoms), self.overlap[np.maximum(self.body[geoms[:, 0]], 0)], 0.0))
+
+    def among(self, geoms: Any) -> NDArray[np.bool_]:
+        """Which pairs of geoms, shape (n, 2), are pieces of one body, shape (n,)."""
         first, second = self.body[geoms[:, 0]], self.body[geoms[:, 1]]
-        return np.asarray(np.where((first >= 0) & (first == second), self.overlap[np.maximum(first, 0)], 0.0))
+        return np.asarray((first >= 0) & (first == second))
 
     def crumbling(self, data: Any, geoms: Any, points: F64, rows: NDArray[np.int32], dt: float) -> Weak | None:
         """Keep contacts among pieces from bursting; those whose faces crumble, None where there are none.
@@ -127,7 +131,7 @@ class Crumbling:
         if not any_.any():
             return None
         self._calm(data, rows[any_])
-        own = np.flatnonzero((first >= 0) & (first == second))
+        own = np.flatnonzero(self.among(geoms))
         if not len(own):
             return None
         at, body = rows[own], self.body[geoms[own, 0]]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from worldagent.bench.defects._fracture_scenes import KINDS
 from worldagent.construction import build_entity
 from worldagent.simulation.fracture.clusters import clusters_of
+from worldagent.simulation.rigid import SolverRigid
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, solver_of, struck_wall
 from worldagent.worlds.fracture import piece_overlap
@@ -176,6 +178,24 @@ def test_loose_bricks_bear_what_stands_on_them() -> None:
     joint = 0.01
     assert 0.0 < sunk[-1] < 0.5 * joint
     assert abs(sunk[-1] - sunk[-3]) < 0.02 * joint
+
+
+def test_what_jams_in_a_struck_wall_gives_no_more_than_the_blow() -> None:
+    """Tight faces ask for what cannot all be had; they must not answer with a hundred times what the balls bring."""
+    spec = KINDS["crossfire"](np.random.default_rng([1, 2]))
+    solver = SolverRigid(spec, {n: build_entity(spec, n, rigid_world.NO_ASSETS) for n in spec.entities}, "rigid")
+    solver.prepare()
+    momentum = sum(
+        float(solver.rigid.masses[k] * np.linalg.norm(solver.frame_data()["velocity"][k]))
+        for k, name in enumerate(solver.rigid.bodies)
+        if name in ("ball/body", "other/body")
+    )
+    most = 0.0
+    for frame in range(1, spec.simulation.frames):
+        solver.advance(frame)
+        most = max(most, float(solver.frame_data()["contact/max_force"].max(initial=0.0)))
+    assert solver.frame_data()["bond/broken"].any()
+    assert most < 10.0 * momentum / solver.settings.step
 
 
 @pytest.mark.parametrize("speed", [6.0, 15.0])

@@ -200,7 +200,7 @@ class ContactLaw:
         own = data.efc_aref[rows]
         closing = speed[hit] if weak is None else np.minimum(speed[hit] + weak.slack[hit], 0.0)
         own[hit] = -(1.0 + self.restitution_of(sides[hit])) * closing / dt
-        # Faces in a tight fit ask for what cannot all be had: hard ones would answer with 1e7 N where soft ones do with 1e5.
+        # Faces in a tight fit ask for what cannot all be had, and the harder they are the larger is what they answer with.
         hard = hit if self.kin is None else hit & ~self.kin.among(sides)
         self._harden(data, rows[hard], sizes[hard])
         lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))

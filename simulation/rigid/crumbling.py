@@ -285,4 +285,4 @@ def _columns(spec: WorldSpec, built: BuiltEntity) -> F64:
     edge = np.cbrt([b.volume for b in built.bodies])
     height = pose_of(spec.entities[built.entity].pose).apply(centers) @ (-gravity / max(strength, 1e-12))
     above = (height + edge / 2).max() - height
-    return np.asarray(2.0 / 4.0 * mass / edge * above * strength)
+    return np.asarray(0.5 * mass / edge * above * strength)

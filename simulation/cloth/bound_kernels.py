@@ -3,6 +3,8 @@
 
 import warp as wp
 
+from .near_kernels import is_edges
+
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["bound", "move", "reached", "stride"]
@@ -47,7 +49,7 @@ def bound(
     for k in range(4):
         middle += half * wp.abs(c[k]) * wp.dot(x[q[k]] - x[q[0]], n)
         both += half * wp.abs(c[k]) * dt * wp.dot(u[q[k]], n)
-    edges = kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3
+    edges = is_edges(kinds[p])
     led = zero
     solid = kinds[p][0] > 1
     keep = KEEP * (radius[q[0]] + radius[q[2]])

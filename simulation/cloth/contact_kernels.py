@@ -3,7 +3,7 @@
 
 import warp as wp
 
-from .near_kernels import on_segments, on_triangle
+from .near_kernels import is_edges, shares
 
 wp.set_module_options({"enable_backward": False})
 
@@ -20,7 +20,7 @@ def stands(c: wp.vec4d, kind: wp.vec2i):
     """Whether a pair is the one of several with the same nearest points that counts: edges where they meet inside both, a triangle inside
     itself or at edges and corners that it stands for."""
     zero = wp.float64(0.0)
-    if kind[0] % 4 == 1 or kind[0] % 4 == 3:
+    if is_edges(kind):
         return c[0] > zero and c[1] > zero and c[2] < zero and c[3] < zero
     a = c[1] < zero
     b = c[2] < zero
@@ -88,19 +88,8 @@ def meet(
             slack[p] = left
             wanted[p] = wp.float64(-2.0e30)
             return
-    x0 = x[q[0]]
-    x1 = x[q[1]]
-    x2 = x[q[2]]
-    x3 = x[q[3]]
-    one = wp.float64(1.0)
-    c = wp.vec4d()
-    if kinds[p][0] % 4 == 1 or kinds[p][0] % 4 == 3:
-        s = on_segments(x0, x1, x2, x3)
-        c = wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
-    else:
-        w = on_triangle(x0, x1, x2, x3)
-        c = wp.vec4d(one, -w[0], -w[1], -w[2])
-    r = c[0] * x0 + c[1] * x1 + c[2] * x2 + c[3] * x3
+    c = shares(x, q, kinds[p])
+    r = c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]]
     d = wp.length(r)
     n = r / wp.max(d, wp.float64(1.0e-30))
     gap = d - radius[q[0]] - radius[q[2]]

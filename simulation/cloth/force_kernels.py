@@ -1,11 +1,92 @@
 # mypy: ignore-errors
-"""Warp kernels of the forces within a sheet and of the air on it."""
+"""Warp kernels of the forces within a sheet, and what they and those of the air are made of."""
 
 import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["bending", "membrane"]
+__all__ = ["Strained", "across_face", "bending", "membrane", "strained", "sum_at_vertex", "wind_past"]
+
+
+@wp.struct
+class Strained:
+    """Deformation of a triangle."""
+
+    warp: wp.vec3d
+    """Where a unit of length along warp goes."""
+    weft: wp.vec3d
+    inverse_warp: wp.float64
+    """Inverse stretches along both [1]."""
+    inverse_weft: wp.float64
+    along: wp.vec3d
+    """Directions of both."""
+    across: wp.vec3d
+    shear: wp.float64
+    """Cosine of the angle between them."""
+    turn_warp: wp.vec3d
+    """Change of the shear with warp and with weft."""
+    turn_weft: wp.vec3d
+
+
+@wp.func
+def strained(r: wp.vec4d, p: wp.vec3d, q: wp.vec3d):
+    """Deformation of a triangle with edges p and q from its first corner, at rest the inverse of `r`
+    (Baraff and Witkin 1998, doi:10.1145/280814.280821)."""
+    s = Strained()
+    one = wp.float64(1.0)
+    tiny = wp.float64(1.0e-9)
+    s.warp = r[0] * p + r[1] * q
+    s.weft = r[2] * p + r[3] * q
+    s.inverse_warp = one / wp.max(wp.length(s.warp), tiny)
+    s.inverse_weft = one / wp.max(wp.length(s.weft), tiny)
+    s.along = s.inverse_warp * s.warp
+    s.across = s.inverse_weft * s.weft
+    s.shear = wp.dot(s.along, s.across)
+    s.turn_warp = s.inverse_warp * (s.across - s.shear * s.along)
+    s.turn_weft = s.inverse_weft * (s.along - s.shear * s.across)
+    return s
+
+
+@wp.func
+def sum_at_vertex(
+    i: wp.int32,
+    corner_start: wp.array(dtype=wp.int32),
+    corners: wp.array(dtype=wp.int32),
+    force: wp.array(dtype=wp.vec3d),
+    hinge_start: wp.array(dtype=wp.int32),
+    hinge_items: wp.array(dtype=wp.int32),
+    hinge_weight: wp.array(dtype=wp.float64),
+    pull: wp.array(dtype=wp.vec3d),
+):
+    """Force on a vertex by its triangles and hinges [N]."""
+    f = wp.vec3d()
+    for k in range(corner_start[i], corner_start[i + 1]):
+        item = corners[k]
+        t = item / 3
+        corner = item - 3 * t
+        if corner == 0:
+            f -= force[2 * t] + force[2 * t + 1]
+        else:
+            f += force[2 * t + corner - 1]
+    for k in range(hinge_start[i], hinge_start[i + 1]):
+        item = hinge_items[k]
+        f += hinge_weight[item] * pull[item / 4]
+    return f
+
+
+@wp.func
+def wind_past(air: wp.vec4d, v: wp.array(dtype=wp.vec3d), f: wp.vec3i):
+    """Velocity of the air against a triangle [m/s]."""
+    return wp.vec3d(air[0], air[1], air[2]) - wp.float64(1.0 / 3.0) * (v[f[0]] + v[f[1]] + v[f[2]])
+
+
+@wp.func
+def across_face(x: wp.array(dtype=wp.vec3d), f: wp.vec3i):
+    """Normal of a triangle, and twice its area [m^2] in a fourth place."""
+    n = wp.cross(x[f[1]] - x[f[0]], x[f[2]] - x[f[0]])
+    double = wp.length(n)
+    n = n / wp.max(double, wp.float64(1.0e-30))
+    return wp.vec4d(n[0], n[1], n[2], double)
 
 
 @wp.kernel
@@ -25,34 +106,22 @@ def membrane(
     r = inverse_rest[t]
     m = law[t]
     xa = x[f[0]]
-    p = x[f[1]] - xa
-    q = x[f[2]] - xa
-    fu = r[0] * p + r[1] * q
-    fv = r[2] * p + r[3] * q
+    s = strained(r, x[f[1]] - xa, x[f[2]] - xa)
     one = wp.float64(1.0)
-    lu = wp.length(fu)
-    lv = wp.length(fv)
-    iu = one / wp.max(lu, wp.float64(1.0e-9))
-    iv = one / wp.max(lv, wp.float64(1.0e-9))
-    eu = iu * fu
-    ev = iv * fv
-    shear = wp.dot(eu, ev)
-    tu = iu * (ev - shear * eu)
-    tv = iv * (eu - shear * ev)
-    su = lu - one
-    sv = lv - one
-    ss = shear
+    su = wp.length(s.warp) - one
+    sv = wp.length(s.weft) - one
+    ss = s.shear
     if m[3] > wp.float64(0.0):
         va = v[f[0]]
         p = v[f[1]] - va
         q = v[f[2]] - va
         fu = r[0] * p + r[1] * q
         fv = r[2] * p + r[3] * q
-        su += m[3] * wp.dot(eu, fu)
-        sv += m[3] * wp.dot(ev, fv)
-        ss += m[3] * (wp.dot(tu, fu) + wp.dot(tv, fv))
-    fu = -m[0] * su * eu - m[2] * ss * tu
-    fv = -m[1] * sv * ev - m[2] * ss * tv
+        su += m[3] * wp.dot(s.along, fu)
+        sv += m[3] * wp.dot(s.across, fv)
+        ss += m[3] * (wp.dot(s.turn_warp, fu) + wp.dot(s.turn_weft, fv))
+    fu = -m[0] * su * s.along - m[2] * ss * s.turn_warp
+    fv = -m[1] * sv * s.across - m[2] * ss * s.turn_weft
     force[2 * t] = r[0] * fu + r[2] * fv
     force[2 * t + 1] = r[1] * fu + r[3] * fv
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .solve_kernels import multiply, substitute
+from .solve_kernels import descend, dot, multiply, redirect, substitute
 
 __all__ = ["agree", "answer", "clamp", "ease", "fails", "grip", "near_ones", "offer", "press", "pressing", "weigh"]
 
@@ -261,7 +261,7 @@ def weigh(factor, r):
     """Square of what is left, measured by the sheets at rest."""
     z = np.zeros((len(r), 3))
     _ready(factor, np.ones((len(factor[0]), 3)), r, np.empty((len(factor[0]), 3), np.float32), z)
-    return _dot(r, z)
+    return dot(r, z)
 
 
 @njit(cache=True, nogil=True)
@@ -269,36 +269,21 @@ def grip(matrix, factor, contact, weight, r, d, aim, most):
     """Preconditioned conjugate gradients for (matrix + contacts) d = r, from d = 0; r becomes what is left, at held vertices too.
 
     Ends where the square of what is left, measured by the preconditioner, is `aim`. Steps taken."""
-    n = len(r)
     room = np.empty((len(factor[0]), 3), np.float32)
-    z, q = np.zeros((n, 3)), np.empty((n, 3))
+    z, q = np.zeros_like(r), np.empty_like(r)
     _ready(factor, weight, r, room, z)
     p = z.copy()
     d[:] = 0.0
-    now = _dot(r, z)
+    now = dot(r, z)
     for step in range(most):
         if now <= aim or now <= 0.0:
             return step
         multiply(*matrix, p, q)
         _pressed(*contact, p, q)
-        rate = now / _dot(p, q)
-        for i in range(n):
-            for a in range(3):
-                d[i, a] += rate * p[i, a]
-                r[i, a] -= rate * q[i, a]
+        rate = now / dot(p, q)
+        descend(rate, p, q, d, r)
         _ready(factor, weight, r, room, z)
-        after = _dot(r, z)
-        share = after / now
+        after = dot(r, z)
+        redirect(after / now, z, p)
         now = after
-        for i in range(n):
-            for a in range(3):
-                p[i, a] = z[i, a] + share * p[i, a]
     return most
-
-
-@njit(cache=True, nogil=True)
-def _dot(a, b):
-    total = 0.0
-    for i in range(len(a)):
-        total += a[i, 0] * b[i, 0] + a[i, 1] * b[i, 1] + a[i, 2] * b[i, 2]
-    return total

@@ -5,7 +5,7 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["boxes", "near_self", "near_solids", "on_segments", "on_triangle"]
+__all__ = ["boxes", "is_edges", "near_self", "near_solids", "shares"]
 
 
 @wp.func
@@ -71,6 +71,23 @@ def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
         t = one
         s = wp.clamp((b - c) / a, zero, one)
     return wp.vec2d(s, t)
+
+
+@wp.func
+def is_edges(kind: wp.vec2i):
+    """Whether a pair is of two edges, not of a vertex and a triangle."""
+    return kind[0] % 4 == 1 or kind[0] % 4 == 3
+
+
+@wp.func
+def shares(x: wp.array(dtype=wp.vec3d), q: wp.vec4i, kind: wp.vec2i):
+    """Signed shares of a pair's vertices in its nearest points."""
+    one = wp.float64(1.0)
+    if is_edges(kind):
+        s = on_segments(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
+        return wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
+    w = on_triangle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
+    return wp.vec4d(one, -w[0], -w[1], -w[2])
 
 
 @wp.kernel

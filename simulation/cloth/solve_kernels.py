@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["gradients", "multiply", "precondition", "substitute", "turned"]
+__all__ = ["descend", "dot", "gradients", "multiply", "precondition", "redirect", "substitute", "turned"]
 
 
 @njit(cache=True, nogil=True)
@@ -85,43 +85,54 @@ def precondition(place, frames, start, row, lower, pivot, r, room, z):
 
 
 @njit(cache=True, nogil=True)
+def dot(a, b):
+    """Scalar product of two lists of vectors."""
+    total = 0.0
+    for i in range(len(a)):
+        total += a[i, 0] * b[i, 0] + a[i, 1] * b[i, 1] + a[i, 2] * b[i, 2]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def descend(rate, p, q, d, r):
+    """Take a step along p, which the matrix makes q of: the solution d gains by it, what is left r loses."""
+    for i in range(len(r)):
+        for a in range(3):
+            d[i, a] += rate * p[i, a]
+            r[i, a] -= rate * q[i, a]
+
+
+@njit(cache=True, nogil=True)
+def redirect(share, z, p):
+    """The next direction: z, and a share of the last one."""
+    for i in range(len(p)):
+        for a in range(3):
+            p[i, a] = z[i, a] + share * p[i, a]
+
+
+@njit(cache=True, nogil=True)
 def gradients(matrix, factor, r, d, tolerance, most):
     """Preconditioned conjugate gradients for matrix d = r, from d = 0; r becomes what is left, at held vertices too.
 
     Ends where what is left, measured by the preconditioner, is `tolerance` of what it was. Steps taken."""
-    n = len(r)
     room = np.empty((len(factor[0]), 3), np.float32)
-    z, q = np.zeros((n, 3)), np.empty((n, 3))
+    z, q = np.zeros_like(r), np.empty_like(r)
     precondition(*factor, r, room, z)
     p = z.copy()
     d[:] = 0.0
-    now = _dot(r, z)
+    now = dot(r, z)
     aim = tolerance * tolerance * now
     for step in range(most):
         if now <= aim or now <= 0.0:
             return step
         multiply(*matrix, p, q)
-        rate = now / _dot(p, q)
-        for i in range(n):
-            for a in range(3):
-                d[i, a] += rate * p[i, a]
-                r[i, a] -= rate * q[i, a]
+        rate = now / dot(p, q)
+        descend(rate, p, q, d, r)
         precondition(*factor, r, room, z)
-        after = _dot(r, z)
-        share = after / now
+        after = dot(r, z)
+        redirect(after / now, z, p)
         now = after
-        for i in range(n):
-            for a in range(3):
-                p[i, a] = z[i, a] + share * p[i, a]
     return most
-
-
-@njit(cache=True, nogil=True)
-def _dot(a, b):
-    total = 0.0
-    for i in range(len(a)):
-        total += a[i, 0] * b[i, 0] + a[i, 1] * b[i, 1] + a[i, 2] * b[i, 2]
-    return total
 
 
 @njit(cache=True, nogil=True)

@@ -3,6 +3,8 @@
 
 import warp as wp
 
+from .force_kernels import across_face, sum_at_vertex, wind_past
+
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["blow", "carry", "catch_air", "fall", "lead", "tick"]
@@ -30,18 +32,7 @@ def fall(
 ):
     """Velocity after all forces but those of contacts; held vertices take theirs from what holds them, which feels the rest."""
     i = first + wp.tid()
-    f = wp.vec3d()
-    for k in range(corner_start[i], corner_start[i + 1]):
-        item = corners[k]
-        t = item / 3
-        corner = item - 3 * t
-        if corner == 0:
-            f -= force[2 * t] + force[2 * t + 1]
-        else:
-            f += force[2 * t + corner - 1]
-    for k in range(hinge_start[i], hinge_start[i + 1]):
-        item = hinge_items[k]
-        f += hinge_weight[item] * pull[item / 4]
+    f = sum_at_vertex(i, corner_start, corners, force, hinge_start, hinge_items, hinge_weight, pull)
     dt = clock[0]
     m = mass[i]
     push = dt * (f + m * acceleration[i])
@@ -69,12 +60,11 @@ def blow(
     d = drag[t]
     third = wp.float64(1.0 / 3.0)
     a = air[t]
-    w = wp.vec3d(a[0], a[1], a[2]) - third * (v[f[0]] + v[f[1]] + v[f[2]])
-    n = wp.cross(x[f[1]] - x[f[0]], x[f[2]] - x[f[0]])
-    double = wp.length(n)
-    n = n / wp.max(double, wp.float64(1.0e-30))
+    w = wind_past(a, v, f)
+    face = across_face(x, f)
+    n = wp.vec3d(face[0], face[1], face[2])
     across = wp.dot(w, n)
-    force[t] = wp.float64(0.25) * a[3] * double * wp.length(w) * third * (d[0] * across * n + d[1] * (w - across * n))
+    force[t] = wp.float64(0.25) * a[3] * face[3] * wp.length(w) * third * (d[0] * across * n + d[1] * (w - across * n))
 
 
 @wp.kernel

@@ -4,7 +4,7 @@
 import warp as wp
 
 from .contact_kernels import FASTEST, PUSH, stands
-from .near_kernels import on_segments, on_triangle
+from .near_kernels import is_edges, shares
 
 wp.set_module_options({"enable_backward": False})
 
@@ -14,23 +14,6 @@ SPARE = wp.constant(wp.float64(0.5))
 """Of the distance of contact that contacts may turn things to each other besides what they do already."""
 KEPT = wp.constant(wp.float64(0.1))
 """Of the distance of contact: farther apart than this beyond it, what two things gave each other before says nothing."""
-
-
-@wp.func
-def is_edges(kind: wp.vec2i):
-    """Whether a pair is of two edges, not of a vertex and a triangle."""
-    return kind[0] % 4 == 1 or kind[0] % 4 == 3
-
-
-@wp.func
-def shares(x: wp.array(dtype=wp.vec3d), q: wp.vec4i, kind: wp.vec2i):
-    """Signed shares of a pair's vertices in its nearest points."""
-    one = wp.float64(1.0)
-    if is_edges(kind):
-        s = on_segments(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
-        return wp.vec4d(one - s[0], s[0], s[1] - one, -s[1])
-    w = on_triangle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])
-    return wp.vec4d(one, -w[0], -w[1], -w[2])
 
 
 @wp.func

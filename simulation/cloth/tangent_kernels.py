@@ -3,6 +3,8 @@
 
 import warp as wp
 
+from .force_kernels import across_face, strained, sum_at_vertex, wind_past
+
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["ahead", "block", "catch_damping", "damp_air", "frame", "guess", "regain", "tangent", "unbalanced"]
@@ -62,32 +64,25 @@ def tangent(
     r = inverse_rest[t]
     m = law[t]
     xa = x[f[0]]
-    p = x[f[1]] - xa
-    q = x[f[2]] - xa
-    fu = r[0] * p + r[1] * q
-    fv = r[2] * p + r[3] * q
+    s = strained(r, x[f[1]] - xa, x[f[2]] - xa)
     one = wp.float64(1.0)
     zero = wp.float64(0.0)
-    lu = wp.length(fu)
-    lv = wp.length(fv)
-    iu = one / wp.max(lu, wp.float64(1.0e-9))
-    iv = one / wp.max(lv, wp.float64(1.0e-9))
-    eu = iu * fu
-    ev = iv * fv
-    shear = wp.dot(eu, ev)
-    tu = iu * (ev - shear * eu)
-    tv = iv * (eu - shear * ev)
     step = theta * clock[0]
     still = step * step
     both = still + step * m[3]
     unit = wp.identity(n=3, dtype=wp.float64)
-    tight_u = still * wp.max(one - iu, zero)
-    tight_v = still * wp.max(one - iv, zero)
-    along[t] = m[0] * ((both - tight_u) * wp.outer(eu, eu) + tight_u * unit) + (both * m[2]) * wp.outer(tu, tu)
-    across[t] = m[1] * ((both - tight_v) * wp.outer(ev, ev) + tight_v * unit) + (both * m[2]) * wp.outer(tv, tv)
-    mixed[t] = (both * m[2]) * wp.outer(tu, tv)
-    warps[t] = fu
-    wefts[t] = fv
+    tight_u = still * wp.max(one - s.inverse_warp, zero)
+    tight_v = still * wp.max(one - s.inverse_weft, zero)
+    sheared = both * m[2]
+    along[t] = m[0] * ((both - tight_u) * wp.outer(s.along, s.along) + tight_u * unit) + sheared * wp.outer(
+        s.turn_warp, s.turn_warp
+    )
+    across[t] = m[1] * ((both - tight_v) * wp.outer(s.across, s.across) + tight_v * unit) + sheared * wp.outer(
+        s.turn_weft, s.turn_weft
+    )
+    mixed[t] = sheared * wp.outer(s.turn_warp, s.turn_weft)
+    warps[t] = s.warp
+    wefts[t] = s.weft
 
 
 @wp.kernel
@@ -188,18 +183,7 @@ def unbalanced(
 ):
     """Impulse on each vertex that its change of velocity does not answer yet, times theta; of held ones, all of it."""
     i = first + wp.tid()
-    f = wp.vec3d()
-    for k in range(corner_start[i], corner_start[i + 1]):
-        item = corners[k]
-        t = item / 3
-        corner = item - 3 * t
-        if corner == 0:
-            f -= force[2 * t] + force[2 * t + 1]
-        else:
-            f += force[2 * t + corner - 1]
-    for k in range(hinge_start[i], hinge_start[i + 1]):
-        item = hinge_items[k]
-        f += hinge_weight[item] * pull[item / 4]
+    f = sum_at_vertex(i, corner_start, corners, force, hinge_start, hinge_items, hinge_weight, pull)
     change = u[i] - v[i]
     m = mass[i]
     left = theta * clock[0] * (f + m * acceleration[i] - drag[i] * change)
@@ -224,13 +208,12 @@ def damp_air(
     d = drag[t]
     third = wp.float64(1.0 / 3.0)
     a = air[t]
-    w = wp.vec3d(a[0], a[1], a[2]) - third * (v[f[0]] + v[f[1]] + v[f[2]])
-    n = wp.cross(x[f[1]] - x[f[0]], x[f[2]] - x[f[0]])
-    double = wp.length(n)
-    n = n / wp.max(double, wp.float64(1.0e-30))
+    w = wind_past(a, v, f)
+    face = across_face(x, f)
+    n = wp.vec3d(face[0], face[1], face[2])
     speed = wp.length(w)
     across = wp.dot(w, n)
-    scale = wp.float64(0.25) * a[3] * double * third
+    scale = wp.float64(0.25) * a[3] * face[3] * third
     high = scale * d[0] * (speed + across * across / wp.max(speed, wp.float64(1.0e-30)))
     low = scale * d[1] * speed
     felt[t] = (high - low) * wp.outer(n, n) + low * wp.identity(n=3, dtype=wp.float64)

@@ -46,6 +46,19 @@ def _ground(size: float) -> dict[str, Any]:
     return _entity("ground", "static", "stone", {"kind": "box", "size": full}, full, [0.0, 0.0, -0.1])
 
 
+def _solvers(rigid: list[str], cloth: list[str]) -> dict[str, Any]:
+    return {"rigid": {"engine": "mujoco", "members": rigid}, "cloth": {"engine": "shell", "members": cloth}}
+
+
+def _beat(text: str, owner: str, subject: str, moved: str, least: float) -> dict[str, Any]:
+    return {
+        "text": text,
+        "owner": owner,
+        "subject": subject,
+        "predicate": {"kind": "displacement", "entity": moved, "min": least},
+    }
+
+
 def _world(
     title: str,
     entities: dict[str, Any],
@@ -92,18 +105,10 @@ def flag_spec(*, frames: int = 48, resolution: float = 0.05, **changes: Any) -> 
         {"ground": _ground(6.0), "pole": pole, "flag": flag},
         {
             "frames": frames,
-            "solvers": {
-                "rigid": {"engine": "mujoco", "members": ["ground", "pole"]},
-                "cloth": {"engine": "shell", "members": ["flag"]},
-            },
+            "solvers": _solvers(["ground", "pole"], ["flag"]),
             "drivers": {"breeze": wind},
         },
-        {
-            "text": "the flag flies",
-            "owner": "cloth",
-            "subject": "flag",
-            "predicate": {"kind": "displacement", "entity": "flag", "min": 0.02},
-        },
+        _beat("the flag flies", "cloth", "flag", "flag", 0.02),
         {"position": [0.7, -3.2, 2.0], "target": [0.6, 0.0, 1.8], "fov_deg": 45},
         changes,
     )
@@ -127,21 +132,13 @@ def drape_spec(*, frames: int = 36, resolution: float = 0.035, **changes: Any) -
         {"ground": _ground(3.0), "ball": ball, "cloth": cloth},
         {
             "frames": frames,
-            "solvers": {
-                "rigid": {"engine": "mujoco", "members": ["ground", "ball"]},
-                "cloth": {"engine": "shell", "members": ["cloth"]},
-            },
+            "solvers": _solvers(["ground", "ball"], ["cloth"]),
             "drivers": {
                 "air": {"kind": "field", "field": {"kind": "drag"}},
                 "let_go": {"kind": "release", "entity": "cloth", "time": 0.0},
             },
         },
-        {
-            "text": "the cloth drapes the ball",
-            "owner": "cloth",
-            "subject": "cloth",
-            "predicate": {"kind": "displacement", "entity": "cloth", "min": 0.05},
-        },
+        _beat("the cloth drapes the ball", "cloth", "cloth", "cloth", 0.05),
         {"position": [1.3, -1.6, 1.1], "target": [0.0, 0.0, 0.25], "fov_deg": 40},
         changes,
     )
@@ -170,22 +167,14 @@ def catch_spec(*, frames: int = 24, resolution: float = 0.05, coupled: bool = Tr
         {"ground": _ground(3.0), "ball": ball, "cloth": cloth},
         {
             "frames": frames,
-            "solvers": {
-                "rigid": {"engine": "mujoco", "members": ["ground", "ball"]},
-                "cloth": {"engine": "shell", "members": ["cloth"]},
-            },
+            "solvers": _solvers(["ground", "ball"], ["cloth"]),
             "drivers": {
                 "air": {"kind": "field", "field": {"kind": "drag"}},
                 "let_go": {"kind": "release", "entity": "ball", "time": 0.0},
             },
             "couplings": {"both": both} if coupled else {},
         },
-        {
-            "text": "the ball falls into the cloth",
-            "owner": "rigid",
-            "subject": "ball",
-            "predicate": {"kind": "displacement", "entity": "ball", "min": 0.1},
-        },
+        _beat("the ball falls into the cloth", "rigid", "ball", "ball", 0.1),
         {"position": [1.3, -1.6, 1.3], "target": [0.0, 0.0, 0.7], "fov_deg": 40},
         changes,
     )
@@ -234,18 +223,10 @@ def pulled_spec(
         {
             "frames": frames,
             "gravity": [0.0, 0.0, 0.0],
-            "solvers": {
-                "rigid": {"engine": "mujoco", "members": ["post", "rod"]},
-                "cloth": {"engine": "shell", "members": ["strip"]},
-            },
+            "solvers": _solvers(["post", "rod"], ["strip"]),
             "drivers": {"pull": {"kind": "path", "entity": "rod", "keys": keys}},
         },
-        {
-            "text": "the strip tears",
-            "owner": "cloth",
-            "subject": "strip",
-            "predicate": {"kind": "displacement", "entity": "rod", "min": 0.02},
-        },
+        _beat("the strip tears", "cloth", "strip", "rod", 0.02),
         {"position": [0.0, -1.0, 1.5], "target": [0.0, 0.0, 1.0], "fov_deg": 45},
         changes,
     )

@@ -40,7 +40,7 @@ from .verdicts import correction, make_row
 if TYPE_CHECKING:
     from ..worlds.spec import Beat
 
-__all__ = ["Onset", "check", "driver_start", "onset_of"]
+__all__ = ["Onset", "check", "driver_start", "onset_of", "wrong_cause"]
 
 INSTANTS = frozenset({"contact", "reaches", "crosses", "liquid_arrives"})
 
@@ -407,13 +407,18 @@ def _order_hints(candidate: Candidate, cause_id: str, effect_id: str, frame: int
             f"look at what touches {effect.subject} first and keep it away until {cause_id}",
             pointers=(f"/entities/{effect.subject}/pose",),
         ),
-        correction(
-            "the story names the wrong cause",
-            "story",
-            f"correct the causes of {effect_id}",
-            pointers=(f"/story/beats/{effect_id}/causes",),
-        ),
+        wrong_cause(effect_id),
     ]
+
+
+def wrong_cause(effect_id: str, more: str = "", pointers: tuple[str, ...] = ()) -> Correction:
+    """Correct what the story names as causes of a beat; `more` ends the sentence, `pointers` come behind that of the causes."""
+    return correction(
+        "the story names the wrong cause",
+        "story",
+        f"correct the causes of {effect_id}{more}",
+        pointers=(f"/story/beats/{effect_id}/causes", *pointers),
+    )
 
 
 def _link_hints(cause_id: str, effect_id: str, stuck: str, tip: str | None, away: float | None) -> list[Correction]:
@@ -431,12 +436,7 @@ def _link_hints(cause_id: str, effect_id: str, stuck: str, tip: str | None, away
             f"raise the speed of {tip or 'what hits it'}",
             pointers=(f"/entities/{tip or stuck}/physics",),
         ),
-        correction(
-            "the story names the wrong cause",
-            "story",
-            f"correct the causes of {effect_id}",
-            pointers=(f"/story/beats/{effect_id}/causes",),
-        ),
+        wrong_cause(effect_id),
     ]
 
 

@@ -34,7 +34,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact, entities_of
 from ..worlds.requirements import Correction, Row, Status
 from . import motion
-from .causal import driver_start, onset_of
+from .causal import driver_start, onset_of, wrong_cause
 from .chains import Chains
 from .predicates import Outcome, beat_times, evaluate, last_needed
 from .verdicts import correction, make_row
@@ -349,6 +349,8 @@ def _changed(
 
 
 def _hints(cause_id: str, effect_id: str, effect: Beat, has_margin: bool) -> list[Correction]:
+    margins = f"; where {cause_id} only hastens or strengthens it, say by how much in its margins (a weakening)"
+    weaker = "" if has_margin else margins
     return [
         correction(
             f"something else brings {effect_id} about",
@@ -362,17 +364,7 @@ def _hints(cause_id: str, effect_id: str, effect: Beat, has_margin: bool) -> lis
             f"take that driver away and let {cause_id} do it",
             pointers=("/simulation/drivers",),
         ),
-        correction(
-            "the story names the wrong cause",
-            "story",
-            f"correct the causes of {effect_id}"
-            + (
-                ""
-                if has_margin
-                else f"; where {cause_id} only hastens or strengthens it, say by how much in its margins (a weakening)"
-            ),
-            pointers=(f"/story/beats/{effect_id}/causes", f"/story/beats/{effect_id}/margins"),
-        ),
+        wrong_cause(effect_id, weaker, (f"/story/beats/{effect_id}/margins",)),
     ]
 
 

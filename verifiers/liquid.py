@@ -7,11 +7,6 @@ and recorded, and the solids of the candidate are all there is.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ..worlds.errors import EvidenceError
-from .findings import Finding
-from .instance_rows import instance_row
 from .liquid_blown import Blown
 from .liquid_coupling import Coupling
 from .liquid_density import Density
@@ -29,10 +24,7 @@ from .liquid_surface import Shown
 from .liquid_walls import Walls
 from .liquid_waves import Waves
 from .liquid_wet import Wetted
-
-if TYPE_CHECKING:
-    from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
+from .watches import Watching
 
 __all__ = ["WATCHES", "check_instance", "findings_of", "numerical_rows"]
 
@@ -61,59 +53,7 @@ WATCHES: tuple[type[Watch], ...] = (
 """All families, in the order of their rows."""
 
 
-def findings_of(candidate: Candidate, solver: str) -> dict[str, dict[str, tuple[str, Finding]]]:
-    """Predicate and verdict of every claim by watch; worked out once per candidate."""
-    store: dict[str, dict[str, dict[str, tuple[str, Finding]]]] = vars(candidate).setdefault("_liquid_findings", {})
-    if solver not in store:
-        store[solver] = _run(candidate, solver)
-    return store[solver]
-
-
-def _run(candidate: Candidate, solver: str) -> dict[str, dict[str, tuple[str, Finding]]]:
-    watches: dict[type[Watch], Watch] = {}
-    failed: dict[type[Watch], str] = {}
-    try:
-        liquid = liquid_of(candidate, solver)
-        for kind in WATCHES:
-            try:
-                watches[kind] = kind(liquid)
-            except EvidenceError as error:
-                failed[kind] = str(error)
-        for step in liquid.steps():
-            for kind, watch in watches.items():
-                if kind not in failed:
-                    try:
-                        watch.see(step)
-                    except EvidenceError as error:
-                        failed[kind] = str(error)
-    except EvidenceError as error:
-        failed = {kind: failed.get(kind, str(error)) for kind in WATCHES}
-    found = {}
-    for kind in WATCHES:
-        try:
-            if kind in failed:
-                raise EvidenceError(failed[kind])
-            verdicts = watches[kind].findings()
-        except EvidenceError as error:
-            verdicts = {name: Finding("unverified", str(error)) for name in kind.claims}
-        found[kind.__name__] = {name: (claim, verdicts[name]) for name, claim in kind.claims.items()}
-    return found
-
-
-def check_instance(candidate: Candidate, solver: str) -> list[Row]:
-    """The rows of the category check of one instance."""
-    found = findings_of(candidate, solver)
-    return [
-        instance_row(candidate, solver, name, claim, finding)
-        for kind in WATCHES
-        if kind is not Numbers
-        for name, (claim, finding) in found[kind.__name__].items()
-    ]
-
-
-def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
-    """The rows of its counters."""
-    return [
-        instance_row(candidate, solver, name, claim, finding, check="numerical", family="")
-        for name, (claim, finding) in findings_of(candidate, solver)[Numbers.__name__].items()
-    ]
+_WATCHING = Watching(WATCHES, Numbers, liquid_of, lambda liquid: ((step,) for step in liquid.steps()))
+findings_of = _WATCHING.findings_of
+check_instance = _WATCHING.check_instance
+numerical_rows = _WATCHING.numerical_rows

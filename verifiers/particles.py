@@ -10,21 +10,19 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..worlds.errors import EvidenceError
 from .findings import Finding
-from .instance_rows import instance_row
 from .particle_contacts import Contacts
 from .particle_flight import Flight
 from .particle_frames import matched, swarm_of
 from .particle_ledger import Books, Identity
 from .particle_rows import SwarmWatch, finer_step, stiffer
 from .particle_walls import Walls
+from .watches import Watching
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row, Status
+    from ..worlds.requirements import Status
     from .particle_frames import Swarm, SwarmFrame
 
 __all__ = ["WATCHES", "check_instance", "numerical_rows"]
@@ -99,57 +97,11 @@ WATCHES: tuple[type[SwarmWatch], ...] = (Numbers, Identity, Books, Contacts, Wal
 """All families, in the order of their rows. `Books` and `Contacts` share what they find of a frame's contacts."""
 
 
-def findings_of(candidate: Candidate, solver: str) -> dict[str, dict[str, tuple[str, Finding]]]:
-    """Predicate and verdict of every claim by watch; worked out once per candidate."""
-    store: dict[str, dict[str, dict[str, tuple[str, Finding]]]] = vars(candidate).setdefault("_particle_findings", {})
-    if solver not in store:
-        store[solver] = _run(candidate, solver)
-    return store[solver]
+def _unread(kind: type[SwarmWatch], name: str, error: str) -> Status:
+    """Frames that hold numbers that are not finite cannot be read: that alone is a failure, of `finite`."""
+    return "fail" if kind is Numbers and name == "finite" and "not finite" in error else "unverified"
 
 
-def _run(candidate: Candidate, solver: str) -> dict[str, dict[str, tuple[str, Finding]]]:
-    watches: dict[type[SwarmWatch], SwarmWatch] = {}
-    failed: dict[type[SwarmWatch], str] = {}
-    try:
-        swarm = swarm_of(candidate, solver)
-        for kind in WATCHES:
-            watches[kind] = kind(swarm)
-        for now, before in swarm.steps():
-            for kind, watch in watches.items():
-                if kind not in failed:
-                    try:
-                        watch.see(now, before)
-                    except EvidenceError as error:
-                        failed[kind] = str(error)
-    except EvidenceError as error:
-        failed = {kind: failed.get(kind, str(error)) for kind in WATCHES}
-    found = {}
-    for kind in WATCHES:
-        try:
-            if kind in failed:
-                raise EvidenceError(failed[kind])
-            verdicts = watches[kind].findings()
-        except EvidenceError as error:
-            status: Status = "fail" if kind is Numbers and "not finite" in str(error) else "unverified"
-            verdicts = {name: Finding(status if name == "finite" else "unverified", str(error)) for name in kind.claims}
-        found[kind.__name__] = {name: (claim, verdicts[name]) for name, claim in kind.claims.items()}
-    return found
-
-
-def check_instance(candidate: Candidate, solver: str) -> list[Row]:
-    """The rows of the category check of one instance."""
-    found = findings_of(candidate, solver)
-    return [
-        instance_row(candidate, solver, name, claim, finding)
-        for kind in WATCHES
-        if kind is not Numbers
-        for name, (claim, finding) in found[kind.__name__].items()
-    ]
-
-
-def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
-    """The rows of its counters."""
-    return [
-        instance_row(candidate, solver, name, claim, finding, check="numerical", family="")
-        for name, (claim, finding) in findings_of(candidate, solver)[Numbers.__name__].items()
-    ]
+_WATCHING = Watching(WATCHES, Numbers, swarm_of, lambda swarm: swarm.steps(), _unread)
+check_instance = _WATCHING.check_instance
+numerical_rows = _WATCHING.numerical_rows

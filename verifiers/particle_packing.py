@@ -25,6 +25,8 @@ NEIGHBOURS = 240
 spread by half of the mean 0.64 to 0.66."""
 LEAST = 25.0
 """Grains: less than that in tetrahedra is no packing, but a single layer or a few that meet."""
+FEWEST = 5
+"""Grains: four make one tetrahedron, a packing has more."""
 GRAINS = 8
 """Own choice: parts of a frame that are measured, about evenly chosen grains, others in every frame."""
 ONWARD = 0.6180339887498949
@@ -46,8 +48,10 @@ def local_packing(frame: SwarmFrame, rows: NDArray[np.intp]) -> F64:
     """Share of the space about some grains that grains take up (overlaps count twice), shape (rows,); NaN where none are packed."""
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(frame.position)
     found = np.full(len(rows), np.nan)
+    if frame.count < FEWEST:
+        return found
+    tree = cKDTree(frame.position)
     for k, row in enumerate(rows):
         far, near = tree.query(frame.position[row], k=min(NEIGHBOURS, frame.count))
         whole = len(near) == frame.count
@@ -59,8 +63,6 @@ def _filled(place: F64, radius: F64, known: float) -> float:
     """The share in tetrahedra of points about the first; those count that no grain farther off than `known` can be in."""
     from scipy.spatial import Delaunay, QhullError
 
-    if len(place) < 5:
-        return np.nan
     try:
         tets: NDArray[Any] = Delaunay(place).simplices
     except QhullError:  # all in one plane

@@ -19,7 +19,7 @@ from worldagent.verifiers.particle_contacts import Contacts
 from worldagent.verifiers.particle_frames import SwarmFrame, swarm_of
 from worldagent.verifiers.particle_lines import particle_lines
 from worldagent.verifiers.particle_links import grain_motion, grain_pushes, running
-from worldagent.verifiers.particle_packing import local_packing
+from worldagent.verifiers.particle_packing import chosen, local_packing
 from worldagent.verifiers.particles import WATCHES
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
@@ -259,6 +259,15 @@ def test_layers_are_as_dense_as_what_they_are_layers_of(deep: int) -> None:
     assert local_packing(frame, np.arange(0, frame.count, 97)) == pytest.approx(0.7405, rel=0.01)
     level = lattice(False, 2.0, 1)
     assert np.isnan(local_packing(level, np.arange(0, level.count, 31))).all()
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 5])
+def test_a_few_grains_are_no_packing(count: int) -> None:
+    """Limit case: a heap of which one grain is left still has a verdict."""
+    place = np.random.default_rng(count).normal(size=(count, 3))
+    zero, number = np.zeros((count, 3)), np.arange(count, dtype=np.int32)
+    frame = SwarmFrame(0, place, zero, zero, number, np.zeros(count, dtype=np.int32), np.ones(count), np.ones(count))
+    assert np.isnan(local_packing(frame, chosen(frame))).all()
 
 
 @pytest.mark.parametrize("deep", [1, 12])

@@ -85,10 +85,11 @@ def rows_answer(world: str, data: Mapping[str, Any], detail: Detail, summary: st
 
 
 def job_answer(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The state of a job that has not ended, with what the whole work takes where that is known."""
-    progress = data.get("progress")
+    """The state of a job that has not ended, with what its work was estimated to take until some of it is measured."""
+    progress, estimate = data.get("progress"), data.get("estimate_s")
     share = "" if progress is None else f", {100 * progress:.0f} %"
-    whole = f"; all of it takes about {data['estimate_s']:g} s" if data.get("estimate_s") else ""
+    awaited = estimate and not progress and data["seconds"] < estimate
+    whole = f"; estimated at about {estimate:g} s beforehand" if awaited else ""
     message = f": {data['message']}" if data.get("message") else ""
     summary = f"{data['kind']} of {data['world']} is {data['state']}{share} after {data['seconds']:g} s{whole}{message}"
     return answer(data, summary, call("job", action="wait", job_id=data["job_id"]))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..worlds.candidate import Candidate
 from ..worlds.predicates import atoms_of, entities_of, is_invariant
 from .predicates import Outcome, evaluate
@@ -25,7 +27,7 @@ AIMED = ("rigid", "elastic")
 LASTING = frozenset({"flutters"})
 """Kinds that an interval as a whole makes true, not one of its frames."""
 MORE = 1.2
-"""Own choice: frames that a number of cycles is given over those that it takes."""
+"""Own choice: what frames or room are given over what it takes."""
 
 
 def corrections_of(
@@ -149,9 +151,22 @@ def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> 
     return nearest >= candidate.last_frame - SETTLING_FRAMES
 
 
+def _too_fast(candidate: Candidate, entity: str, after: int) -> Correction:
+    """Of what goes through a region between two frames, where it is at neither."""
+    way = float(np.linalg.norm(candidate.center(entity, after + 1) - candidate.center(entity, after)))
+    return correction(
+        f"{entity} goes through the region between frames {after} and {after + 1}, {way:.3g} m apart",
+        "story",
+        f"give the region at least {MORE * way:.2g} m along its way (a weakening), or ask for `contact`, which is noted at every step",
+        pointers=("/graph/regions",),
+    )
+
+
 def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
     start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
     offset = details.get("offset")
+    if isinstance(after := details.get("passes_after_frame"), int):
+        return [_too_fast(candidate, entity, after)]
     if isinstance(offset, list) and details.get("distance"):
         shift = [-float(c) for c in offset]
         words = ", ".join(f"{c:+.3f}" for c in shift)

@@ -17,7 +17,11 @@ from worldagent.worlds.spec import Beat, BoxRegion, FieldDriver, ForceDriver, Pa
 
 N = 25
 TIME = np.arange(N) / 24
-REGIONS = {"goal": BoxRegion(min=(0.9, -0.5, 0), max=(1.5, 0.5, 0.5)), "aside": BoxRegion(min=(0.9, 0.3, 0), max=(1.5, 0.5, 0.5))}
+REGIONS = {
+    "goal": BoxRegion(min=(0.9, -0.5, 0), max=(1.5, 0.5, 0.5)),
+    "aside": BoxRegion(min=(0.9, 0.3, 0), max=(1.5, 0.5, 0.5)),
+    "plate": BoxRegion(min=(0.505, -0.1, 0.0), max=(0.515, 0.1, 0.2)),
+}
 
 
 def beat(predicate: Any, frames: tuple[int, int] = (0, N - 1), **more: Any) -> Beat:
@@ -64,6 +68,15 @@ def test_a_miss_suggests_moving_the_start_by_the_measured_offset(tmp_path: Path)
     placement = next(c for c in row.corrections if c.group == "placement")
     assert placement.edit_class == "scene"
     assert placement.patch[0] == {"op": "add", "path": "/entities/cube/pose/position", "value": [0.0, 0.3, 0.1]}
+
+
+def test_what_goes_through_a_region_between_two_frames_is_not_told_to_aim(tmp_path: Path) -> None:
+    # x = k / 24: the plate lies between frames 12 and 13.
+    row = rows_of(sliding(tmp_path, {"b": beat(Reaches(entity="cube", region="plate"), (10, 24))}))["beat:b"]
+    assert (row.status, row.measured) == ("fail", pytest.approx(0.005))
+    assert {c.group for c in row.corrections} == {"story"}
+    assert "between frames 12 and 13, 0.0417 m apart" in row.corrections[0].cause
+    assert "at least 0.05 m along its way" in row.corrections[0].action
 
 
 def test_an_event_after_its_interval_is_found_and_replanned(tmp_path: Path) -> None:

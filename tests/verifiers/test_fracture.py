@@ -13,6 +13,7 @@ import pytest
 from worldagent.tests.physics.fracture_world import simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers import fracture, rigid
+from worldagent.verifiers.fracture_frames import Frames
 from worldagent.verifiers.register import approximations
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
@@ -206,6 +207,29 @@ def test_predicates_tell_what_broke_and_what_lies_about(run: Candidate) -> None:
     assert evaluate(run, hole, (0, hit - 1)).status == "fail"
     gate = Breach(**through, point=(0.01, 0, 0.3), min_width=1.2, min_height=0.6)
     assert evaluate(run, gate, span).status == "fail"
+
+
+def test_pieces_that_still_hold_together_are_one_lump_of_debris(run: Candidate, tmp_path: Path) -> None:
+    frames = Frames(run, "main", "wall")
+    ends = frames.bonds.pieces
+    held = int(np.flatnonzero(ends[:, 1] >= 0)[0])
+    pair = ends[held]
+
+    def part(whole: bool) -> Callable[[int, Channels], None]:
+        def change(frame: int, data: Channels) -> None:
+            if frame == 1:
+                data["bond/broken"] = np.isin(ends, pair).any(axis=1)
+                data["bond/broken"][held] = not whole
+                data["position"][frames.rows[pair], 2] += 1.0
+
+        return change
+
+    asked = Debris(entity="wall", min_distance=0.5, min=2, when="end")
+    one, two = (changed(run, tmp_path / name, part(name == "lump"), range(2)) for name in ("lump", "pieces"))
+    lump = evaluate(one, asked, (1, 1))
+    assert (lump.status, lump.value) == ("fail", 1.0)
+    assert "1 loose lumps of wall (2 of its" in lump.explanation
+    assert evaluate(two, asked, (1, 1)).status == "pass"
 
 
 def test_the_register_says_what_is_simplified(run: Candidate) -> None:

@@ -74,22 +74,28 @@ def broken(scope: Scope, predicate: SpecModel) -> Outcome:
 
 
 def debris(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: pieces that the world does not hold and that lie farther than asked from where they were built."""
+    """Measured: lumps of pieces still bonded, or single ones, that the world does not hold and whose centre of mass lies farther than
+    asked from where they were built."""
     p = _typed(predicate, Debris)
     frames = _frames(scope.candidate, p.entity)
     rest = frames.rest_points(np.array([b.pose.position for b in frames.built.bodies]))
+    mass = np.array([b.mass for b in frames.built.bodies])
     first, last = scope.frames
-    counts = []
+    counts, most = [], []
     for f in range(first, last + 1):
         position, _ = frames.poses(f)
         labels, fixed = components(len(rest), frames.bonds, ~frames.broken(f))
-        off = np.linalg.norm(position - rest, axis=1) > p.min_distance
-        counts.append(float((off & ~fixed[labels]).sum()))
+        total = np.bincount(labels, weights=mass, minlength=len(fixed))
+        moved = np.stack([np.bincount(labels, weights=mass * d, minlength=len(fixed)) for d in (position - rest).T], axis=1)
+        off = np.linalg.norm(moved, axis=1) > p.min_distance * total
+        counts.append(float((off & ~fixed).sum()))
+        most.append(int((off & ~fixed)[labels].sum()))
     value = np.array(counts)
     margin, side = band(value, p.min, p.max)
 
     def tell(i: int) -> str:
-        return f"{value[i]:.0f} of {len(rest)} pieces of {p.entity} lay {p.min_distance:g} m off their place at frame {first + i}"
+        lumps = f"{value[i]:.0f} loose lumps of {p.entity} ({most[i]} of its {len(rest)} pieces)"
+        return f"{lumps} lay {p.min_distance:g} m off their place at frame {first + i}"
 
     return judge(Series(scope.frames, value, margin, "1", p.entity, side, tell), p.when)
 

@@ -24,6 +24,8 @@ P = TypeVar("P")
 TINY = 1e-300
 """Keeps a margin below zero, and a distance above it, where the entity was exactly on the plane."""
 MOST_SURFACE_POINTS = 20_000
+WAY = 33
+"""Points of a straight way between two frames at which it is looked whether it goes through a region. Own choice."""
 """Above this many visible vertices `measure=surface` takes the corners of the convex hull (regions are convex)."""
 
 
@@ -70,6 +72,17 @@ def _hull_points(vertices: F64) -> F64:
     return hull
 
 
+def _passes(region: Region, local: F64, i: int) -> int | None:
+    """Index of the sample next to the one at `i` after which the straight way to the next one goes through the region; None: no way does."""
+    share = np.linspace(0.0, 1.0, WAY)[:, None]
+    for k in (i - 1, i):
+        if 0 <= k < len(local) - 1 and np.isfinite(local[k : k + 2]).all():
+            depth, _ = region_offset(region, local[k] + share * (local[k + 1] - local[k]))
+            if (depth >= 0).any():
+                return k
+    return None
+
+
 def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Series:
     candidate, window = scope.candidate, scope.window
     region = candidate.spec.graph.regions.get(region_id)
@@ -108,7 +121,11 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
         )
 
     def detail(i: int) -> dict[str, object]:
-        return {"distance": max(0.0, -float(depth[i])), "offset": offset[i].tolist(), "position": centers[i].tolist()}
+        told: dict[str, object] = {
+            "distance": max(0.0, -float(depth[i])), "offset": offset[i].tolist(), "position": centers[i].tolist()
+        }  # fmt: skip
+        between = None if depth[i] >= 0 or measure == "surface" else _passes(region, local, i)
+        return told if between is None else {**told, "passes_after_frame": scope.frames[0] + between}
 
     side: tuple[float, Comparison] = (0.0, "<=")
     return Series(scope.frames, -depth, depth, "m", entity, lambda i: side, tell, detail)

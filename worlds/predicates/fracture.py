@@ -43,9 +43,9 @@ class Breach(SpecModel):
 
 
 class Debris(Band):
-    """Number of pieces of a breakable entity that are loose and lie off their place."""
+    """Number of loose lumps of a breakable entity that lie off their place; pieces that still hold together are one lump."""
 
     kind: Literal["debris"] = "debris"
     entity: Subject
-    min_distance: NonNegative = Field(default=0.05, description="from where the piece was built [m]")
+    min_distance: NonNegative = Field(default=0.05, description="of the lump's centre of mass from where it was built [m]")
     when: When = "eventually"

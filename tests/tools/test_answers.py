@@ -1,0 +1,21 @@
+"""What replies say in their first sentence."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.tools.answers import job_answer
+
+JOB: dict[str, Any] = {"job_id": "job_1", "kind": "probe", "world": "w", "state": "running", "seconds": 3.0, "estimate_s": 6.0}
+
+
+def test_an_estimate_made_beforehand_is_told_while_nothing_is_measured() -> None:
+    assert "estimated at about 6 s beforehand" in job_answer({**JOB, "progress": None})["summary"]
+
+
+@pytest.mark.parametrize(
+    "later", [{"seconds": 30.0, "progress": None}, {"progress": 0.02, "message": "frame 3 (this part: about 5 min more)"}]
+)
+def test_an_estimate_that_time_or_progress_has_overtaken_is_not_told(later: dict[str, Any]) -> None:
+    assert "6 s" not in job_answer({**JOB, **later})["summary"]

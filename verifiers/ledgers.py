@@ -8,7 +8,7 @@ What is left of a change of momentum when gravity, drivers, drag, springs and th
 from __future__ import annotations
 
 import weakref
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -157,9 +157,25 @@ class Books(BodyBooks):
         return impulse, doubt
 
     @cached_property
+    def let_go(self) -> Flags:
+        """Whether an entity is let go within the interval, not at one of its ends, shape (F - 1, E)."""
+        return (self.free_time > 0.0) & (self.free_time < self.duration - _SLACK) & ~self.kinematic
+
+    @cached_property
     def liquid(self) -> Exchanged:
-        """What liquids that are coupled both ways gave."""
-        return exchanged(self)
+        """What liquids, grains and cloth that are coupled both ways gave: of what they give to a body that is let go within an
+        interval, the share of it in which it is free (see `let_go_doubt`); the hold bears the rest."""
+        found = exchanged(self)
+        share = np.where(self.let_go, self.free_time / self.duration, 1.0)[:, :, None]
+        return replace(found, linear=share * found.linear, angular=share * found.angular)
+
+    @cached_property
+    def let_go_doubt(self) -> tuple[F64, F64]:
+        """Uncertainty of those impulses [N s], [N m s], each shape (F - 1, E): all of them may come before the release, or after."""
+        share = self.free_time / self.duration
+        wide = np.where(self.let_go, np.maximum(share, 1.0 - share) / np.maximum(share, _SLACK), 0.0)
+        linear, angular = (np.linalg.norm(v, axis=2) for v in (self.liquid.linear, self.liquid.angular))
+        return wide * linear, wide * angular
 
     @cached_property
     def fields(self) -> Exchanged:

@@ -94,12 +94,36 @@ class Bodies:
     @cached_property
     def moving(self) -> F64:
         """Fastest of all at every frame [m/s], shape (frames,); of the surface, roughly: radius 1 m at most."""
+        return np.asarray(self.fastest.max(axis=1, initial=0.0))
+
+    @cached_property
+    def fastest(self) -> F64:
+        """Bound of the speed of each one's surface at every frame [m/s], shape (frames, b)."""
         linear, angular = self.motion
-        if not self.count:
-            return np.zeros(self.liquid.frames)
-        reach = np.array([self._reach(n) for n in self.names])
-        result: F64 = (np.linalg.norm(linear, axis=2) + np.linalg.norm(angular, axis=2) * reach).max(axis=1)
-        return result
+        return np.asarray(np.linalg.norm(linear, axis=2) + np.linalg.norm(angular, axis=2) * self.reach)
+
+    def pushes(self, points: F64, frame: int) -> F64:
+        """Speed [m/s] of the fastest of those that can have met each point between the frame before and this one, shape (n,).
+
+        One can where the point lies within its farthest reach, two spacings and its way, about its centre of mass at either frame.
+
+        Args:
+            points: [m], shape (n, 3).
+            frame: at least 1.
+        """
+        found = np.zeros(len(points))
+        for row, name in enumerate(self.names):
+            speed = float(self.fastest[frame - 1 : frame + 1, row].max())
+            if speed <= 0.0:
+                continue
+            entity, body = name.split("/")
+            center = self.candidate.body(entity, body).center
+            near = self.reach[row] + 2.0 * self.liquid.spacing + speed * self.liquid.duration
+            for at in (frame - 1, frame):
+                middle = self.candidate.pose(entity, at, body).apply(center[None])[0]
+                met = np.linalg.norm(points - middle, axis=1) <= near
+                found[met] = np.maximum(found[met], speed)
+        return found
 
     def _reach(self, name: str) -> float:
         """Farthest point of a body from its centre of mass [m]."""

@@ -1,6 +1,6 @@
 """Motion of a liquid's particles from frame to frame: no jumps, no speed from nowhere, free fall where nothing touches (R99, R105).
 
-- `jumps`: every particle's displacement in a frame is what its velocities at both ends allow.
+- `jumps`: every particle's displacement in a frame is what its velocities at both ends, and bodies that pass it, allow.
 - `spikes`: no particle is faster than the energy of the liquid, of inflows and of bodies allows (Bernoulli; jets `JET` times).
 - `trapped`: no liquid jitters within a spacing for long (moving fluid caught between surfaces).
 """
@@ -80,6 +80,10 @@ class Motion:
         speeds = before.speed[step.there] + frame.speed[step.here]
         allowed = 0.5 * h * (speeds + (self.liquid.strength + self._pulled(frame)) * h)
         excess = (missed - allowed) / s
+        far = np.flatnonzero(excess > self.allowed)
+        if len(far):
+            # What a body pushes ahead of itself and leaves within a frame went with it, and is slow at both ends.
+            excess[far] -= h * self.bodies.pushes(frame.position[step.here[far]], frame.index) / s
         worst = int(np.argmax(excess))
         self.jump.append(max(0.0, float(excess[worst])))
         if self.worst_jump is None and excess[worst] > self.allowed:

@@ -98,7 +98,7 @@ def _grouped(books: Books, label: Labels, opened: Flags) -> _Groups:
     np.add.at(mass, label, np.broadcast_to(books.mass, label.shape))
     np.add.at(residual, label, books.residual)
     np.add.at(budget, label, books.contact_budget)
-    np.add.at(doubt, label, books.spring_impulse[1])
+    np.add.at(doubt, label, books.spring_impulse[1] + books.let_go_doubt[0])
     np.logical_or.at(closed, label, opened)
     return _Groups(mass, residual, budget, doubt, closed)
 
@@ -277,7 +277,7 @@ def _in_contact(books: Books) -> tuple[F64, Flags]:
     angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.outside.angular, axis=2)
     torques = np.where(books.dozing | books.switching, np.linalg.norm(books.driver_wrench[1], axis=2), 0.0)
     lever = books.reach + books.rolling
-    allowed = books.contact_budget * lever * (1 + ROUNDING) + _unlogged(books) * lever + torques
+    allowed = books.contact_budget * lever * (1 + ROUNDING) + _unlogged(books) * lever + torques + books.let_go_doubt[1]
     inertia = np.linalg.eigvalsh(books.inertia[books.first])
     speed = np.linalg.norm(books.spin[:, books.first], axis=2)
     gyration = np.maximum(speed[:-1], speed[1:]) ** 2 * books.step * inertia[:, 2]

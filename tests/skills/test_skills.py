@@ -225,7 +225,7 @@ def test_the_materials_and_the_world_of_the_elastic_skill_are_accepted_by_their_
     assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []
 
 
-@pytest.mark.parametrize("name", ["collapse", "sparks"])
-def test_the_worlds_of_the_particle_skill_are_accepted_by_the_audit(name: str) -> None:
-    report = audit(parse_spec(json.loads((SKILLS / "particles" / f"{name}.json").read_text())))
+@pytest.mark.parametrize("name", ["particles/collapse", "particles/sparks", "fracture/breach"])
+def test_the_worlds_that_skills_record_are_accepted_by_the_audit(name: str) -> None:
+    report = audit(parse_spec(json.loads((SKILLS / f"{name}.json").read_text())))
     assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []

@@ -15,7 +15,7 @@ from worldagent.verifiers import category, numerical
 from worldagent.verifiers.liquid import WATCHES
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Coupling
+from worldagent.worlds.spec import Coupling, ReleaseDriver
 
 S = scenes.SPACING
 
@@ -230,3 +230,29 @@ def test_a_pool_in_a_wide_tank_keeps_its_books_whatever_the_density(tmp_path: Pa
     row = rows_of(flow.candidate(tmp_path))["mass"]
     assert row.evidence["mass_start_kg"] == pytest.approx(flow.volume * DENSITY * len(flow.position[0]))
     assert tank((1, 1, 1), 0.1).dimensions.size == pytest.approx((1.2, 1.2, 1.1))
+
+
+@pytest.mark.parametrize(("speed", "near", "status"), [(0.0, True, "fail"), (1.0, True, "pass"), (1.0, False, "fail")])
+def test_a_particle_that_a_body_has_pushed_away_within_a_frame_has_not_jumped(
+    tmp_path: Path, speed: float, near: bool, status: str
+) -> None:
+    flow = scenes.crate_afloat(rng())
+    away = np.linalg.norm(flow.position[0] - flow.tracks["crate"][0][0], axis=1)
+    row, first = int(np.argmin(away) if near else np.argmax(away)), 6
+    made = flow.edited()
+    for k in range(first, flow.frames):
+        made.position[k][row, 2] += 1.5 * S
+    made.rigid["velocity"][first - 1, 0] = [0.0, 0.0, -speed]
+    assert rows_of(made.candidate(tmp_path))["jumps"].status == status
+
+
+@pytest.mark.parametrize(("pushed", "status"), [(1.0, "pass"), (9.0, "fail")])
+def test_what_a_body_is_given_while_it_is_held_need_not_move_it(tmp_path: Path, pushed: float, status: str) -> None:
+    """Let go 0.8 of a frame after its start, a crate afloat answers to a fifth of its weight and of what water gives it."""
+    flow = scenes.crate_afloat(rng())
+    plan = flow.spec.simulation
+    held = plan.model_copy(update={"drivers": {**plan.drivers, "hold": ReleaseDriver(entity="crate", time=4.8 / plan.fps)}})
+    made = flow.edited(spec=flow.spec.model_copy(update={"simulation": held}))
+    made.rigid["velocity"][5:, 0, 0] += (pushed - 1.0) * 0.1
+    found = [r for r in category.check(made.candidate(tmp_path)) if r.id.startswith("category:rigid:momentum:")]
+    assert [r.status for r in found] == [status]

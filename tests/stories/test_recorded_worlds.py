@@ -1,4 +1,4 @@
-"""The worlds that the skill of particles records, to their acceptance: sand collapses and topples a tile; sparks, rain, ash and dust fall."""
+"""The worlds that skills record, to their acceptance: a wall is breached, a flag flutters, sand topples a tile; sparks, rain, ash and dust fall."""
 
 from __future__ import annotations
 
@@ -10,16 +10,24 @@ import pytest
 from worldagent.server.skill_files import SKILLS
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 
-LINKS = {
-    "collapse": {"causal:opens:collapses", "causal:collapses:topples"}, "sparks": {"causal:sprays:falls"}, "rain": {"causal:falls:lands"},
-    "ash": {"causal:falls:settles", "causal:drifts:settles"}, "dust": {"causal:puffs:settles"},
-}  # fmt: skip
+CLOTH = tuple(f"category:cloth:{n}:sheets" for n in ("stretch", "self", "solids", "pins", "momentum", "energy"))
+BROKEN = tuple(f"category:fracture:{n}:wall" for n in ("bonded", "events", "cause", "standing"))
+JUDGED: dict[str, tuple[str, ...]] = {
+    "cloth/flag": CLOTH,
+    "fracture/breach": ("causal:strikes:breaks", "causal:breaks:opens", "causal:breaks:rubble", *BROKEN),
+    "particles/collapse": ("causal:opens:collapses", "causal:collapses:topples"),
+    "particles/sparks": ("causal:sprays:falls",),
+    "particles/rain": ("causal:falls:lands",),
+    "particles/ash": ("causal:falls:settles", "causal:drifts:settles"),
+    "particles/dust": ("causal:puffs:settles",),
+}
+"""Rows that must be there and pass in the probe."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LINKS)
+@pytest.mark.parametrize("name", JUDGED)
 def test_a_recorded_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) -> None:
-    spec = json.loads((SKILLS / "particles" / f"{name}.json").read_text())
+    spec = json.loads((SKILLS / f"{name}.json").read_text())
     prompt = spec.pop("prompt")
     with pytest.MonkeyPatch.context() as patch, agent_of(tmp_path) as agent:
         run_jobs_inline(patch)
@@ -29,6 +37,6 @@ def test_a_recorded_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) 
         assert told["passed"], told["open_rows"]
         rows = {r["id"]: r["status"] for r in agent.pages("rows", part="matrix")}
         assert {rows[f"beat:{n}"] for n in spec["story"]["beats"]} == {"pass"}
-        assert {rows[i] for i in LINKS[name]} == {"pass"}
+        assert {rows[i] for i in JUDGED[name]} == {"pass"}
         assert agent.call("bake_sim", world="w")["passed"]
         assert agent.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"

@@ -239,8 +239,7 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, tolerance: flo
         found.put(here, np.array(value), *mesh.nearest(one, i, j), "mesh")
         return
     pairs = mesh.crossings() if touching else np.empty((0, 2), dtype=np.int32)
-    into_b = surface_depth(a, one, b, pairs, noise=noise, tolerance=tolerance)
-    into_a = surface_depth(b, one.inverse(), a, pairs[:, ::-1], noise=noise, tolerance=tolerance)
+    into_b, into_a = _both_ways(a, b, one, pairs, noise, tolerance)
     if max(into_a.depth, into_b.depth) > noise:
         point_a, point_b, depth = _deep_points(one, into_b, into_a)
         found.put(here, np.array(-depth), point_a, point_b, "depth")
@@ -255,6 +254,27 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, tolerance: flo
         reach = crossing_excursion(triangles, b.triangles[pairs[:, 1]], noise=noise)
         if reach > noise:
             found.put(here, np.array(-reach), *mesh.nearest(one, i, j), "crossing")
+
+
+def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, tolerance: float) -> tuple[Deep, Deep]:
+    """Depth of a inside b and of b inside a, the lesser one 0 where the search had no need of it.
+
+    The thicker body is asked first: a sheet through it is nowhere as deep in itself, which a search of its own, for a plateau of
+    half its thickness all along the cut, would take thousands of times as long to say.
+    """
+    ways = [(a, one, b, pairs), (b, one.inverse(), a, pairs[:, ::-1])]
+    turn = _thickness(a) > _thickness(b)
+    first, second = ways[::-1] if turn else ways
+    found = surface_depth(*first, noise=noise, tolerance=tolerance)
+    deeper = surface_depth(*second, noise=noise, tolerance=tolerance, known=found.depth)
+    if deeper.depth <= found.depth:
+        deeper = Deep(0.0, deeper.point, deeper.foot)
+    return (deeper, found) if turn else (found, deeper)
+
+
+def _thickness(solid: Solid) -> float:
+    """Volume over surface [m]; 0 of an open surface."""
+    return solid.volume / solid.area if solid.closed else 0.0
 
 
 def _holds(solid: Solid, points: F64) -> bool:

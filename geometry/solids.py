@@ -207,6 +207,12 @@ class Solid:
         return float(np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6.0)
 
     @cached_property
+    def area(self) -> float:
+        """Area of the surface [m^2]."""
+        t = self.triangles
+        return float(0.5 * np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1).sum())
+
+    @cached_property
     def center(self) -> F64:
         """Centroid of the enclosed volume [m], shape (3,); of the surface where the volume is zero."""
         t = self.triangles - self.sphere_center

@@ -3,7 +3,8 @@
 - `exchange`: for every boundary and frame, what the liquid gave and what it lost itself add up to zero (`REACTION` of the scale).
 - `received`: what a two-way coupled rigid instance, or cloth, received is what the liquid gave.
 - `declared`: bodies that move freely and get pushed by the liquid are coupled both ways, or the omission is declared one-way.
-- `buoyancy`: the upward push on a body is that of the water it displaces, less what its own acceleration and drag take.
+- `buoyancy`: the upward push on a body is that of the water it displaces, less what its own acceleration and drag take, and what
+  gaps under it that are too narrow for particles keep from a body that lies there and is too heavy to be lifted anyway.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from .exchanged import partners
 from .findings import Finding
 from .instance_rows import baked_again
 from .liquid_bodies import Bodies, exchanged
-from .liquid_rows import longer_step
+from .liquid_footing import unwetted
+from .liquid_rows import coarse, longer_step
 from .liquid_samples import sample_inside, share_under
 from .verdicts import correction
 
@@ -84,6 +86,7 @@ class Coupling:
         self.inside = {i: sample_inside(liquid, self.bodies.names[i]) for i in self.judged if i not in self.sheets}
         self.sunk: list[F64] = []
         self.flow: list[F64] = []
+        self.level: list[F64] = []
 
     def see(self, step: Step) -> None:
         """Read one frame."""
@@ -91,9 +94,10 @@ class Coupling:
         self.impulse.append(exchanged(step.now, "impulse", count))
         self.reaction.append(exchanged(step.now, "reaction", count))
         self.received.append(self._received(step.now.index))
-        sunk, flow = self._about(step.now)
+        sunk, flow, level = self._about(step.now)
         self.sunk.append(sunk)
         self.flow.append(flow)
+        self.level.append(level)
 
     def _received(self, index: int) -> F64:
         """What the rigid side says it got, shape (b, 6); NaN where no coupled body is behind the boundary."""
@@ -118,9 +122,10 @@ class Coupling:
             result[row] = given[body]
         return result
 
-    def _about(self, frame: Frame) -> tuple[F64, F64]:
-        """Of every free body, the share under the level about it (NaN where none is plain to see) and the liquid's speed [m/s] there."""
+    def _about(self, frame: Frame) -> tuple[F64, F64, F64]:
+        """Of every free body, the share under the level about it, the liquid's speed there [m/s], and the level [m]; NaN where none is plain to see."""
         sunk, flow = np.full(len(self.judged), np.nan), np.zeros(len(self.judged))
+        levels = np.full(len(self.judged), np.nan)
         seen = _seen(self.liquid, frame) if self.judged else np.zeros((0, 2))
         for column, row in enumerate(self.judged):
             if row in self.sheets:
@@ -133,7 +138,8 @@ class Coupling:
                 entity, body = self.bodies.names[row].split("/")
                 step = float(np.cbrt(self.liquid.candidate.body(entity, body).volume / len(points)))
                 sunk[column] = share_under(points @ self.liquid.up, level, step)
-        return sunk, flow
+                levels[column] = level
+        return sunk, flow, levels
 
     def _points(self, row: int, index: int) -> F64:
         entity, body = self.bodies.names[row].split("/")
@@ -215,6 +221,9 @@ class Coupling:
         window = max(2, round(WINDOW_SECONDS / self.liquid.duration))
         sunk = np.array(self.sunk).reshape(len(impulse), len(self.judged))
         flow = np.array(self.flow).reshape(len(impulse), len(self.judged))
+        level = np.array(self.level).reshape(len(impulse), len(self.judged))
+        kept_out: dict[str, float] = {}
+        light = False
         worst, culprit, when, judged, told = 0.0, None, None, 0, ""
         for column, row in enumerate(self.judged):
             if (
@@ -227,6 +236,12 @@ class Coupling:
             excess, push, wanted = self._excess(
                 row, impulse[:, row, :3] @ self.liquid.up, sunk[:, column], flow[:, column], window
             )
+            narrow = self._kept_out(row, (excess > BUOYANCY) & (push < wanted), level[:, column])
+            # What lies there whether lifted or not moves alike; what should rise and does not is wrong.
+            heavy = self.bodies.mass[row] * self.liquid.strength >= wanted
+            if (narrow[heavy] > 0.0).any():
+                kept_out[self.bodies.entities[row]] = float(narrow[heavy].max())
+            excess = np.where(heavy, np.maximum(excess - narrow / self._full(row), 0.0), excess)
             known = ~np.isnan(excess)
             judged += int(known.sum())
             if known.any() and np.nanmax(excess) > worst:
@@ -237,10 +252,18 @@ class Coupling:
                 )
                 culprit = self.bodies.entities[row]
                 when = int(np.argmax(np.nan_to_num(excess, nan=0.0) > BUOYANCY)) if worst > BUOYANCY else None
+                light = bool(narrow[k] > 0.0 and not heavy[k])
         if not judged:
             return Finding("not_applicable", "no freely moving, two-way coupled body lies in liquid with a plain level")
         text = told or f"the push on bodies is that of the displaced liquid ({judged} windows)"
+        if light:
+            text += "; gaps under it are too narrow for the particles, and it would float up if they were not"
+        elif kept_out:
+            text += "; " + ", ".join(
+                f"{n} lies over gaps too narrow for the particles, up to {f:.3g} N of lift" for n, f in kept_out.items()
+            )
         hints = (
+            *((coarse(self.liquid, "the gap under the body is too narrow for the particles"),) if light else ()),
             correction(
                 "the liquid's pressure does not reach the body",
                 "drivers",
@@ -258,7 +281,23 @@ class Coupling:
             culprit if worst > BUOYANCY else None,
             when,
             hints if worst > BUOYANCY else (),
+            {"lift_kept_out_n": kept_out},
         )
+
+    def _full(self, row: int) -> float:
+        """Weight of the liquid that a whole body displaces [N]."""
+        volume = self.liquid.candidate.body(*self.bodies.names[row].split("/")).volume
+        return float(self.liquid.rest_density.max()) * volume * self.liquid.strength
+
+    def _kept_out(self, row: int, asked: NDArray[np.bool_], level: F64) -> F64:
+        """Most that gaps too narrow for the liquid can take of the push on a body [N], shape (frames,); 0 where nobody asks."""
+        weight = float(self.liquid.rest_density.max()) * self.liquid.strength
+        name = self.bodies.names[row]
+        volumes = [
+            unwetted(self.liquid, name, k, float(level[k])) if ask and np.isfinite(level[k]) else 0.0
+            for k, ask in enumerate(asked)
+        ]
+        return weight * np.array(volumes)
 
     def _excess(self, row: int, upward: F64, sunk: F64, flow: F64, window: int) -> tuple[F64, F64, F64]:
         """By how much the mean push of a window is outside of what is possible, over the weight of water that the whole body displaces; push; buoyancy [N]."""
@@ -287,8 +326,7 @@ class Coupling:
             streams = float(flow[span].max()) > STREAMS
             low = min(ends) - blur - (drag if streams or rise[span].max() > 0.0 else 0.0)
             high = max(ends) + blur + (drag if streams or rise[span].min() < 0.0 else 0.0)
-            outside = max(low - push[k], push[k] - high, 0.0)
-            excess[k] = outside / (density * volume * liquid.strength)
+            excess[k] = max(low - push[k], push[k] - high, 0.0) / self._full(row)
         return excess, push, wanted
 
 

@@ -54,7 +54,7 @@ def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
         found.append(
             {
                 "what": f"{kind} of {spacing:g} m for the liquid {name!r}",
-                "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved",
+                "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved; what lies closely on something is not lifted there",
             }
         )
         found.append(

@@ -242,6 +242,10 @@ def _linked(
         f"no impulse chain leads from {', '.join(start.sources)} to {subject} by frame {last}; "
         f"it got as far as {tip}, and {stuck}, {away:.3g} m from it between centres, never received it"
     )
+    hints = _link_hints(cause_id, effect_id, stuck, tip, away)
+    if tip in reach.stopped:
+        text += f"; {tip} came to rest at frame {reach.stopped[tip]}, and what rests passes nothing on: it only bears what comes to it"
+        hints = [wrong_cause(effect_id, f": name what still moves when it meets {subject}"), *hints[:-1]]
     return _row(
         candidate,
         cause_id,
@@ -254,7 +258,7 @@ def _linked(
         frames=frames,
         first=(stuck, last),
         evidence={**evidence, "reached": reach.reached(), "tip": tip, "gap_between_centers": away},
-        corrections=_link_hints(cause_id, effect_id, stuck, tip, away),
+        corrections=hints,
     )
 
 
@@ -340,7 +344,7 @@ def _frontier(candidate: Candidate, reach: Reach, subject: str, frame: int) -> t
     if not reached:
         return subject, "nothing", float("nan")
     tip = reached[-1]
-    left = [n for n in reach.names if reach.time(n) is None and entities[n].motion == "dynamic"]
+    left = [n for n in reach.names if n != tip and reach.time(n) is None and entities[n].motion == "dynamic"]
     if subject not in left:
         left.append(subject)
     at = min(frame, candidate.last_frame)

@@ -225,4 +225,9 @@ def field_lines(spec: WorldSpec) -> list[dict[str, str]]:
         deaf = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in felt)
         if deaf and driver.entities is None:
             found.append({"what": f"field {name!r} does not act on {', '.join(deaf)}", "effect": "their engines read no fields"})
+        spared = sorted(set(acting_on(spec, driver.model_copy(update={"entities": None}))) - set(felt))
+        if spared:
+            found.append(
+                {"what": f"field {name!r} is declared for {', '.join(felt)} alone", "effect": f"it spares {', '.join(spared)}"}
+            )
     return found

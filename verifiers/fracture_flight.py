@@ -116,7 +116,9 @@ class _Boxes:
         points = [
             pose_of(candidate.spec.entities[n].pose).apply(p.render.vertices) for n in still for p in candidate.entity(n).parts
         ]
-        self.still = np.array([(p.min(axis=0), p.max(axis=0)) for p in points]).reshape(-1, 2, 3)
+        # Each of two bodies brings half of what may lie between them while they touch.
+        half = 0.5 * self.margin
+        self.still = np.array([(p.min(axis=0) - half, p.max(axis=0) + half) for p in points]).reshape(-1, 2, 3)
 
     def swept(self, k: int) -> _Swept:
         """What the bodies sweep in the interval from frame `k` on."""

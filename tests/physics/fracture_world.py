@@ -12,7 +12,7 @@ from worldagent.tests.physics import rigid_world
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.spec import WorldSpec
 
-__all__ = ["bond", "bricks", "cantilever", "simulate", "solver_of", "struck_wall"]
+__all__ = ["STONE", "bond", "bricks", "cantilever", "simulate", "solver_of", "struck_wall"]
 
 BRICK = (0.24, 0.11, 0.07)
 STONE = {"brick": {"density": 1800.0, "friction": 0.6}, "iron": {"density": 7200.0, "friction": 0.4}}

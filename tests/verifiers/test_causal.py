@@ -235,6 +235,17 @@ def test_a_body_at_rest_passes_on_only_what_presses_it_harder_than_its_rest(tmp_
     assert scene(tmp_path, tracks, touches, [], beats).status == status
 
 
+def test_what_has_come_to_rest_is_told_to_bear_what_comes_to_it(tmp_path: Path) -> None:
+    """`a` stops at 0.5 s; `b` falls onto it long after."""
+    tracks = {"a": np.clip(TIME - 0.3, 0, 0.2), "b": 0.5 + np.clip(TIME - 0.9, 0, None)}
+    beats = {"first": moves("a", 0.1), "last": moves("b", 0.05, causes=["first"])}
+    row = scene(tmp_path, tracks, [Touch(24, "a", "b", RESTING)], [Event(0.99, "a", "b", impulse=RESTING)], beats)
+    assert row.status == "fail"
+    assert "got as far as a, and b," in row.evidence["explanation"]
+    assert "a came to rest at frame 13" in row.evidence["explanation"]
+    assert "name what still moves when it meets b" in row.corrections[0].action
+
+
 def test_what_set_the_cause_going_does_not_link_it_with_what_it_strikes_next(tmp_path: Path) -> None:
     """A hammer strikes `a` and then `b`: `a` is no cause of `b`. It is one if `a` itself strikes `b`."""
     tracks = {

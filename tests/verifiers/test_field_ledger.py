@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.bench.simulated_worlds import edited, simulate
 from worldagent.tests.physics.rigid_world import ball, box, floor, world
-from worldagent.verifiers.field_ledger import fields
+from worldagent.verifiers.field_ledger import field_lines, fields
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 
@@ -55,3 +55,13 @@ def test_an_impulse_that_the_field_cannot_have_given_is_found(tmp_path: Path) ->
         base = simulate(tmp_path / name, world(BALLS[name], seconds=0.25, restitution=1.0, drivers=DRAG))
         row = _row(_forged(base, tmp_path / f"{name} forged", push))
         assert row.status == "fail", (name, row.evidence)
+
+
+def test_the_register_says_whom_a_field_spares() -> None:
+    spec = world(
+        {"b": ball(0.1), "c": ball(0.1, at=(1, 0, 0.1)), "f": floor()}, drivers={"air": {**DRAG["air"], "entities": ["b"]}}
+    )
+    lines = {line["what"]: line["effect"] for line in field_lines(spec)}
+    assert lines["field 'air' is declared for b alone"] == "it spares c"
+    everywhere = world({"b": ball(0.1), "f": floor()}, drivers=DRAG)
+    assert not any("alone" in line["what"] for line in field_lines(everywhere))

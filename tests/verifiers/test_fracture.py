@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.tests.physics.fracture_world import simulate, struck_wall
+from worldagent.tests.physics import rigid_world
+from worldagent.tests.physics.fracture_world import STONE, bond, simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers import fracture, rigid
 from worldagent.verifiers.fracture_frames import Frames
@@ -230,6 +231,17 @@ def test_pieces_that_still_hold_together_are_one_lump_of_debris(run: Candidate, 
     assert (lump.status, lump.value) == ("fail", 1.0)
     assert "1 loose lumps of wall (2 of its" in lump.explanation
     assert evaluate(two, asked, (1, 1)).status == "pass"
+
+
+@pytest.mark.parametrize("fps", [24, 240])
+def test_a_beam_that_lies_on_a_block_does_not_fly_at_any_frame_rate(fps: int, tmp_path: Path) -> None:
+    """Two skins lie between it and the floor."""
+    skin, broken = 2e-3, {"pattern": {"kind": "wood", "pieces": 6}, "bond": bond(3e6)}
+    beam = rigid_world.box(0.8, 0.1, 0.1, at=(0, 0, 0.05 + 2 * skin), material="brick", breakable=broken)
+    spec = rigid_world.world(
+        {"floor": rigid_world.floor(), "beam": beam}, seconds=12 / fps, fps=fps, materials=STONE, settings={"skin": skin}
+    )
+    assert statuses(simulate(tmp_path, spec))["flight"] in ("pass", "not_applicable")
 
 
 def test_the_register_says_what_is_simplified(run: Candidate) -> None:

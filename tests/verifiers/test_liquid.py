@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.defects import liquid as defects
-from worldagent.bench.liquid_worlds import DENSITY, Flow, stream, tank
+from worldagent.bench.liquid_worlds import DENSITY, Flow, pool_in_tank, stream, tank
 from worldagent.verifiers import category, numerical
 from worldagent.verifiers.liquid import WATCHES
 from worldagent.worlds.candidate import Candidate
@@ -256,3 +256,17 @@ def test_what_a_body_is_given_while_it_is_held_need_not_move_it(tmp_path: Path, 
     made.rigid["velocity"][5:, 0, 0] += (pushed - 1.0) * 0.1
     found = [r for r in category.check(made.candidate(tmp_path)) if r.id.startswith("category:rigid:momentum:")]
     assert [r.status for r in found] == [status]
+
+
+@pytest.mark.parametrize(("layers", "first"), [(2, "resolution"), (6, "step")])
+def test_growth_of_energy_in_a_film_asks_for_finer_particles_before_shorter_steps(
+    tmp_path: Path, layers: int, first: str
+) -> None:
+    """All of it is lifted by a fifth of a spacing, as particles do that close up where they land."""
+    flow = pool_in_tank(size=(0.24, 0.2, layers * S), spacing=S, wall=0.02, frames=12)
+    made = flow.edited()
+    for k in range(6, made.frames):
+        made.position[k][:, 2] += 0.2 * S
+    row = rows_of(made.candidate(tmp_path))["energy"]
+    assert row.status == "fail"
+    assert row.corrections[0].group == first

@@ -89,7 +89,7 @@ def job_answer(data: Mapping[str, Any]) -> dict[str, Any]:
     progress, estimate = data.get("progress"), data.get("estimate_s")
     share = "" if progress is None else f", {100 * progress:.0f} %"
     awaited = estimate and not progress and data["seconds"] < estimate
-    whole = f"; estimated at about {estimate:g} s beforehand" if awaited else ""
+    whole = f"; {data.get('estimate_of', 'all of it')} was estimated at about {estimate:g} s beforehand" if awaited else ""
     message = f": {data['message']}" if data.get("message") else ""
     summary = f"{data['kind']} of {data['world']} is {data['state']}{share} after {data['seconds']:g} s{whole}{message}"
     return answer(data, summary, call("job", action="wait", job_id=data["job_id"]))

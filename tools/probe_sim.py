@@ -74,6 +74,7 @@ def probe_sim(
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
         data["estimate_s"] = liquid_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
+        data["estimate_of"] = "moving its liquids once, checks and runs without a cause apart,"
     return told(world, "probe", data, detail)
 
 

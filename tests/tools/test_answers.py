@@ -11,7 +11,9 @@ JOB: dict[str, Any] = {"job_id": "job_1", "kind": "probe", "world": "w", "state"
 
 
 def test_an_estimate_made_beforehand_is_told_while_nothing_is_measured() -> None:
-    assert "estimated at about 6 s beforehand" in job_answer({**JOB, "progress": None})["summary"]
+    assert "all of it was estimated at about 6 s beforehand" in job_answer({**JOB, "progress": None})["summary"]
+    part = job_answer({**JOB, "progress": None, "estimate_of": "moving its liquids"})
+    assert "moving its liquids was estimated at about 6 s" in part["summary"]
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,8 @@ from ..worlds.spec import Appearance, Material
 
 __all__ = ["Drawn", "Liquid", "LiquidLook", "joined_balls", "liquids_of", "look_of"]
 
+GREY = Appearance().color
+"""Of a material without a declared look."""
 WATER_AFTER_A_METRE = (0.70, 0.93, 0.975)
 """What one metre of clear water leaves of white light. Source: Pope and Fry (1997), doi:10.1364/AO.36.008710, rounded."""
 DROPS_PER_PARTICLE = 4
@@ -63,9 +65,12 @@ class LiquidLook(NamedTuple):
 
 
 def look_of(material: Material) -> LiquidLook:
-    """The look of a liquid's material; water without a declared look is clear water."""
+    """The look of a liquid's material; water without a declared look is clear water.
+
+    The default colour without transmission counts as none declared: specifications are kept with all defaults written out.
+    """
     look = material.appearance
-    given = "color" in look.model_fields_set or "transmission" in look.model_fields_set
+    given = look.color != GREY or look.transmission > 0.0
     clear = look.transmission >= 0.5 or (not given and material.substance in ("water", "other"))
     after: Any = look.color if given and look.color != (1.0, 1.0, 1.0) else WATER_AFTER_A_METRE
     absorption = -np.log(np.clip(np.asarray(after, dtype=np.float64), 0.01, 0.999))
@@ -76,7 +81,7 @@ def _plain(look: Appearance, clear: bool) -> tuple[float, float, float]:
     """Colour for pictures that show no depth."""
     if not clear:
         return look.color
-    return (0.10, 0.32, 0.42) if "color" not in look.model_fields_set else look.color
+    return (0.10, 0.32, 0.42) if look.color == GREY else look.color
 
 
 def joined_balls(center: F64, radius: F64) -> tuple[F64, I32]:

@@ -267,7 +267,11 @@ class Books:
         change = np.diff(momentum, axis=0)
         scale = np.maximum(np.cumsum(np.linalg.norm(given[1:], axis=1)) / np.arange(1, len(given)), 1e-12)
         size = np.array(self.mass)[1:] * np.linalg.norm(self.swarm.gravity) * self.swarm.duration
-        off = np.linalg.norm(change - given[1:], axis=1) / np.maximum(np.maximum(scale, size), 1e-12)
+        # Gravity is taken to act for half the frame on what comes or goes in it; it may act for all of it, or not at all.
+        flow = sum(np.abs(np.diff(self.swarm.record(n))) for n in ("inflow_mass", "died_mass", "domain_outflow"))
+        doubt = 0.5 * flow * np.linalg.norm(self.swarm.gravity) * self.swarm.duration
+        missed = np.maximum(np.linalg.norm(change - given[1:], axis=1) - doubt, 0.0)
+        off = missed / np.maximum(np.maximum(scale, size), 1e-12)
         if not len(off):
             return Finding("not_applicable", "there is only one frame")
         frame = int(np.argmax(off > MOMENTUM)) + 1 if (off > MOMENTUM).any() else None

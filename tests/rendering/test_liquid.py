@@ -169,6 +169,8 @@ def test_spray_is_drawn_as_drops_of_its_volume(pool: Candidate) -> None:
 
 def test_the_look_of_a_liquid_follows_its_material() -> None:
     plain = look_of(Material(density=1000, substance="water"))
+    kept = look_of(Material.model_validate(Material(density=1000, substance="water").model_dump()))
+    assert (kept.clear, kept.color) == (True, plain.color)
     assert plain.clear
     assert plain.absorption[0] > 5 * plain.absorption[2] > 0
     milk = look_of(Material(density=1030, substance="other", appearance={"color": (0.9, 0.9, 0.85)}))

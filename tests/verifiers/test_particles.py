@@ -28,6 +28,8 @@ from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import WorldSpec
 
 FRAMES = 7
+SAND = 2600.0
+"""[kg/m^3]"""
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +72,30 @@ def test_every_row_of_a_sound_world_passes_or_has_no_case(sand: Candidate) -> No
     assert {n for n, r in rows.items() if r.status not in ("pass", "not_applicable")} == set()
     rigid = rows_of(sand, "bodies")
     assert {n: r.evidence["explanation"] for n, r in rigid.items() if r.status not in ("pass", "not_applicable")} == {}
+
+
+def test_a_grain_that_leaves_within_a_frame_may_have_felt_all_of_its_weight_or_none(sand: Candidate, tmp_path: Path) -> None:
+    """One grain goes in the last frame with what it weighs in half a frame; twice as much has no source."""
+
+    def left(share: float) -> Callable[[int, dict[str, Any]], None]:
+        def change(frame: int, data: dict[str, Any]) -> None:
+            if frame < FRAMES - 1:
+                return
+            one = {n: v for n, v in data.items() if n.startswith("particle/")}
+            mass = float(4 / 3 * np.pi * one["particle/radius"][0] ** 3 * SAND)
+            gone = mass * np.asarray(one["particle/velocity"][0], dtype=np.float64)
+            data["outflow/momentum"] = data["outflow/momentum"] + gone + mass * 9.81 / 24 * np.array([0.0, 0.0, share])
+            data.update({n: v[1:] for n, v in one.items()})
+            data["record/domain_outflow"] = data["record/domain_outflow"] + mass
+
+        return change
+
+    half, twice = (
+        rows_of(broken(sand, tmp_path / name, left(share), "grains"), "grains")["momentum"]
+        for name, share in (("half", 0.0), ("twice", 2.0))
+    )
+    assert (half.status, twice.status) == ("pass", "fail")
+    assert twice.first_failing_frame == FRAMES - 1
 
 
 def test_every_row_of_flying_particles_passes_or_has_no_case(sparks: Candidate) -> None:

@@ -21,6 +21,8 @@ BRUTE_FACES = 200
 """Own choice, measured: below this many triangles a full sweep beats the k-d tree."""
 GRID_FACES = 500
 """Own choice: above this many triangles points are classified by counting crossings."""
+GRID_PAIRS = 100_000
+"""Own choice: above this many point-triangle pairs too, where solid angles of all of them would take longer than building the grid."""
 
 
 def winding_number(triangles: F64, points: F64) -> F64:
@@ -64,7 +66,8 @@ def contains(solid: Solid, points: F64) -> NDArray[np.bool_]:
         facets = solid.facets
         return np.asarray((points @ facets.normals.T <= facets.offsets).all(axis=1))
     near = np.flatnonzero(((points >= solid.lower) & (points <= solid.upper)).all(axis=1))
-    if len(solid.faces) <= GRID_FACES or not solid.is_watertight:
+    few = len(solid.faces) <= GRID_FACES and len(near) * len(solid.faces) <= GRID_PAIRS
+    if few or not solid.is_watertight:
         result[near] = np.abs(winding_number(solid.triangles, points[near])) > 0.5
         return result
     winding, doubtful = solid.ray_grid.winding(points[near])

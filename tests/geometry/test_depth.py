@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.optimize import linprog
-from worldagent.geometry import Solid, signed_clearance
+from worldagent.geometry import Solid, contains, signed_clearance
 from worldagent.geometry.depth import PRECISION
+from worldagent.geometry.inside import GRID_PAIRS
 
 from .meshes import at, solid_of
 
@@ -108,3 +109,13 @@ def test_the_least_mixture_is_the_value_of_the_game():
         assert (corner @ game).min() == pytest.approx(value, abs=1e-9), "the peak attains the bound"
         mixed = rng.dirichlet(np.ones(3), 200) @ game
         assert mixed.min(axis=1).max() <= value + 1e-12
+
+
+def test_many_points_are_told_inside_as_one_by_one():
+    """Counted crossings against solid angles, in a hole, a wall and outside."""
+    pipe = solid_of(trimesh.creation.annulus(0.3, 0.6, 0.3, sections=40))
+    points = np.random.default_rng(2).uniform(-0.7, 0.7, (2000, 3)) * (1.0, 1.0, 0.3)
+    assert len(points) * len(pipe.faces) > GRID_PAIRS
+    few = np.concatenate([contains(pipe, part) for part in np.array_split(points, 50)])
+    assert np.array_equal(contains(pipe, points), few)
+    assert 0.3 < few.mean() < 0.7

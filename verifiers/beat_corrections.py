@@ -74,7 +74,7 @@ def _timing(
     if late is not None:
         gap = late - frames[1] if late > frames[1] else frames[0] - late
         when = "after the interval ends" if late > frames[1] else "before it begins"
-        moved = [min(frames[0], late), max(frames[1], late)]
+        moved = [*_moved(frames, late)]
         found.append(
             correction(
                 f"it does happen, at frame {late}, {gap} frames {when}",
@@ -131,13 +131,23 @@ def _longer(candidate: Candidate, outcome: Outcome, pointer: str) -> list[Correc
 
 
 def happens_at(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]) -> int | None:
-    """Frame outside its interval at which an event comes true; None where it does not, or is a state that lasts."""
+    """Frame outside its interval at which an event comes true; None where it does not, or is a state that lasts.
+
+    None also where an interval that reaches to that frame would not make it true: of what is asked `when=end` only the last counts.
+    """
     if is_invariant(predicate) or frames == (0, candidate.last_frame):
         return None
     if any(getattr(a, "kind", "") in LASTING for a in atoms_of(predicate)):
         return None
     at = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
-    return None if at is None or frames[0] <= at <= frames[1] else at
+    if at is None or frames[0] <= at <= frames[1]:
+        return None
+    return at if evaluate(candidate, predicate, _moved(frames, at)).status == "pass" else None
+
+
+def _moved(frames: tuple[int, int], at: int) -> tuple[int, int]:
+    """The interval that reaches to a frame outside of it."""
+    return min(frames[0], at), max(frames[1], at)
 
 
 def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:

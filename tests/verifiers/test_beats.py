@@ -11,7 +11,7 @@ import pytest
 from worldagent.bench.small_worlds import IDENTITY, box, ground, make_candidate, pose, world
 from worldagent.verifiers.beats import check
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Always, Contact, Displacement, Not, Reaches, RestsOn, Speed, StaysIn, Topples
+from worldagent.worlds.predicates import Always, And, Contact, Displacement, Not, Reaches, RestsOn, Speed, StaysIn, Topples
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, BoxRegion, FieldDriver, ForceDriver, PathDriver, PathKey, Requirement, Story
 
@@ -84,6 +84,20 @@ def test_an_event_after_its_interval_is_found_and_replanned(tmp_path: Path) -> N
     assert row.status == "fail"
     assert "at frame 22, 7 frames after" in row.corrections[0].cause
     assert row.corrections[0].patch[0]["value"] == [5, 22]
+
+
+def test_what_is_over_when_its_end_is_judged_is_not_replanned_to_begin_earlier(tmp_path: Path) -> None:
+    """x = k / 24: within 0.25 m up to frame 6, and 0.83 m away at frame 20, where both intervals end."""
+    near = And(of=[Displacement(entity="cube", max=0.25, when="end"), Displacement(entity="cube", min=0.1, when="end")])
+    row = rows_of(sliding(tmp_path, {"b": beat(near, (10, 20))}))["beat:b"]
+    assert (row.status, row.measured) == ("fail", pytest.approx(20 / 24))
+    assert "late_frames" not in row.evidence
+    assert not [c for c in row.corrections if "frames" in c.pointers[0]]
+    # Where the end comes after it, it is true at the end of the interval that reaches there.
+    far = And(of=[Displacement(entity="cube", min=0.9, when="end"), Displacement(entity="cube", min=0.1, when="end")])
+    row = rows_of(sliding(tmp_path / "b", {"b": beat(far, (10, 20))}))["beat:b"]
+    assert row.evidence["happens_at_frame"] == 22
+    assert row.corrections[0].patch[0]["value"] == [10, 22]
 
 
 def test_an_approach_that_the_end_cuts_off_asks_for_more_frames(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def concise(row: Mapping[str, Any], world: str = "") -> Listed:
     if tried:
         told["tried"] = tried[:MAX_TRIED]
     looks = [_look(p, world) for p in row.get("diagnosis", {}).get("cheapest_probe", ())[:1]]
-    if looks and row["status"] == "fail":
+    if looks and (row["status"] == "fail" or not corrections):
         told["look"] = looks[0]
     return told
 

@@ -50,6 +50,14 @@ declared: chaos alone moves numbers by a little."""
 FLIPPED: Mapping[str, str] = {">=": "<=", "<=": ">="}
 
 
+class _FollowsError(EvidenceError):
+    """A beat did not come true, so that a row about it has nothing to judge."""
+
+    def __init__(self, beat: str, text: str) -> None:
+        self.row = f"beat:{beat}"
+        super().__init__(f"{text}; this row follows from {self.row}: mend that one first")
+
+
 class _Try(NamedTuple):
     """One way to prevent a cause."""
 
@@ -112,7 +120,8 @@ def check(candidate: Candidate, progress: Callable[[float, float, str], None] | 
         try:
             rows.append(work.judge(cause_id, effect_id))
         except EvidenceError as error:
-            rows.append(_row(candidate, cause_id, effect_id, "unverified", str(error)))
+            follows = {"follows": error.row} if isinstance(error, _FollowsError) else None
+            rows.append(_row(candidate, cause_id, effect_id, "unverified", str(error), evidence=follows))
     return rows
 
 
@@ -148,7 +157,7 @@ class _Work:
             raise tries
         original = beat_times(candidate).outcome(effect_id)
         if original.status != "pass" or original.first_true_frame is None:
-            raise EvidenceError(f"{effect_id} did not come true, so nothing can vanish: {original.explanation}")
+            raise _FollowsError(effect_id, f"{effect_id} did not come true, so nothing can vanish: {original.explanation}")
         failed: list[str] = []
         for option in tries:
             run = self._run(option)
@@ -186,7 +195,7 @@ class _Work:
         beat = candidate.spec.story.beats[cause_id]
         outcome = beat_times(candidate).outcome(cause_id)
         if outcome.status != "pass" or outcome.first_true_frame is None:
-            raise EvidenceError(f"{cause_id} did not come true, so it cannot be taken away: {outcome.explanation}")
+            raise _FollowsError(cause_id, f"{cause_id} did not come true, so it cannot be taken away: {outcome.explanation}")
         found = []
         if beat.owner in plan.drivers:
             moment, _ = driver_start(candidate, beat.owner)

@@ -27,6 +27,7 @@ def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
     tail = row.id.rsplit(":", 1)[-1]
     found: dict[str, Any] = {
         "row": row.id,
+        "follows": row.evidence.get("follows"),
         "entity": row.first_failing_entity or next(iter(named), None),
         "other": next((n for n in named if n != (row.first_failing_entity or named[0])), None),
         "frame": frame,

@@ -10,9 +10,11 @@ from worldagent.bench.simulated_worlds import SLICK, beat, simulate
 from worldagent.bench.small_worlds import ball, box, ground, make_candidate, world
 from worldagent.simulation.variants import run_variant
 from worldagent.tests.verifiers.pushed_blocks import N, only, pushed
+from worldagent.tools.rows import brief, concise
 from worldagent.verifiers import counterfactual
 from worldagent.verifiers.checks import rerun_ids, run_checks
 from worldagent.verifiers.counterfactual import check, row_ids
+from worldagent.verifiers.diagnosis import diagnose
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import And, Contact, Displacement, JointAngle, Reaches, RestsOn, Speed, Tilts
 from worldagent.worlds.spec import (
@@ -330,12 +332,20 @@ def test_a_damaged_checkpoint_is_missing_evidence(tmp_path: Path) -> None:
     assert only(candidate).status == "unverified"
 
 
-def test_an_effect_that_never_came_cannot_vanish(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("impulse", "least", "absent"), [(0.0, 5.0, "fly"), (1e6, 0.0, "hit")])
+def test_a_row_whose_beat_never_came_names_the_row_that_it_follows_from(
+    tmp_path: Path, impulse: float, least: float, absent: str
+) -> None:
     beats = {
-        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
-        "fly": beat("b", Displacement(entity="b", min=5.0), frames=(1, 24), causes=["hit"]),
+        "hit": beat("b", Contact(a="a", b="b", min_impulse=impulse), frames=(1, 20)),
+        "fly": beat("b", Displacement(entity="b", min=least), frames=(1, 24), causes=["hit"]),
     }
-    assert only(simulate(tmp_path, pushed(beats=beats))).status == "unverified"
+    candidate = simulate(tmp_path, pushed(beats=beats))
+    row = diagnose(only(candidate), candidate.spec)
+    assert (row.status, row.evidence["follows"]) == ("unverified", f"beat:{absent}")
+    assert f"this row follows from beat:{absent}" in row.evidence["explanation"]
+    assert row.corrections == ()  # more frames would not help
+    assert f"row='beat:{absent}'" in concise(brief(row))["look"]
 
 
 # ---------------------------------------------------------------- where it is judged

@@ -9,7 +9,7 @@ from .cloth import tears
 from .fields import acting_on
 from .gate import Problem, replaced
 from .liquids import declares_heat
-from .predicates import PREDICATES, entities_of
+from .predicates import PREDICATES, atoms_of, entities_of
 from .references import cycle_in, kinds_of, mentions_joint
 from .spec import FieldDriver, Supports, WorldSpec
 
@@ -17,6 +17,16 @@ __all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems"
 
 TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
 """Evidence of cloth that can tear."""
+BODILY = frozenset(
+    {*("contact", "no_contact", "reaches", "stays_in", "crosses", "rests_on"),
+     *("supported", "tilts", "topples", "speed", "displacement", "separation")}
+)  # fmt: skip
+"""Kinds of predicates that ask for the place or the surface of bodies."""
+ASKED = {
+    "liquid": "liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets",
+    "particles": "particle_count_in, particle_volume_in, pile_height, run_out or particles_settled of it, reaches or speed of what it meets",
+}
+"""What can be asked of matter that is not a body, by category."""
 
 
 def story_problems(spec: WorldSpec) -> list[Problem]:
@@ -84,6 +94,22 @@ def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bo
         missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
         if missing:
             problems.append(Problem(f"/story/beats/{name}/predicate", f"no engine in use writes {sorted(set(missing))}"))
+    return [*problems, *_without_bodies(spec)]
+
+
+def _without_bodies(spec: WorldSpec) -> list[Problem]:
+    """Liquids and particles are many: nothing is asked of their one place, surface or contact."""
+    said = [(f"/story/beats/{n}/predicate", b.predicate) for n, b in spec.story.beats.items()]
+    said += [(f"/story/requirements/{n}/predicate", r.predicate) for n, r in spec.story.requirements.items()]
+    problems = []
+    for place, predicate in said:
+        for atom in atoms_of(predicate):
+            kind = str(getattr(atom, "kind", ""))
+            for entity in entities_of(atom) if kind in BODILY else ():
+                category = spec.entities[entity].physics.category if entity in spec.entities else ""
+                if category in ASKED:
+                    text = f"{kind} asks for a body, and {entity!r} is {category}: ask {ASKED[category]}"
+                    problems.append(Problem(place, text))
     return problems
 
 

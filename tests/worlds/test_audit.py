@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from worldagent.bench.small_grains import sand_spec
+from worldagent.bench.small_liquids import tank_spec
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.audit import audit
 from worldagent.worlds.patch import apply_patch, parse_spec
@@ -138,3 +140,18 @@ def test_the_bake_order_is_declared_or_follows_from_one_way_couplings() -> None:
     assert order.index("b_late") < order.index("a_early")
     declared = apply_patch(spec, [{"op": "add", "path": "/simulation/order", "value": ["a_early", "b_late"]}])
     assert audit(declared).bake_order == ("a_early", "b_late", "rigid")
+
+
+@pytest.mark.parametrize(
+    ("made", "matter", "said"), [(sand_spec(), "sand", "pile_height"), (tank_spec(), "water", "liquid_arrives")]
+)
+def test_what_only_bodies_have_is_not_asked_of_grains_and_liquids(made: dict[str, Any], matter: str, said: str) -> None:
+    spec = parse_spec({"prompt": "A ball falls into it.", **made})
+    others = [n for n, e in spec.entities.items() if e.motion == "dynamic" and n != matter]
+    beat = {"text": "they meet", "owner": next(iter(spec.simulation.rigid)), "subject": others[0], "frames": [0, 5],
+            "predicate": {"kind": "contact", "a": others[0], "b": matter}}  # fmt: skip
+    report = audit(apply_patch(spec, [{"op": "add", "path": "/story/beats/meets", "value": beat}]))
+    problems = [p for r in report.rows if r.status != "pass" for p in r.evidence.get("problems", [])]
+    assert any(f"contact asks for a body, and {matter!r} is" in p and said in p for p in problems), problems
+    before = [p for r in audit(spec).rows for p in r.evidence.get("problems", [])]
+    assert not any("asks for a body" in p for p in before)

@@ -248,7 +248,7 @@ class Coupling:
                 k = int(np.nanargmax(excess))
                 worst, told = (
                     float(excess[k]),
-                    f"{self.bodies.entities[row]} is pushed up by {push[k]:.4g} N over frames {k - window}..{k}, displaced liquid gives {wanted[k]:.4g} N",
+                    f"{self._told(row)} is pushed up by {push[k]:.4g} N over frames {k - window}..{k}, displaced liquid gives {wanted[k]:.4g} N",
                 )
                 culprit = self.bodies.entities[row]
                 when = int(np.argmax(np.nan_to_num(excess, nan=0.0) > BUOYANCY)) if worst > BUOYANCY else None
@@ -263,12 +263,11 @@ class Coupling:
                 f"{n} lies over gaps too narrow for the particles, up to {f:.3g} N of lift" for n, f in kept_out.items()
             )
         hints = (
-            *((coarse(self.liquid, "the gap under the body is too narrow for the particles"),) if light else ()),
-            correction(
-                "the liquid's pressure does not reach the body",
-                "drivers",
-                "couple both ways; look at the coupling's variables",
-                pointers=("/simulation/couplings",),
+            coarse(
+                self.liquid,
+                "the gap under the body is too narrow for the particles"
+                if light
+                else "too few particles push the body, each too hard",
             ),
             longer_step(self.liquid, "the body moves too far in a step"),
         )
@@ -283,6 +282,11 @@ class Coupling:
             hints if worst > BUOYANCY else (),
             {"lift_kept_out_n": kept_out},
         )
+
+    def _told(self, row: int) -> str:
+        """The body's name: of the entity, and of the piece where it has several."""
+        entity, body = self.bodies.names[row].split("/")
+        return entity if len(self.liquid.candidate.entity(entity).bodies) == 1 else f"{body} of {entity}"
 
     def _full(self, row: int) -> float:
         """Weight of the liquid that a whole body displaces [N]."""

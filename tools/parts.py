@@ -212,13 +212,19 @@ def _there(at: Any, key: str, walked: str) -> str:
 
 
 def matrix(session: Session, status: str | None, detail: Detail, *, offset: int, limit: int) -> dict[str, Any]:
-    """Requirement rows, open ones first; passing rows in a line each unless asked in full."""
+    """Requirement rows, open ones first; passing rows in a line each unless asked in full, and where all are asked for, so are open
+    ones once half a page is told."""
     world = session.folder.id
     rows = session.ledger.rows()
     only = {None: ("fail", "unverified", "pass", "not_applicable"), "open": OPEN}.get(status, (str(status),))
     chosen = ranked(rows, only=only)
     full = [brief(r) for r in chosen]
-    items = full if detail == "full" else [concise(r, world) if r["status"] in OPEN else line(r) for r in full]
+    items, room = full, PAGE_CHARACTERS if status else PAGE_CHARACTERS // 2
+    if detail != "full":
+        items = []
+        for row in full:
+            items.append(concise(row, world) if row["status"] in OPEN and room > 0 else line(row))
+            room -= 0 if status else size_of(items[-1])
     page, place = paged(items, offset, limit, room=PAGE_CHARACTERS if detail == "concise" else 2 * PAGE_CHARACTERS)
     first = next((r["id"] for r in page if r["status"] in OPEN), None)
     then = call("inspect_world", world=world, part="row", row=first) if first else call("inspect_world", world=world)

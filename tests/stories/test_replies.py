@@ -128,6 +128,22 @@ def test_counts_are_of_the_whole_matrix(accepted: Any) -> None:
     assert only["total"] == whole["not_applicable"] < whole["pass"]
 
 
+def test_a_matrix_with_many_open_rows_is_listed_in_lines(agent: Any) -> None:
+    """What is asked for alone is told in full; of all, the first open rows are."""
+    spec = small_spec()
+    for name in ("b1", "b2", "b3", "ball"):
+        spec["entities"][name]["pose"]["position"][2] -= 0.03
+    agent.call("edit_spec", world="w", prompt=PROMPT, spec=spec)
+    agent.call("place_object", world="w")
+    whole = agent.call("inspect_world", world="w", part="matrix", limit=200)["rows"]
+    only = agent.call("inspect_world", world="w", part="matrix", limit=200, status="open")["rows"]
+    waiting = [r for r in whole if r["status"] in ("fail", "unverified")]
+    assert [r["id"] for r in waiting][: len(only)] == [r["id"] for r in only]
+    assert {"corrections" in r for r in waiting} == {True, False}
+    assert all("corrections" in r or "why" in r for r in only)
+    assert len(whole) > 2 * len(only)
+
+
 def test_a_probe_of_other_settings_is_named_where_it_cannot_be_shown(accepted: Any) -> None:
     accepted.edit(("/entities/ball/physics/linear_velocity/0", 0.9))
     text = accepted.refused("render_shot", world="w", frame=3, stage="probe")

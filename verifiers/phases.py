@@ -2,23 +2,23 @@
 
 - preroll: the scene before anything acts. Covered by `simulation.preroll`, or by a frame 0 at which nothing moves but
   what the specification sets in motion there (a start velocity, a driver).
-- activation: the first frame at which a driver acts or a body is faster than the scene's start speed.
-- first contact: the first new contact after activation between entities that did not touch before. Where there is none
-  and the specification asks for none (no contact predicate, no `interacts` relation, no cause between different
-  bodies), it does not apply.
-- peak response: frame of the largest kinetic energy from the first contact on; from activation where no contact applies. Bodies that
-  nothing meets and that go on evenly to the end (`STEADY`), as in a stream, are at their peak from the frame on where that begins.
+- activation: the first frame at which a driver acts, or a body, grains or cloth are faster than the scene's start speed.
+- first contact: the first new contact after activation between entities that did not touch before: bodies, grains and bodies, cloth
+  and solids (`phase_contacts.py`). Where there is none and the specification asks for none (no contact predicate, no `interacts`
+  relation, no cause between different bodies), it does not apply.
+- peak response: frame of the largest kinetic energy from the first contact on; from activation where none is asked for and no bodies
+  meet. What then goes on evenly to the end (`STEADY`), as in a stream, is at its peak from the frame on where that begins.
 - early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
   frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
 
 Where no rigid body can move, what counts is the matter of the other instances: their largest speed and kinetic energy as recorded.
+Where bodies could move and none does, the kinetic energy is that of grains and cloth.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from ..worlds.predicates import is_invariant
 from ..worlds.requirements import Correction, Row
 from . import motion
 from .causal import driver_start
+from .phase_contacts import asks_for_contact, first_contact, promises
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ FALLING = 0.25
 """[s] or has fallen for this long up to the end of the run."""
 STEADY = 0.05
 """Own choice: share of the kinetic energy by which it may vary over that time where a stream carries bodies on evenly."""
+NAMED = 3
+"""Pairs that should meet and do not, named in a row."""
 SMALL = 1e-3
 """[m/s] Least start speed, for tiny scenes and without gravity."""
 
@@ -92,22 +95,36 @@ def find_phases(candidate: Candidate) -> Phases:
     )
     threshold = _start_speed(candidate)
     notes, who = {}, {}
-    activation, starter, how = _activation(candidate, names, threshold)
+    moved, starter, how = _activation(candidate, names, threshold)
+    activation, loose = moved, [n for n in _loose(candidate) if n not in names]
+    if loose and moved != 0:
+        first, other, told = _activation(candidate, loose, threshold)
+        if first is not None and (moved is None or first < moved):
+            activation, starter, how = first, other, told
     notes["activation"] = how
     if starter:
         who["activation"] = starter
     preroll = _preroll(candidate, names, activation, threshold, notes)
-    contact = _first_contact(candidate, activation, who, notes) if activation is not None else None
-    energy = _kinetic(candidate)
-    touchless = activation is not None and contact is None and not _asks_for_contact(candidate)
+    asked, met = asks_for_contact(candidate), None
+    if activation is not None:
+        met = first_contact(candidate, activation, moved)
+        notes["first_contact"] = _unmet(candidate, activation) if met is None else met.text
+    if met is not None:
+        who["first_contact"] = met.mover
+    contact = None if met is None else met.frame
+    still = bool(loose) and all((_speeds(candidate, n) <= threshold).all() for n in names)
+    energy = _kinetic(candidate, loose if still else [])
+    touchless = activation is not None and contact is None and not asked
+    # What sand or a sheet touches unasked is no blow that a response follows.
+    unasked = touchless or (met is not None and met.pressed and not asked)
     if touchless:
         notes["first_contact"] += ", and no beat, relation or cause asks for one"
     peak = settling = None
-    start = activation if touchless else contact
+    start = activation if unasked else contact
     if start is not None:
         peak = start + int(np.argmax(energy[start : last + 1]))
         notes["peak_response"] = f"kinetic energy {energy[peak]:.3g} J"
-        if peak == last and touchless and (steady := _steady(candidate, energy, start)) is not None:
+        if peak == last and unasked and (steady := _steady(candidate, energy, start)) is not None:
             peak = steady
             notes["peak_response"] = f"carried on evenly from frame {steady} to the last, with {energy[last]:.3g} J"
         elif peak == last:
@@ -116,40 +133,6 @@ def find_phases(candidate: Candidate) -> Phases:
     if peak is not None:
         settling = _settling(candidate, energy, peak, notes)
     return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold, touchless)
-
-
-def _asks_for_contact(candidate: Candidate) -> bool:
-    """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats.
-
-    What a liquid or grains pass on needs no contact of bodies.
-    """
-    spec = candidate.spec
-    beats, relations = spec.story.beats, spec.graph.relations.values()
-    solid = {n for n, e in spec.entities.items() if e.physics.category not in ("liquid", "particles")}
-    passed_on = any(
-        {beats[c].subject, b.subject} <= solid and beats[c].subject != b.subject
-        for b in beats.values()
-        for c in b.causes
-        if c in beats
-    )
-    if not beats or passed_on or any(r.kind == "interacts" for r in relations):
-        return True
-    carried = {(r.b, r.a) for r in relations if r.kind == "supports" and (r.frames is None or r.frames[0] == 0)}
-    predicates = [b.predicate for b in beats.values()] + [r.predicate for r in spec.story.requirements.values()]
-    parts = [part for p in predicates for part in _parts_of(p.model_dump(mode="json"))]
-    return any(
-        p["kind"] == "contact" or (p["kind"] == "rests_on" and (p["entity"], p["on"]) not in carried)
-        for p in parts
-        if "kind" in p
-    )
-
-
-def _parts_of(node: Any) -> Iterator[dict[str, Any]]:
-    """A predicate and all predicates in it, as plain data."""
-    if isinstance(node, dict):
-        yield node
-    for child in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-        yield from _parts_of(child)
 
 
 def _start_speed(candidate: Candidate) -> float:
@@ -163,6 +146,12 @@ def _matter(candidate: Candidate) -> dict[str, Cache]:
     """Instance of each entity that is no rigid body and moves by an engine."""
     others = [c for n, c in candidate.caches.items() if n not in candidate.spec.simulation.rigid]
     return {member: cache for cache in others for member in candidate.spec.simulation.solvers[cache.index.solver].members}
+
+
+def _loose(candidate: Candidate) -> list[str]:
+    """Grains, flying particles and cloth: what moves and meets others beside bodies."""
+    entities = candidate.spec.entities
+    return [n for n in _matter(candidate) if entities[n].physics.category in ("particles", "cloth")]
 
 
 def _speeds(candidate: Candidate, name: str) -> F64:
@@ -218,36 +207,23 @@ def _thrown(entity: Entity) -> bool:
     return any(any(v) for v in speeds) or bool(getattr(entity.physics, "currents", None))
 
 
-def _first_contact(candidate: Candidate, activation: int, who: dict[str, str], notes: dict[str, str]) -> int | None:
-    fps = candidate.spec.simulation.fps
-    found: tuple[float, int, str] | None = None
-    for cache in candidate.rigid_caches.values():
-        contacts, events = cache.ragged("contact/pair", "contact/impulse"), cache.ragged("event/time", "event/pair")
-        before: set[tuple[int, ...]] = set()
-        for frame in range(candidate.frame_count):
-            log = events[frame]
-            fresh = [(float(t), tuple(p)) for t, p in zip(log["event/time"], log["event/pair"].tolist(), strict=True)]
-            for time, pair in fresh:
-                if time * fps + 1e-9 >= activation and pair not in before and (found is None or time < found[0]):
-                    a, b = (cache.index.colliders[i] for i in pair)
-                    mover = a if candidate.spec.entities[a].motion != "static" else b
-                    found = (time, frame, mover)
-                    notes["first_contact"] = f"{a} meets {b} at {time:.3f} s"
-            before |= {tuple(p) for p in contacts[frame]["contact/pair"].tolist()} | {p for _, p in fresh}
-    if found is None:
-        notes["first_contact"] = f"no new contact after frame {activation}"
-        return None
-    who["first_contact"] = found[2]
-    return found[1]
+def _unmet(candidate: Candidate, activation: int) -> str:
+    """That nothing met, and who should have."""
+    pairs = sorted({" and ".join(sorted(p.entities)) for p in promises(candidate.spec)})
+    told = f" between {'; '.join(pairs[:NAMED])}" if pairs else ""
+    return f"no new contact{told} after frame {activation}"
 
 
-def _kinetic(candidate: Candidate) -> F64:
+def _kinetic(candidate: Candidate, loose: list[str]) -> F64:
+    """Kinetic energy of bodies [J], shape (frames,); of all matter where there are none, of the `loose` where no body moves."""
     total = np.zeros(candidate.frame_count)
     for cache in candidate.rigid_caches.values():
         total += motion.kinetic_energy(candidate, cache)[: candidate.frame_count].sum(axis=1)
-    if not any(c.index.bodies for c in candidate.rigid_caches.values()):
-        for cache in {id(c): c for c in _matter(candidate).values()}.values():
-            total += cache.series("record/kinetic_energy")[: candidate.frame_count]
+    matter = _matter(candidate)
+    bodies = any(c.index.bodies for c in candidate.rigid_caches.values())
+    counted = [matter[n] for n in loose] if bodies else list(matter.values())
+    for cache in {id(c): c for c in counted}.values():
+        total += cache.series("record/kinetic_energy")[: candidate.frame_count]
     if not np.isfinite(total).all():
         raise EvidenceError(f"kinetic energy is not finite at frame {int(np.argmax(~np.isfinite(total)))}")
     return total
@@ -383,4 +359,7 @@ def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
     meet = correction(
         "the bodies that should meet pass each other", "placement", "bring their paths together", pointers=("/entities",)
     )
-    return [act, wait] if phase == "activation" else [wait, meet] if phase == "first_contact" else [wait]
+    if phase == "first_contact":
+        due = any(b.frames[1] > candidate.last_frame for b in candidate.spec.story.beats.values())
+        return [wait, meet] if due else [meet, wait]
+    return [act, wait] if phase == "activation" else [wait]

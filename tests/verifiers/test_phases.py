@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
-from worldagent.verifiers.phases import _asks_for_contact, check, find_phases
+from worldagent.verifiers.phase_contacts import asks_for_contact
+from worldagent.verifiers.phases import check, find_phases
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import And, Contact, Displacement, RestsOn
 from worldagent.worlds.spec import Beat, Interacts, LiquidPhysics, ReleaseDriver
@@ -159,7 +160,7 @@ def test_what_a_liquid_passes_on_needs_no_contact_of_bodies(tmp_path: Path) -> N
             "entities": {**spec.entities, "water": water},
             "story": spec.story.model_copy(update={"beats": beats}),
         }
-        assert _asks_for_contact(dataclasses.replace(candidate, spec=spec.model_copy(update=told))) is asked
+        assert asks_for_contact(dataclasses.replace(candidate, spec=spec.model_copy(update=told))) is asked
 
 
 def test_bodies_in_touch_from_the_start_are_no_first_contact(tmp_path: Path) -> None:

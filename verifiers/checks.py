@@ -46,7 +46,7 @@ class CheckBinding:
 
     name: str
     function: Callable[..., list[Row]]
-    """Takes a candidate; one that reruns also takes `progress`."""
+    """Takes a candidate; one that reruns also takes `progress` and the id of a row that keeps it from simulating, or None."""
     stages: tuple[Stage, ...]
     reruns: Callable[[WorldSpec], frozenset[str]] | None = None
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
@@ -123,12 +123,18 @@ def run_checks(
         whole, began = max(sum(work), CHECK_WORK), time.monotonic()
         told = Part(progress or _silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
         told(0, 1, f"checking {binding.name}")
-        found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told)
+        found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _first_failure(rows))
         rows += [diagnose(fail_closed(r), candidate.spec) for r in found]
         took += time.monotonic() - began if binding.reruns is None else 0.0
     if seconds is not None:
         seconds["judged"] = took
     return rows
+
+
+def _first_failure(rows: Iterable[Row]) -> str | None:
+    """The first mandatory row that fails for what was simulated: mending it makes another motion, so that runs of this one's
+    variants would be for nothing."""
+    return next((r.id for r in rows if r.mandatory and r.status == "fail" and r.check != "shots"), None)
 
 
 def _silent(done: float, total: float, message: str, ends: float | None = None) -> None:

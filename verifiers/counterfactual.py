@@ -37,7 +37,7 @@ from . import motion
 from .causal import driver_start, onset_of, wrong_cause
 from .chains import Chains
 from .predicates import Outcome, beat_times, evaluate, last_needed
-from .verdicts import correction, make_row
+from .verdicts import correction, make_row, postponed
 
 if TYPE_CHECKING:
     from ..worlds.spec import Beat, CausalMargin, SpecModel, WorldSpec
@@ -96,17 +96,22 @@ def _row_id(cause_id: str, effect_id: str) -> str:
     return f"causal:without:{cause_id}:{effect_id}"
 
 
-def check(candidate: Candidate, progress: Callable[[float, float, str], None] | None = None) -> list[Row]:
+def check(
+    candidate: Candidate, progress: Callable[[float, float, str], None] | None = None, failing: str | None = None
+) -> list[Row]:
     """One row per declared cause of every beat; runs that serve several effects are made once.
 
     Args:
         candidate: what is judged.
         progress: called with (rows done, rows planned, message), also from within a run.
+        failing: id of a row that fails; then nothing is simulated, and every row follows from that one.
     """
     beats = candidate.spec.story.beats
     edges = [(c, e) for e, beat in beats.items() for c in beat.causes if c in beats]
     if not edges:
         return []
+    if failing is not None:
+        return [_row(candidate, *edge, "unverified", postponed(failing), evidence={"follows": failing}) for edge in edges]
     rows: list[Row] = []
 
     def tell(done: int, total: int, message: str) -> None:

@@ -25,7 +25,7 @@ from ..worlds.requirements import Correction, Row, Status
 from ..worlds.spec import Perturbed, Refined, RigidInstance
 from .perturbations import fixed_places, perturbed
 from .predicates import Outcome, beat_times, last_needed
-from .verdicts import correction, make_row
+from .verdicts import correction, make_row, postponed
 
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
@@ -58,12 +58,15 @@ def clopper_pearson(hits: int, count: int) -> tuple[float, float]:
     return (low, high)
 
 
-def check(candidate: Candidate, progress: Callable[[float, float, str], None] | None = None) -> list[Row]:
+def check(
+    candidate: Candidate, progress: Callable[[float, float, str], None] | None = None, failing: str | None = None
+) -> list[Row]:
     """One row per declared item and beat.
 
     Args:
         candidate: what is judged.
         progress: called with (runs done, runs planned, message), also from within a run.
+        failing: id of a row that fails; then nothing is simulated, and every row follows from that one.
     """
     rows: list[Row] = []
     declared = candidate.spec.story.robustness
@@ -81,6 +84,8 @@ def check(candidate: Candidate, progress: Callable[[float, float, str], None] | 
         try:
             if not candidate.rigid_caches:
                 raise EvidenceError("nothing was simulated yet: probe first")
+            if failing is not None:
+                raise EvidenceError(postponed(failing))
             made = (
                 _perturbed(candidate, name, item, beats, tell)
                 if isinstance(item, Perturbed)

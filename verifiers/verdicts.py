@@ -13,10 +13,17 @@ from ..worlds.requirements import Check, Correction, Group, Row, RowClass, Statu
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
-__all__ = ["EDIT_CLASS", "correction", "make_row", "plain", "requested_frames"]
+__all__ = ["EDIT_CLASS", "correction", "make_row", "plain", "postponed", "requested_frames"]
 
 EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
 """Class of an edit to each causal parameter group (R111, R112)."""
+
+
+def postponed(failing: str) -> str:
+    """Why what takes further simulations was not judged: a row of the motion itself fails."""
+    return (
+        f"not simulated while {failing} fails: mending that makes another motion; this row follows, and is judged once it passes"
+    )
 
 
 def correction(

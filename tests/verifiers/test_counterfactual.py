@@ -359,3 +359,18 @@ def test_rows_are_judged_at_the_probe_and_kept_by_the_bake(tmp_path: Path) -> No
     assert {r.id for r in run_checks(full, only=["causal"])} == {"causal:hit:slide"}
     assert {r.id for r in run_checks(full, only=["causal"], reruns=True)} == wanted
     assert row_ids(candidate.spec) == rerun_ids(candidate.spec) == {"causal:without:hit:slide"}
+
+
+def test_nothing_is_simulated_again_while_the_motion_itself_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    beats = {
+        "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["hit"]),
+        "far": beat("b", Displacement(entity="b", min=50.0), frames=(1, 24)),
+    }
+    candidate = simulate(tmp_path, pushed(beats=beats))
+    monkeypatch.setattr(counterfactual, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
+    rows = {r.id: r for r in run_checks(candidate, only=["beat", "causal"], reruns=True)}
+    assert (rows["beat:far"].status, rows["causal:hit:slide"].status) == ("fail", "pass")
+    late = rows["causal:without:hit:slide"]
+    assert (late.status, late.evidence["follows"]) == ("unverified", "beat:far")
+    assert "not simulated while beat:far fails" in late.evidence["explanation"]

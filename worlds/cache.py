@@ -204,6 +204,8 @@ def _plain(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
     info = archive.getinfo(name)
     if info.compress_type != zipfile.ZIP_STORED or info.flag_bits & 1:
         raise ValueError(f"member {name!r} is compressed or encrypted, which no container is")
+    if info.comment:  # one of a false length hides the members after it
+        raise ValueError(f"member {name!r} carries a comment, which none does")
     return info
 
 

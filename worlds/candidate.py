@@ -306,6 +306,8 @@ def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "fu
     told = record["document_digest"] if sealed else record.get("spec_digest", spec_digest(spec))
     if told != (digest_of(record["spec"]) if sealed else spec_digest(spec)):
         raise EvidenceError(f"the specification in candidate.json of {root.name!r} is damaged; call probe_sim again")
+    if not files.keys() <= spec.entities.keys():
+        raise EvidenceError(f"candidate.json of {root.name!r} is damaged: it names what is no entity; call probe_sim again")
     built = {}
     for entity, (file, digest) in files.items():
         built[entity] = load_built(safe_join(folder.root, file))

@@ -117,6 +117,8 @@ def check_seal(db: sqlite3.Connection, place: str, *texts: str) -> None:
     Raises:
         ValueError: they differ, so that the file was damaged.
     """
+    if not all(isinstance(text, str) for text in texts):  # a flipped bit of its type makes a text a number or bytes
+        raise ValueError(f"the record {place!r} holds what is no text")
     found = db.execute("SELECT value FROM meta WHERE key=?", (f"seal:{place}",)).fetchone()
     if found is not None and found["value"] != _sealed(texts):
         raise ValueError(f"the record {place!r} is not what was written")

@@ -16,7 +16,7 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.worlds.bundle import open_bundle
 from worldagent.worlds.cache import Cache, digest_arrays, read_container
 from worldagent.worlds.candidate import open_candidate
-from worldagent.worlds.errors import WorldAgentError
+from worldagent.worlds.errors import EvidenceError, WorldAgentError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
 
@@ -256,6 +256,15 @@ def test_readers_tell_every_flipped_bit_and_every_cut(what: str, copy: Path) -> 
 @pytest.mark.parametrize("what", ["frame", "built", "index", "record", "bundle"])
 def test_readers_tell_thousands_of_flipped_bits_and_cuts(what: str, copy: Path) -> None:
     _read_damaged(what, copy, 5000, SEED + 1)
+
+
+def test_a_record_that_builds_what_is_no_entity_is_damaged(copy: Path) -> None:
+    (path,) = copy.glob("candidates/*/candidate.json")
+    record = json.loads(path.read_text())
+    record["built"]["banl"] = record["built"].pop("ball")
+    path.write_text(json.dumps(record))
+    with pytest.raises(EvidenceError, match="names what is no entity"):
+        open_candidate(WorldFolder(copy), record["freeze"], "full")
 
 
 def _read_damaged(what: str, folder: Path, count: int, seed: int) -> None:

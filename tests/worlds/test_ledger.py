@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import sqlite3
 from pathlib import Path
 from threading import Thread
 from typing import Any
 
 import pytest
+from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Row
 
@@ -26,6 +29,16 @@ def row(row_id: str, status: str = "pass", **more: Any) -> Row:
         artifact=more.pop("artifact", "x"),
         **more,
     )  # type: ignore[arg-type]
+
+
+def test_a_text_whose_type_was_damaged_is_damage_of_the_ledger(ledger: Ledger) -> None:
+    """A flipped bit of a record's header makes bytes of a text."""
+    ledger.put_rows([row("a:b")], revision=1, stage="static")
+    with contextlib.closing(sqlite3.connect(ledger.path)) as db, db:
+        db.execute("UPDATE matrix SET row=CAST(row AS BLOB)")
+    for read in (ledger.rows, ledger.stages):
+        with pytest.raises(EvidenceError, match=r"ledger.sqlite .* is damaged"):
+            read()
 
 
 def test_revisions_are_numbered_and_only_the_expected_one_follows(ledger: Ledger) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Correction
     from ..worlds.spec import SpecModel
 
-__all__ = ["corrections_of", "happens_at"]
+__all__ = ["BEHIND", "corrections_of", "happens_at"]
 
 SETTLING_FRAMES = 2
 """A closest approach this near to the end of the run counts as still under way. Own choice."""
@@ -26,6 +26,8 @@ AIMED = ("rigid", "elastic")
 """Categories of matter that are aimed: where they start and how fast decides where they go."""
 LASTING = frozenset({"flutters"})
 """Kinds that an interval as a whole makes true, not one of its frames."""
+BEHIND = 0.5
+"""Own choice: grains stay behind when at least this share of what is lacking lies higher than what came."""
 MORE = 1.2
 """Own choice: what frames or room are given over what it takes."""
 
@@ -61,6 +63,8 @@ def corrections_of(
     if outcome.unit == "cycles":
         found += _longer(candidate, outcome, pointer)
     aimed = None if entity is None else candidate.spec.entities.get(entity)
+    if entity is not None and aimed is not None and aimed.physics.category == "particles":
+        found += _stock(candidate, entity, outcome, details)
     if entity is not None and aimed is not None and aimed.physics.category in AIMED:
         found += _aim(candidate, entity, outcome, details)
     return found
@@ -240,6 +244,37 @@ def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str,
             f"change {entity}'s start speed or what drives it; measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}",
             pointers=(speed, start),
         )
+    ]
+
+
+def _stock(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
+    """Of grains that are too few in a region: whether there are enough at all, and whether the others are still above it."""
+    drivers, physics = candidate.spec.simulation.drivers.values(), candidate.spec.entities[entity].physics
+    in_all, above = details.get("in_all"), details.get("above")
+    if not isinstance(in_all, float) or not isinstance(above, float) or outcome.comparison != ">=":
+        return []
+    fed = any(d.kind == "emitter" and d.entity == entity for d in drivers)
+    if outcome.value is None or outcome.bound is None or fed or getattr(physics, "law", "") != "granular":
+        return []
+    unit = "" if outcome.unit == "1" else f" {outcome.unit}"
+    parts, own = (f"/entities/{entity}/parts",), f"/entities/{entity}/physics"
+    more = f"fill a volume at frame 0 that is larger by a factor of {MORE * outcome.bound / max(in_all, 1e-12):.3g}"
+    if in_all < outcome.bound:
+        cause = f"there are not enough of them: {in_all:.4g}{unit} in all, {outcome.bound:.4g}{unit} asked for there"
+        return [
+            correction(cause, "shape", more, pointers=parts),
+            correction(cause, "grains", "raise packing, if they lie loosely", pointers=(f"{own}/packing",)),
+        ]
+    if above >= BEHIND * (outcome.bound - outcome.value):
+        return []
+    cause = (
+        f"they lie wider: of {in_all:.4g}{unit} in all {in_all - outcome.value:.4g} are elsewhere, {above:.4g} of them higher up"
+    )
+    return [
+        correction(cause, "grains", "raise rolling, so that they heap more steeply", pointers=(f"{own}/rolling",)),
+        correction(
+            cause, "shape", f"{MORE:g} times as large a volume at frame 0, so that enough of them stay there", pointers=parts
+        ),
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.predicates import entities_of
+from .beat_corrections import BEHIND
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -16,6 +17,8 @@ AROUND = 3
 """Frames before and after a failure that the suggested probes look at."""
 AIRS = ("wind", "turbulence", "vortex")
 """Kinds of fields that make air move."""
+COMING = 0.1
+"""Own choice: what comes in a quarter of a second, over what is lacking; where it is more, grains still run."""
 STEADY = 0.3
 """Own choice: gusts below this share of the wind's speed are weak."""
 
@@ -63,10 +66,10 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     if found["shot"] not in spec.shots:
         found["shot"] = next((n for n, s in spec.shots.items() if found["shot"] in s.covers), None)
     if entity in spec.entities:
-        _names_of_entity(found, entity, spec)
+        _names_of_entity(found, entity, row, spec)
 
 
-def _names_of_entity(found: dict[str, Any], entity: str, spec: WorldSpec) -> None:
+def _names_of_entity(found: dict[str, Any], entity: str, row: Row, spec: WorldSpec) -> None:
     """What its kind of matter asks for: who slides, which wind blows a sheet, which emitter lets particles out."""
     contract, drivers = spec.entities[entity], spec.simulation.drivers
     found["material"] = contract.material
@@ -82,6 +85,16 @@ def _names_of_entity(found: dict[str, Any], entity: str, spec: WorldSpec) -> Non
         emitters = [n for n, d in drivers.items() if d.kind == "emitter" and d.entity == entity]
         found["emitter"] = emitters[0] if len(emitters) == 1 else None
         found["grains"] = entity if contract.physics.law == "granular" else None
+        found["jammed"] = found["grains"] if _stay_behind(row) else None
+
+
+def _stay_behind(row: Row) -> bool:
+    """Whether grains that are lacking in a region lie above what is in it, and hardly any come; so it may be where the row does not tell."""
+    above, gained = row.evidence.get("above"), row.evidence.get("gained")
+    if above is None or gained is None or row.bound is None or row.measured is None:
+        return True
+    lacking = row.bound - row.measured
+    return bool(above >= BEHIND * lacking and gained <= COMING * lacking)
 
 
 def _acts(driver: FieldDriver, entity: str) -> bool:

@@ -33,7 +33,7 @@ EASIER = {"story", "limits"}
 PLACEHOLDERS = {
     "row", "entity", "other", "frame", "first", "last", "solver", "beat", "shot", "material", "striker", "driver", "tip", "support", "part",
     "relation", "slides", "wind", "steady", "becalmed", "emitter", "grains",
-    "follows",
+    "follows", "jammed",
 }  # fmt: skip
 """Those that are filled from a row, and those that stay for the reader to fill."""
 

@@ -13,8 +13,9 @@ from worldagent.bench.simulated_worlds import edited, simulate
 from worldagent.bench.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
 from worldagent.simulation.particles import engine
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers import category, numerical
+from worldagent.verifiers import beats, category, numerical
 from worldagent.verifiers.chains import Chains
+from worldagent.verifiers.diagnosis import diagnose
 from worldagent.verifiers.particle_contacts import Contacts
 from worldagent.verifiers.particle_frames import SwarmFrame, swarm_of
 from worldagent.verifiers.particle_lines import particle_lines
@@ -25,7 +26,7 @@ from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Predicate
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import WorldSpec
+from worldagent.worlds.spec import Beat, BoxRegion, WorldSpec
 
 FRAMES = 7
 SAND = 2600.0
@@ -360,6 +361,33 @@ def test_predicates_are_judged_by_the_particles(sand: Candidate, asked: dict[str
     assert evaluate(sand, predicate, (0, FRAMES - 1)).status == status
     other = TypeAdapter(Predicate).validate_python({**asked, "entity": "ball"})
     assert evaluate(sand, other, (0, FRAMES - 1)).status == "fail"
+
+
+@pytest.mark.parametrize(
+    ("share", "lower", "held", "group"),
+    [(2.0, True, True, "shape"), (0.8, False, True, "grains"), (0.8, True, True, "jams"), (0.8, True, False, "comes")],
+)
+def test_grains_are_said_to_jam_only_where_they_lie_above_and_none_come(
+    sand: Candidate, tmp_path: Path, share: float, lower: bool, held: bool, group: str
+) -> None:
+    """The lower half of the bed has the others above it, the eastern half beside it; twice of all there is nowhere."""
+    last = {k: np.array(v) for k, v in sand.caches["grains"].read(FRAMES - 1).items()}
+    sinks = broken(sand, tmp_path, lambda _, data: data.update(last if held else {}), "grains")
+    frame = swarm_of(sand, "grains").read(FRAMES - 1)
+    volume, level = float((4 / 3 * np.pi * frame.radius**3).sum()), float(np.median(frame.position[:, 2]))
+    region = BoxRegion(min=(-1, -1, -1), max=(1, 1, level)) if lower else BoxRegion(min=(0, -1, -1), max=(1, 1, 1))
+    asked = {"kind": "particle_volume_in", "entity": "sand", "region": "heap", "min": share * volume, "when": "end"}
+    beat = Beat.model_validate({"text": "", "owner": "grains", "subject": "sand", "frames": (1, FRAMES - 1), "predicate": asked})
+    graph = sand.spec.graph.model_copy(update={"regions": {"heap": region}})
+    story = sand.spec.story.model_copy(update={"beats": {"heaps": beat}})
+    candidate = dataclasses.replace(sinks, spec=sand.spec.model_copy(update={"graph": graph, "story": story}))
+    vars(candidate)["caches"] = sinks.caches
+    row = diagnose(next(r for r in beats.check(candidate) if r.id == "beat:heaps"), candidate.spec)
+    assert (row.status, row.evidence["in_all"]) == ("fail", pytest.approx(volume))
+    assert any("jam" in c.cause for c in row.corrections) == (group == "jams")
+    if group in ("shape", "grains"):
+        assert row.corrections[0].group == group
+        assert f"{volume:.4g} m^3 in all" in row.corrections[0].cause
 
 
 @pytest.mark.parametrize("asked", [PREDICATES[2][0], PREDICATES[4][0], PREDICATES[7][0]], ids=lambda a: str(a["kind"]))

@@ -25,6 +25,8 @@ __all__ = ["particle_count_in", "particle_volume_in", "particles_settled", "pile
 
 MOST = 0.99
 """Share of the volume that a heap's height and reach enclose: single grains that bounce away do not count."""
+LATELY = 0.25
+"""[s] Over which what came into a region tells whether more is coming. Own choice."""
 P = TypeVar("P")
 Rows: TypeAlias = NDArray[np.intp]
 
@@ -63,7 +65,12 @@ def _measured(scope: Scope, entity: str, unit: str, measure: Callable[[SwarmFram
 
 
 def _banded(
-    scope: Scope, p: ParticleCountIn | ParticleVolumeIn | PileHeight | RunOut, value: F64 | Outcome, unit: str, what: str
+    scope: Scope,
+    p: ParticleCountIn | ParticleVolumeIn | PileHeight | RunOut,
+    value: F64 | Outcome,
+    unit: str,
+    what: str,
+    detail: Callable[[int], dict[str, float]] = lambda i: {},
 ) -> Outcome:
     if isinstance(value, Outcome):
         return value
@@ -78,7 +85,7 @@ def _banded(
         span = f" (range {known.min():.4g} to {known.max():.4g}{named})" if len(known) else ""
         return f"{what} is {value[i]:.4g}{named} at frame {scope.frames[0] + i}{span}"
 
-    return judge(Series(scope.frames, value, margin, unit, p.entity, side, tell), p.when)
+    return judge(Series(scope.frames, value, margin, unit, p.entity, side, tell, detail), p.when)
 
 
 def _absent(scope: Scope, entity: str, i: int) -> str:
@@ -99,18 +106,42 @@ def _within(candidate: Candidate, region_id: str | None, frame: SwarmFrame, rows
     return rows[region_offset(region, points)[0] >= 0.0]
 
 
+def _elsewhere(
+    scope: Scope, p: ParticleCountIn | ParticleVolumeIn, size: Callable[[SwarmFrame, Rows], float]
+) -> Callable[[int], dict[str, float]]:
+    """What of the particles is not in the region at a frame: `in_all`, `above` what is in it, and `gained` by it of late."""
+
+    def detail(i: int) -> dict[str, float]:
+        found = _swarm(scope.candidate, p.entity)
+        if p.region is None or isinstance(found, str):
+            return {}
+        (swarm, row), index = found, scope.frames[0] + i
+        now, then = (swarm.read(k) for k in (index, max(0, index - round(LATELY * scope.candidate.spec.simulation.fps))))
+        own, before = (np.flatnonzero(f.member == row) for f in (now, then))
+        inside = _within(scope.candidate, p.region, now, own)
+        outside = np.setdiff1d(own, inside)
+        top = _enclosing(now.position[inside, 2], _volumes(now, inside))
+        above = outside[~(now.position[outside, 2] <= top)]
+        came = size(now, inside) - size(then, _within(scope.candidate, p.region, then, before))
+        return {"in_all": size(now, own), "above": size(now, above), "gained": came}
+
+    return detail
+
+
 def particle_count_in(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: particles whose middles are in the region."""
     p = _typed(predicate, ParticleCountIn)
     value = _measured(scope, p.entity, "1", lambda f, own: float(len(_within(scope.candidate, p.region, f, own))))
-    return _banded(scope, p, value, "1", f"number of particles of {p.entity}{f' in {p.region}' if p.region else ''}")
+    named = f"number of particles of {p.entity}{f' in {p.region}' if p.region else ''}"
+    return _banded(scope, p, value, "1", named, _elsewhere(scope, p, lambda f, rows: float(len(rows))))
 
 
 def particle_volume_in(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: sum of the volumes of the particles whose middles are in the region."""
     p = _typed(predicate, ParticleVolumeIn)
     value = _measured(scope, p.entity, "m^3", lambda f, own: float(_volumes(f, _within(scope.candidate, p.region, f, own)).sum()))
-    return _banded(scope, p, value, "m^3", f"volume of {p.entity} in {p.region}")
+    detail = _elsewhere(scope, p, lambda f, rows: float(_volumes(f, rows).sum()))
+    return _banded(scope, p, value, "m^3", f"volume of {p.entity} in {p.region}", detail)
 
 
 def _volumes(frame: SwarmFrame, rows: Rows) -> F64:

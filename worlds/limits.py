@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .errors import LimitError
+from .errors import InputError, LimitError
 
 if TYPE_CHECKING:
     from .spec import Entity, WorldSpec
@@ -235,9 +235,14 @@ def check_workspace(workspace: Path, more: float) -> None:
 
     Raises:
         LimitError: Names what is used, what would be added and what is free.
+        InputError: The workspace is gone.
     """
     import shutil
 
+    if not workspace.is_dir():
+        raise InputError(
+            f"the workspace folder {workspace.name!r} is gone; create it again, or start the server with another one"
+        )
     check_cap("workspace_bytes", workspace_bytes(workspace) + more, what=f"{workspace.name} with {more:,.0f} bytes more")
     free = shutil.disk_usage(workspace).free
     if more > 0.95 * free:

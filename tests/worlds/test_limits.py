@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.worlds.errors import LimitError
+from worldagent.worlds.errors import InputError, LimitError
 from worldagent.worlds.limits import CAPS, check_cap, check_limits, check_workspace, estimate_counts, workspace_bytes
 from worldagent.worlds.spec import WorldSpec
 
@@ -99,3 +99,8 @@ def test_workspace_bytes_count_files_and_do_not_follow_links(tmp_path: Path) -> 
     check_workspace(workspace, 1000)
     with pytest.raises(LimitError, match="workspace_bytes"):
         check_workspace(workspace, CAPS["workspace_bytes"].value)
+
+
+def test_a_workspace_that_is_gone_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="'away' is gone; create it again"):
+        check_workspace(tmp_path / "away", 1000)

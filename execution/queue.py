@@ -133,8 +133,6 @@ def claim(file: JobFile, slots: int) -> tuple[str, ...]:
         if connection.execute("SELECT 1 FROM jobs WHERE state = 'queued' LIMIT 1").fetchone() is None:
             return ()
     values = {
-        "now": time.time(),
-        "clock": time.monotonic(),
         "host": host_id(),
         "slots": slots,
         "interactive": INTERACTIVE,
@@ -142,6 +140,8 @@ def claim(file: JobFile, slots: int) -> tuple[str, ...]:
     }
     claimed: list[str] = []
     with file.transaction() as connection:
+        # Now, not when the lock was asked for: the job whose place one takes had not ended then.
+        values |= {"now": time.time(), "clock": time.monotonic()}
         while rows := connection.execute(_CLAIM, values).fetchall():
             claimed.append(str(rows[0]["id"]))
     return tuple(claimed)

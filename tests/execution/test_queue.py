@@ -1,7 +1,8 @@
 """Whose turn it is: priorities, turns between worlds, caps of the queue, what a queued job waits for."""
 
 import sqlite3
-from contextlib import closing
+from contextlib import closing, contextmanager
+from types import SimpleNamespace
 
 import pytest
 from worldagent.execution import BULK, INTERACTIVE, NORMAL, JobStore, queue
@@ -145,3 +146,21 @@ def test_the_order_is_found_by_indexes(table):
     assert not [step for step in steps if step.startswith("SCAN")]
     assert any("jobs_served" in step for step in steps)
     assert any("jobs_ended" in step for step in steps)
+
+
+def test_a_job_starts_when_its_place_is_free_not_when_it_was_asked_for(table, monkeypatch):
+    """What waits for the lock while another job ends has not begun before that end."""
+    clock = [1.0]
+    monkeypatch.setattr(queue, "time", SimpleNamespace(time=lambda: clock[0], monotonic=lambda: clock[0]))
+    waiting = add(table, "w")
+    locked = table.transaction
+
+    @contextmanager
+    def late():
+        with locked() as connection:
+            clock[0] = 2.0
+            yield connection
+
+    monkeypatch.setattr(table, "transaction", late)
+    assert claim(table, 1) == (waiting,)
+    assert table.read(waiting).started == 2.0

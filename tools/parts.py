@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -219,12 +220,12 @@ def matrix(session: Session, status: str | None, detail: Detail, *, offset: int,
     only = {None: ("fail", "unverified", "pass", "not_applicable"), "open": OPEN}.get(status, (str(status),))
     chosen = ranked(rows, only=only)
     full = [brief(r) for r in chosen]
-    items, room = full, PAGE_CHARACTERS if status else PAGE_CHARACTERS // 2
+    items, room = full, math.inf if status else PAGE_CHARACTERS / 2
     if detail != "full":
         items = []
         for row in full:
             items.append(concise(row, world) if row["status"] in OPEN and room > 0 else line(row))
-            room -= 0 if status else size_of(items[-1])
+            room -= size_of(items[-1])
     page, place = paged(items, offset, limit, room=PAGE_CHARACTERS if detail == "concise" else 2 * PAGE_CHARACTERS)
     first = next((r["id"] for r in page if r["status"] in OPEN), None)
     then = call("inspect_world", world=world, part="row", row=first) if first else call("inspect_world", world=world)

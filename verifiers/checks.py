@@ -132,8 +132,8 @@ def run_checks(
 
 
 def _first_failure(rows: Iterable[Row]) -> str | None:
-    """The first mandatory row that fails for what was simulated: mending it makes another motion, so that runs of this one's
-    variants would be for nothing."""
+    """The first mandatory row that fails, of those that pictures have no part in: most that mends it makes another motion, so that
+    runs of this one's variants would be for nothing."""
     return next((r.id for r in rows if r.mandatory and r.status == "fail" and r.check != "shots"), None)
 
 

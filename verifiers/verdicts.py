@@ -21,9 +21,7 @@ EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in 
 
 def postponed(failing: str) -> str:
     """Why what takes further simulations was not judged: a row of the motion itself fails."""
-    return (
-        f"not simulated while {failing} fails: mending that makes another motion; this row follows, and is judged once it passes"
-    )
+    return f"not simulated while {failing} fails: most that mends it makes another motion; this row follows, and is judged once it passes"
 
 
 def correction(

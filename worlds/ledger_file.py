@@ -49,12 +49,16 @@ class LedgerFile:
 
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
-        """A connection for reading; what cannot be read or understood is told as damage."""
+        """A transaction for reading: one state of the file, whoever writes meanwhile.
+
+        What cannot be read or understood is told as damage.
+        """
         try:
             db = sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)
             try:
                 db.row_factory = sqlite3.Row
                 db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
+                db.execute("BEGIN")  # a record and its seal are two statements
                 yield db
             finally:
                 db.close()

@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import sqlite3
 from pathlib import Path
-from threading import Thread
+from threading import Thread, current_thread
 from typing import Any
 
 import pytest
+import worldagent.worlds.ledger as ledger_module
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Row
@@ -70,6 +71,27 @@ def test_of_many_writers_each_revision_has_one(ledger: Ledger) -> None:
     for thread in threads:
         thread.join()
     assert sorted(won) == list(range(1, ledger.revision() + 1))
+
+
+@pytest.mark.parametrize("read", ["rows", "stages"])
+def test_what_is_written_between_a_record_and_its_seal_is_no_damage(ledger: Ledger, monkeypatch: Any, read: str) -> None:
+    ledger.put_rows([row("a")], revision=1, stage="probe")
+    writer = Thread(target=lambda: Ledger(ledger.path).put_rows([row("a", "fail"), row("b")], revision=2, stage="full"))
+    texts_of = ledger_module.matrix_texts
+
+    def read_while_another_writes(db: sqlite3.Connection) -> tuple[str, ...]:
+        texts = texts_of(db)
+        if current_thread() is not writer:
+            writer.start()
+            writer.join(0.5)  # it waits for the reader
+        return texts
+
+    monkeypatch.setattr(ledger_module, "matrix_texts", read_while_another_writes)
+    found = getattr(ledger, read)()
+    writer.join()
+    monkeypatch.undo()
+    assert len(found) == 1
+    assert [(r.id, r.status) for r in ledger.rows()] == [("a", "fail"), ("b", "pass")]
 
 
 def test_rows_report_changes_and_keep_their_history(ledger: Ledger) -> None:

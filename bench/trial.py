@@ -87,7 +87,7 @@ class Trial:
         rows = [fail_closed(r) for c in CHECKS if stage in c.stages for r in c.function(candidate)]
         failing = [r.id for r in rows if r.mandatory and r.status == "fail"]
         if stage == "probe" or any(r.mandatory and r.status in OPEN and r.check != "shots" for r in rows):
-            ledger.close_iterations(stage, failing, rows)
+            ledger.close_iterations(stage, failing, rows, revision=self.session.revision)
         if self.advice == "table":
             attempts = ledger.attempts()
             rows = [cite(diagnose(r, candidate.spec), attempts.get(r.id, ())) for r in rows]

@@ -179,25 +179,26 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
     folder.assets.mkdir(exist_ok=True)
     ledger = Ledger(folder.ledger_path)
     siblings = _siblings(context, world, prompt)
-    number = ledger.add_revision(
-        parsed.model_dump_json(exclude_none=True),
-        spec_digest(parsed),
-        expected=0,
-        hypothesis="created",
-        weakenings=siblings,
-        reason="a new world for a prompt whose earlier world has failed rows",
-    )
-    if number is None:
-        if not folder.spec_path.exists():
-            raise RefusedError(
-                f"world {world!r} has a ledger but no world.json (its creation was cut short, or the file was deleted); "
-                "call edit_spec with on_hand_edit='restore', then edit it with patch"
-            )
-        raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
-    session = Session(folder, ledger, parsed, number)
-    session.write_spec()
+    session = Session(folder, ledger, parsed, 1)
+    with session.step():
+        number = ledger.add_revision(
+            parsed.model_dump_json(exclude_none=True),
+            spec_digest(parsed),
+            expected=0,
+            hypothesis="created",
+            weakenings=siblings,
+            reason="a new world for a prompt whose earlier world has failed rows",
+        )
+        if number is None:
+            if not folder.spec_path.exists():
+                raise RefusedError(
+                    f"world {world!r} has a ledger but no world.json (its creation was cut short, or the file was deleted); "
+                    "call edit_spec with on_hand_edit='restore', then edit it with patch"
+                )
+            raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
+        session.write_spec()
     beside = {"weakenings_recorded": siblings} if siblings else {}
-    return _answer(session, {"revision": number, "created": True, "clauses": clauses_of(prompt), **beside})
+    return _answer(session, {"revision": session.revision, "created": True, "clauses": clauses_of(prompt), **beside})
 
 
 def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
@@ -243,13 +244,17 @@ def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, r
     if not folder.ledger_path.is_file():
         folder = WorldFolder.of(context.workspace, world)
     ledger = Ledger(folder.ledger_path)
-    recorded = ledger.revision_spec(ledger.revision())
+    revision = ledger.revision()
+    recorded = ledger.revision_spec(revision)
     if recorded is None:
         raise EvidenceError(no_revision(folder))
     before = parse_spec(json.loads(recorded[0]))
-    session = Session(folder, ledger, before, ledger.revision())
+    session = Session(folder, ledger, before, revision)
     if action == "restore":
-        session.write_spec()
+        with session.step():
+            if ledger.revision() != revision:
+                raise RefusedError(f"another client changed {world!r} meanwhile; read it again with inspect_world")
+            session.write_spec()
         return _answer(session, {"revision": session.revision, "restored": True})
     now = parse_spec(folder.read_json(folder.spec_path))
     if now.prompt != before.prompt:

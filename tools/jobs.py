@@ -121,9 +121,9 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     candidate = _keeping(candidate, session.folder, freeze)
     rows = run_checks(candidate, progress=Part(context.progress, split, 1.0), seconds=seconds)
     open_rows = _failing(rows, candidate.last_frame)
-    session.ledger.close_iterations(freeze[:16], open_rows, rows)
+    session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
     rows = session.cited(rows)
-    changed = session.ledger.put_rows(rows, revision=session.revision, stage="probe", checks=names_of("probe"))
+    changed = session.record(rows, stage="probe", checks=names_of("probe"))
     try:
         phases: dict[str, Any] = {
             k: v for k, v in vars(find_phases(candidate)).items() if isinstance(v, (int, float, type(None)))
@@ -206,9 +206,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
-    changed = session.ledger.put_rows(
-        rows, revision=session.revision, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec)
-    )
+    changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec))
     session.ledger.put_bake(
         freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows, candidate.last_frame)}
     )
@@ -241,11 +239,9 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     whole = stage == "probe" and payload.get("only") is None
     open_rows = _failing(rows, candidate.last_frame)
     if whole:
-        session.ledger.close_iterations(freeze[:16], open_rows, rows)
+        session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
     rows = session.cited(rows)
-    changed = session.ledger.put_rows(
-        rows, revision=session.revision, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec)
-    )
+    changed = session.record(rows, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec))
     if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
         known = session.ledger.freeze(freeze)
@@ -271,7 +267,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
     rows = [Row.model_validate(r) for r in record["rows"]]
     record |= {"weakenings": session.ledger.weakenings(), "stage": "full"}
-    session.ledger.put_rows(rows, revision=session.revision, stage="full")
+    session.record(rows, stage="full")
     # The ledger keeps verdicts; contact events are in the caches.
     kept = {k: v for k, v in record.items() if k != "events"}
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)

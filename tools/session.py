@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Mapping, Sequence
+import os
+import threading
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..worlds.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
-from ..worlds.errors import EvidenceError, InputError, RefusedError
+from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.groups import group_of
 from ..worlds.ledger import Ledger
@@ -30,8 +32,6 @@ MAX_CHANGES = 8
 MAX_LENGTH = 4
 """An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
 _known = KnownSpecs()
-COMMIT_SECONDS = 0.3
-"""Longest that a client stands between its ledger entry and its `world.json` [s]."""
 
 
 @dataclass
@@ -57,19 +57,13 @@ class Session:
     def at(cls, folder: WorldFolder) -> Session:
         """Open the world of a folder; errors as `open`."""
         ledger = Ledger(folder.ledger_path)
-        deadline = time.monotonic() + COMMIT_SECONDS
-        while True:
-            revision = ledger.revision()
-            recorded = ledger.revision_spec(revision)
-            if recorded is None:
-                raise EvidenceError(no_revision(folder))
-            spec, damage = _current(folder, recorded[0])
-            if spec is not None:
-                return cls(folder, ledger, spec, revision)
-            # Another client may stand between its ledger entry and its world.json.
-            if time.monotonic() > deadline:
-                break
-            time.sleep(COMMIT_SECONDS / 5)
+        spec, revision, damage = _latest(folder, ledger)
+        if spec is None:
+            # Another client may stand between its world.json and its ledger entry; whoever holds the ledger meets none there.
+            with suppress(EngineError), ledger.together():  # where nothing can be written, nobody stands there either
+                spec, revision, damage = _latest(folder, ledger)
+        if spec is not None:
+            return cls(folder, ledger, spec, revision)
         raise RefusedError(
             f"world.json of {folder.id!r} was edited outside the server since revision {revision}, or its writing was cut short. "
             f"Call edit_spec with on_hand_edit='adopt' to take it as a new revision, or 'restore' to undo it.{damage}"
@@ -80,6 +74,50 @@ class Session:
         text = self.spec.model_dump_json(indent=1, exclude_none=True).encode()
         write_atomically(self.folder.spec_path, text)
         _known.put(text, self.spec.model_dump_json(exclude_none=True), self.spec)
+
+    @contextmanager
+    def step(self) -> Iterator[None]:
+        """One step of ledger and `world.json`: no other client stands between the two, and a failure undoes both."""
+        path = self.folder.spec_path
+        kept = path.with_name(f".{path.name}.kept.{os.getpid()}.{threading.get_ident()}.tmp")
+        new = False
+
+        def undo() -> None:
+            if kept.exists():
+                kept.replace(path)
+            elif new:
+                path.unlink(missing_ok=True)
+
+        try:
+            with self.ledger.together(undo):
+                new = not path.exists()
+                with suppress(OSError):  # a second name takes no room: a full disk is left as it was
+                    os.link(path, kept)
+                yield
+        finally:
+            kept.unlink(missing_ok=True)
+
+    def record(self, rows: Sequence[Row], *, stage: str, checks: Iterable[str] = (), keep: Iterable[str] = ()) -> list[Row]:
+        """Write rows judged on this session's revision, see `Ledger.put_rows`; returns those that changed.
+
+        What an edit changed meanwhile is no evidence for the world as it is now: those rows are stale from the start, and
+        replace no verdict about a later revision.
+        """
+        with self.ledger.together():
+            latest = self.ledger.revision()
+            recorded = self.ledger.revision_spec(latest)
+            if latest == self.revision or recorded is None:
+                return self.ledger.put_rows(rows, revision=self.revision, stage=stage, checks=checks, keep=keep)
+            stale = stale_artifacts(self.spec, WorldSpec.model_validate_json(recorded[0]))
+            lost = {r.id: "world.json" for r in rows if r.check == "audit"}
+            lost |= stale_rows(list(rows), {r.id: stage for r in rows}, stale)
+            judged = self.ledger.judged_at()
+            known = [r for r in rows if r.id not in lost or judged.get(r.id, 0) <= self.revision]
+            keep = {*keep, *(r.id for r in rows)}
+            changed = self.ledger.put_rows(known, revision=self.revision, stage=stage, checks=checks, keep=keep)
+            told = {r.id: f"{lost[r.id]} changed in revision {latest}" for r in known if r.id in lost}
+            self.ledger.mark_stale(told, latest)
+            return changed
 
     def stamp(self) -> str:
         """Identifies this revision of this very world: when it was made."""
@@ -109,37 +147,38 @@ class Session:
         places = list(differences(*documents))
         groups = {group_of(p) for p in places}
         causal = [] if derived else causal_groups(places, cut_grounds(before, after))
-        undone = self._undone(after) if causal else []
         weaker = weakenings(before, after)
-        failing = [r for r in self.ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
-        self._rules(failing, groups, [] if undone else causal, weaker, hypothesis, weakening_reason)
-        number = self.ledger.add_revision(
-            after.model_dump_json(exclude_none=True),
-            spec_digest(after),
-            expected=self.revision,
-            patch=[dict(o) for o in patch],
-            hypothesis=hypothesis,
-            groups=[g.name for g in groups],
-            weakenings=weaker,
-            reason=weakening_reason,
-        )
-        if number is None:
-            raise RefusedError(
-                f"another client changed {self.folder.id!r} meanwhile (revision {self.ledger.revision()}, you had {self.revision}); "
-                "read it again with inspect_world and repeat the edit"
-            )
         stale = stale_artifacts(before, after)
-        lost = stale_rows(self.ledger.rows(), self.ledger.stages(), stale)
-        self.ledger.mark_stale({k: f"{v} changed in revision {number}" for k, v in lost.items()}, number)
-        if undone:
-            still = {r.id for r in failing}.union(*(json.loads(str(i["failing_before"])) for i in undone))
-            self.ledger.close_iterations(UNDONE, sorted(still))
-        elif failing and causal:
-            changed = [p for p in places if group_of(p).edit_class in CAUSAL_CLASSES]
-            values = [(p, _value(documents[0], p), _value(documents[1], p)) for p in changed[:MAX_CHANGES]]
-            self.ledger.add_iteration(number, hypothesis, causal[0], failing, values)
-        self.spec, self.revision = after, number
-        self.write_spec()
+        with self.step():
+            undone = self._undone(after) if causal else []
+            failing = [r for r in self.ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
+            self._rules(failing, groups, [] if undone else causal, weaker, hypothesis, weakening_reason)
+            number = self.ledger.add_revision(
+                after.model_dump_json(exclude_none=True),
+                spec_digest(after),
+                expected=self.revision,
+                patch=[dict(o) for o in patch],
+                hypothesis=hypothesis,
+                groups=[g.name for g in groups],
+                weakenings=weaker,
+                reason=weakening_reason,
+            )
+            if number is None:
+                raise RefusedError(
+                    f"another client changed {self.folder.id!r} meanwhile (revision {self.ledger.revision()}, you had {self.revision}); "
+                    "read it again with inspect_world and repeat the edit"
+                )
+            lost = stale_rows(self.ledger.rows(), self.ledger.stages(), stale)
+            self.ledger.mark_stale({k: f"{v} changed in revision {number}" for k, v in lost.items()}, number)
+            if undone:
+                still = {r.id for r in failing}.union(*(json.loads(str(i["failing_before"])) for i in undone))
+                self.ledger.close_iterations(UNDONE, sorted(still), revision=number)
+            elif failing and causal:
+                changed = [p for p in places if group_of(p).edit_class in CAUSAL_CLASSES]
+                values = [(p, _value(documents[0], p), _value(documents[1], p)) for p in changed[:MAX_CHANGES]]
+                self.ledger.add_iteration(number, hypothesis, causal[0], failing, values)
+            self.spec, self.revision = after, number
+            self.write_spec()
         return {
             "revision": number,
             "changed": places[:20] + ([f"and {len(places) - 20} more"] if len(places) > 20 else []),
@@ -214,9 +253,10 @@ class Session:
     def audit(self) -> AuditReport:
         """Audit the present revision and record its rows."""
         report = audit(self.spec)
-        self.ledger.put_rows(report.rows, revision=self.revision, stage="audit", checks=("audit",))
+        self.record(report.rows, stage="audit", checks=("audit",))
         if not report.passed:  # no other test can run on this change: the audit has been its test
-            self.ledger.close_iterations("audit", [r.id for r in report.rows if r.status == "fail" and r.mandatory], report.rows)
+            failing = [r.id for r in report.rows if r.status == "fail" and r.mandatory]
+            self.ledger.close_iterations("audit", failing, report.rows, revision=self.revision)
         return report
 
     def require_audit(self, purpose: str) -> AuditReport:
@@ -247,14 +287,14 @@ class Session:
         judged = {r.id for r in self.ledger.rows() if stages.get(r.id) in ("probe", "full") and not r.evidence.get("stale")}
         static_only = [c for c in names_of("static") if c not in ("support", "navigability", "relations", "shots")]
         fresh_rows = [r for r in rows if r.id not in judged or r.check in static_only]
-        changed = self.ledger.put_rows(fresh_rows, revision=self.revision, stage="static", checks=static_only)
+        changed = self.record(fresh_rows, stage="static", checks=static_only)
         failing = [r.id for r in rows if r.status == "fail" and r.mandatory]
         # A change that leaves the geometry failing has been tested: no probe would run on it.
         blocked = any(r.check != "shots" for r in rows if r.mandatory and r.status in ("fail", "unverified"))
         if blocked or any(self._static_only(i) for i in self.ledger.open_iterations()):
-            self.ledger.close_iterations("static", failing, rows)
+            self.ledger.close_iterations("static", failing, rows, revision=self.revision)
         rows, judged_now = self.cited(rows), {r.id for r in fresh_rows}
-        self.ledger.put_rows([r for r in rows if r.id in judged_now], revision=self.revision, stage="static")
+        self.record([r for r in rows if r.id in judged_now], stage="static")
         return rows, changed, fresh
 
     def cited(self, rows: Sequence[Row]) -> list[Row]:
@@ -286,6 +326,16 @@ def _value(document: Any, pointer: str) -> Any:
         at = at[token]
     flat = at if isinstance(at, list) and len(at) <= MAX_LENGTH else [at]
     return at if all(v is None or isinstance(v, bool | int | float | str) for v in flat) else None
+
+
+def _latest(folder: WorldFolder, ledger: Ledger) -> tuple[WorldSpec | None, int, str]:
+    """The specification of the latest revision if `world.json` holds it; that revision; what is wrong with the file."""
+    revision = ledger.revision()
+    recorded = ledger.revision_spec(revision)
+    if recorded is None:
+        raise EvidenceError(no_revision(folder))
+    spec, damage = _current(folder, recorded[0])
+    return spec, revision, damage
 
 
 def _current(folder: WorldFolder, recorded: str) -> tuple[WorldSpec | None, str]:

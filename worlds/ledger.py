@@ -97,7 +97,7 @@ class Ledger(LedgerFile):
             rows: verdicts of one run.
             revision: of the specification they were derived from.
             stage: `audit`, `static`, `probe`, `full` or `acceptance`.
-            checks: checks that were run completely: their older rows of any stage that are not among `rows` go.
+            checks: checks that were run completely: their rows of any stage and no later revision that are not among `rows` go.
             keep: ids of older rows that stay all the same, because this run could not judge them.
         """
         changed: list[Row] = []
@@ -106,7 +106,7 @@ class Ledger(LedgerFile):
         kept = {r.id for r in closed} | set(keep)
         with self._write() as db:
             for check in checks:
-                for old in db.execute("SELECT id, row FROM matrix").fetchall():
+                for old in db.execute("SELECT id, row FROM matrix WHERE revision <= ?", (revision,)).fetchall():
                     if old["id"] not in kept and json.loads(old["row"])["check"] == check:
                         db.execute("DELETE FROM matrix WHERE id=?", (old["id"],))
             for row in closed:
@@ -156,6 +156,11 @@ class Ledger(LedgerFile):
             if count:
                 put_seal(db, "matrix", *matrix_texts(db))
         return count
+
+    def judged_at(self) -> dict[str, int]:
+        """Revision that each row of the matrix was judged at."""
+        with self._open() as db:
+            return {r["id"]: r["revision"] for r in db.execute("SELECT id, revision FROM matrix")}
 
     def rows(self) -> list[Row]:
         """The matrix: failing rows first, then unverified, then the rest, each by id."""
@@ -216,15 +221,17 @@ class Ledger(LedgerFile):
                 ),
             )
 
-    def close_iterations(self, probe: str, failing: Iterable[str], rows: Iterable[Row] = ()) -> None:
-        """Record the outcome of the test of all open iterations, or that they were undone: what fails now, what `rows` measured.
+    def close_iterations(self, probe: str, failing: Iterable[str], rows: Iterable[Row] = (), *, revision: int) -> None:
+        """Record the outcome of the test of open iterations, or that they were undone: what fails now, what `rows` measured.
 
-        Rows that are still `unverified` were not judged by the test and are left out.
+        Rows that are still `unverified` were not judged by the test and are left out. `revision` is the one that was tested:
+        a change that was made while the test ran stays open.
         """
         after = {r.id: outcome_of(r).model_dump(mode="json") for r in rows if r.status != "unverified"}
         with self._write() as db:
             _add_columns(db, "iterations")
-            for found in db.execute("SELECT n, failing_before FROM iterations WHERE probe IS NULL").fetchall():
+            untested = "SELECT n, failing_before FROM iterations WHERE probe IS NULL AND revision <= ?"
+            for found in db.execute(untested, (revision,)).fetchall():
                 kept = {k: after[k] for k in json.loads(found["failing_before"]) if k in after}
                 db.execute(
                     "UPDATE iterations SET probe=?, failing_after=?, after=? WHERE n=?",

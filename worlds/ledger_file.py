@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import sqlite3
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -42,10 +43,34 @@ class LedgerFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._held = threading.local()
         with self._open() as db:
             known = {r["name"] for r in db.execute("SELECT name FROM sqlite_master WHERE type='table'")}
             if not known >= _TABLES.keys():
                 db.executescript("".join(f"CREATE TABLE IF NOT EXISTS {name} ({columns});" for name, columns in _TABLES.items()))
+
+    @contextmanager
+    def together(self, undo: Callable[[], None] = lambda: None) -> Iterator[None]:
+        """What this thread reads and writes inside is one step: nobody else writes meanwhile, and all of it counts or nothing.
+
+        `undo` takes back what was written elsewhere, where the step fails.
+
+        Raises:
+            EngineError: another process holds the file too long, or it cannot be written.
+        """
+        with self._told():
+            db = self._begun("BEGIN IMMEDIATE")
+        self._held.db = db
+        try:
+            yield
+            with self._told():
+                db.execute("COMMIT")
+        except BaseException:
+            undo()
+            raise
+        finally:
+            del self._held.db
+            db.close()  # what was not committed is undone
 
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
@@ -53,36 +78,41 @@ class LedgerFile:
 
         What cannot be read or understood is told as damage.
         """
-        try:
-            db = sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)
+        held: sqlite3.Connection | None = getattr(self._held, "db", None)
+        with self._told():
+            db = held or self._begun("BEGIN")  # a record and its seal are two statements
             try:
-                db.row_factory = sqlite3.Row
-                db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
-                db.execute("BEGIN")  # a record and its seal are two statements
                 yield db
             finally:
-                db.close()
-        except (sqlite3.DatabaseError, ValueError, KeyError) as error:
-            raise self._failure(error) from error
+                if db is not held:
+                    db.close()
 
     @contextmanager
     def _write(self) -> Iterator[sqlite3.Connection]:
         """A transaction: all of it or nothing."""
+        if not hasattr(self._held, "db"):
+            with self.together(), self._write() as db:
+                yield db
+            return
+        with self._told():
+            yield self._held.db
+
+    def _begun(self, how: str) -> sqlite3.Connection:
+        db = sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)
         try:
-            db = sqlite3.connect(self.path, timeout=_BUSY_S, isolation_level=None)
-            try:
-                db.row_factory = sqlite3.Row
-                db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
-                db.execute("BEGIN IMMEDIATE")
-                try:
-                    yield db
-                    db.execute("COMMIT")
-                except BaseException:
-                    if db.in_transaction:
-                        db.execute("ROLLBACK")
-                    raise
-            finally:
-                db.close()
+            db.row_factory = sqlite3.Row
+            db.execute("PRAGMA trusted_schema=OFF")  # the file may come with a world from a stranger
+            db.execute(how)
+        except BaseException:
+            db.close()
+            raise
+        return db
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """What the file itself raises, in words."""
+        try:
+            yield
         except (sqlite3.DatabaseError, ValueError, KeyError) as error:
             raise self._failure(error) from error
 

@@ -251,7 +251,7 @@ def test_the_ledger_keeps_what_was_measured_before_and_after(tmp_path: Path) -> 
     ledger = Ledger(tmp_path / "ledger.sqlite")
     ledger.add_iteration(7, "the step is too long", "step", [_two()], [(STEP, 0.0005, 0.00025)])
     assert cite(_two(), ledger.attempts()["contact:a:b"]) == _two()  # nothing has tested it yet
-    ledger.close_iterations("static", ["contact:a:b"], [_two().model_copy(update={"measured": -0.001})])
+    ledger.close_iterations("static", ["contact:a:b"], [_two().model_copy(update={"measured": -0.001})], revision=9)
     (attempt,) = ledger.attempts()["contact:a:b"]
     assert (attempt.before and attempt.before.measured, attempt.after and attempt.after.measured) == (-0.0011, -0.001)
     assert attempt.changes == ((STEP, 0.0005, 0.00025),)

@@ -94,6 +94,31 @@ def test_what_is_written_between_a_record_and_its_seal_is_no_damage(ledger: Ledg
     assert [(r.id, r.status) for r in ledger.rows()] == [("a", "fail"), ("b", "pass")]
 
 
+def test_a_test_of_an_earlier_revision_leaves_later_changes_and_rows_alone(ledger: Ledger) -> None:
+    """A probe may run while the world is edited and judged on."""
+    ledger.add_iteration(1, "too fast", "velocities", [row("a", "fail")])
+    ledger.add_iteration(2, "too heavy", "density", [row("a", "fail")])
+    ledger.put_rows([row("a"), row("new")], revision=2, stage="static")
+    ledger.close_iterations("probe of 1", [], revision=1)
+    ledger.put_rows([row("a")], revision=1, stage="probe", checks=["beat"])
+    assert [i["revision"] for i in ledger.open_iterations()] == [2]
+    assert {r.id for r in ledger.rows()} == {"a", "new"}
+
+
+def test_what_is_done_together_is_seen_and_counts_as_one(ledger: Ledger) -> None:
+    undone: list[str] = []
+    with pytest.raises(ValueError, match="in between"), ledger.together(lambda: undone.append("elsewhere")):
+        assert ledger.add_revision("{}", "d", expected=0) == 1
+        ledger.put_rows([row("a")], revision=ledger.revision(), stage="static")
+        assert [r.id for r in ledger.rows()] == ["a"]
+        assert Ledger(ledger.path).revision() == 0
+        raise ValueError("in between")
+    assert (ledger.revision(), ledger.rows(), undone) == (0, [], ["elsewhere"])
+    with ledger.together():
+        ledger.add_revision("{}", "d", expected=0)
+    assert Ledger(ledger.path).revision() == 1
+
+
 def test_rows_report_changes_and_keep_their_history(ledger: Ledger) -> None:
     first = row("a", "fail", measured=1.0, bound=0.5, first_failing_entity="b", first_failing_frame=3)
     assert ledger.put_rows([first, row("b")], revision=1, stage="probe") == [first, row("b")]
@@ -144,11 +169,11 @@ def test_iterations_stay_open_until_tested(ledger: Ledger) -> None:
     ledger.add_iteration(2, "because", "step", [row("a", "fail")])
     (opened,) = ledger.open_iterations()
     assert (opened["revision"], opened["grp"]) == (2, "step")
-    ledger.close_iterations("f1", ["b"])
+    ledger.close_iterations("f1", ["b"], revision=9)
     assert ledger.open_iterations() == []
     (closed,) = ledger.iterations()
     assert (closed["failing_before"], closed["probe"], closed["failing_after"]) == (["a"], "f1", ["b"])
-    ledger.close_iterations("f2", [])
+    ledger.close_iterations("f2", [], revision=9)
     assert ledger.iterations()[0]["probe"] == "f1"
 
 
@@ -195,7 +220,7 @@ def test_a_ledger_of_an_older_world_opens_and_goes_on(tmp_path: Path) -> None:
     (old,) = ledger.attempts()["a"]
     assert (old.revision, old.group, old.before, old.after, old.changes) == (2, "step", None, None, ())
     ledger.add_iteration(3, "because", "contact", [row("a", "fail", measured=2.0)], [("/x", 1, 2)])
-    ledger.close_iterations("f2", ["a"], [row("a", "fail", measured=1.0)])
+    ledger.close_iterations("f2", ["a"], [row("a", "fail", measured=1.0)], revision=9)
     new, kept = ledger.attempts()["a"]
     assert (new.before and new.before.measured, new.after and new.after.measured) == (2.0, 1.0)
     assert kept == old

@@ -11,10 +11,13 @@ import time
 from pathlib import Path
 
 from ..worlds.errors import EngineError
+from ..worlds.storage import exclusively
 
 __all__ = ["is_damage", "set_aside"]
 
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+_PATIENCE_S = 20.0
+"""Longest wait for another process that moves the same file aside [s]."""
 
 
 def is_damage(error: sqlite3.Error) -> bool:
@@ -27,12 +30,14 @@ def set_aside(path: Path, error: sqlite3.Error) -> EngineError:
     """Move a database that is still damaged out of the way, journal included; what to tell the caller."""
     kept = path.with_name(f"{path.stem}.damaged-{time.time_ns()}{path.suffix}")
     moved = "it was empty"
-    if _damaged(path):
-        moved = f"it was moved aside as {kept.name}"
-        with contextlib.suppress(FileNotFoundError):
-            journal = path.with_name(path.name + "-journal")
-            path.rename(kept)
-            journal.rename(kept.with_name(kept.name + "-journal"))
+    # Of several that meet the damage one looks and moves: what the others would move is the new file.
+    with exclusively(path.with_suffix(".lock"), _PATIENCE_S):
+        if _damaged(path):
+            moved = f"it was moved aside as {kept.name}"
+            with contextlib.suppress(FileNotFoundError):
+                journal = path.with_name(path.name + "-journal")
+                path.rename(kept)
+                journal.rename(kept.with_name(kept.name + "-journal"))
     return EngineError(
         f"{path.name} was damaged ({error}); {moved}, and an empty list of jobs begins. Worlds and their evidence are "
         "untouched. Jobs that ran are given up: repeat the call, an interrupted bake resumes"

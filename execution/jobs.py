@@ -98,7 +98,8 @@ class JobStore:
             raise InputError(f"memory_bytes {memory_bytes} must be >= {2**26} (64 MiB)")
         text = as_json(payload, "the payload")
         self._recover_running()
-        job_id = insert(
+        prune(self._table)
+        job = insert(
             self._table,
             key=key,
             kind=kind,
@@ -111,8 +112,7 @@ class JobStore:
             wall_s=wall_s,
             memory_bytes=memory_bytes,
         )
-        prune(self._table)
-        return start(self._table, self._table.read(job_id), slots=self.slots)
+        return start(self._table, job, slots=self.slots)
 
     def get(self, job_id: str) -> Job:
         """The job as it stands.

@@ -42,7 +42,7 @@ def pump(table: JobTable, *, slots: int | None = None) -> int:
 def start(table: JobTable, job: Job, *, slots: int | None = None) -> Job:
     """Start the job if it is its turn, otherwise leave it queued; its row afterwards."""
     pump(table, slots=slots)
-    return table.read(job.id)
+    return job if job.ended else table.read(job.id)  # an old one may be forgotten at any moment
 
 
 def warm_up(workspace: Path, module: str) -> bool:

@@ -35,7 +35,7 @@ _ORDER = """
     (SELECT COALESCE(MAX(served.started), 0) FROM jobs AS served WHERE served.world IS next.world),
     next.number"""
 _EARLIER = """
-    SELECT id FROM jobs WHERE key = :key AND kind = :kind AND world IS :world
+    SELECT * FROM jobs WHERE key = :key AND kind = :kind AND world IS :world
     AND state IN ('queued', 'running', 'done') ORDER BY number DESC LIMIT 1"""
 _NEW = """
     INSERT INTO jobs (id, key, kind, world, entry, payload, state, exclusive, priority, warm, created, wall_s,
@@ -78,8 +78,8 @@ def insert(
     warm: bool,
     wall_s: float | None,
     memory_bytes: int | None,
-) -> str:
-    """Id of a new queued job, or of the queued, running or done one that has this key already.
+) -> Job:
+    """A new queued job, or the queued, running or done one that has this key already.
 
     Raises:
         LimitError: Too many jobs of the world, or of the workspace, wait already.
@@ -102,11 +102,11 @@ def insert(
     }
     with file.transaction() as connection:
         row = connection.execute(_EARLIER, values).fetchone() if key is not None else None
-        if row is not None:
-            return str(row["id"])
-        _check_room(connection, world)
-        connection.execute(_NEW, values)
-    return job_id
+        if row is None:
+            _check_room(connection, world)
+            connection.execute(_NEW, values)
+            row = connection.execute("SELECT * FROM jobs WHERE id = :id", values).fetchone()
+    return job_of(row)
 
 
 def _check_room(connection: sqlite3.Connection, world: str | None) -> None:
@@ -150,6 +150,7 @@ def claim(file: JobFile, slots: int) -> tuple[str, ...]:
 def standing(file: JobFile, job: Job) -> Standing | None:
     """How many jobs are ahead of a queued one and what it waits for; None if it is not queued."""
     with file.open() as connection:
+        connection.execute("BEGIN")  # a job that starts between the two looks would wait for itself
         order = [row["id"] for row in connection.execute(_QUEUED, {"now": time.time(), "age_s": AGE_S})]
         running = [job_of(row) for row in connection.execute(_RUNNING)]
     if job.id not in order:

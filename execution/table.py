@@ -25,6 +25,8 @@ __all__ = ["FOLDER", "JobTable"]
 
 STALE_S = 10.0
 """A worker that has not said for so long that it lives is lost [s]. It says so every second."""
+ANSWER_S = 2.0
+"""A silent one is given so long to speak while it is looked at [s]: whatever held it up may have held up the onlooker too."""
 START_S = 30.0
 """A worker that has not reported so long after its start is lost [s]; a start takes 0.1 s on an idle machine."""
 KNOWN_IDS = 5
@@ -200,18 +202,32 @@ class JobTable(JobFile):
         """End a running job whose worker is gone, as `lost` (or `cancelled`); True if that was so.
 
         On this host a worker is gone when its pid is, or has another start time. A worker that lives but is silent
-        for STALE_S is killed first. Of another host (or an earlier boot) only the silence can be seen.
+        for STALE_S is killed first. Of another host (or an earlier boot) only the silence can be seen. Who was silent and
+        speaks under these eyes is not lost.
         """
         reason = _loss(job)
-        if reason is None:
+        if reason is None or self._speaks(job):
             return False
-        if job.host == host_id():
+        if job.host == host_id() and job.pid is not None:  # without a worker there is no task; one may come this very moment
             for pid, started in ((job.pid, job.pid_started), (job.task_pid, job.task_started)):
                 if pid is not None:
                     end_group(pid, started)
             end_stragglers(job.id, session=job.pid, group=job.task_pid)
         error = {"type": EngineError.__name__, "message": f"{reason}; its output is in {job.log}"}
         return self.finish(job.id, job.pid, "lost", error=error)
+
+    def _speaks(self, job: Job) -> bool:
+        """Whether the worker of a silent job says that it lives within ANSWER_S, or the job is not as it was read."""
+        deadline = time.monotonic() + ANSWER_S
+        while job.pid is not None and (job.host != host_id() or is_alive(job.pid, job.pid_started)):
+            with self.open() as connection:
+                row = connection.execute("SELECT state, heartbeat FROM jobs WHERE id = ?", (job.id,)).fetchone()
+            if row is None or (row["state"], row["heartbeat"]) != (job.state, job.heartbeat):
+                return True
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.02)
+        return False
 
 
 def _identity(pid: int) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from ..worlds.errors import EvidenceError, InputError
+from ..worlds.storage import exclusively
 
 __all__ = ["SCOPES", "Grant", "IssuedToken", "Scope", "TokenBook", "check_token_strength", "token_table"]
 
@@ -34,7 +35,7 @@ MOST_TOKENS = 256
 USE_RESOLUTION_S = 60.0
 """Last uses are written at most this often per token [s]."""
 LOCK_PATIENCE_S = 5.0
-LOCK_STALE_S = 30.0
+"""Longest wait for another process that changes the tokens [s]."""
 _NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9 ._-]{0,63}$")
 _TOKEN = re.compile(rf"^{PREFIX}_([0-9a-f]{{8}})_([A-Za-z0-9_-]{{43}})$")
 
@@ -196,7 +197,7 @@ class TokenBook:
     def _changing(self) -> Iterator[dict[str, IssuedToken]]:
         """All tokens, written back at the end; one process at a time."""
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with _exclusive(self._folder / "tokens.lock"):
+        with exclusively(self._folder / "tokens.lock", LOCK_PATIENCE_S):
             tokens = dict(self._issued())
             yield tokens
             document = {"version": 1, "tokens": [asdict(t) for t in tokens.values()]}
@@ -279,25 +280,3 @@ def _write_private(path: Path, data: bytes) -> None:
     except OSError:
         temporary.unlink(missing_ok=True)
         raise
-
-
-@contextlib.contextmanager
-def _exclusive(lock: Path) -> Iterator[None]:
-    """Hold a lock file; one left by a process that died is broken after `LOCK_STALE_S`."""
-    deadline = time.monotonic() + LOCK_PATIENCE_S
-    while True:
-        try:
-            os.close(os.open(lock, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600))
-            break
-        except FileExistsError:
-            with contextlib.suppress(OSError):
-                if time.time() - lock.stat().st_mtime > LOCK_STALE_S:
-                    lock.unlink()
-                    continue
-            if time.monotonic() > deadline:
-                raise InputError(f"{lock} is held by another process; wait, or delete it if there is none") from None
-            time.sleep(0.05)
-    try:
-        yield
-    finally:
-        lock.unlink(missing_ok=True)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import errno
 import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
 
 from .errors import EngineError, EvidenceError, WorldAgentError
 
-__all__ = ["storage_failure"]
+__all__ = ["exclusively", "storage_failure"]
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _CLOSED = (errno.EROFS, errno.EACCES, errno.EPERM)
@@ -18,6 +21,27 @@ _SQL_FULL = (sqlite3.SQLITE_FULL,)
 _SQL_CLOSED = (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM, sqlite3.SQLITE_AUTH)
 _SQL_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 _SQL_BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+
+
+@contextmanager
+def exclusively(lock: Path, patience_s: float) -> Iterator[None]:
+    """Hold a lock file, against threads and processes; it stays where it is, and is free when its holder dies.
+
+    It is an empty database: its locks are the system's on every platform, and none is ever taken for stale.
+
+    Args:
+        lock: the file; its folder is there.
+        patience_s: how long to wait for another holder [s].
+
+    Raises:
+        EngineError: another process holds it too long, or it cannot be made.
+    """
+    with closing(sqlite3.connect(lock, timeout=patience_s, isolation_level=None)) as held:
+        try:
+            held.execute("BEGIN EXCLUSIVE")
+        except sqlite3.Error as error:
+            raise storage_failure(error, lock.name) or error from error
+        yield
 
 
 def storage_failure(error: BaseException, what: str = "") -> WorldAgentError | None:

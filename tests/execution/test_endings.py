@@ -5,6 +5,7 @@ import signal
 import sqlite3
 import time
 from contextlib import closing
+from dataclasses import replace
 
 import pytest
 from worldagent.execution import Cancelled, machine_memory, memory_cap, result_of, wall_cap
@@ -150,6 +151,25 @@ def test_a_worker_that_lives_but_is_silent_is_killed_and_lost(store, until, monk
     assert "silent" in ended.error["message"]
     assert not is_alive(job.pid, job.pid_started)
     assert not is_alive(job.task_pid, job.task_started)
+
+
+def test_a_worker_that_was_silent_and_speaks_again_is_not_lost(store, until):
+    """Both stood still, as in a container that was paused: who looks first must not kill the other."""
+    job = _running(store, until, "native_loop", {}, at=2)
+    frozen = replace(job, heartbeat_clock=job.heartbeat_clock - 100)
+    assert store._table.recover(frozen) is False
+    assert store.get(job.id).state == "running"
+    assert is_alive(job.pid, job.pid_started)
+
+
+def test_a_worker_that_reports_while_it_is_given_up_keeps_its_task(store, until, tmp_path):
+    job = _running(store, until, "leaves_children", _children(tmp_path), at=1)
+    claimed = replace(
+        job, pid=None, pid_started=None, task_pid=None, task_started=None, heartbeat_clock=job.heartbeat_clock - 100
+    )
+    assert store._table.recover(claimed) is False
+    until(lambda: store.get(job.id).heartbeat > job.heartbeat + 0.5)  # what was killed is gone by now
+    assert all(start_time(pid) for pid in _pids(tmp_path))
 
 
 def test_a_cancelled_job_whose_worker_is_gone_is_cancelled(store, until):

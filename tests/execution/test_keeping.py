@@ -3,9 +3,10 @@
 import sqlite3
 import time
 from contextlib import closing
+from threading import Thread, current_thread
 
 import pytest
-from worldagent.execution import JobStore, pruning, result_of
+from worldagent.execution import JobStore, damage, jobs, launch, pruning, result_of
 from worldagent.execution.logs import KEPT_HEAD, KEPT_TAIL, LOG_BYTES_MAX, trim_log
 from worldagent.execution.schema import _COLUMNS_OF_2, _COLUMNS_OF_3, VERSION, JobFile
 from worldagent.execution.table import JobTable
@@ -107,6 +108,42 @@ def test_the_newest_done_job_of_each_kind_and_world_and_unended_ones_stay(tmp_pa
     pruning.prune(file)
     assert _left(file) == [*kept, *new]
     assert gone not in _left(file)
+
+
+def test_an_old_result_that_is_asked_for_is_given_though_it_is_forgotten_meanwhile(tmp_path, small, monkeypatch):
+    store = JobStore(tmp_path)
+    file = JobFile(tmp_path)
+    old = _ended(file, 1, days=900)
+    with file.open() as connection:
+        connection.execute("UPDATE jobs SET key = 'same' WHERE id = ?", (old,))
+    for number in range(2, 10):
+        _ended(file, number, days=0, state="done")
+    monkeypatch.setattr(jobs, "prune", lambda table: None)  # another process forgets it, after it was found
+    monkeypatch.setattr(launch, "claim", lambda table, slots: [pruning.prune(table)][1:])
+    found = store.submit("bake", "w", {}, entry="worldagent.x:f", key="same")
+    assert (found.id, found.state) == (old, "done")
+    assert old not in _left(file)
+
+
+def test_of_two_that_meet_a_damaged_list_neither_moves_the_new_one_aside(tmp_path, monkeypatch):
+    path = JobFile(tmp_path).path
+    path.write_bytes(b"no database at all, but some text instead of it" * 100)
+    error = sqlite3.DatabaseError("file is not a database")
+    other = Thread(target=lambda: damage.set_aside(path, error) and JobFile(tmp_path))
+    look = damage._damaged
+
+    def look_and_stand_still(found):
+        bad = look(found)
+        if current_thread() is not other:
+            other.start()
+            other.join(0.5)
+        return bad
+
+    monkeypatch.setattr(damage, "_damaged", look_and_stand_still)
+    damage.set_aside(path, error)
+    other.join()
+    assert len(list(path.parent.glob("jobs.damaged-*.db"))) == 1
+    assert _left(JobFile(tmp_path)) == []
 
 
 def test_a_clock_that_jumps_ahead_empties_nothing(tmp_path, small):

@@ -2,6 +2,7 @@
 
 import sqlite3
 from contextlib import closing, contextmanager
+from threading import Thread, current_thread
 from types import SimpleNamespace
 
 import pytest
@@ -29,7 +30,7 @@ def add(table, world, *, priority=NORMAL, exclusive=True, kind="task"):
         warm=False,
         wall_s=None,
         memory_bytes=None,
-    )
+    ).id
 
 
 def served(table, slots=1):
@@ -136,6 +137,35 @@ def test_a_queued_job_tells_what_it_waits_for(tmp_path):
     (tmp_path / "gate").touch()
     for job in (running, same, other):
         assert store.wait(job.id, 20).state == "done"
+
+
+def test_a_job_that_starts_while_it_is_looked_at_does_not_wait_for_itself(table, monkeypatch):
+    job = table.read(add(table, "w"))
+    other = Thread(target=claim, args=(table, 1))
+    looks = table.open
+
+    class Between:
+        """A connection; another process claims the job between its first look and the next."""
+
+        def __init__(self, connection):
+            self._connection, self._looks = connection, 0
+
+        def execute(self, statement, *values):
+            self._looks += statement.lstrip().startswith("SELECT")
+            if self._looks == 2 and other.ident is None:
+                other.start()
+                other.join(0.5)  # it waits for the reader
+            return self._connection.execute(statement, *values)
+
+    @contextmanager
+    def opened():
+        with looks() as connection:
+            yield connection if current_thread() is other else Between(connection)
+
+    monkeypatch.setattr(table, "open", opened)
+    assert queue.standing(table, job) == (0, "its start")
+    other.join()
+    assert table.read(job.id).state == "running"
 
 
 def test_the_order_is_found_by_indexes(table):

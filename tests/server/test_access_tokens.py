@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import stat
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from worldagent.server.cli import main
 from worldagent.server.tokens import TokenBook, token_table
-from worldagent.worlds.errors import EvidenceError, InputError
+from worldagent.worlds.errors import EngineError, EvidenceError, InputError
 
 GIVEN = "a-token-of-32-characters-or-more"
 
@@ -182,7 +184,27 @@ def test_tokens_issued_at_once_are_all_kept(tmp_path: Path) -> None:
     book = TokenBook(tmp_path)
     assert len(issued) == 8
     assert all(book.check(token) for token in issued)
-    assert not list(book.path.parent.glob("*.lock"))
+
+
+def test_a_lock_is_free_when_its_holder_is_killed_and_held_however_long_it_works(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A lock that is broken by its age lets in two at once: of two changes one, perhaps a revocation, was lost."""
+    book = TokenBook(tmp_path)
+    book.add("first", "read")
+    lock = book.path.with_name("tokens.lock")
+    code = f"from worldagent.worlds.storage import exclusively\nfrom pathlib import Path\nimport time\nwith exclusively(Path({str(lock)!r}), 5): print('held', flush=True); time.sleep(60)"
+    holder = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
+    assert holder.stdout is not None
+    with holder, holder.stdout:
+        assert holder.stdout.readline() == b"held\n"
+        os.utime(lock, (0, 0))
+        monkeypatch.setattr("worldagent.server.tokens.LOCK_PATIENCE_S", 0.2)
+        with pytest.raises(EngineError, match="in use by another process"):
+            book.revoke("first")
+        holder.kill()
+    book.revoke("first")
+    assert book.tokens() == []
 
 
 def test_the_command_issues_lists_and_revokes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

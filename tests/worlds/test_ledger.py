@@ -107,12 +107,17 @@ def test_a_test_of_an_earlier_revision_leaves_later_changes_and_rows_alone(ledge
 
 def test_what_is_done_together_is_seen_and_counts_as_one(ledger: Ledger) -> None:
     undone: list[str] = []
-    with pytest.raises(ValueError, match="in between"), ledger.together(lambda: undone.append("elsewhere")):
-        assert ledger.add_revision("{}", "d", expected=0) == 1
-        ledger.put_rows([row("a")], revision=ledger.revision(), stage="static")
-        assert [r.id for r in ledger.rows()] == ["a"]
-        assert Ledger(ledger.path).revision() == 0
-        raise ValueError("in between")
+
+    def fail() -> None:
+        with ledger.together(lambda: undone.append("elsewhere")):
+            assert ledger.add_revision("{}", "d", expected=0) == 1
+            ledger.put_rows([row("a")], revision=ledger.revision(), stage="static")
+            assert [r.id for r in ledger.rows()] == ["a"]
+            assert Ledger(ledger.path).revision() == 0
+            raise ValueError("in between")
+
+    with pytest.raises(ValueError, match="in between"):
+        fail()
     assert (ledger.revision(), ledger.rows(), undone) == (0, [], ["elsewhere"])
     with ledger.together():
         ledger.add_revision("{}", "d", expected=0)

@@ -13,11 +13,22 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .liquid_words import missing_liquid
-from .predicates import entities_of, is_invariant
+from .predicates import atoms_of, entities_of, is_invariant
 from .references import kinds_of
 from .scenery_words import missing_scenery
 from .spec import Beat, Clause, Fastened, ReleaseDriver, WorldSpec
-from .wording import EVENTS, event_words, has_pronoun, lasting_words, names_in, numbers_in, objects_in, way_words
+from .wording import (
+    EVENTS,
+    event_words,
+    goals_in,
+    has_pronoun,
+    lasting_words,
+    names_in,
+    numbers_in,
+    objects_in,
+    piece_words,
+    way_words,
+)
 
 __all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems", "replaced"]
 
@@ -30,6 +41,10 @@ LEAST_TRAVEL = (0.001, 0.02)
 LEAST = {"speed": 0.02, "tilts": 0.02, "topples": 0.2, "joint_angle": 0.005}
 """Least bound of an event per kind of predicate [m/s, rad, rad, rad or m]. Own choice: twice what counts as rest; a lean
 one can see; a fall that does not rock back."""
+LEAST_IN_PIECES = {"debris": 2.0, "broken": 0.1}
+"""Least `min` of what tells that something is in pieces [lumps, share of its bonds]. Own choice: more than a crack."""
+PLACED = frozenset({"breach", "crosses", "drape", "pile_height", "run_out"})
+"""Kinds of predicates that say where by coordinates; others do by a region or by whom they are about."""
 OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
@@ -145,7 +160,39 @@ def _events(spec: WorldSpec, key: str, text: str, beats: Mapping[str, Beat]) -> 
                 place,
                 f"{tells}: no beat in met_by can tell {word!r}; give one a predicate of {', '.join(sorted(kinds))}; {ESCAPE}",
             )
+    yield from _pieces(place, tells, text, good)
+    yield from _goals(spec, place, tells, text, good)
     yield from _actors(spec, place, tells, text, good)
+
+
+def _pieces(place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
+    """Whether what goes to pieces has to do more than crack."""
+    words = piece_words(text)
+    asked = [a for b in good.values() for a in atoms_of(b.predicate)]
+    enough = any(
+        (kind := str(getattr(a, "kind", ""))) == "breach"
+        or (kind in LEAST_IN_PIECES and (getattr(a, "min", None) or 0.0) >= LEAST_IN_PIECES[kind])
+        for a in asked
+    )
+    if words and not enough:
+        least = " or ".join(f"{kind} with min {value:g} or more" for kind, value in LEAST_IN_PIECES.items())
+        yield Problem(place, f"{tells} of something in pieces ({', '.join(words)}): ask {least}, or a breach; {ESCAPE}")
+
+
+def _goals(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
+    """Whether a beat says that the event leads where the clause says it does."""
+    atoms = [a for b in good.values() for a in atoms_of(b.predicate)]
+    if any(getattr(a, "region", None) is not None or getattr(a, "kind", "") in PLACED for a in atoms):
+        return
+    known = {w for b in good.values() for w in _names(spec, b)}
+    for words in goals_in(text):
+        alike = {n for w in words for n in _called(spec, w, moving=False)}
+        if alike and not known & set(words):
+            yield Problem(
+                place,
+                f"{tells} that leads to {' '.join(words)!r}, but no beat in met_by says that it gets there: give one a predicate about "
+                f"{', '.join(sorted(alike)[:3])} (contact, rests_on, submerged_fraction, liquid_arrives) or a region there; {ESCAPE}",
+            )
 
 
 def _actors(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:

@@ -12,11 +12,13 @@ __all__ = [
     "EVENTS",
     "TRANSITIVE",
     "event_words",
+    "goals_in",
     "has_pronoun",
     "lasting_words",
     "names_in",
     "numbers_in",
     "objects_in",
+    "piece_words",
     "way_words",
 ]
 
@@ -24,13 +26,15 @@ _MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation"
 _GRAINS = frozenset({"particle_count_in", "particle_volume_in", "run_out", "pile_height"})
 _FALL = _MOTION - {"speed"} | {"breach", "debris"} | _GRAINS
 _BLOW = _MOTION | {"contact", "breach", "broken"}
+_BREAK = frozenset({"breach", "broken", "debris"})
 EVENTS: Mapping[str, frozenset[str] | None] = {
     **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
     **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION | _GRAINS),
     **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), _BLOW),
     **dict.fromkeys(
-        ("break", "burst", "drip", "explode", "flood", "leak", "overflow", "pour", "shatter", "slosh", "spill", "splash"), None
+        ("break", "burst", "drip", "explode", "flood", "leak", "overflow", "pour", "slosh", "snap", "spill", "splash"), None
     ),
+    **dict.fromkeys(("crack", "shatter", "splinter"), _BREAK),
     "float": None,
     **dict.fromkeys(("rip", "tear"), frozenset({"torn", "broken", "breach"})),
     **dict.fromkeys(("flap", "flutter"), frozenset({"flutters"})),
@@ -40,7 +44,7 @@ TRANSITIVE = frozenset({"hit", "knock", "push", "smash", "strike", "throw"})
 """Of these, those by which one thing does something to another."""
 _FORMS = {
     "break": "broke|broken", "fall": "fell|fallen", "fly": "flies|flew|flown", "hit": "hits|hit", "slide": "slid", "strike": "struck",
-    "tear": "tore|torn", "rip": "ripped", "flap": "flapped", "swing": "swung", "drip": "dripped", "spill": "spilt|spilled", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
+    "tear": "tore|torn", "rip": "ripped", "flap": "flapped", "snap": "snapped", "swing": "swung", "drip": "dripped", "spill": "spilt|spilled", "throw": "threw|thrown", "drop": "dropped", "slip": "slipped", "tip": "tipped",
 }  # fmt: skip
 _NOUNS = re.compile(
     r"\b(?:a|an|the|some|two|three|several|of|its|his|her|their|no|each|every|playground|rain|water)\s+$", re.IGNORECASE
@@ -51,6 +55,11 @@ _LASTING = re.compile(
     r"\b(?:stays?|remains?|keeps? (?:standing|upright|still|its)|never|without (?:falling|spilling|breaking))\b",
     re.IGNORECASE,
 )
+_PIECES = re.compile(
+    r"\b(?:shatter(?:s|ed)?|splinter(?:s|ed)?|(?:in|into|to) (?:(?!two\b)[a-z]+ )?(?:bits|fragments|pieces|rubble|shards|splinters))\b",
+    re.IGNORECASE,
+)
+_GOAL = re.compile(r"\b(?:into|onto|on to)\b", re.IGNORECASE)
 _PRONOUN = re.compile(r"\b(?:it|they|them|this|that|these|those|one|everything|something)\b", re.IGNORECASE)
 _WORD = re.compile(r"[a-z]{3,}")
 _FUNCTION_WORDS = frozenset(
@@ -167,6 +176,20 @@ def objects_in(text: str) -> tuple[str, ...]:
         if m.lastgroup in TRANSITIVE and not _NOUNS.search(text[: m.start()]):
             found += names_in(_BEYOND.split(text[m.end() :], maxsplit=1)[0])
     return tuple(dict.fromkeys(found))
+
+
+def goals_in(text: str) -> tuple[tuple[str, ...], ...]:
+    """Where an event of the clause leads: the words, singular, before which `into` or `onto` stands after the first such verb."""
+    verb = next((m for m in _EVENT.finditer(text) if not _NOUNS.search(text[: m.start()])), None)
+    if verb is None:
+        return ()
+    phrases = (re.split(r"[,:]", text[m.end() :])[0] for m in _GOAL.finditer(text, verb.end()))
+    return tuple(names_in(_BEYOND.split(phrase, maxsplit=1)[0]) for phrase in phrases)
+
+
+def piece_words(text: str) -> tuple[str, ...]:
+    """Words of a clause that tell of something in pieces."""
+    return tuple(m.group().lower() for m in _PIECES.finditer(text))
 
 
 def way_words(text: str) -> tuple[str, ...]:

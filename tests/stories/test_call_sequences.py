@@ -274,10 +274,13 @@ def test_short_sequences_of_calls_and_forgeries_accept_nothing_undeserved(walker
 
 
 @pytest.mark.slow
-def test_a_thousand_sequences_of_calls_and_forgeries_accept_nothing_undeserved(walker: Any, accepted_folder: Path) -> None:
-    seen = _sequences(walker, accepted_folder, range(1000, 2000))
-    assert seen["run_checks"] > 100
-    assert seen["bake_sim refused"] > 100
+@pytest.mark.parametrize("first", range(1000, 2000, 100))
+def test_a_thousand_sequences_of_calls_and_forgeries_accept_nothing_undeserved(
+    walker: Any, accepted_folder: Path, first: int
+) -> None:
+    seen = _sequences(walker, accepted_folder, range(first, first + 100))
+    assert seen["run_checks"] > 10
+    assert seen["bake_sim refused"] > 10
 
 
 @pytest.mark.slow

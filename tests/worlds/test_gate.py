@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.audit import audit
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.wording import event_words, numbers_in, objects_in, way_words
+from worldagent.worlds.wording import event_words, goals_in, numbers_in, objects_in, piece_words, way_words
 
 EVENTS = {
     "A steel ball rolls into a row of three blocks": ("rolls",),
@@ -23,6 +24,9 @@ EVENTS = {
     "rolling hills behind a fallen tree": (),
     "a bridge crosses the river": (),
     "a slide": (),
+    "the beam splinters": ("splinters",),
+    "a vase shattered": ("shattered",),
+    "a pane with a crack": (),
     "Ein Ball rollt": (),
 }
 
@@ -56,6 +60,21 @@ def test_what_a_verb_acts_on_and_how_many_are_found() -> None:
     assert objects_in("An apple drops onto the table beside the books") == ()
 
 
+def test_where_an_event_leads_is_found() -> None:
+    assert goals_in("its pieces drop into the water and float") == (("water",),)
+    assert goals_in("The ball rolls off the table, onto a cushion, into a box on the floor") == (("cushion",), ("box",))
+    assert goals_in("The crate slides on to the lower shelf") == (("lower", "shelf"),)
+    assert goals_in("A window looks out onto the garden") == ()
+    assert goals_in("A door that leads into the hall falls") == ()
+
+
+def test_words_that_tell_of_pieces_are_found() -> None:
+    assert piece_words("the beam splinters") == ("splinters",)
+    assert piece_words("The vase breaks into many pieces") == ("into many pieces",)
+    assert piece_words("It breaks into two pieces") == ()
+    assert piece_words("a piece of cake on a plate") == ()
+
+
 def _problems(spec: dict[str, Any], prompt: str = PROMPT) -> str:
     rows = audit(parse_spec({**spec, "prompt": prompt})).rows
     return "\n".join(p for r in rows if r.status == "fail" for p in r.evidence["problems"])
@@ -80,6 +99,41 @@ def test_a_blow_does_not_tell_a_fall() -> None:
     spec = small_spec()
     spec["clauses"]["c2"] = {"met_by": ["/story/beats/strike"]}
     assert "no beat in met_by can tell 'falls'" in _problems(spec)
+
+
+def test_an_event_leads_to_where_the_clause_says() -> None:
+    prompt = PROMPT.replace("off the shelf", "off the shelf onto the floor")
+    spec = small_spec()
+    spec["story"]["beats"]["fall"]["predicate"] = {"kind": "displacement", "entity": "b3", "min": 0.1}
+    text = _problems(spec, prompt)
+    assert "clause c2" in text
+    assert "that leads to 'floor', but no beat in met_by says that it gets there: give one a predicate about floor" in text
+    spec["story"]["beats"]["fall"]["predicate"] = {"kind": "contact", "a": "b3", "b": "floor"}
+    assert "leads to" not in _problems(spec, prompt)
+    spec["graph"]["regions"] = {"below": {"kind": "sphere", "center": [0.3, 0, 0], "radius": 0.2}}
+    spec["story"]["beats"]["fall"]["predicate"] = {"kind": "reaches", "entity": "b3", "region": "below"}
+    assert "leads to" not in _problems(spec, prompt)
+
+
+PIECES = {
+    "one bond": ({"kind": "broken", "entity": "wall", "min": 0.001}, False),
+    "one half": ({"kind": "debris", "entity": "wall", "min": 1}, False),
+    "a way": ({"kind": "displacement", "entity": "wall", "min": 0.5}, False),
+    "bonds": ({"kind": "broken", "entity": "wall", "min": 0.1}, True),
+    "lumps": ({"kind": "debris", "entity": "wall", "min": 2}, True),
+    "a hole": ({"kind": "breach", "entity": "wall", "direction": [1, 0, 0], "point": [0, 0, 1], "min_width": 1, "min_height": 1}, True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PIECES)
+def test_what_is_in_pieces_has_done_more_than_crack(name: str) -> None:
+    spec = json.loads((Path(__file__).parents[2] / "skills/fracture/breach.json").read_text())
+    beat = spec["story"]["beats"]["breaks"]
+    beat["predicate"], enough = PIECES[name]
+    spec["clauses"] = {"c1": {"met_by": ["/story/beats/breaks"]}}
+    text = _problems(spec, "A steel ball shatters the brick wall.")
+    assert ("of something in pieces (shatters): ask debris with min 2 or more" in text) is not enough
+    assert "of something in pieces" not in _problems(spec, "A steel ball breaks the brick wall.")
 
 
 def test_an_event_happens_to_what_the_clause_names() -> None:

@@ -81,15 +81,32 @@ def _open_record(folder: WorldFolder, ledger: Ledger, reason: str) -> dict[str, 
     }
 
 
-def history_of(ledger: Ledger) -> dict[str, Any]:
-    """Every revision with its specification, oldest first, and the iterations of repair."""
+def history_of(ledger: Ledger, last: int) -> dict[str, Any]:
+    """Every revision up to `last` with its specification, oldest first, and the iterations of repair."""
     revisions = []
-    for item in reversed(ledger.revisions(limit=ledger.revision())):
+    for item in (r for r in reversed(ledger.revisions(limit=ledger.revision())) if r["n"] <= last):
         found = ledger.revision_spec(item["n"])
         if found is None:
             raise EvidenceError(f"revision {item['n']} is missing from the ledger; its history cannot be told")
         revisions.append({**item, "spec": json.loads(found[0])})
-    return {"revisions": revisions, "iterations": list(reversed(ledger.iterations(limit=10**6)))}
+    iterations = [i for i in reversed(ledger.iterations(limit=10**6)) if i["revision"] <= last]
+    return {"revisions": revisions, "iterations": iterations}
+
+
+def _judged_revision(folder: WorldFolder, ledger: Ledger, record: Mapping[str, Any]) -> tuple[WorldSpec, int]:
+    """The specification that a verdict is about, and its revision: the world may have been edited since.
+
+    Raises:
+        EvidenceError: there is none.
+    """
+    for item in ledger.revisions(limit=max(1, ledger.revision())):
+        found = ledger.revision_spec(item["n"]) if item["digest"] == record["spec_digest"] else None
+        if found is not None:
+            return parse_spec(json.loads(found[0])), int(item["n"])
+    spec = parse_spec(folder.read_json(folder.spec_path))
+    if spec_digest(spec) != record["spec_digest"]:
+        raise EvidenceError("world.json changed while it was judged, and no revision holds what was; repeat the call")
+    return spec, ledger.revision()
 
 
 def candidate_members(
@@ -156,7 +173,7 @@ def make_bundle(
         EvidenceError: something that the verdict rests on is missing.
         LimitError: the bundle would be too large.
     """
-    spec = parse_spec(folder.read_json(folder.spec_path))
+    spec, last = _judged_revision(folder, ledger, record)
     freeze, stage = str(record["freeze"]), str(record.get("stage", "full"))
     known = folder.read_json(folder.candidate(freeze) / "candidate.json") if freeze else None
     files = candidate_members(folder.root, spec, freeze, stage, known, with_caches=True)
@@ -165,11 +182,11 @@ def make_bundle(
         raise EvidenceError(f"{missing[:5]} are missing from the world folder; call bake_sim, then judge again")
     frames = {n: p for n, p in files.items() if p.suffix == ".npz"}
     caches = sum(p.stat().st_size for p in frames.values()) <= INLINE_BYTES if with_caches is None else with_caches
-    verdict = {**record, "stage": stage}
+    verdict = {**record, "stage": stage, "weakenings": [w for w in ledger.weakenings() if w["revision"] <= last]}
     events = verdict.pop("events", None)
     members: dict[str, bytes | Path] = {
         "verdict.json": json_bytes(verdict),
-        "history.json": json_bytes(history_of(ledger)),
+        "history.json": json_bytes(history_of(ledger, last)),
         "events.json": json_bytes(events),
         "world/world.json": canonical_json(spec),
         **{n: p for n, p in files.items() if caches or n not in frames},

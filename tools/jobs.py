@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext, Part
+from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
-from ..worlds.folder import WorldFolder
+from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.requirements import Row
 from .estimates import Pace
 from .landscapes import terrain
@@ -80,8 +81,8 @@ def _sheet(candidate: Any, folder: WorldFolder, name: str) -> str:
     frames = sorted(set(np.linspace(0, candidate.last_frame, SHEET_FRAMES).round().astype(int).tolist()))
     fps = candidate.spec.simulation.fps
     images = [preview(candidate, k, width=480, height=270, renderer=renderer) for k in frames]
-    folder.pictures.mkdir(exist_ok=True)
-    (folder.pictures / name).write_bytes(contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=3))
+    sheet = contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=3)
+    write_atomically(folder.pictures / name, sheet)
     return name
 
 
@@ -94,8 +95,8 @@ def _film_sheet(folder: WorldFolder, frames: list[Path], name: str, fps: int) ->
 
     chosen = sorted(set(np.linspace(0, len(frames) - 1, SHEET_FRAMES).round().astype(int).tolist()))
     images = [np.asarray(cv2.imread(str(frames[k])))[..., ::-1].astype(np.uint8) for k in chosen]
-    folder.pictures.mkdir(exist_ok=True)
-    (folder.pictures / name).write_bytes(contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen], columns=3))
+    sheet = contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen], columns=3)
+    write_atomically(folder.pictures / name, sheet)
     return name
 
 
@@ -265,8 +266,11 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     require_true_geometry(session)
     context.progress(0, 1, "a fresh process judges the candidate")
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
+    if record["spec_digest"] != spec_digest(session.spec):
+        raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
     rows = [Row.model_validate(r) for r in record["rows"]]
-    record |= {"weakenings": session.ledger.weakenings(), "stage": "full"}
+    weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
+    record |= {"weakenings": weakenings, "stage": "full"}
     session.record(rows, stage="full")
     # The ledger keeps verdicts; contact events are in the caches.
     kept = {k: v for k, v in record.items() if k != "events"}
@@ -294,7 +298,7 @@ def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
 
     folder = session.folder
     page = folder.acceptance / f"{record['freeze'][:16]}.html"
-    write_report(page, folder, record)
+    write_report(page, folder, record, spec=session.spec)
     found = {"report": folder.relative(page)}
     if record["verdict"] != "accepted":
         return found

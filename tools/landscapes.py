@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext
 from ..worlds.errors import InputError
-from ..worlds.folder import WorldFolder
+from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.landscape import SavedLandscape
 from ..worlds.limits import check_limits
 from ..worlds.patch import apply_patch
@@ -210,7 +210,6 @@ def _overview(folder: WorldFolder, name: str, land: SavedLandscape) -> str:
     from ..rendering import contact_sheet, field_map
 
     images = [field_map(land, field, width=760, height=600) for field in OVERVIEW]
-    folder.pictures.mkdir(exist_ok=True)
     file = f"terrain_{name}.jpg"
-    (folder.pictures / file).write_bytes(contact_sheet(images, [f"{name}: {field}" for field in OVERVIEW], columns=2))
+    write_atomically(folder.pictures / file, contact_sheet(images, [f"{name}: {field}" for field in OVERVIEW], columns=2))
     return file

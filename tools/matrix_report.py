@@ -13,22 +13,26 @@ from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.requirements import Row
+from ..worlds.spec import WorldSpec
 
 __all__ = ["report_world", "write_report"]
 
 
-def write_report(out: Path, folder: WorldFolder, record: Mapping[str, Any], *, problems: Sequence[str] = ()) -> None:
+def write_report(
+    out: Path, folder: WorldFolder, record: Mapping[str, Any], *, spec: WorldSpec | None = None, problems: Sequence[str] = ()
+) -> None:
     """Write the page about a judged candidate.
 
     Args:
         out: the HTML file.
         folder: the world.
         record: of the judgement.
+        spec: what was judged; default `world.json` as it is now.
         problems: further reasons against the verdict.
     """
     from ..rendering import ReportPictures, matrix_page, report_pictures
 
-    spec = parse_spec(folder.read_json(folder.spec_path))
+    spec = spec or parse_spec(folder.read_json(folder.spec_path))
     candidate = _candidate(folder, str(record["freeze"]), str(record.get("stage", "full")))
     try:
         pictures = (

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field
 
 from ..worlds.errors import EvidenceError, InputError
+from ..worlds.folder import write_atomically
 from .context import Link, Picture, ToolContext, ToolReply
 
 if TYPE_CHECKING:
@@ -113,8 +114,7 @@ def render_shot(
         warnings.append("nothing is simulated yet: the state of frame 0, seen from this frame's camera")
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
     name = f"{kind}_{session.revision:04d}_{frame:05d}_{view}.{'png' if image.format == 'png' else 'jpg'}"
-    session.folder.pictures.mkdir(exist_ok=True)
-    (session.folder.pictures / name).write_bytes(image.data)
+    write_atomically(session.folder.pictures / name, image.data)
     at = ""
     if kind not in ("contact_sheet", "ledger"):
         time = round(frame / session.spec.simulation.fps, 4)
@@ -144,8 +144,7 @@ def _field(session: Session, terrain: str | None, field: str, width: int | None,
     land = open_landscape(session.folder.root, session.spec, name)
     image = encode(field_map(land, field, width=width or 900, height=height or 700))
     file = f"field_{name}_{field}.{'png' if image.format == 'png' else 'jpg'}"
-    session.folder.pictures.mkdir(exist_ok=True)
-    (session.folder.pictures / file).write_bytes(image.data)
+    write_atomically(session.folder.pictures / file, image.data)
     world = session.folder.id
     data = {"world": world, "kind": "field", "field": field, "terrain": name, "file": f"pictures/{file}"}
     link = Link(file, f"worldagent://worlds/{world}/pictures/{file}", f"image/{image.format}", len(image.data))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from typing import Any
 from ..worlds.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError
-from ..worlds.folder import WorldFolder, write_atomically
+from ..worlds.folder import WorldFolder, temporary_name, write_atomically
 from ..worlds.groups import group_of
 from ..worlds.ledger import Ledger
 from ..worlds.limits import check_cap
@@ -79,7 +78,7 @@ class Session:
     def step(self) -> Iterator[None]:
         """One step of ledger and `world.json`: no other client stands between the two, and a failure undoes both."""
         path = self.folder.spec_path
-        kept = path.with_name(f".{path.name}.kept.{os.getpid()}.{threading.get_ident()}.tmp")
+        kept = temporary_name(path.with_name(f"{path.name}.kept"))
         new = False
 
         def undo() -> None:

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .errors import EvidenceError, InputError, LimitError
-from .folder import safe_join
+from .folder import safe_join, temporary_name
 from .limits import check_cap
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "Bundle", "WrittenBundle", "json_bytes", "open_bundle", "write_bundle"]
@@ -73,6 +73,7 @@ def write_bundle(path: Path, head: Mapping[str, Any], members: Mapping[str, byte
     Raises:
         InputError: a name is not one of the format's.
         LimitError: too many members or bytes.
+        EvidenceError: a file changed while it was written.
     """
     listed = {}
     for name in sorted(members):
@@ -83,13 +84,21 @@ def write_bundle(path: Path, head: Mapping[str, Any], members: Mapping[str, byte
     check_cap("bundle_bytes", sum(item["bytes"] for item in listed.values()), what="this bundle")
     manifest = json_bytes({**head, "format": FORMAT, "format_version": FORMAT_VERSION, "members": listed})
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.tmp")
-    with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-        for name, source in [(MANIFEST, manifest), *((n, members[n]) for n in sorted(members))]:
-            info = zipfile.ZipInfo(name)
-            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
-            archive.writestr(info, source if isinstance(source, bytes) else source.read_bytes())
-    temporary.replace(path)
+    temporary = temporary_name(path)
+    try:
+        with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+            for name, source in [(MANIFEST, manifest), *((n, members[n]) for n in sorted(members))]:
+                info = zipfile.ZipInfo(name)
+                info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
+                data = source if isinstance(source, bytes) else source.read_bytes()
+                if name in listed and _listing(data) != listed[name]:
+                    raise EvidenceError(
+                        f"{name!r} changed while it was bundled; wait until no job of the world runs, then repeat"
+                    )
+                archive.writestr(info, data)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
     return WrittenBundle(path, hashlib.sha256(manifest).hexdigest(), path.stat().st_size)
 
 

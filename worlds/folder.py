@@ -23,7 +23,7 @@ from .errors import EvidenceError, InputError
 from .foreign import refuse_foreign
 from .hints import did_you_mean
 
-__all__ = ["WorldFolder", "safe_join", "world_ids", "write_atomically"]
+__all__ = ["WorldFolder", "safe_join", "temporary_name", "world_ids", "write_atomically"]
 
 WORLD_ID = re.compile(r"^[a-z0-9][a-z0-9_-]{0,63}$")
 
@@ -44,10 +44,15 @@ def safe_join(base: Path, relative: str) -> Path:
     return joined
 
 
+def temporary_name(path: Path) -> Path:
+    """Where to write what is renamed to `path` afterwards; no other thread or process writes there."""
+    return path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.tmp")
+
+
 def write_atomically(path: Path, data: bytes) -> None:
     """Write to a temporary name beside `path`, then rename."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.tmp")
+    temporary = temporary_name(path)
     try:
         temporary.write_bytes(data)
         temporary.replace(path)

@@ -19,6 +19,7 @@ import numpy as np
 
 from .arrays import F64
 from .errors import EvidenceError
+from .folder import temporary_name
 from .provenance import landscape_digest
 from .spec import WorldSpec
 
@@ -93,11 +94,14 @@ def landscape_path(root: Path, name: str, recipe: str) -> Path:
 def save_landscape(path: Path, arrays: Mapping[str, Any], about: Mapping[str, Any]) -> None:
     """Write a landscape: first under a temporary name, then renamed."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.tmp.npz")
+    temporary = temporary_name(path)
     text = json.dumps(about, sort_keys=True).encode()
-    with temporary.open("wb") as file:
-        np.savez(file, about=np.frombuffer(text, dtype=np.uint8), **arrays)
-    temporary.replace(path)
+    try:
+        with temporary.open("wb") as file:
+            np.savez(file, about=np.frombuffer(text, dtype=np.uint8), **arrays)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)

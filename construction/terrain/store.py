@@ -71,7 +71,7 @@ def build_terrain_file(
         try:
             _ = saved.about
         except EvidenceError:
-            path.unlink()
+            path.unlink(missing_ok=True)  # another process may find it damaged, too
         else:
             return saved, False
     terrain = _terrain(spec, name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -121,8 +121,11 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
     def matrix(world: str) -> str:
         with _opened(workspace, world) as folder:
             ledger = _ledger(folder)
-            rows = [] if ledger is None else [row.model_dump(mode="json") for row in ledger.rows()]
-            return _json({"world": world, "revision": ledger.revision() if ledger else 0, "rows": rows})
+            if ledger is None:
+                return _json({"world": world, "revision": 0, "rows": []})
+            with ledger.looking():
+                rows = [row.model_dump(mode="json") for row in ledger.rows()]
+                return _json({"world": world, "revision": ledger.revision(), "rows": rows})
 
     @server.resource(
         f"{base}/revisions",
@@ -145,7 +148,9 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
     )
     def report(world: str) -> str:
         with _opened(workspace, world) as folder:
-            return world_report(folder, _ledger(folder))
+            ledger = _ledger(folder)
+            with nullcontext() if ledger is None else ledger.looking():
+                return world_report(folder, ledger)
 
     @server.resource(
         f"{base}/entities/{{entity}}",

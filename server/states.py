@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..worlds.errors import InputError
 from ..worlds.folder import WORLD_ID, WorldFolder, world_ids
+from ..worlds.ledger_file import change_count
 from .workspace_jobs import WorkspaceJobs
 
 __all__ = ["ResourceStates"]
@@ -65,9 +66,10 @@ class ResourceStates:
         return (job.state, job.progress_done, job.message)
 
 
-def _stamp(path: Path) -> tuple[int, int] | None:
+def _stamp(path: Path) -> tuple[int, ...] | None:
+    """Two changes may come within one tick of the file system's clock: a replaced file tells by its number, a ledger by its count."""
     try:
         found = path.stat()
     except FileNotFoundError:
         return None
-    return (found.st_mtime_ns, found.st_size)
+    return (found.st_mtime_ns, found.st_size, found.st_ino, change_count(path) if path.suffix == ".sqlite" else 0)

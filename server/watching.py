@@ -73,8 +73,8 @@ class ResourceWatch:
     async def _subscribe(self, ctx: ServerRequestContext[Any, Any], params: SubscribeRequestParams) -> EmptyResult:
         uri = str(params.uri)
         connection = ctx.session._connection
+        await self._start([uri])
         if (id(connection), uri) not in self._sessions:
-            await self._start([uri])
             self._watched[uri] += 1
             self._sessions[id(connection), uri] = ctx.session
             connection.exit_stack.callback(self._forget, id(connection), uri)
@@ -110,7 +110,8 @@ class ResourceWatch:
         new = {uri for uri in uris if uri not in self._seen}
         if len(self._seen) + len(new) > MOST_URIS:
             raise MCPError(INVALID_PARAMS, f"{len(self._seen) + len(new)} resources would be watched, at most {MOST_URIS} can be")
-        self._seen.update(await anyio.to_thread.run_sync(self._states, new))
+        for uri, state in (await anyio.to_thread.run_sync(self._states, new)).items():
+            self._seen.setdefault(uri, state)  # another subscriber, who came first, must hear of what changed since
         if not self.running:
             self._task = asyncio.create_task(self._look())
 

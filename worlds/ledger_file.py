@@ -12,7 +12,7 @@ from pathlib import Path
 from .errors import EvidenceError
 from .storage import storage_failure
 
-__all__ = ["LedgerFile", "check_seal", "matrix_texts", "put_seal"]
+__all__ = ["LedgerFile", "change_count", "check_seal", "matrix_texts", "put_seal"]
 
 _TABLES = {
     "meta": "key TEXT PRIMARY KEY, value TEXT NOT NULL",
@@ -73,6 +73,18 @@ class LedgerFile:
             db.close()  # what was not committed is undone
 
     @contextmanager
+    def looking(self) -> Iterator[None]:
+        """What this thread reads inside is one state of the file. Short: who wants to write waits meanwhile."""
+        with self._told():
+            db = self._begun("BEGIN")
+        self._held.db = db
+        try:
+            yield
+        finally:
+            del self._held.db
+            db.close()
+
+    @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
         """A transaction for reading: one state of the file, whoever writes meanwhile.
 
@@ -128,6 +140,19 @@ class LedgerFile:
             f"The specification and the caches beside it are untouched: put back a copy of {self.path.name}, or create "
             f"another world with edit_spec from what the resource worldagent://worlds/{world}/spec holds"
         )
+
+
+def change_count(path: Path) -> int:
+    """Changes with every transaction that writes to the file, however coarse the clock of its file system; 0 where it is none.
+
+    References:
+        SQLite, Database File Format, 1.3.7 File change counter. https://www.sqlite.org/fileformat2.html
+    """
+    try:
+        with path.open("rb") as stream:
+            return int.from_bytes(stream.read(28)[24:], "big")
+    except OSError:
+        return 0
 
 
 def _sealed(texts: tuple[str, ...]) -> str:

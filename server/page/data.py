@@ -17,6 +17,7 @@ from ...tools.waiting import job_data
 from ...worlds.errors import EvidenceError, InputError
 from ...worlds.folder import WorldFolder, world_ids
 from ...worlds.ledger import Ledger
+from ...worlds.ledger_file import change_count
 from ...worlds.requirements import Row
 from .charts import ledger_charts
 from .judged import OPEN_ROWS, latest_acceptance, latest_verdict, row_counts, row_line, row_status, row_text
@@ -41,7 +42,7 @@ class QueryError(InputError):
     """A filter or a page that is asked for is out of range."""
 
 
-Signature = tuple[tuple[int, int], ...]
+Signature = tuple[tuple[int, ...], ...]
 
 
 def job_view(job: Job, jobs: JobStore) -> dict[str, Any]:
@@ -68,9 +69,11 @@ def signature(folder: WorldFolder) -> Signature:
     for path in (folder.spec_path, folder.ledger_path, folder.pictures, folder.acceptance, folder.root / "candidates"):
         try:
             stat = path.stat()
-            found.append((stat.st_mtime_ns, stat.st_size))
+            # Two changes may come within one tick of the file system's clock.
+            count = change_count(path) if path == folder.ledger_path else stat.st_ino
+            found.append((stat.st_mtime_ns, stat.st_size, count))
         except OSError:
-            found.append((0, 0))
+            found.append((0, 0, 0))
     return tuple(found)
 
 
@@ -114,7 +117,7 @@ class PageData:
     def worlds(self, *, query: str = "", offset: int = 0, limit: int = 50) -> dict[str, Any]:
         """Summaries of the worlds, the last changed first."""
         found = [w for w in self.ids() if query.lower() in w]
-        found.sort(key=lambda w: (-max(m for m, _ in signature(WorldFolder(self.workspace / w))), w))
+        found.sort(key=lambda w: (-max(m for m, *_ in signature(WorldFolder(self.workspace / w))), w))
         chosen = found[offset : offset + limit]
         return {"worlds": [self.summary(w) for w in chosen], "total": len(found), "offset": offset}
 
@@ -134,7 +137,7 @@ class PageData:
         return kept[1]
 
     def _summarise(self, world: str, now: Signature) -> dict[str, Any]:
-        data: dict[str, Any] = {"id": world, "title": world, "prompt": "", "changed": max(m for m, _ in now) / 1e9}
+        data: dict[str, Any] = {"id": world, "title": world, "prompt": "", "changed": max(m for m, *_ in now) / 1e9}
         try:
             folder = WorldFolder.of(self.workspace, world)
         except EvidenceError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -82,6 +83,16 @@ def test_stale_rows_are_told_apart_from_unverified_ones(made: Made, client: Test
     assert (mine["a:pass"]["was"], mine["a:pass"]["why"]) == ("pass", "pose changed in revision 2")
     assert found["by_status"]["stale"] == 1
     assert client.get("/api/worlds/w").json()["matrix"]["stale"] == 1
+
+
+def test_rows_that_change_within_one_tick_of_the_clock_are_read_anew(made: Made, client: TestClient) -> None:
+    ledger = made.world("w").ledger_path
+    made.rows("w", row("a:pass"))
+    at = ledger.stat().st_mtime_ns
+    assert client.get("/api/worlds/w/matrix", params={"q": "a:pass"}).json()["by_status"]["pass"] == 1
+    made.rows("w", row("a:pass", "fail"))
+    os.utime(ledger, ns=(at, at))
+    assert client.get("/api/worlds/w/matrix", params={"q": "a:pass"}).json()["by_status"]["pass"] == 0
 
 
 def test_rows_come_in_pages_filtered_and_the_failing_group_first(made: Made, client: TestClient) -> None:

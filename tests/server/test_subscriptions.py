@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
+from contextlib import suppress
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +17,13 @@ import anyio
 import pytest
 from mcp import Client, MCPError
 from mcp.client.subscriptions import ResourcesListChanged, ResourceUpdated
+from mcp.server.subscriptions import InMemorySubscriptionBus
 from worldagent.execution import JobStore
 from worldagent.server.app import WorldServer, create_server
-from worldagent.server.watching import MOST_URIS
+from worldagent.server.states import ResourceStates
+from worldagent.server.watching import MOST_URIS, ResourceWatch
+from worldagent.server.workspace_jobs import WorkspaceJobs
+from worldagent.worlds.folder import write_atomically
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Row
 
@@ -52,6 +59,11 @@ def work(server: WorldServer) -> None:
     JobStore(server.workspace).submit(
         "bake", "tiny", {"seconds": 0, "label": "x"}, entry="worldagent.server.conformance.jobs:sleep"
     )
+
+
+def rewrite(server: WorldServer) -> None:
+    """What an edit does to the specification, with equal length."""
+    write_atomically(server.workspace / "tiny" / "world.json", json.dumps(SPEC).encode())
 
 
 @pytest.mark.parametrize(("uri", "change"), [(MATRIX, judge), (REPORT, judge), (JOBS, work), ("worldagent://jobs", work)])
@@ -97,6 +109,79 @@ async def test_a_subscriber_of_the_handshake_era_is_told_until_it_leaves(server:
     with anyio.fail_after(PATIENCE_S):
         while server.watch.running:
             await anyio.sleep(0.01)
+
+
+@pytest.mark.filterwarnings("ignore:resources/.*subscribe is removed")
+async def test_who_subscribes_twice_at_once_leaves_at_once(server: WorldServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    look = server.watch._states
+    both = threading.Barrier(2)
+
+    def looked(uris: Iterable[str]) -> dict[str, Hashable]:
+        with suppress(threading.BrokenBarrierError):
+            both.wait(2.0)
+        return look(uris)
+
+    monkeypatch.setattr(server.watch, "_states", looked)
+    async with Client(server, mode="legacy") as client:
+        async with anyio.create_task_group() as calls:
+            for _ in range(2):
+                calls.start_soon(client.session.subscribe_resource, MATRIX)
+        await client.session.unsubscribe_resource(MATRIX)
+        assert not server.watch.running
+
+
+async def test_a_second_subscriber_hides_no_change_from_the_first() -> None:
+    """Both look before either is noted; the world changes between their looks."""
+    noted, is_first = threading.Event(), ContextVar("is_first", default=False)
+
+    def state(uri: str) -> int:
+        return 1 if is_first.get() or not noted.wait(PATIENCE_S) else 2
+
+    watch = ResourceWatch(state, InMemorySubscriptionBus(), interval_s=PATIENCE_S)
+
+    async def first() -> None:
+        is_first.set(True)
+        await watch._start(["u"])
+        noted.set()
+
+    async with anyio.create_task_group() as subscribers:
+        subscribers.start_soon(first)
+        subscribers.start_soon(watch._start, ["u"])
+    with watch._watching(["u"]):
+        assert watch._seen == {"u": 1}  # the next look finds 2 and tells
+
+
+async def test_a_change_within_one_tick_of_the_clock_is_a_change(server: WorldServer) -> None:
+    states = ResourceStates(server.workspace, WorkspaceJobs(server.workspace))
+    for uri, change in ((MATRIX, judge), ("worldagent://worlds/tiny/spec", rewrite)):
+        change(server)
+        files = [server.workspace / "tiny" / name for name in ("ledger.sqlite", "world.json")]
+        times = [path.stat().st_mtime_ns for path in files]
+        before = states(uri)
+        change(server)
+        for path, at in zip(files, times, strict=True):
+            os.utime(path, ns=(at, at))
+        assert states(uri) != before
+
+
+async def test_a_matrix_is_told_with_the_revision_that_it_is_of(server: WorldServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    judge(server)
+    read = Ledger.rows
+    path = server.workspace / "tiny" / "ledger.sqlite"
+    edit = threading.Thread(target=lambda: Ledger(path).add_revision("{}", "1" * 64, expected=1))
+
+    def read_then_edited(self: Ledger) -> list[Row]:
+        rows = read(self)
+        edit.start()
+        edit.join(0.5)  # it waits for the reader
+        return rows
+
+    monkeypatch.setattr(Ledger, "rows", read_then_edited)
+    async with Client(server) as client:
+        (content,) = (await client.read_resource(MATRIX)).contents
+    assert json.loads(content.text)["revision"] == 1
+    edit.join()
+    assert Ledger(path).revision() == 2
 
 
 async def test_nothing_is_told_where_nothing_changed_and_to_nobody_else(server: WorldServer) -> None:

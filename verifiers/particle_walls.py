@@ -167,7 +167,7 @@ class Walls:
             entity, body = name.split("/", 1)
             if candidate.spec.entities[entity].motion != "dynamic":
                 continue
-            owners = {n for n, s in plan.rigid.items() if entity in s.members}
+            owners = {n for n, s in plan.solvers.items() if entity in s.members}
             if any(self.swarm.solver in (c.source, c.target) and owners & {c.source, c.target} for c in plan.couplings.values()):
                 continue
             push = np.linalg.norm(given[:, row, :3], axis=1)

@@ -52,6 +52,28 @@ def strewn(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
     return simulate(tmp_path_factory.mktemp("strewn"), spec)
 
 
+def on_cloth(couplings: dict[str, Any]) -> dict[str, Any]:
+    """A handful of grains just over a cloth, and nothing below it."""
+    spec = hammock_spec(frames=4, edge=0.055, radius=0.012)
+    bed = spec["entities"]["sand"]
+    bed["pose"]["position"] = [0.0, 0.0, HIGH + 0.035]
+    bed["parts"]["bed"]["shape"]["size"] = bed["dimensions"]["size"] = [0.12, 0.12, 0.04]
+    del spec["entities"]["jelly"]
+    spec["simulation"]["solvers"]["bodies"]["members"].remove("jelly")
+    return {**spec, "simulation": {**spec["simulation"], "preroll": 0.0, "drivers": {}, "couplings": couplings}}
+
+
+def test_grains_that_lie_on_a_cloth_which_feels_them_pass(tmp_path: Path) -> None:
+    pairs = (("cloth", "bodies"), ("bodies", "grains"), ("cloth", "grains"))
+    felt = {
+        f"{a}_{b}": {"source": a, "target": b, "direction": "two_way", "variables": ["motion", "wrench"]} for a, b in pairs
+    }
+    rows = particles.check_instance(simulate(tmp_path, on_cloth(felt)), "grains")
+    assert [(r.id, r.evidence.get("explanation")) for r in rows if r.status == "fail"] == []
+    declared = next(r for r in rows if r.id.endswith("declared:grains"))
+    assert declared.status == "pass"
+
+
 def verdicts(rows: list[Any]) -> dict[str, str]:
     return {r.id.split(":")[2]: r.status for r in rows}
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..worlds.cloth import grids_of, touching_distance
-from ..worlds.instances import cloth_of, coupled_groups
+from ..worlds.cloth import exchange_of, grids_of, touching_distance
+from ..worlds.fields import fields_of
+from ..worlds.instances import cloth_of, coupled_groups, soft_met
 
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
@@ -24,33 +25,20 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
     for name, instance in spec.simulation.cloth.items():
         for member in instance.members:
             found += _sheet(spec, member, instance.settings.margin)
-        found.append(
-            {
-                "what": f"the air is not moved by {name!r}; it pushes each triangle by their relative velocity",
-                "effect": "no wake, no lift of a whole sail or flag beyond what single faces feel",
-            }
-        )
+        if any(fields_of(spec, m).has_medium for m in instance.members):
+            found.append(
+                {
+                    "what": f"the air is not moved by {name!r}; it pushes each triangle by their relative velocity",
+                    "effect": "no wake, no lift of a whole sail or flag beyond what single faces feel",
+                }
+            )
         found.append(
             {
                 "what": f"sheets of {name!r} that may meet something are damped, if by no more, by 1.5 % of what ends their fastest swing",
                 "effect": "swings between neighbouring vertices fade within some tens of swings, slower ones in proportion less",
             }
         )
-        found += _grains(spec, name)
-        settings = instance.settings
-        if settings.integrator == "implicit":
-            found.append(
-                {
-                    "what": f"where {name!r} meets nothing its steps are {settings.max_step:.3g} s long",
-                    "effect": f"a swing of 1 Hz loses {LOST * settings.max_step:.2%} of its amplitude in a second, of 5 Hz 25 times that",
-                }
-            )
-            found.append(
-                {
-                    "what": f"where {name!r} touches something and moves slowly its steps are up to {settings.max_step:.3g} s long",
-                    "effect": f"a swing of 1 Hz loses up to {10 * LOST * settings.max_step:.1%} of its amplitude in a second",
-                }
-            )
+        found += [*_contacts(spec, name), *_grains(spec, name), *_steps(spec, name)]
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         for rigid, other in spec.simulation.rigid.items():
             if rigid not in coupled and any(spec.entities[m].motion == "dynamic" for m in other.members if m in spec.entities):
@@ -61,6 +49,53 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
                     }
                 )
     return found
+
+
+def _steps(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
+    """What long steps take; on a GPU there are short ones alone, and beside elastic bodies none of those with contacts."""
+    settings = spec.simulation.cloth[name].settings
+    if settings.integrator != "implicit" or settings.device != "cpu":
+        return
+    step = min(settings.max_step, exchange_of(spec, name))
+    yield {
+        "what": f"where {name!r} meets nothing its steps are up to {step:.3g} s long",
+        "effect": f"a swing of 1 Hz loses up to {LOST * step:.2%} of its amplitude in a second, of 5 Hz 25 times that",
+    }
+    if not set(soft_met(spec, name)) - _ignored(spec, name):
+        yield {
+            "what": f"where {name!r} touches something and moves slowly its steps are up to {step:.3g} s long",
+            "effect": f"a swing of 1 Hz loses up to {10 * LOST * step:.1%} of its amplitude in a second",
+        }
+
+
+def _ignored(spec: WorldSpec, name: str) -> set[str]:
+    """Entities that the sheets of an instance pass through: what one of them ignores."""
+    return {
+        e for m in spec.simulation.cloth[name].members if (p := spec.entities[m].physics).category == "cloth" for e in p.ignores
+    }
+
+
+def _contacts(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
+    """What holds for all sheets of an instance alike."""
+    members = [m for m in spec.simulation.cloth[name].members if spec.entities[m].physics.category == "cloth"]
+    listed = ", ".join(repr(m) for m in members)
+    yield {
+        "what": f"what meets the cloth {name!r} does not bounce off it",
+        "effect": "restitution of the materials counts for nothing",
+    }
+    rough = {spec.materials[spec.entities[m].material].friction for m in members}
+    if len(rough) > 1:
+        yield {
+            "what": f"all sheets of {name!r} rub alike, with a friction of {max(rough):g} at least",
+            "effect": f"{listed} have the friction of the roughest of them",
+        }
+    for other in sorted(_ignored(spec, name)):
+        yield {"what": f"{listed} of {name!r} do not meet {other!r}", "effect": "they pass through it"}
+    if not any(getattr(spec.entities[m].physics, "self_collision", True) for m in members):
+        yield {
+            "what": f"sheets of {name!r} do not meet themselves or each other",
+            "effect": f"folds and sheets of {listed} pass through each other",
+        }
 
 
 def _grains(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
@@ -99,12 +134,22 @@ def _sheet(spec: WorldSpec, member: str, margin: float | None) -> Iterator[dict[
             "what": f"layers of {member!r} touch at {apart:.3g} m, solids at half of it; its thickness is {physics.thickness:g} m",
             "effect": f"folds lie up to {max(apart - physics.thickness, 0.0):.3g} m too far apart and bend over no less than {shortest:.3g} m",
         }
-    if not physics.self_collision:
-        yield {"what": f"{member!r} does not meet itself", "effect": "its folds pass through each other"}
     if physics.tear is not None:
         yield {
             "what": f"{member!r} tears along the edges of its triangles, at the mean pull around a vertex",
             "effect": f"tears turn no finer than its triangles ({shortest or 0.0:.3g} m), and their two lips pass through each other",
         }
-    for other in physics.ignores:
-        yield {"what": f"{member!r} does not meet {other!r}", "effect": "it passes through it"}
+    for holder in sorted({pin.to for pin in physics.pins.values() if pin.to is not None}):
+        yield {
+            "what": f"triangles of {member!r} that hang on {holder!r} do not meet it",
+            "effect": "beside its pins the sheet may pass through what holds it",
+        }
+    yield {
+        "what": f"{member!r} stretches, shears and bends in proportion to its load",
+        "effect": "fabric that gives way at first and stiffens, or keeps its creases, is not simulated",
+    }
+    if physics.bend_stiffness > 0 and any(p.shape.kind == "sheet" for p in entity.parts.values()):
+        yield {
+            "what": f"how {member!r} bends depends on the way that its triangles lie",
+            "effect": "a clamped plate sinks by 1.28 of its law along its squares and by 0.82 along their diagonals",
+        }

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from ..worlds.instances import coupled_groups, soft_met
 from ..worlds.spec import ElasticPhysics
+from .exchanged import partners
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
+    from ..worlds.spec import WorldSpec
 
 __all__ = ["elastic_lines"]
 
+LOST = 0.5 * (2 * math.pi) ** 2
+"""Of a swing of 1 Hz per second and second of step: what is implicit in position, of first order, takes w^2 h / 2 (measured:
+tests/physics/test_elastic.py)."""
+CELLS_FOR_SELF = 3
+"""Cells along an axis from which on parts of one body are kept apart."""
 SURFACE = 1e-6
 """Relative difference of volumes from which on a cut surface is another than the declared one."""
 
@@ -29,6 +37,7 @@ def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "beams of one cell across are up to 5 % too stiff; beyond strains of about 0.3 it is not rubber",
             }
         )
+        found += _steps(candidate, name) + _touches(candidate, name)
         lost = _lost(candidate, name)
         if lost > SURFACE:
             found.append(
@@ -50,6 +59,37 @@ def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
     return found
 
 
+def _steps(candidate: Candidate, name: str) -> list[dict[str, str]]:
+    """What implicit steps take of its swings."""
+    steps = [i.settings.step for i in candidate.spec.simulation.rigid.values() if name in i.members]
+    return [
+        {
+            "what": f"implicit steps of {name!r} are up to {step:g} s long and damp it beside its own damping",
+            "effect": f"a swing of 1 Hz loses {LOST * step:.2%} of its amplitude in a second, of 5 Hz 25 times that",
+        }
+        for step in steps
+    ]
+
+
+def _touches(candidate: Candidate, name: str) -> list[dict[str, str]]:
+    """What becomes of its contacts with others and with itself."""
+    found = [
+        {
+            "what": f"what touches {name!r} meets its nodes, each alone; restitution is theirs, not the body's",
+            "effect": "the coarser the cells, the more energy an impact takes; how high it bounces follows from stiffness and damping",
+        }
+    ]
+    meshes = [p.simulation for p in candidate.entity(name).parts if p.simulation is not None]
+    if meshes and max(int(c) for c in meshes[0].cells) < CELLS_FOR_SELF:
+        found.append(
+            {
+                "what": f"{name!r} does not meet itself: it has fewer than {CELLS_FOR_SELF} cells along every axis",
+                "effect": f"folds pass through each other; category:elastic:self:{name} finds them",
+            }
+        )
+    return found
+
+
 def _met(candidate: Candidate, first: str) -> list[dict[str, str]]:
     """Who meets elastic bodies, and how."""
     found, spec = [], candidate.spec
@@ -62,12 +102,22 @@ def _met(candidate: Candidate, first: str) -> list[dict[str, str]]:
             found.append({"what": text, "effect": "omitted in both directions: they pass through each other"})
         elif any(name in group for group in coupled_groups(spec)):
             text = f"{name!r} takes the surfaces of elastic bodies as giving way like their vertices alone within an exchange"
-            row = f"category:liquid:energy:{name}" if name in spec.simulation.liquid else "category:elastic:together"
-            found.append({"what": text, "effect": f"energy that the exchange makes or loses is told by {row}"})
+            found.append({"what": text, "effect": f"energy that the exchange makes or loses is told by {_told_by(spec, name)}"})
         else:
             text = f"{name!r} is pushed by elastic bodies ({first!r}) and does not push them"
             found.append({"what": text, "effect": "omitted reaction: they fall through what cannot hold them back"})
     return found
+
+
+def _told_by(spec: WorldSpec, name: str) -> str:
+    """Id of the row that judges the energy of an instance coupled with elastic bodies."""
+    plan = spec.simulation
+    if name in plan.liquid or name in plan.particles:
+        return f"category:{plan.solvers[name].moves[0]}:energy:{name}"
+    owner = next((r for r in plan.rigid if name in partners(spec, r)), None)
+    if owner is not None and all(other in plan.cloth for other in partners(spec, owner)):
+        return f"category:elastic:together:{owner}"
+    return f"category:cloth:energy:{name}"
 
 
 def _cells(candidate: Candidate, name: str) -> str:

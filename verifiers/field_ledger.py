@@ -31,6 +31,8 @@ CHANNEL = "field/impulse"
 """Impulse of fields on each body over the frame, at its centre of mass [N s], shape (n, 3)."""
 FIELD = 0.05
 """Own choice: of the largest force of a field on the body in play, what recorded impulses may differ from the declared field's."""
+NAMED = 12
+"""Own choice: of entities without air, so many are named."""
 PREDICATES = {"fields": f"impulses of force fields are those of the declared fields within {FIELD:.0%} of the largest"}
 
 
@@ -188,18 +190,39 @@ def _forces(found: Fields, mass: float, vectors: F64, times: F64, center: F64, v
     return result
 
 
+def _airless(spec: WorldSpec) -> list[dict[str, str]]:
+    """Who moves without any medium."""
+    aired = {n for d in field_drivers(spec).values() if d.field.kind != "attraction" for n in acting_on(spec, d)}
+    bare = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in aired)
+    if not bare:
+        return []
+    more = f" and {len(bare) - NAMED} more" if len(bare) > NAMED else ""
+    whom = f" for {', '.join(bare[:NAMED])}{more}" if aired else ": no field declares a medium"
+    return [
+        {"what": f"no air{whom}", "effect": "nothing slows what falls, flies or swings but the damping that is declared for it"}
+    ]
+
+
 def field_lines(spec: WorldSpec) -> list[dict[str, str]]:
     """Lines of the approximation register about force fields."""
-    found = []
+    found = _airless(spec)
     for name, driver in field_drivers(spec).items():
         felt = acting_on(spec, driver)
         if driver.field.kind != "attraction":
             found.append(
                 {
                     "what": f"the medium of field {name!r} is given, not simulated",
-                    "effect": "nothing slows, shades or stirs it: what it moves does not act back on it",
+                    "effect": "nothing slows, shades or stirs it: what it moves does not act back on it; it bears nothing, so nothing is "
+                    "buoyed up in it",
                 }
             )
+            if any(spec.entities[n].physics.category == "particles" for n in felt):
+                found.append(
+                    {
+                        "what": f"drag of field {name!r} on particles is that of single spheres",
+                        "effect": "those in a heap or a swarm are not sheltered by others",
+                    }
+                )
             if any(spec.entities[n].physics.category == "rigid" for n in felt):
                 found.append(
                     {

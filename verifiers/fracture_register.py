@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..worlds.fields import area_vectors, fields_of
 from ..worlds.fracture import crumble_of
 
 if TYPE_CHECKING:
+    from ..worlds.arrays import F64
     from ..worlds.candidate import Candidate
 
 __all__ = ["fracture_lines"]
@@ -36,6 +40,13 @@ def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "pieces fly a little too fast; an inelastic blow loses far more",
             },
         ]
+        found.append(
+            {
+                "what": f"pieces of {name!r} that lay tight in one another press each other apart by no more than stood on them",
+                "effect": "faces that crumble carry no more than their bonds bore",
+            }
+        )
+        found += _blown(candidate, name)
         if name in candidate.built:
             found.append(
                 {
@@ -44,3 +55,26 @@ def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
                 }
             )
     return found
+
+
+def _blown(candidate: Candidate, name: str) -> list[dict[str, str]]:
+    """What air does to pieces that stand before one another."""
+    fields = fields_of(candidate.spec, name)
+    if not fields.has_medium or name not in candidate.built:
+        return []
+    built = candidate.built[name]
+    pieces = [(b.pose, np.concatenate([p.render.vertices for p in built.parts_of(b.name)])) for b in built.bodies]
+    single = sum(_area(points) for _, points in pieces)
+    whole = _area(np.concatenate([pose.apply(points) for pose, points in pieces]))
+    return [
+        {
+            "what": f"air of {', '.join(fields.names)} meets every piece of {name!r} as if it stood alone",
+            "effect": "while it is whole, and in heaps, it is pushed too hard, as a mean over all directions up to "
+            f"{single / max(whole, 1e-300):.1f} times as hard",
+        }
+    ]
+
+
+def _area(points: F64) -> float:
+    """Of the convex hull of points [m^2]: what bodies show to the flow is a quarter of it, as a mean over directions (Cauchy)."""
+    return float(np.linalg.norm(area_vectors(points), axis=1).sum())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..worlds.instances import coupled_groups, soft_met
+
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
 
@@ -15,6 +17,12 @@ def particle_lines(spec: WorldSpec) -> list[dict[str, str]]:
     plan = spec.simulation
     found = []
     for name, instance in plan.particles.items():
+        found.append(
+            {
+                "what": f"particles of {name!r} that leave its domain are gone",
+                "effect": "they are counted as outflow and never come back",
+            }
+        )
         for member in instance.members:
             physics = spec.entities[member].physics
             if physics.category != "particles":
@@ -54,10 +62,17 @@ def particle_lines(spec: WorldSpec) -> list[dict[str, str]]:
                     }
                 )
         if instance.engine == "dem":
-            coupled = {s for c in plan.couplings.values() if c.direction == "two_way" for s in (c.source, c.target)}
+            groups = coupled_groups(spec)
+            if soft_met(spec, name):
+                found.append(
+                    {
+                        "what": f"surfaces that deform take no couples from grains of {name!r}",
+                        "effect": "nothing resists the rolling of grains on elastic bodies and cloth",
+                    }
+                )
             for rigid, other in plan.rigid.items():
                 moving = any(spec.entities[m].motion == "dynamic" for m in other.members if m in spec.entities)
-                if moving and not ({name, rigid} <= coupled):
+                if moving and not any({name, rigid} <= g for g in groups):
                     found.append(
                         {
                             "what": f"grains of {name!r} are pushed by bodies of {rigid!r} and do not push them",

@@ -9,6 +9,7 @@ from ..worlds.capillarity import is_felt
 from ..worlds.instances import coupled_groups
 from ..worlds.liquids import spacing_of
 from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec
+from .apart import apart_lines
 from .cloth_register import cloth_lines
 from .elastic_register import elastic_lines
 from .field_ledger import field_lines
@@ -183,7 +184,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "motion or force put in by hand, counted as driver work",
             }
         )
-    found += field_lines(spec) + particle_lines(spec)
+    found += field_lines(spec) + particle_lines(spec) + apart_lines(spec)
     for name, coupling in spec.simulation.couplings.items():
         if coupling.direction == "one_way":
             found.append(

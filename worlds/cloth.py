@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .arrays import F64, I32, pose_of
+from .instances import coupled_groups
 
 if TYPE_CHECKING:
     from .spec import ClothPhysics, ClothPin, Entity, Sheet, WorldSpec
@@ -16,6 +17,7 @@ __all__ = [
     "THIN",
     "ClothEstimate",
     "cloth_estimate",
+    "exchange_of",
     "grids_of",
     "held_by",
     "pins_of",
@@ -35,6 +37,8 @@ STIFFEST = 2.6
 """Highest frequency of a square grid of triangles times its edge over the speed of sound in it, measured on 30 x 30 squares."""
 CORNERS = 6
 """Corners of triangles per vertex of a large sheet."""
+CLOSELY = 1e-3
+"""Longest time between two exchanges of impulses with bodies that the cloth pushes, and between two looks at what tears [s]."""
 ON_EDGE = 1e-6
 """Share of a sheet's size within which a vertex lies on its edge."""
 
@@ -142,6 +146,13 @@ def cloth_estimate(spec: WorldSpec, name: str) -> ClothEstimate:
             if edge > 0 and math.isfinite(edge):
                 step = min(step, stiffest_step(entity.physics, edge))
     return ClothEstimate(vertices, seconds / step, written)
+
+
+def exchange_of(spec: WorldSpec, name: str) -> float:
+    """Time between two looks of an instance at what it meets [s]: no step is longer."""
+    settings, members = spec.simulation.cloth[name].settings, spec.simulation.cloth[name].members
+    closely = any(name in group for group in coupled_groups(spec)) or any(tears(spec, m) for m in members)
+    return settings.exchange or min(settings.max_step, CLOSELY if closely else settings.max_step)
 
 
 def release_time(spec: WorldSpec, name: str, without: frozenset[str] = frozenset()) -> float:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I32, pose_of
 from ...worlds.built import TriangleMesh
-from ...worlds.cloth import THIN, held_by, touching_distance
+from ...worlds.cloth import THIN, exchange_of, held_by, touching_distance
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
-from ...worlds.instances import coupled_groups, soft_met
+from ...worlds.instances import soft_met
 from ..boundaries import Boundary, Surround, surround_of
 from .pieces import Piece, piece_of
 from .setup import Air, ClothSetup, Hold
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ClothScene", "build_scene"]
 
-CLOSELY = 1e-3
-"""Longest time between two exchanges of impulses with bodies that the cloth pushes, and between two looks at what tears [s]."""
 EVERYWHERE = (np.full(3, -np.inf), np.full(3, np.inf))
 
 
@@ -109,9 +107,6 @@ def build_scene(
     fields = {m: fields_of(spec, m, without) for m in members}
     faces = np.concatenate([np.full(len(p.faces), members.index(p.member)) for p in pieces])
     blown = any(f and f.has_medium for f in fields.values())
-    closely = any(name in group for group in coupled_groups(spec)) or any(
-        _physics(spec.entities[m]).tear is not None for m in members
-    )
     drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)
     setup = ClothSetup(
         sheets=(),
@@ -124,7 +119,7 @@ def build_scene(
         self_collision=any(_physics(spec.entities[m]).self_collision for m in members),
         integrator=settings.integrator,
         max_step=settings.max_step,
-        exchange=settings.exchange or min(settings.max_step, CLOSELY if closely else settings.max_step),
+        exchange=exchange_of(spec, name),
         iterations=settings.iterations,
         device=settings.device,
     )

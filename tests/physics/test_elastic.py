@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from worldagent.bench.small_worlds import box, ground, world
 from worldagent.construction.build import build_entity
 from worldagent.simulation.rigid import SolverRigid
+from worldagent.verifiers.elastic_register import LOST
 from worldagent.worlds.spec import ElasticPhysics, Pin, RigidSettings
 from worldagent.worlds.spec.entities import Material
 
@@ -132,6 +134,23 @@ def test_undamped_energy_never_grows_and_shorter_steps_lose_less():
         assert np.diff(series).max() <= 1e-3 * play
         lost.append((series[0] - series[-1]) / play)
     assert 0 < lost[1] < 0.7 * lost[0]
+
+
+def test_implicit_steps_take_of_a_swing_what_the_register_says():
+    """Law of the scheme: a swing of angular frequency w loses w^2 h / 2 of its amplitude in a second at steps of h."""
+    fps, step = 200, 1e-3
+    solver, built = made(beam(4, poisson_ratio=0.3), frames=90, fps=fps, step=step, gravity=(0, 0, -0.5))
+    tip = built["beam"].parts[0].simulation.vertices[:, 0] > LONG / 2 - 1e-9
+    height = []
+    for frame in range(1, 90):
+        solver.advance(frame)
+        height.append(float(vertices(solver)[tip, 2].mean()))
+    low, high, lower = (height[a:b] for a, b in ((0, 40), (40, 70), (65, 89)))
+    ends = min(low), max(high), min(lower)
+    period = (height.index(ends[2]) - height.index(ends[0])) / fps
+    kept = (ends[1] - ends[2]) / (ends[1] - ends[0])
+    told = LOST * step / period**2
+    assert -math.log(kept) / (period / 2) == pytest.approx(told, rel=0.1)
 
 
 @pytest.fixture(scope="module")

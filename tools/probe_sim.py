@@ -28,13 +28,18 @@ def probe_sim(
     ] = 30.0,
     detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
     coarser: Annotated[
-        float, Field(ge=1, le=2, description="Of liquids: spacing of this probe over production's; 2 costs about a sixteenth")
+        float,
+        Field(
+            ge=1,
+            le=2,
+            description="Spacing of liquids and radius of grains in this probe over production's; 2 costs about a sixteenth",
+        ),
     ] = 1.0,
 ) -> ToolReply:
     """Simulate to 0.75 s after the last beat with production settings, judge the motion, and freeze the settings if it passes.
 
     Use it when the static rows pass, and again after every repair. It covers preroll, activation, first contact, peak response
-    and early settling (a world that is meant to rest has none of them). Liquids run at their production resolution, or coarser as
+    and early settling (a world that is meant to rest has none of them). Liquids and grains run at their production resolution, or coarser as
     asked: then the bake must show the same beats in the same order and within 15 % of the times that the probe promised.
     Refused while the audit or a static row fails; when a liquid's spacing does not resolve a wall, a passage or a source, with its name.
     Returns: passed, phases (frames), open rows with measured value, bound, first failing entity and frame, ranked causes and

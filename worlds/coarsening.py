@@ -30,7 +30,7 @@ KNOBS: Mapping[str, tuple[str, ...]] = {
 }
 """By engine, members of an entity's `physics` that a probe may override. All are lengths."""
 COARSEST = 2.0
-"""Own choice: a liquid of twice the spacing has an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
+"""Own choice: a liquid of twice the spacing, or grains of twice the radius, have an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
 layers and passages that production resolves."""
 OVERRIDES = "overrides.json"
 """File of them in the folder of a probe."""

@@ -6,15 +6,18 @@ import importlib.util
 import re
 from pathlib import Path
 from types import ModuleType
+from typing import get_args
 
 import pytest
+from worldagent.worlds.predicates.models import Atom, Combinator
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 NUMBERS = [f"R{i}" for i in range(1, 159)] + [f"S{i}" for i in range(1, 20)]
 FOLDERS = (
-    "bench", "construction", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
-    "simulation/rigid", "skills", "tests", "tools", "verifiers", "worlds",
+    "bench", "construction", "construction/terrain", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
+    "simulation/cloth", "simulation/elastic", "simulation/fracture", "simulation/liquid", "simulation/liquid/flip",
+    "simulation/particles", "simulation/rigid", "server/page", "packaging", "skills", "tests", "tools", "verifiers", "worlds",
 )  # fmt: skip
 README_LINES = 40
 PATH = re.compile(r"`([\w\-./]+/[\w\-./]*|[\w\-]+\.(?:md|toml))(?:::(\w+))?`")
@@ -56,6 +59,12 @@ def test_every_silent_point_has_a_choice() -> None:
 def test_paths_in_documents_exist(name: str) -> None:
     for path, _ in PATH.findall((ROOT / name).read_text()):
         assert (ROOT / path).exists() or path.startswith(("demo-out/", "dist/", "candidates/")), (name, path)
+
+
+def test_the_grammar_of_choices_has_as_many_atoms_and_combinators_as_the_models() -> None:
+    kinds = [len(get_args(get_args(union)[0]) or get_args(union)) for union in (Atom, Combinator)]
+    (stated,) = re.findall(r"(\d+) atoms and (\d+) combinators", (DOCS / "choices.md").read_text())
+    assert [int(n) for n in stated] == kinds
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

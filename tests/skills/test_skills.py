@@ -29,6 +29,8 @@ from worldagent.worlds.spec.story import Relation
 
 BUILDING = SKILLS / "world-building"
 EXAMPLES = sorted((BUILDING / "examples").glob("*.json"))
+WORLDS = sorted(p for p in SKILLS.glob("*/*.json") if isinstance(d := json.loads(p.read_text()), dict) and "simulation" in d)
+"""Whole worlds beside a SKILL.md."""
 DIAGNOSIS: list[dict[str, Any]] = [e for name in TABLES for e in json.loads((SKILLS / name / "diagnosis.json").read_text())]
 MAX_LINES = 500
 
@@ -61,9 +63,7 @@ def test_the_skill_names_every_kind_and_no_other(heading: str, kinds: set[str]) 
     assert _named((BUILDING / "reference" / "kinds.md").read_text(), heading) == kinds
 
 
-@pytest.mark.parametrize(
-    "name", ["rigid-bodies", "elastic-bodies", "cloth", "repair", "world-building", "liquids", "coupled-systems"]
-)
+@pytest.mark.parametrize("name", skill_names())
 def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
     lines = (SKILLS / name / "SKILL.md").read_text().splitlines()
     assert lines[:2] == ["---", f"name: {name}"]
@@ -225,7 +225,23 @@ def test_the_materials_and_the_world_of_the_elastic_skill_are_accepted_by_their_
     assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []
 
 
-@pytest.mark.parametrize("name", ["particles/collapse", "particles/sparks", "fracture/breach"])
-def test_the_worlds_that_skills_record_are_accepted_by_the_audit(name: str) -> None:
-    report = audit(parse_spec(json.loads((SKILLS / f"{name}.json").read_text())))
+@pytest.mark.parametrize("path", WORLDS, ids=lambda p: f"{p.parent.name}/{p.stem}")
+def test_the_worlds_that_skills_record_are_accepted_by_the_audit(path: Path) -> None:
+    report = audit(parse_spec(json.loads(path.read_text())))
     assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []
+
+
+def test_the_skills_of_elastic_bodies_and_cloth_name_every_row_of_theirs() -> None:
+    judged = (SKILLS / "elastic-bodies" / "SKILL.md").read_text().split("## What is judged", 1)[1].split("\n## ", 1)[0]
+    first = " ".join(line.split("|")[1] for line in judged.splitlines() if line.startswith("| `"))
+    assert {n for n in ELASTIC if not re.search(rf"\b{n}\b", first)} == set()
+    rows = (SKILLS / "cloth" / "SKILL.md").read_text().split("## Rows", 1)[1]
+    named = [set(found.split(",")) for found in re.findall(r"\{([\w,]+)\}", rows)]
+    assert named == [set(CLOTH), set(NUMBERS)]
+
+
+def test_worlds_of_skills_are_found() -> None:
+    assert {f"{p.parent.name}/{p.stem}" for p in WORLDS} >= {
+        "cloth/flag", "elastic-bodies/jelly", "fracture/breach", "particles/ash", "particles/collapse", "particles/dust",
+        "particles/rain", "particles/sparks",
+    }  # fmt: skip

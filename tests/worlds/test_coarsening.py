@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from worldagent.bench.small_grains import SAND_PROMPT, sand_spec
 from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.coarsening import COARSEST, KNOBS, coarsened, overrides_for, read_overrides, write_overrides
 from worldagent.worlds.errors import EvidenceError, InputError
@@ -33,6 +34,15 @@ def test_liquids_get_coarser_and_nothing_else_changes(engine: str) -> None:
     assert other.model_copy(update={"entities": {**other.entities, "water": spec.entities["water"]}}) == spec
     assert overrides_for(spec, 1.0) == {}
     assert coarsened(spec, {}) is spec
+
+
+def test_grains_get_larger_and_nothing_else_changes() -> None:
+    spec = WorldSpec.model_validate({**sand_spec(), "prompt": SAND_PROMPT})
+    overrides = overrides_for(spec, 2.0)
+    assert overrides == {"/entities/sand/physics/radius": pytest.approx(0.016)}
+    other = coarsened(spec, overrides)
+    assert other.entities["sand"].physics.radius == pytest.approx(0.016)  # type: ignore[union-attr]
+    assert other.model_copy(update={"entities": {**other.entities, "sand": spec.entities["sand"]}}) == spec
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.5, float("nan")])

@@ -62,12 +62,12 @@ def diagnose(row: Row, spec: WorldSpec | None = None) -> Row:
     for measured in row.corrections:
         cause = _same(entry, measured.group, row, names)
         rank, because = _rank(row, cause, measured.group)
-        ranked.append((rank, _joined(measured, cause, row, names, document, cited, because)))
+        ranked.append((rank, _joined(measured, cause, row, names, spec, document, cited, because)))
     known = {c.group for c in row.corrections}
     for cause in entry.causes:
-        if cause.group not in known and set(cause.needs) <= set(names):
+        if cause.group not in known and set(cause.needs) <= set(names) and _settable(cause, names, spec):
             rank, because = _rank(row, cause, cause.group)
-            ranked.append((rank, _joined(None, cause, row, names, document, cited, because)))
+            ranked.append((rank, _joined(None, cause, row, names, spec, document, cited, because)))
     ranked.sort(key=lambda item: item[0])  # stable: what the check measured stays before what the table adds
     corrections = tuple(c for _, c in ranked)
     # The rule of repair goes by what the check itself measured; the table only adds ideas.
@@ -184,6 +184,7 @@ def _joined(
     cause: Cause | None,
     row: Row,
     names: Mapping[str, Any],
+    spec: WorldSpec | None,
     document: dict[str, Any] | None,
     cited: str,
     because: str,
@@ -202,11 +203,24 @@ def _joined(
         edit_class=cause.edit_class,
         group=cause.group,
         action=_filled(cause.action, names),
-        pointers=tuple(_filled(p, names) for p in cause.pointers),
+        pointers=tuple(p for p in (_filled(p, names) for p in cause.pointers) if _has_setting(p, spec)),
         patch=patch,
         skill=cited,
         because=because,
     )
+
+
+def _settable(cause: Cause, names: Mapping[str, Any], spec: WorldSpec | None) -> bool:
+    """Whether the instances of this world have any of the settings that a cause speaks of; true of causes that speak of none."""
+    return not cause.pointers or any(_has_setting(_filled(p, names), spec) for p in cause.pointers)
+
+
+def _has_setting(pointer: str, spec: WorldSpec | None) -> bool:
+    """False of a pointer to a setting that the engine of its instance does not have."""
+    found = re.match(r"/simulation/solvers/([^/<]+)/settings/([^/<]+)", pointer)
+    if found is None or spec is None or found[1] not in spec.simulation.solvers:
+        return True
+    return found[2] in type(spec.simulation.solvers[found[1]].settings).model_fields
 
 
 def _filled(value: Any, names: Mapping[str, Any]) -> Any:

@@ -85,6 +85,7 @@ def _names_of_entity(found: dict[str, Any], entity: str, row: Row, spec: WorldSp
         emitters = [n for n, d in drivers.items() if d.kind == "emitter" and d.entity == entity]
         found["emitter"] = emitters[0] if len(emitters) == 1 else None
         found["grains"] = entity if contract.physics.law == "granular" else None
+        found["flying"] = entity if contract.physics.law == "ballistic" else None
         found["jammed"] = found["grains"] if _stay_behind(row) else None
 
 

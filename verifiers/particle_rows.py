@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from .particle_frames import Swarm, SwarmFrame
 
-__all__ = ["SwarmWatch", "finer_step", "stiffer"]
+__all__ = ["SwarmWatch", "emitted_slower", "finer_step", "stiffer"]
 
 
 class SwarmWatch(Protocol):
@@ -46,6 +46,18 @@ def finer_step(swarm: Swarm, cause: str) -> Correction:
     value = float(getattr(swarm.plan.settings, name))
     patch = ({"op": "add", "path": pointer, "value": float(f"{max(0.02 if swarm.granular else 1e-5, value / 2):.6g}")},)
     return correction(cause, "step", f"halve {name} from {value:g}", pointers=(pointer,), patch=patch)
+
+
+def emitted_slower(swarm: Swarm) -> tuple[Correction, ...]:
+    """Let them out more slowly; nothing where no emitter does."""
+    drivers = swarm.candidate.spec.simulation.drivers
+    taps = [n for n, d in drivers.items() if d.kind == "emitter" and d.entity in swarm.members]
+    if not taps:
+        return ()
+    pointers = tuple(f"/simulation/drivers/{n}/speed" for n in taps)
+    return (
+        correction("an emitter lets them out too fast", "drivers", f"lower the speed of {', '.join(taps)}", pointers=pointers),
+    )
 
 
 def stiffer(swarm: Swarm, cause: str, factor: float) -> Correction:

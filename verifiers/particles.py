@@ -15,7 +15,7 @@ from .particle_contacts import Contacts
 from .particle_flight import Flight
 from .particle_frames import matched, swarm_of
 from .particle_ledger import Books, Identity
-from .particle_rows import SwarmWatch, finer_step, stiffer
+from .particle_rows import SwarmWatch, emitted_slower, finer_step, stiffer
 from .particle_walls import Walls
 from .watches import Watching
 
@@ -64,10 +64,11 @@ class Numbers:
         """The three claims; a frame that is not finite cannot be read at all."""
         limit = self.swarm.candidate.spec.simulation.limits.max_speed
         reach = (limit + 1.0) * self.swarm.duration
-        hints = (
-            finer_step(self.swarm, "forces are too strong for the step"),
-            stiffer(self.swarm, "grains start overlapping, or are too soft", 2.0),
-        )
+        hints = (finer_step(self.swarm, "forces are too strong for the step"),)
+        if self.swarm.granular:
+            hints = (*hints, stiffer(self.swarm, "grains start overlapping, or are too soft", 2.0))
+        else:
+            hints = (*emitted_slower(self.swarm), *hints)
         speed = Finding("pass", f"largest speed is {self.speed:.4g} m/s", self.speed, limit, "m/s")
         if self.fast is not None:
             speed = Finding(

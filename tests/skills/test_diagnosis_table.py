@@ -32,7 +32,7 @@ TABLE: list[Entry] = [entry for _, _, entry in entries()]
 EASIER = {"story", "limits"}
 PLACEHOLDERS = {
     "row", "entity", "other", "frame", "first", "last", "solver", "beat", "shot", "material", "striker", "driver", "tip", "support", "part",
-    "relation", "slides", "wind", "steady", "becalmed", "emitter", "grains",
+    "relation", "slides", "wind", "steady", "becalmed", "emitter", "grains", "flying",
     "follows", "jammed",
 }  # fmt: skip
 """Those that are filled from a row, and those that stay for the reader to fill."""

@@ -345,3 +345,35 @@ def test_no_start_speed_is_suggested_of_what_has_no_part_in_the_row() -> None:
 def test_probes_look_at_frames_that_the_world_has() -> None:
     row = diagnose(_asked("ball", "rigid", "displacement"), _soft_world())
     assert row.evidence["diagnosis"]["cheapest_probe"][0]["arguments"]["frames"] == [25, 29]
+
+
+@pytest.mark.parametrize(
+    ("kind", "mine", "other"), [("granular", "step_share", "max_step"), ("ballistic", "max_step", "step_share")]
+)
+@pytest.mark.parametrize("name", ["category:particles:inside", "numerical:speed"])
+def test_particles_get_the_step_that_their_engine_has(kind: str, mine: str, other: str, name: str) -> None:
+    from worldagent.bench.small_grains import sand_spec, spark_spec
+
+    spec = parse_spec({**(sand_spec() if kind == "granular" else spark_spec()), "prompt": "p"})
+    ((solver, instance),) = spec.simulation.particles.items()
+    row = _row(f"{name}:{solver}", check=name.split(":")[0], entities=tuple(instance.members), evidence={"solver": solver})
+    pointers = [p for c in diagnose(row, spec).corrections for p in c.pointers]
+    assert f"/simulation/solvers/{solver}/settings/{mine}" in pointers
+    assert not any(p.endswith(other) for p in pointers)
+
+
+def test_no_cause_names_a_setting_that_the_engine_does_not_have() -> None:
+    from worldagent.bench.small_liquids import tank_spec
+    from worldagent.bench.small_soft import hammock_spec
+
+    grid = parse_spec({**tank_spec(engine="flip"), "prompt": "p"})
+    soft = parse_spec({**hammock_spec(), "prompt": "p"})
+    for spec, name, solver in ((grid, "category:liquid:density", "water"), (soft, "category:elastic:together", "bodies")):
+        members = tuple(spec.simulation.solvers[solver].members)
+        row = _row(f"{name}:{solver}", check="category", entities=members, evidence={"solver": solver})
+        found = diagnose(row, spec).corrections
+        settings = type(spec.simulation.solvers[solver].settings).model_fields
+        own = [p.split("/")[5] for c in found for p in c.pointers if p.startswith(f"/simulation/solvers/{solver}/settings/")]
+        assert found
+        assert set(own) <= set(settings), own
+        assert all(c.pointers for c in found)

@@ -257,6 +257,16 @@ def test_grains_pass_on_what_pushes_them(sand: Candidate, tmp_path: Path) -> Non
     assert not severed.ever("sand")
 
 
+def test_sparks_that_are_too_fast_are_told_of_their_emitter_and_not_of_the_stiffness_of_grains(sparks: Candidate) -> None:
+    plan = sparks.spec.simulation
+    slow = plan.model_copy(update={"limits": plan.limits.model_copy(update={"max_speed": 0.5})})
+    changed = dataclasses.replace(sparks, spec=sparks.spec.model_copy(update={"simulation": slow}))
+    row = rows_of(changed, "flight")["speed"]
+    assert row.status == "fail"
+    assert {c.group for c in row.corrections} >= {"drivers", "step"}
+    assert not any("young_modulus" in p for c in row.corrections for p in c.pointers)
+
+
 def test_flying_particles_push_nobody(sparks: Candidate) -> None:
     assert not any(grain_pushes(sparks))
     assert running(sparks, "sparks").any()

@@ -65,9 +65,7 @@ def on_cloth(couplings: dict[str, Any]) -> dict[str, Any]:
 
 def test_grains_that_lie_on_a_cloth_which_feels_them_pass(tmp_path: Path) -> None:
     pairs = (("cloth", "bodies"), ("bodies", "grains"), ("cloth", "grains"))
-    felt = {
-        f"{a}_{b}": {"source": a, "target": b, "direction": "two_way", "variables": ["motion", "wrench"]} for a, b in pairs
-    }
+    felt = {f"{a}_{b}": {"source": a, "target": b, "direction": "two_way", "variables": ["motion", "wrench"]} for a, b in pairs}
     rows = particles.check_instance(simulate(tmp_path, on_cloth(felt)), "grains")
     assert [(r.id, r.evidence.get("explanation")) for r in rows if r.status == "fail"] == []
     declared = next(r for r in rows if r.id.endswith("declared:grains"))

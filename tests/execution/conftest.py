@@ -6,6 +6,8 @@ import pytest
 from worldagent.execution import JobStore
 
 HERE = Path(__file__).parent
+LONG_S = 300.0
+"""Longest wait for what comes in any case [s]: it ends a test that hangs, and checks nothing."""
 
 
 @pytest.fixture(autouse=True)
@@ -24,14 +26,29 @@ def store(tmp_path):
     for job in unended:
         store.request_cancel(job.id)
     for job in unended:
-        assert store.wait(job.id, 10).ended
+        assert store.wait(job.id, LONG_S).ended
+
+
+@pytest.fixture
+def in_time():
+    """Hold a promise of time: one of three tries keeps it, since a machine that is overloaded for a moment is no defect."""
+
+    def check(attempt, seconds):
+        took = []
+        for k in range(3):
+            took.append(attempt(k))
+            if took[-1] < seconds:
+                return
+        raise AssertionError(f"took {took} s, promised {seconds} s")
+
+    return check
 
 
 @pytest.fixture
 def until():
     """Poll `condition` until it gives something true, and return that."""
 
-    def wait(condition, timeout_s=15):
+    def wait(condition, timeout_s=LONG_S):
         deadline = time.monotonic() + timeout_s
         while not (value := condition()):
             assert time.monotonic() < deadline, "the condition never came true"

@@ -39,8 +39,11 @@ def stepped(payload, context):
 def counting(payload, context):
     for k in range(payload["steps"]):
         context.progress(k + 1, payload["steps"], f"step {k + 1}")
-        time.sleep(payload["pause_s"])
+        if "gates" in payload:
+            _wait_for(f"{payload['gates']}{k + 1}")
     context.progress(0, payload["steps"], "a step back")
+    if "gates" in payload:
+        _wait_for(f"{payload['gates']}{payload['steps'] + 1}")
     return {}
 
 
@@ -91,6 +94,7 @@ def alone(payload, context):
     inside = Path(payload["inside"])
     with inside.open("x"):
         pass
+    _wait_for(payload["gate"])
     time.sleep(0.05)
     inside.unlink()
     return {"left": time.time()}

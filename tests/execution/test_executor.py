@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from worldagent.execution import Cancelled, ExecutorLocal, JobContext, result_of
 from worldagent.execution.processes import start_time
+from worldagent.tests.execution.conftest import LONG_S
 from worldagent.worlds.errors import EngineError, InputError, RefusedError, SpecError
 
 E = "execution_entries:"
@@ -59,13 +60,13 @@ def test_a_killed_job_takes_its_pieces_along(store, tmp_path, until):
     job = store.submit("map", None, payload, entry=E + "mapped")
     pid = int(until(lambda: mark.exists() and Path(mark).read_text()))
     os.kill(store.get(job.id).task_pid, 9)
-    assert store.wait(job.id, 15).state == "lost"
+    assert store.wait(job.id, LONG_S).state == "lost"
     until(lambda: start_time(pid) is None)
 
 
 def test_a_job_maps_over_processes(store):
     payload = {"workers": 2, "fn": E + "square", "items": [{"x": 3}, {"x": 4}]}
-    job = store.wait(store.submit("map", None, payload, entry=E + "mapped").id, 20)
+    job = store.wait(store.submit("map", None, payload, entry=E + "mapped").id, LONG_S)
     assert [result["square"] for result in result_of(job)["results"]] == [9, 16]
     assert (job.progress_done, job.progress_total) == (2, 2)
 

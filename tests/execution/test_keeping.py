@@ -10,6 +10,7 @@ from worldagent.execution import JobStore, damage, jobs, launch, pruning, result
 from worldagent.execution.logs import KEPT_HEAD, KEPT_TAIL, LOG_BYTES_MAX, trim_log
 from worldagent.execution.schema import _COLUMNS_OF_2, _COLUMNS_OF_3, VERSION, JobFile
 from worldagent.execution.table import JobTable
+from worldagent.tests.execution.conftest import LONG_S
 
 E = "execution_entries:"
 
@@ -31,7 +32,7 @@ def test_rows_of_layouts_before_stay_and_go_on(tmp_path, version):
     store = JobStore(tmp_path, slots=1)
     gate = {"gate": str(tmp_path / "gate")}
     (tmp_path / "gate").touch()
-    done = store.wait(store.submit("g", "w", gate, entry=E + "gated", key="k").id, 15)
+    done = store.wait(store.submit("g", "w", gate, entry=E + "gated", key="k").id, LONG_S)
     waiting = JobTable(tmp_path)
     _older_layout(waiting.path, version)
     with closing(sqlite3.connect(waiting.path)) as connection, connection:
@@ -47,7 +48,7 @@ def test_rows_of_layouts_before_stay_and_go_on(tmp_path, version):
     assert (found.state, found.result, found.warm) == ("done", {"through": True}, False)
     assert (found.peak_bytes is None) == (version == 1)
     assert again.submit("g", "w", gate, entry=E + "gated", key="k").id == done.id
-    ended = again.wait("job_0123456789ab", 15)
+    ended = again.wait("job_0123456789ab", LONG_S)
     assert result_of(ended)["job"] == "job_0123456789ab"
     assert ended.cpu_s is not None
 
@@ -155,7 +156,7 @@ def test_a_clock_that_jumps_ahead_empties_nothing(tmp_path, small):
 
 def test_a_log_that_grew_too_large_keeps_its_beginning_and_end(store):
     lines = LOG_BYTES_MAX // 1000 + 2000
-    job = store.wait(store.submit("chat", None, {"lines": lines}, entry=E + "chatty").id, 30)
+    job = store.wait(store.submit("chat", None, {"lines": lines}, entry=E + "chatty").id, LONG_S)
     assert job.state == "done"
     log = store.log_path(job)
     assert log.stat().st_size <= LOG_BYTES_MAX

@@ -9,6 +9,7 @@ import pytest
 from worldagent.execution import BULK, INTERACTIVE, NORMAL, JobStore, queue
 from worldagent.execution.queue import AGE_S, claim, insert
 from worldagent.execution.table import JobTable
+from worldagent.tests.execution.conftest import LONG_S
 from worldagent.worlds.errors import LimitError
 
 
@@ -119,7 +120,7 @@ def test_a_client_of_a_full_world_leaves_room_for_others_and_can_still_join(tmp_
     assert other.state == "queued"
     (tmp_path / "gate").touch()
     for job in (running, queued, other):
-        assert store.wait(job.id, 20).state == "done"
+        assert store.wait(job.id, LONG_S).state == "done"
 
 
 def test_a_queued_job_tells_what_it_waits_for(tmp_path):
@@ -136,7 +137,7 @@ def test_a_queued_job_tells_what_it_waits_for(tmp_path):
     assert store.standing(same).ahead == 1
     (tmp_path / "gate").touch()
     for job in (running, same, other):
-        assert store.wait(job.id, 20).state == "done"
+        assert store.wait(job.id, LONG_S).state == "done"
 
 
 def test_a_job_that_starts_while_it_is_looked_at_does_not_wait_for_itself(table, monkeypatch):

@@ -83,7 +83,7 @@ def made(tmp_path: Path) -> Iterator[Made]:
     yield workspace
     for job in workspace.jobs.list(state=("queued", "running")):
         workspace.jobs.request_cancel(job.id)
-        assert workspace.jobs.wait(job.id, 10).ended
+        assert workspace.jobs.wait(job.id, 60).ended
 
 
 @pytest.fixture

@@ -58,7 +58,7 @@ def climb(context: ToolContext) -> ToolReply:
     for done in (1.0, 2.0, 2.0, 1.5, float("nan"), 4.0):
         STATE["go"].clear()
         context.progress(done, 4.0, f"at {done}")
-        STATE["go"].wait(5)
+        STATE["go"].wait(60)
     return ToolReply({"ok": True})
 
 

@@ -144,7 +144,7 @@ def test_a_job_carries_its_caps_of_time_and_memory(client: tuple[Client, Path], 
     assert 0 < job.wall_s <= CAPS["job_seconds"].value
     assert 0 < job.memory_bytes <= CAPS["job_memory_bytes"].value
     portal.call(connected.call_tool, "job", {"action": "cancel", "job_id": job_id})
-    assert store.wait(job_id, 5).ended
+    assert store.wait(job_id, 60).ended
 
 
 @pytest.mark.parametrize("name", ["mesh_bytes", "mesh_triangles", "dem_bytes"])

@@ -85,7 +85,7 @@ async def ask(
         "type": "http", "method": method, "path": path, "raw_path": path.encode(), "query_string": b"", "http_version": "1.1",
         "scheme": "http", "client": (address, 5000), "headers": [(k.encode(), v.encode("latin-1")) for k, v in pairs],
     }  # fmt: skip
-    with anyio.fail_after(5):
+    with anyio.fail_after(60):
         await guard(scope, receive, send)
     start = sent[0]
     told = {k.decode().lower(): v.decode() for k, v in start["headers"]}

@@ -6,6 +6,7 @@ import json
 import signal
 import socket
 import subprocess
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -39,7 +40,7 @@ def served(command: list[str], log: Path) -> Iterator[tuple[str, subprocess.Pope
     """URL and process of a server on a free port; its log goes to a file."""
     with log.open("wb") as file, subprocess.Popen(command, stderr=file) as child:
         try:
-            deadline = time.monotonic() + 30
+            deadline = time.monotonic() + 120
             while "http://" not in (text := log.read_text()):
                 assert child.poll() is None, text
                 assert time.monotonic() < deadline, text
@@ -211,10 +212,12 @@ def test_a_second_request_that_stalls_is_closed_too(tmp_path: Path, fake_process
     script = tmp_path / "quick.py"
     script.write_text(
         "import runpy, sys\nfrom worldagent.server import connections\nconnections.HEAD_SECONDS = 0.5\n"
+        "connections.KEEP_ALIVE_SECONDS = 600\n"
         f"sys.argv = sys.argv[1:]\nrunpy.run_path({fake_process[1]!r}, run_name='__main__')\n"
     )
     command = [fake_process[0], str(script), fake_process[1], "http", str(tmp_path / "ws")]
     with served(command, tmp_path / "log") as (url, _), connect(url) as wire:
+        wire.settimeout(60)
         wire.sendall(b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
         assert b"200 OK" in wire.recv(4000)
         wire.sendall(b"GET /healthz HT")
@@ -222,7 +225,7 @@ def test_a_second_request_that_stalls_is_closed_too(tmp_path: Path, fake_process
         with suppress(ConnectionResetError):
             while wire.recv(4000):
                 pass
-        assert time.monotonic() - began < 5, "well below the keep-alive time of a connection that asks nothing"
+        assert time.monotonic() - began < 30, "well below the keep-alive time of a connection that asks nothing"
 
 
 def test_the_server_ends_within_three_seconds_although_streams_are_open(server: tuple[str, Any], book: TokenBook) -> None:
@@ -252,5 +255,9 @@ def test_the_server_ends_within_three_seconds_although_streams_are_open(server: 
             heard += call.recv(4000)
         began = time.monotonic()
         child.send_signal(signal.SIGTERM)
-        child.wait(timeout=10)
-        assert time.monotonic() - began < 3.0
+        child.wait(timeout=120)
+        took = time.monotonic() - began
+    # How long the least process takes now says how busy this machine is.
+    began = time.monotonic()
+    subprocess.run([sys.executable, "-S", "-c", "pass"], check=True)
+    assert took < 3.0 + 10 * (time.monotonic() - began)

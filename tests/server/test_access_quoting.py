@@ -120,7 +120,7 @@ async def test_progress_and_links_are_quoted_and_short(tmp_path: Path, era: str)
     def speak(context: ToolContext) -> ToolReply:
         """Report what a stranger wrote."""
         context.progress(1, 2, EVIL + "x" * 5000)
-        heard.wait(5)
+        heard.wait(60)
         return ToolReply({EVIL: [EVIL, {"deep": (EVIL,)}]}, links=((EVIL, "worldagent://worlds", "application/json"),))
 
     async def note(done: float, total: float | None, message: str | None) -> None:

@@ -22,7 +22,7 @@ from .watches import Watching
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..worlds.requirements import Status
+    from ..worlds.requirements import Correction, Status
     from .particle_frames import Swarm, SwarmFrame
 
 __all__ = ["WATCHES", "check_instance", "numerical_rows"]
@@ -64,7 +64,7 @@ class Numbers:
         """The three claims; a frame that is not finite cannot be read at all."""
         limit = self.swarm.candidate.spec.simulation.limits.max_speed
         reach = (limit + 1.0) * self.swarm.duration
-        hints = (finer_step(self.swarm, "forces are too strong for the step"),)
+        hints: tuple[Correction, ...] = (finer_step(self.swarm, "forces are too strong for the step"),)
         if self.swarm.granular:
             hints = (*hints, stiffer(self.swarm, "grains start overlapping, or are too soft", 2.0))
         else:

@@ -55,10 +55,19 @@ def run_probe(
     root, wanted = folder.candidate(freeze) / "probe", dict(overrides or {})
     spec = coarsened(spec, wanted)
     if _recorded(root) != wanted:
-        shutil.rmtree(root, ignore_errors=True)
+        _discard(root)
         write_overrides(root, wanted)
     run_frames(spec, built, root, frames=probe_frames(spec), progress=progress, check=check)
     return open_candidate(folder, freeze, "probe")
+
+
+def _discard(root: Path) -> None:
+    """Take a folder away as a whole: frames that a kill left without the record of their settings would pass for others."""
+    gone = root.with_name(f".{root.name}.gone")
+    shutil.rmtree(gone, ignore_errors=True)  # what an earlier kill left
+    if root.exists():
+        root.rename(gone)
+    shutil.rmtree(gone, ignore_errors=True)
 
 
 def _recorded(root: Path) -> dict[str, float] | None:

@@ -10,7 +10,7 @@ from worldagent.worlds.errors import SpecError
 
 
 def _wait_for(path):
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 300
     while not Path(path).exists():
         assert time.monotonic() < deadline, f"{path} never came"
         time.sleep(0.01)

@@ -16,7 +16,7 @@ from mcp import Client
 from worldagent.server.app import create_server
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 
-WAIT_S = 120.0
+WAIT_S = 240.0
 LONG_TOOLS = frozenset({"probe_sim", "bake_sim", "run_checks", "render_shot"})
 
 

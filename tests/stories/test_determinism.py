@@ -73,7 +73,7 @@ def _freeze(workspace: Path) -> str:
 def _started(agent: Any, workspace: Path, frames: int) -> str:
     """Start a bake and wait until it has written some frames."""
     job = agent.call("bake_sim", world="w", wait_s=0)["job_id"]
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 240
     while len(list(workspace.glob("w/candidates/*/bake/rigid/frame_*.npz"))) < frames:
         assert time.monotonic() < deadline
         time.sleep(0.005)
@@ -109,7 +109,7 @@ def test_a_bake_whose_worker_is_killed_resumes_to_the_same_bytes(
         db.close()
         for pid in _processes_of(row):
             os.kill(pid, signal.SIGKILL)
-        ended = store.wait(job, 20)
+        ended = store.wait(job, 240)
         assert ended.state == "lost"
         written = len(list(workspace.glob("w/candidates/*/bake/rigid/frame_*.npz")))
         assert 40 <= written < LONG
@@ -150,7 +150,7 @@ def test_a_bake_in_a_warm_worker_gives_the_same_bytes(
     store = JobStore(workspace)
     assert store.warm_up("worldagent.tools.jobs")
     folder = workspace / ".worldagent"
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 240
     while not (folder / "warm.sock").exists():
         assert time.monotonic() < deadline
         time.sleep(0.05)

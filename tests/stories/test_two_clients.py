@@ -69,7 +69,7 @@ def _together(*works: Callable[[], None]) -> None:
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(120)
+        thread.join(240)
     if errors:
         raise errors[0]
 
@@ -125,7 +125,7 @@ def test_bakes_that_race_are_one_job_and_an_edit_meanwhile_stays(pair: tuple[Pro
     _, revision = _title(one)
     edited, refusal = two.call("edit_spec", world="w", patch=patch_of(("/look/samples", 3)), expected_revision=revision)
     assert not refusal, refusal
-    ended, refusal = one.call("job", action="wait", job_id=started["one"], wait_s=200)
+    ended, refusal = one.call("job", action="wait", job_id=started["one"], wait_s=240)
     assert not refusal, refusal
     assert ended["state"] == "done", ended
     value, _ = one.call("inspect_world", world="w", part="spec", pointer="/look/samples")
@@ -135,4 +135,4 @@ def test_bakes_that_race_are_one_job_and_an_edit_meanwhile_stays(pair: tuple[Pro
     store = JobStore(tmp_path)
     assert store.get(again["job_id"]).kind == "bake"
     store.request_cancel(again["job_id"])
-    assert store.wait(again["job_id"], 20).ended
+    assert store.wait(again["job_id"], 240).ended

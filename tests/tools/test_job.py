@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 from worldagent.execution import BULK, INTERACTIVE, JobStore
+from worldagent.tests.execution.conftest import LONG_S
 from worldagent.tools import jobs as entries
 from worldagent.tools import waiting
 from worldagent.tools.job import job
@@ -26,7 +27,7 @@ def gate(context, tmp_path):
     yield path
     path.touch()
     for left in context.jobs.list(state=["queued", "running"], limit=100):
-        assert context.jobs.wait(left.id, 20).ended
+        assert context.jobs.wait(left.id, LONG_S).ended
 
 
 def _gated(context, gate, world="w", kind="bake", **payload):
@@ -34,7 +35,7 @@ def _gated(context, gate, world="w", kind="bake", **payload):
 
 
 def _until(condition):
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + LONG_S
     while not (value := condition()):
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -56,7 +57,7 @@ def test_status_of_a_running_job_tells_what_it_does_and_the_next_call(context, g
 def test_detail_adds_times_caps_and_use(context, gate):
     made = _gated(context, gate, kind="other", scope="full")
     gate.touch()
-    context.jobs.wait(made.id, 20)
+    context.jobs.wait(made.id, LONG_S)
     data = job(context, "status", job_id=made.id, detail=True).data
     assert data["asked"] == {"gate": str(gate), "scope": "full"}
     assert data["peak_memory_gb"] > 0
@@ -89,7 +90,7 @@ def test_wait_ends_with_the_job_and_gives_its_result(context, gate, told):
     assert waited["state"] == "running"
     assert time.monotonic() - before < 10
     gate.touch()
-    assert job(context, "wait", job_id=made.id, wait_s=20).data["result"] == {"through": True}
+    assert job(context, "wait", job_id=made.id, wait_s=200).data["result"] == {"through": True}
     assert any(message == "other: at the gate" for _, _, message in told)
 
 

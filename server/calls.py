@@ -90,6 +90,9 @@ class Progress:
             await self._send(self._last, None if total is None else max(total, self._last), message or None)
         except Exception:
             logger.debug("progress could not be sent", exc_info=True)
+        except BaseException:  # the tool ended meanwhile, and nobody knows whether it went out
+            self._news.set()
+            raise
 
 
 async def run_in_thread(

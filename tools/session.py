@@ -281,19 +281,20 @@ class Session:
         built, fresh = build_world(self.folder, self.spec)
         check_crowding(self.spec, built)
         rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"))
-        stages = self.ledger.stages()
-        # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.
-        judged = {r.id for r in self.ledger.rows() if stages.get(r.id) in ("probe", "full") and not r.evidence.get("stale")}
-        static_only = [c for c in names_of("static") if c not in ("support", "navigability", "relations", "shots")]
-        fresh_rows = [r for r in rows if r.id not in judged or r.check in static_only]
-        changed = self.record(fresh_rows, stage="static", checks=static_only)
-        failing = [r.id for r in rows if r.status == "fail" and r.mandatory]
-        # A change that leaves the geometry failing has been tested: no probe would run on it.
-        blocked = any(r.check != "shots" for r in rows if r.mandatory and r.status in ("fail", "unverified"))
-        if blocked or any(self._static_only(i) for i in self.ledger.open_iterations()):
-            self.ledger.close_iterations("static", failing, rows, revision=self.revision)
-        rows, judged_now = self.cited(rows), {r.id for r in fresh_rows}
-        self.record([r for r in rows if r.id in judged_now], stage="static")
+        with self.ledger.together():  # a probe may end this very moment
+            stages = self.ledger.stages()
+            # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.
+            judged = {r.id for r in self.ledger.rows() if stages.get(r.id) in ("probe", "full") and not r.evidence.get("stale")}
+            static_only = [c for c in names_of("static") if c not in ("support", "navigability", "relations", "shots")]
+            fresh_rows = [r for r in rows if r.id not in judged or r.check in static_only]
+            changed = self.record(fresh_rows, stage="static", checks=static_only)
+            failing = [r.id for r in rows if r.status == "fail" and r.mandatory]
+            # A change that leaves the geometry failing has been tested: no probe would run on it.
+            blocked = any(r.check != "shots" for r in rows if r.mandatory and r.status in ("fail", "unverified"))
+            if blocked or any(self._static_only(i) for i in self.ledger.open_iterations()):
+                self.ledger.close_iterations("static", failing, rows, revision=self.revision)
+            rows, judged_now = self.cited(rows), {r.id for r in fresh_rows}
+            self.record([r for r in rows if r.id in judged_now], stage="static")
         return rows, changed, fresh
 
     def cited(self, rows: Sequence[Row]) -> list[Row]:

@@ -53,11 +53,18 @@ class LedgerFile:
     def together(self, undo: Callable[[], None] = lambda: None) -> Iterator[None]:
         """What this thread reads and writes inside is one step: nobody else writes meanwhile, and all of it counts or nothing.
 
-        `undo` takes back what was written elsewhere, where the step fails.
+        `undo` takes back what was written elsewhere, where the step fails. A step within a step is a part of it.
 
         Raises:
             EngineError: another process holds the file too long, or it cannot be written.
         """
+        if hasattr(self._held, "db"):
+            try:
+                yield
+            except BaseException:
+                undo()
+                raise
+            return
         with self._told():
             db = self._begun("BEGIN IMMEDIATE")
         self._held.db = db

@@ -14,6 +14,7 @@ import pytest
 from mcp import Client
 from pydantic import Field
 from worldagent.server.app import INSTRUCTIONS, TOOLS_AT_A_TIME, WAITING_AT_A_TIME, create_server
+from worldagent.server.calls import Progress
 from worldagent.tools.context import ToolBinding, ToolContext, ToolReply
 
 pytestmark = pytest.mark.anyio
@@ -168,6 +169,25 @@ async def test_progress_strictly_increases(tmp_path: Path, fakes: ModuleType, er
     assert values == sorted(set(values))
     assert [message for _, message in seen] == ["at 1.0", "at 2.0", "at 2.0", "at 1.5", "at nan", "at 4.0"]
     assert values[-1] == 4.0
+
+
+async def test_a_last_report_whose_sending_the_end_cuts_off_is_sent(tmp_path: Path) -> None:
+    begun, sent = anyio.Event(), []
+
+    async def send(done: float, total: float | None, message: str | None) -> None:
+        if not begun.is_set():
+            begun.set()
+            await anyio.sleep_forever()
+        sent.append(message)
+
+    progress = Progress("bake_sim", send)
+    async with anyio.create_task_group() as group:
+        group.start_soon(progress.forward)
+        progress.report(2, 2, "done")
+        await begun.wait()
+        group.cancel_scope.cancel()
+    await progress.finish()
+    assert sent == ["done"]
 
 
 async def test_a_call_that_is_given_up_tells_its_tool_and_leaves_the_server_alive(

@@ -142,3 +142,28 @@ def test_an_audit_of_an_earlier_revision_replaces_no_later_one(world: Any, tmp_p
     assert "fail" in later.values() or "unverified" in later.values()
     assert earlier.audit().passed
     assert {r.id: r.status for r in earlier.ledger.rows() if r.check == "audit"} == later
+
+
+def test_a_verdict_over_motion_that_comes_amid_static_checks_stays(
+    world: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Static checks of one client, while the probe of another ends: what was judged at frame 0 replaces no failure in motion."""
+    session = Session.open(tmp_path, "w")
+    session.check_static()
+    judged = next(r for r in session.ledger.rows() if r.check == "support" and r.status == "pass")
+    failure = judged.model_copy(update={"status": "fail"})
+    other = Other(lambda: Session.open(tmp_path, "w").ledger.put_rows([failure], revision=1, stage="probe"))
+    record = Session.record
+
+    def recorded_after_a_probe(self: Session, *arguments: Any, **more: Any) -> Any:
+        if other.ident is None:
+            other.start()
+            other.join(WAIT_S)
+        return record(self, *arguments, **more)
+
+    monkeypatch.setattr(Session, "record", recorded_after_a_probe)
+    session.check_static()
+    other.join(20)
+    assert not other.error
+    found = next(r for r in session.ledger.rows() if r.id == judged.id)
+    assert (found.status, session.ledger.stages()[judged.id]) == ("fail", "probe")

@@ -58,21 +58,30 @@ def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
 
 
 def _blown(candidate: Candidate, name: str) -> list[dict[str, str]]:
-    """What air does to pieces that stand before one another."""
+    """What fields do to pieces: they load no bonds, and air meets those that stand before one another."""
     fields = fields_of(candidate.spec, name)
-    if not fields.has_medium or name not in candidate.built:
+    if not fields:
         return []
-    built = candidate.built[name]
-    pieces = [(b.pose, np.concatenate([p.render.vertices for p in built.parts_of(b.name)])) for b in built.bodies]
-    single = sum(_area(points) for _, points in pieces)
-    whole = _area(np.concatenate([pose.apply(points) for pose, points in pieces]))
-    return [
+    listed = ", ".join(fields.names)
+    found = [
         {
-            "what": f"air of {', '.join(fields.names)} meets every piece of {name!r} as if it stood alone",
-            "effect": "while it is whole, and in heaps, it is pushed too hard, as a mean over all directions up to "
-            f"{single / max(whole, 1e-300):.1f} times as hard",
+            "what": f"fields ({listed}) load no bonds of {name!r}",
+            "effect": "no wind breaks it, however strong; what it blows against it may",
         }
     ]
+    if fields.has_medium and name in candidate.built:
+        built = candidate.built[name]
+        pieces = [(b.pose, np.concatenate([p.render.vertices for p in built.parts_of(b.name)])) for b in built.bodies]
+        single = sum(_area(points) for _, points in pieces)
+        whole = _area(np.concatenate([pose.apply(points) for pose, points in pieces]))
+        found.append(
+            {
+                "what": f"air of {listed} meets every piece of {name!r} as if it stood alone",
+                "effect": "while it is whole, and in heaps, it is pushed too hard, as a mean over all directions up to "
+                f"{single / max(whole, 1e-300):.1f} times as hard",
+            }
+        )
+    return found
 
 
 def _area(points: F64) -> float:

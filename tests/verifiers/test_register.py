@@ -90,6 +90,25 @@ def test_a_breakable_body_in_the_wind_is_pushed_as_much_too_hard_as_the_register
     assert pushed["cut"] / pushed["whole"] == pytest.approx(times, rel=0.2)
 
 
+def test_no_wind_breaks_what_a_register_says_that_it_cannot() -> None:
+    """Known gap: fields load no bonds. A gale bends the foot of this wall with 1.5 rho v^2 (h / t)^2, ten times what its bonds bear."""
+    gale = {"kind": "field", "field": {"kind": "wind", "velocity": [0, 60, 0]}}
+    pattern = {"kind": "bricks", "size": [0.5, 0.1, 0.2], "joint": 0.0}
+    breakable = {"pattern": pattern, "bond": bond(6e4), "fixed": ["z-"]}
+    wall = rigid_world.box(1.0, 0.1, 1.0, at=(0, 0, 0.51), material="brick", breakable=breakable)
+    spec = rigid_world.world({"wall": wall}, seconds=0.25, materials=STONE, drivers={"gale": gale})
+    built = {"wall": build_entity(spec, "wall", Path())}
+    solver = SolverRigid(spec, built, "main")
+    solver.prepare()
+    for frame in range(1, 5):
+        solver.advance(frame)
+    data = solver.frame_data()
+    assert data["field/impulse"][:, 1].sum() > 50
+    assert not data["bond/broken"].any()
+    lines = [a["what"] for a in approximations(Candidate(folder=Path(), spec=spec, built=built, stage="static"))]
+    assert "fields (gale) load no bonds of 'wall'" in lines
+
+
 def test_long_steps_of_cloth_are_told_where_they_are_taken_and_as_long_as_they_are() -> None:
     free = _told(flag_spec(), FLAG_PROMPT)
     assert _any(free, "meets nothing its steps are up to 0.00417 s")

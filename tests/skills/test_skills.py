@@ -245,3 +245,17 @@ def test_worlds_of_skills_are_found() -> None:
         "cloth/flag", "elastic-bodies/jelly", "fracture/breach", "particles/ash", "particles/collapse", "particles/dust",
         "particles/rain", "particles/sparks",
     }  # fmt: skip
+
+
+def test_the_schema_is_as_long_as_its_readers_are_told() -> None:
+    from worldagent.server.app import INSTRUCTIONS
+    from worldagent.worlds.spec import WorldSpec
+
+    told = re.findall(r"over (\d+) kB", INSTRUCTIONS)
+    told += [
+        n.removesuffix(",000")
+        for n in re.findall(r"over (\d+,000) characters", (SKILLS / "outdoor-terrain" / "SKILL.md").read_text())
+    ]
+    size = len(json.dumps(WorldSpec.model_json_schema(), separators=(",", ":"))) / 1000
+    assert len(told) == 2
+    assert all(int(n) < size < 1.25 * int(n) for n in told), size

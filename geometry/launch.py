@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import logging
 import os
+import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -36,15 +37,17 @@ SLICE = 512
 
 _log = logging.getLogger(__name__)
 _loaded: set[tuple[str, str]] = set()
+_starting = threading.Lock()
 
 
 @cache
 def warp() -> Any:
     """The `warp` module, initialised without its banner."""
-    import warp as wp
+    with _starting:  # tools run in threads, and two starts at once make two runtimes
+        import warp as wp
 
-    wp.config.log_level = wp.LOG_WARNING
-    wp.init()
+        wp.config.log_level = wp.LOG_WARNING
+        wp.init()
     return wp
 
 

@@ -122,9 +122,10 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     candidate = _keeping(candidate, session.folder, freeze)
     rows = run_checks(candidate, progress=Part(context.progress, split, 1.0), seconds=seconds)
     open_rows = _failing(rows, candidate.last_frame)
-    session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
-    rows = session.cited(rows)
-    changed = session.record(rows, stage="probe", checks=names_of("probe"))
+    with session.ledger.together():  # a kill leaves the change untested, or all of its test
+        session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
+        rows = session.cited(rows)
+        changed = session.record(rows, stage="probe", checks=names_of("probe"))
     try:
         phases: dict[str, Any] = {
             k: v for k, v in vars(find_phases(candidate)).items() if isinstance(v, (int, float, type(None)))
@@ -239,10 +240,11 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     done = names_of(stage) if payload.get("only") is None else payload["only"]
     whole = stage == "probe" and payload.get("only") is None
     open_rows = _failing(rows, candidate.last_frame)
-    if whole:
-        session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
-    rows = session.cited(rows)
-    changed = session.record(rows, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec))
+    with session.ledger.together():  # as in a probe
+        if whole:
+            session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
+        rows = session.cited(rows)
+        changed = session.record(rows, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec))
     if whole:
         # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
         known = session.ledger.freeze(freeze)

@@ -35,7 +35,8 @@ _TABLES = {
         n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL,
         verdict TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL""",
 }
-_BUSY_S = 10.0
+_BUSY_S = 60.0
+"""Longest wait for others [s]: an edit holds the file while its rules are judged, and the end of a bake must not be lost for that."""
 
 
 class LedgerFile:

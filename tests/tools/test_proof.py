@@ -17,6 +17,7 @@ from worldagent.tools.edit_spec import edit_spec
 from worldagent.tools.session import Session
 from worldagent.worlds.bundle import open_bundle
 from worldagent.worlds.folder import WorldFolder
+from worldagent.worlds.requirements import Row
 
 
 def test_a_contact_sheet_that_is_drawn_anew_can_be_read_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,3 +78,26 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     with pytest.raises(jobs.RefusedError, match="edited before it was judged"):
         jobs.accept({"folder": str(tmp_path / "w")}, quiet)
     assert session.ledger.acceptance() is None
+
+
+def test_a_judgement_that_is_killed_amid_its_entry_leaves_the_change_untested(
+    context: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
+    session = Session.open(tmp_path, "w")
+    failed = Row(id="beat:roll", check="beat", group="temporal", predicate="p", status="fail", artifact="x")
+    session.ledger.add_iteration(1, "it rolls too slowly", "velocities", [failed])
+    candidate = SimpleNamespace(last_frame=35, frame_count=36, digest="d", spec=session.spec)
+    monkeypatch.setattr(jobs, "_session", lambda payload: (session, "f" * 64))
+    monkeypatch.setattr(jobs, "_keeping", lambda candidate, *_: candidate)
+    monkeypatch.setattr("worldagent.worlds.candidate.open_candidate", lambda *_: candidate)
+    monkeypatch.setattr("worldagent.verifiers.checks.run_checks", lambda *_, **__: [failed])
+
+    def killed(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Session, "record", killed)
+    quiet = SimpleNamespace(progress=lambda *_: None, check=lambda: None)
+    with pytest.raises(KeyboardInterrupt):
+        jobs.check({"folder": str(tmp_path / "w"), "scope": "probe"}, quiet)
+    assert [i["hypothesis"] for i in session.ledger.open_iterations()] == ["it rolls too slowly"]

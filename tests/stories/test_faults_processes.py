@@ -81,13 +81,15 @@ def test_a_bake_outlives_a_killed_server_and_the_next_one_joins_it(
     assert _same_bake(bakeable, accepted_folder)
 
 
-def test_a_server_killed_between_ledger_and_world_json_leaves_a_world_that_can_be_restored(accepted: Any) -> None:
-    """The two writes of an edit are not one: what a kill between them leaves is told, and both ways out lose nothing."""
+@pytest.mark.parametrize("ahead", ["ledger.sqlite", "world.json"])
+def test_a_server_killed_between_ledger_and_world_json_leaves_a_world_that_can_be_restored(accepted: Any, ahead: str) -> None:
+    """Two files cannot change at one moment: what a kill between them (or one by an earlier version) leaves is told and mended."""
     folder = accepted.workspace / "w"
-    before = (folder / "world.json").read_bytes()
+    behind = "world.json" if ahead == "ledger.sqlite" else "ledger.sqlite"
+    before = {name: (folder / name).read_bytes() for name in (ahead, behind)}
     accepted.edit(("/title", "Later"))
-    after = (folder / "world.json").read_bytes()
-    (folder / "world.json").write_bytes(before)
+    after = (folder / "world.json").read_bytes() if ahead == "ledger.sqlite" else before["world.json"]
+    (folder / behind).write_bytes(before[behind])
     told = accepted.result("inspect_world", world="w").content[0].text
     assert "cut short" in told
     assert "restore" in told

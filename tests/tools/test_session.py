@@ -68,7 +68,8 @@ def test_a_world_that_is_opened_amid_an_edit_is_not_edited_by_hand(
     edit_spec(world, world="w", patch=LATER)
     other.join(20)
     assert other.found is not None, other.error
-    assert (other.found.revision, other.found.spec.title) == ((2, "Later") if after else (1, "Three blocks"))
+    # One that looks late sees the whole edit, too.
+    assert (other.found.revision, other.found.spec.title) in ((1, "Three blocks"), (2, "Later"))[after:]
 
 
 def test_of_two_clients_that_create_a_world_at_once_the_later_one_is_told_so(
@@ -78,7 +79,7 @@ def test_of_two_clients_that_create_a_world_at_once_the_later_one_is_told_so(
     _meanwhile(monkeypatch, other, after=False)
     edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
     other.join(20)
-    assert "created by another client meanwhile" in other.error
+    assert "created by another client meanwhile" in other.error or "exists already" in other.error  # the latter, if it came late
 
 
 def test_a_restored_world_is_never_one_that_another_client_changed_meanwhile(

@@ -46,7 +46,7 @@ DAMPING_STEPS = 4.0
 """Time constant of contact damping and of sticking friction, in steps."""
 HARDER = 0.01
 """Softness of closing contacts, in parts of that of others. How softly MuJoCo meets a reference depends on the estimated,
-not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution. Not among pieces of one body."""
+not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution. Not in tight faces of a broken body."""
 SLOWEST_BOUNCE = 0.01
 """[m/s] Contacts that close slower do not bounce: a hop from there is 5 micrometres high."""
 GRAVITY_STEPS = 4.0
@@ -54,13 +54,14 @@ GRAVITY_STEPS = 4.0
 SLIP_PASSES = 3
 """Most solutions per step to find the slip after impacts; the error falls by mu^2 in each."""
 MORE_PASSES = 8
-"""The same in steps of few contacts: for a ball the error falls by 3.5 mu^2 / (1 + 3.5 mu^2) only, 0.56 at friction 0.6."""
+"""The same where few contacts feel the impacts: for a ball the error falls by 3.5 mu^2 / (1 + 3.5 mu^2) only, 0.56 at friction 0.6."""
 FEW_CONTACTS = 40
 CROWD = 200
 FEW_PASSES = 2
-"""The same in steps of more than `CROWD` contacts of debris, where a solution takes milliseconds."""
+"""The same where more than `CROWD` contacts of debris do: a solution takes milliseconds then."""
 SLIP_SPEED = 0.05
-"""[m/s] Slower impacts are solved once: what they set sliding hops by mu^2 / 2 g of this squared at most, 30 micrometres."""
+"""[m/s] Slower impacts are solved once, with the slip that is there before them: a ball that slides fast and settles on its skin
+would hop from nothing otherwise. What they set sliding hops by mu^2 / 2 g of this squared at most, 30 micrometres."""
 SLIP_TOLERANCE = 0.01
 """Change of the lift in parts of the fastest impact that ends the iteration."""
 ATTEMPTS = 4
@@ -201,18 +202,21 @@ class ContactLaw:
         closing = speed[hit] if weak is None else np.minimum(speed[hit] + weak.slack[hit], 0.0)
         own[hit] = -(1.0 + self.restitution_of(sides[hit])) * closing / dt
         # Faces in a tight fit ask for what cannot all be had, and the harder they are the larger is what they answer with.
-        hard = hit if self.kin is None else hit & ~self.kin.among(sides)
+        hard = hit if weak is None else hit & ~weak.tight
         self._harden(data, rows[hard], sizes[hard])
-        lift = np.where(hit, 0.0, self._lift(rows, friction, sizes, data.efc_aref))
+        fastest = float(-speed.min())
+        lift = self._lift(rows, friction, sizes, data.efc_aref)
+        if fastest > SLIP_SPEED:
+            lift[hit] = 0.0
         acceleration = np.zeros(data.nefc)
         swung = np.zeros(len(rows), dtype=bool)
-        fastest = float(-speed.min())
         passes, kin = self._passes, self.kin
-        if kin is not None:
-            if weak is not None:
-                kin.recall(data, weak)
-            passes = MORE_PASSES if len(rows) <= FEW_CONTACTS else FEW_PASSES if len(rows) > CROWD else SLIP_PASSES
+        if kin is not None and weak is not None:
+            kin.recall(data, weak)
         near = self._near(data, rows, rows[hit])
+        if kin is not None:
+            felt = int(near.sum())
+            passes = MORE_PASSES if felt <= FEW_CONTACTS else FEW_PASSES if felt > CROWD else SLIP_PASSES
         for _ in range(passes if fastest > SLIP_SPEED else 0):
             data.efc_aref[rows] = own - lift
             self._try(data)

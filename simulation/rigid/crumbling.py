@@ -67,6 +67,9 @@ class Weak(NamedTuple):
     slack: F64
     """How fast each contact of the step may close [m/s], shape (n,): what would have crumbled altogether within the step meets as
     all bodies, but only after as much as is left to crumble."""
+    tight: NDArray[np.bool_]
+    """Contacts of the step among pieces of one body that are no deeper than faces crumble, shape (n,). Deeper ones meet as all
+    bodies: met as softly as these, a heavy body would press them ever farther through each other."""
 
 
 class _Soft(NamedTuple):
@@ -149,13 +152,12 @@ class Crumbling:
         apart = np.minimum(depth - np.where(kin, self.distance[body], 0.0), APART / stiffness)
         wanted = np.minimum(np.maximum(bearing, apart), most)
         data.efc_aref[at] += stiffness * (np.maximum(gap - skins, -most) + wanted)
-        if not kin.any():
-            return None
         left = np.maximum(gap + STOP * self.distance[body], 0.0)
         weak = kin & (left + np.minimum(data.efc_vel[at], 0.0) * dt > 0.0)
-        slack = np.zeros(len(rows))
+        slack, tight = np.zeros(len(rows)), np.zeros(len(rows), dtype=bool)
         slack[own] = np.where(kin & ~weak, left / dt, 0.0)
-        return Weak(at[weak], self.force[body[weak]], key[weak], points[own[weak]], np.ones(int(weak.sum())), slack)
+        tight[own] = gap >= -STOP * self.distance[body]
+        return Weak(at[weak], self.force[body[weak]], key[weak], points[own[weak]], np.ones(int(weak.sum())), slack, tight)
 
     def _calm(self, data: Any, rows: NDArray[np.int32]) -> None:
         """Let depth come out of contacts of pieces no faster than `OUT_SPEED`."""

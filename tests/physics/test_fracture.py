@@ -216,3 +216,22 @@ def test_a_crumbling_face_gives_way_as_far_as_it_crumbles_and_no_farther(speed: 
         assert solver.refined == 0, "what crumbles is no overlap to be resolved"
     allowed = piece_overlap(solver.spec.entities["bar"].breakable, solver.built["bar"])  # type: ignore[arg-type]
     assert 0.5 * allowed < deepest < allowed
+
+
+@pytest.mark.parametrize("mass", [200.0, 2000.0])
+def test_pieces_under_a_heavy_body_are_not_pressed_through_each_other(mass: float) -> None:
+    """Two loose blocks of 6 kg, one on the other, under a block that falls on them: their face gives way as far as it crumbles."""
+    broken = {"pattern": bricks((0.2, 0.2, 0.2)), "bond": bond(crumble=0.001)}
+    pillar = rigid_world.box(0.2, 0.2, 0.4, at=(0, 0, 0.2 + 1e-3), material="m", breakable=broken)
+    ram = rigid_world.box(0.4, 0.4, 0.4, at=(0, 0, 0.6 + 4e-3), mass=mass, v=(0, 0, -3.0))
+    settings = {"refine": 0, "step": 1e-4}
+    spec = rigid_world.world({"floor": rigid_world.floor(), "pillar": pillar, "ram": ram}, seconds=0.1, settings=settings)
+    solver = solver_of(spec)
+    solver.breakage._bodies[0].whole[:] = False
+    solver._split(0.0)
+    deepest = 0.0
+    for frame in (1, 2):
+        solver.advance(frame)
+        deepest = max(deepest, -float(solver.frame_data()["contact/min_gap"].min(initial=0.0)))
+    allowed = piece_overlap(spec.entities["pillar"].breakable, solver.built["pillar"])  # type: ignore[arg-type]
+    assert 0.5 * allowed < deepest < allowed

@@ -28,6 +28,15 @@ def test_restitution_is_the_ratio_of_speeds(shape, e):
     assert rebound == pytest.approx(e, abs=PLASTIC if e == 0 else RESTITUTION)
 
 
+def test_a_ball_that_lands_sliding_does_not_hop_while_it_settles():
+    """Nine drops from heights that differ by parts of a step's travel: what follows the landing is no rebound."""
+    for k in range(9):
+        thrown = ball(0.1, at=(0, 0, 0.4 + 2e-4 * k), v=(8, 0, 0), mass=30.0)
+        spec = world({"ground": floor(60.0), "b": thrown}, seconds=0.4, friction=0.8, fps=240, settings={"step": 5e-4})
+        up = Run(spec).of("b", "velocity")[:, 2]
+        assert up[int(np.argmin(up)) :].max() < 0.05
+
+
 @pytest.mark.parametrize("e", [0.5, 0.9])
 def test_a_dropped_ball_rises_to_e_squared_of_its_height(e):
     height = 0.5

@@ -50,8 +50,7 @@ class Ledger:
 
     def take_over(self, other: Ledger) -> None:
         """Go on with a frame that another ledger, of the model before, has begun."""
-        if other._twists:
-            other._evaluate()
+        other._evaluate()
         self._speed, self._surface = other._speed, other._surface
 
     def watch(self, data: Any) -> None:
@@ -63,7 +62,12 @@ class Ledger:
             self._evaluate()
 
     def _evaluate(self) -> None:
-        """Turn the copied steps into the largest speeds of the frame; a NaN stays one."""
+        """Turn the copied steps into the largest speeds of the frame; a NaN stays one.
+
+        Nothing is left to do where the last copy has just filled a batch, or no step was copied yet.
+        """
+        if not self._twists:
+            return
         twists = np.stack(self._twists)[:, self.moving]
         angular, linear = twists[..., :3], twists[..., 3:]
         if self._articulated:

@@ -170,3 +170,11 @@ def test_the_largest_speed_within_a_frame_is_recorded():
     assert written.max() < 0.97 * hit
     assert run.record("max_speed")[frame] == pytest.approx(hit, rel=0.01)
     assert run.record("max_speed")[frame + 1] == pytest.approx(written[frame], rel=1e-6)
+
+
+@pytest.mark.parametrize("steps", [255, 256, 257, 511])
+def test_a_frame_whose_end_fills_a_batch_of_steps_is_recorded(steps):
+    """The end of a frame is watched like a step: with 255 steps, or 511, it is that copy which fills a batch."""
+    run = Run(world({"ball": ball(0.05, at=(0, 0, 5))}, seconds=0.1, settings={"step": 1 / 24 / steps}))
+    assert run.record("steps")[1:] == pytest.approx(steps)
+    assert run.record("max_speed") == pytest.approx(9.81 * run.time, rel=1e-6)

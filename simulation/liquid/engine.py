@@ -184,7 +184,7 @@ class Engine(Protocol):
         """Largest stable step in the present state [s]."""
 
     def step(self, limit: float, bodies: BodyState) -> StepReport:
-        """One step of at most `limit` seconds, with bodies as they are at its start."""
+        """One step of at most `limit` seconds, with bodies as they are at its start; the steps to `limit` are about equal."""
 
     def particles(self) -> Particles:
         """Copies of the present state."""

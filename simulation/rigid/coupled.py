@@ -8,6 +8,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ..boundaries import MovingSurface
+from .contact_law import set_contact_law
 from .records import velocities
 from .rows import row_arms, row_centers, row_velocities
 
@@ -15,6 +16,11 @@ if TYPE_CHECKING:
     from .solver import SolverRigid
 
 __all__ = ["MovingBodies", "RigidBodies"]
+
+SHORT = 0.5
+"""Part of the rigid step; equal steps of an exchange that is as long are no shorter. Contacts stop what closes within some of their
+steps, so after an exchange of a microsecond they would tell accelerations of 1e6 m/s^2, and partners would go on with them for
+milliseconds: accelerations are told as in a step of this length."""
 
 
 class MovingBodies(NamedTuple):
@@ -120,8 +126,13 @@ class RigidBodies:
         model, ids = solver.model, solver.rigid.body_ids
         mujoco.mj_copyData(probe, model, solver.data)
         probe.xfrc_applied[:] = solver.work.pushes
+        taken, least = model.opt.timestep, SHORT * solver.settings.step / 2**solver.refined
+        if taken < least:
+            set_contact_law(solver.rigid, solver.settings.contact_steps, least)
         mujoco.mj_forward(model, probe)
         mujoco.mj_rnePostConstraint(model, probe)
+        if taken < least:
+            set_contact_law(solver.rigid, solver.settings.contact_steps, taken)
         arm = probe.xipos - probe.subtree_com[model.body_rootid]
         spin = probe.cvel[:, :3]
         speed = probe.cvel[:, 3:] + np.cross(spin, arm)

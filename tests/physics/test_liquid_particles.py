@@ -185,6 +185,20 @@ def test_a_free_box_is_stable_whatever_its_weight(ratio):
     assert (middle[2] > 0.2) == (ratio < 1)
 
 
+def test_steps_beside_a_fast_body_share_what_is_left_of_a_frame():
+    """Own choice: steps to one end are about equal. After a rest of 1e-3 of a step some twenty had to be short."""
+    box = Boundary("box", solid(trimesh.creation.box((0.1,) * 3)), "kinematic")
+    setup = liquid(0.05, (0.4, 0.4, 0.3), (0.4, 0.4, 1.5), boundaries=(box,))
+    fast = bodies(((0.2, 0.2, 1.2), (0.0, 0.0, 8.0), 0.0, np.zeros((3, 3)), (0.0, 0.0, 0.0)))
+    longest = Dfsph(setup).step(1e3, fast).dt
+    assert longest < 0.8 * Dfsph(setup).stable_dt()
+    engine, frame, steps = Dfsph(setup), 4.001 * longest, []
+    while engine.time < frame * (1 - 1e-9):
+        steps.append(engine.step(frame - engine.time, fast).dt)
+    assert len(steps) == 5
+    assert min(steps) > 0.5 * max(steps)
+
+
 def test_what_flows_in_and_out_is_counted():
     mouth = Inflow("tap", 0, np.array([0.3, 0.3, 0.5]), np.diag([1.0, -1.0, -1.0]), (0.1, 0.1), True, 1.0, end=0.3)
     drain = Outflow("drain", np.array([0.3, 0.3, 0.0]), np.eye(3), (0.3, 0.3, 0.05))

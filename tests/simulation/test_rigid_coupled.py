@@ -44,6 +44,22 @@ def test_a_falling_body_accelerates_with_gravity_and_a_resting_one_does_not() ->
     assert np.abs(RigidBodies(rest).state().acceleration).max() < 0.4
 
 
+def test_a_body_that_hits_in_a_short_exchange_tells_no_acceleration_that_nobody_can_go_on_with() -> None:
+    """Partners go on for milliseconds with what is told: after an exchange of a microsecond it is that of a step, not a million m/s^2.
+
+    Own choice: at most ten times what was told right before.
+    """
+    floor = {"floor": box(4, 4, 0.1, at=(0, 0, 0.85 - 0.05 - 1.5e-3))}
+    falling = solver(others=floor, crate={"velocity": (0, 0, -0.5)})
+    bodies = RigidBodies(falling)
+    while (before := bodies.state().acceleration[0, 2]) < 0.0:
+        falling.step_to(falling.time + falling.settings.step)
+    falling.step_to(falling.time + 1e-6)
+    after = bodies.state().acceleration[0, 2]
+    assert abs(after) < 10.0 * before
+    assert falling.model.opt.timestep == pytest.approx(1e-6), "reading changes nothing"
+
+
 def test_a_turning_body_off_its_hinge_feels_the_centripetal_acceleration() -> None:
     """Law: a point at distance r from the axis accelerates by w^2 r towards it; by finite differences of its velocity."""
     hinge = HingeJoint(child="crate", anchor=(0.5, 0, 1.0), axis=(0, 1, 0))

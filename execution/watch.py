@@ -69,6 +69,7 @@ class Watch:
         self._started = self._reached = time.monotonic()
         self._written = self._started - HEARTBEAT_S
         self._progress: Progress | None = None
+        self._latest: Progress | None = None
         self._estimate = Estimate(self._reach(lambda: table.latest_pace(job)))
         self._meter = Meter(self._worker, task)
         self._stop_since: float | None = None
@@ -143,7 +144,7 @@ class Watch:
     def _take_progress(self) -> None:
         news = self._board.read_new()
         if news is not None:
-            self._progress = news
+            self._progress = self._latest = news
             self._estimate.add(time.monotonic(), news.done, news.total, news.ends)
 
     def _write(self) -> bool:
@@ -164,10 +165,13 @@ class Watch:
         return mine
 
     def _of_stretch(self, now: float) -> Progress | None:
-        """The latest progress; where only the time left of its stretch is known, with that in its words."""
-        news = self._progress
+        """The latest news; where only the time left of its stretch is known, with that in its words.
+
+        News of before are told again with it: where nothing comes for minutes, what is left does not stand still.
+        """
+        news = self._latest
         if news is None or news.ends is None or (left := self._estimate.left_of_stretch(now)) is None:
-            return news
+            return self._progress
         about = f"{max(1.0, left):.0f} s" if left < LONG_S else f"{left / 60:.0f} min"
         return news._replace(message=f"{news.message} (this part: about {about} more)")
 

@@ -16,7 +16,7 @@ def run_bake(
     folder: WorldFolder,
     freeze: str,
     *,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
     reuse: bool = True,
 ) -> Candidate:

@@ -24,7 +24,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from .bodies import lay_vertices, resting
 from .boundaries import BodyState, MovingSurface, Surround
-from .protocol import SHORTEST, Solver
+from .protocol import SHORTEST, Solver, Within, stepping
 from .rigid.coupled import MovingBodies, RigidBodies
 from .rigid.solver import SolverRigid
 
@@ -132,8 +132,8 @@ class CoupledRun:
         owners = {m: k for k, p in enumerate(self.partners) if isinstance(p, Deforms) for m in p.members}
         return [_Soft(row, s.entity, owners.get(s.entity, -1)) for row, s in partner.surround.soft.items()]
 
-    def advance(self, frame: int) -> None:
-        """Advance all from frame - 1 to `frame`.
+    def advance(self, frame: int, *, tell: Within | None = None) -> None:
+        """Advance all from frame - 1 to `frame`; `tell` takes how far that is.
 
         Raises:
             InputError: not the next frame.
@@ -149,7 +149,8 @@ class CoupledRun:
             rigid.begin_attempt(level)
             for partner in self.partners:
                 partner.begin_frame(frame)
-            self._exchange((frame - 1) * self._frame_time, frame * self._frame_time)
+            again = f"{rigid.repeats()}, " if level > 0 else ""
+            self._exchange((frame - 1) * self._frame_time, frame * self._frame_time, tell=tell, again=again)
             if rigid.end_attempt():
                 break
         rigid.end_frame()
@@ -157,8 +158,8 @@ class CoupledRun:
             partner.end_frame()
         self.frame = frame
 
-    def _exchange(self, start: float, end: float) -> None:
-        """Step all from `start` to `end` [s]; the first partner sets the pace."""
+    def _exchange(self, start: float, end: float, *, tell: Within | None = None, again: str = "") -> None:
+        """Step all from `start` to `end` [s]; the first partner sets the pace. `tell` takes how far it is, after the words `again`."""
         time = start
         while time < end - SHORTEST:
             bodies, surfaces = self._bodies.state(), self._bodies.surfaces()
@@ -183,6 +184,8 @@ class CoupledRun:
             loads = {n: j / (until - time) for n, j in given_to.get(-1, {}).items()}
             self.rigid.step_to(until, wrench / (until - time), start=time, loads=loads)
             time = until
+            if tell is not None:
+                tell((time - start) / (end - start), again + stepping(taken))
 
     def _bodies_of(self, number: int, moving: MovingBodies, surfaces: Mapping[str, MovingSurface]) -> BodyState:
         """States of one partner's boundaries: those at rest at their places, the others as they are."""

@@ -17,7 +17,7 @@ from ..worlds.cache import CacheIndex
 from ..worlds.errors import EngineError, InputError
 from .bodies import CacheMotion, resting
 from .boundaries import BodyState, Surround
-from .protocol import SHORTEST, Channel, Intervention, Port
+from .protocol import SHORTEST, Channel, Intervention, Port, Within, stepping
 from .sealed import seal, unseal
 
 if TYPE_CHECKING:
@@ -173,8 +173,8 @@ class SolverPartner(ABC):
         self.frame += 1
         self._finish_frame()
 
-    def advance(self, frame: int) -> None:
-        """Advance from frame - 1 to `frame`, the bodies on their recorded paths.
+    def advance(self, frame: int, *, tell: Within | None = None) -> None:
+        """Advance from frame - 1 to `frame`, the bodies on their recorded paths; `tell` takes how far that is.
 
         Raises:
             InputError: not the next frame.
@@ -186,7 +186,10 @@ class SolverPartner(ABC):
         while time < end - SHORTEST:
             seconds = self.next_span(end - time)
             bodies = still if self.motion is None else self.motion.state(time, time + seconds)
-            time += self.step(seconds, bodies, time).dt
+            taken = self.step(seconds, bodies, time).dt
+            time += taken
+            if tell is not None:
+                tell((time - start) / self._frame_time, stepping(taken))
         self.end_frame()
 
     def next_span(self, left: float) -> float:

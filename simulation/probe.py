@@ -44,7 +44,7 @@ def run_probe(
     freeze: str,
     *,
     overrides: Mapping[str, float] | None = None,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
 ) -> Candidate:
     """Run the probe of a freeze and open it for checking.

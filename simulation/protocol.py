@@ -9,7 +9,7 @@ from typing import Any, Literal, Protocol
 from ..worlds.arrays import F64
 from ..worlds.cache import CacheIndex
 
-__all__ = ["SHORTEST", "Channel", "Exchange", "Intervention", "Port", "Solver"]
+__all__ = ["SHORTEST", "Channel", "Exchange", "Intervention", "Port", "Solver", "Within", "repeated", "stepping"]
 
 SHORTEST = 1e-9
 """[s] Times this close are equal."""
@@ -72,6 +72,23 @@ class Intervention:
     """Pairs of entities that pass through each other."""
 
 
+class Within(Protocol):
+    """Takes how far a frame is that is under way."""
+
+    def __call__(self, share: float, doing: str) -> None:
+        """`share`: of the frame's time, in [0, 1]; `doing`: in what steps, for whoever waits."""
+
+
+def stepping(seconds: float) -> str:
+    """What is told of a frame that goes on in steps of so many seconds."""
+    return f"in steps of {1e3 * seconds:.3g} ms"
+
+
+def repeated(level: int, most: int, seconds: float) -> str:
+    """What is told of a frame that is made again, the `level`-th of at most `most` times, with rigid steps of so many seconds."""
+    return f"made again with rigid steps of {1e3 * seconds:.3g} ms ({level} of at most {most} times)"
+
+
 class Solver(Protocol):
     """One running engine. States are opaque bytes; equal bytes and settings continue equally."""
 
@@ -81,8 +98,8 @@ class Solver(Protocol):
     def max_stable_dt(self) -> float:
         """Largest stable time step in the present state [s]."""
 
-    def advance(self, frame: int) -> None:
-        """Advance from frame - 1 to `frame` by the instance's own sub-steps."""
+    def advance(self, frame: int, *, tell: Within | None = None) -> None:
+        """Advance from frame - 1 to `frame` by the instance's own sub-steps; `tell` takes how far it is."""
 
     def checkpoint(self) -> bytes:
         """The full state; also makes the running solver continue from exactly these bytes."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..worlds.audit import audit
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.instances import cloth_of, coupled_groups, membership_problems
-from .protocol import Intervention, Solver
+from .protocol import Intervention, Solver, Within
 from .recipes import alone_recipe, coupled_recipe
 
 if TYPE_CHECKING:
@@ -61,13 +61,13 @@ class Run:
         for solver in self.solvers.values():
             solver.prepare(resumed=resumed)
 
-    def advance(self, frame: int) -> None:
-        """Advance all from frame - 1 to `frame`."""
+    def advance(self, frame: int, *, tell: Within | None = None) -> None:
+        """Advance all from frame - 1 to `frame`; `tell` takes how far that is."""
         if self._coupled is not None:
-            self._coupled.advance(frame)
+            self._coupled.advance(frame, tell=tell)
             return
         for solver in self.solvers.values():
-            solver.advance(frame)
+            solver.advance(frame, tell=tell)
 
     def restore(self, states: Mapping[str, bytes], frame: int) -> None:
         """Continue from checkpoints that were taken together at `frame`."""

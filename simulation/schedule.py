@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import shutil
+import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -13,12 +14,17 @@ from ..worlds.cache import Cache, CacheIndex, write_container
 from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
+from .protocol import Within
 from .runs import Run, groups_of, make_run
 
 __all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "run_frames", "stretch_count"]
 
 CHECKPOINT_SECONDS = 0.5
 """Interval between checkpoints [s of the world]: what a resumed or replayed run repeats at most."""
+
+SLOW_FRAME_SECONDS = 2.0
+"""A frame that takes longer tells how far it is and in what steps [s]: else a step that has become a thousand times shorter, or a frame
+that is made again, looks like one that stands still. Own choice; the clock decides what is told, never what is computed."""
 
 
 def checkpoint_frames(spec: WorldSpec, frames: int) -> list[int]:
@@ -88,7 +94,7 @@ def run_frames(
     folder: Path,
     *,
     frames: int,
-    progress: Callable[[int, int, str], None] | None = None,
+    progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
     reuse: bool = True,
 ) -> dict[str, Cache]:
@@ -99,8 +105,8 @@ def run_frames(
         built: its geometry.
         folder: where the caches go.
         frames: how many frames.
-        progress: called with (done, total, message).
-        check: called between frames; raises to stop.
+        progress: called with (done, total, message); `done` may fall where a frame is made again.
+        check: called between frames and within them; raises to stop.
         reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted.
 
     Raises:
@@ -110,17 +116,12 @@ def run_frames(
     groups, stretches = groups_of(spec), stretch_count(spec)
     caches: dict[str, Cache] = {}
 
-    def tell(stretch: int, done: int, total: int, message: str) -> None:
+    def tell(stretch: int, done: float, total: int, message: str) -> None:
         if progress is not None:
             progress(stretch * total + done, stretches * total, message)
 
     for rank, names in enumerate(groups):
-
-        def say(frame: int, rank: int = rank, names: tuple[str, ...] = names) -> None:
-            tell(rank, frame + 1, frames, f"{' and '.join(names)}: frame {frame + 1} of {frames}")
-            if check is not None:
-                check()
-
+        say = _Frames(partial(tell, rank), check, names, frames)
         caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     if spec.simulation.liquid:
         from .surfaces import map_wet_solids, mesh_liquids
@@ -130,6 +131,45 @@ def run_frames(
     return caches
 
 
+class _Frames:
+    """Tells of the frames of one group, and how far one is that takes long.
+
+    Args:
+        tell: takes (done, total, message).
+        check: raises to stop.
+        names: of the group's instances.
+        count: of all frames.
+    """
+
+    def __init__(
+        self, tell: Callable[[float, int, str], None], check: Callable[[], None] | None, names: tuple[str, ...], count: int
+    ) -> None:
+        self._tell, self._check, self._count = tell, check, count
+        self._who = " and ".join(names)
+        self._since = time.monotonic()
+
+    def reached(self, frame: int) -> None:
+        """A frame is written."""
+        self._say(frame + 1, f"frame {frame + 1} of {self._count}")
+        self._since = time.monotonic()
+
+    def within(self, frame: int) -> Within:
+        """What takes how far a frame is."""
+
+        def tell(share: float, doing: str) -> None:
+            if time.monotonic() - self._since >= SLOW_FRAME_SECONDS:
+                self._say(frame + share, f"{share:.1%} of frame {frame + 1} of {self._count}, {doing}")
+            elif self._check is not None:
+                self._check()
+
+        return tell
+
+    def _say(self, done: float, text: str) -> None:
+        self._tell(done, self._count, f"{self._who}: {text}")
+        if self._check is not None:
+            self._check()
+
+
 def _run_group(
     spec: WorldSpec,
     built: Mapping[str, BuiltEntity],
@@ -137,7 +177,7 @@ def _run_group(
     done: Mapping[str, Cache],
     *,
     frames: int,
-    say: Callable[[int], None],
+    say: _Frames,
     reuse: bool,
 ) -> dict[str, Cache]:
     """Simulate one group into its caches; `done` are those of the groups before it."""
@@ -163,11 +203,11 @@ def _run_group(
         cache.begin_digests(cache.digests()[: start + 1] if start >= 0 else [])
     for frame in range(start + 1, frames):
         if frame > 0:
-            run.advance(frame)
+            run.advance(frame, tell=say.within(frame))
         for name, cache in caches.items():
             cache.add_digest(write_container(cache.path(frame), run.solvers[name].frame_data()))
         if frame in marks:
             for name, cache in caches.items():
                 write_atomically(checkpoint_path(cache.folder, frame), run.solvers[name].checkpoint())
-        say(frame)
+        say.reached(frame)
     return caches

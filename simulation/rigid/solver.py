@@ -12,7 +12,7 @@ from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import InputError
 from ...worlds.spec import WorldSpec
-from ..protocol import Channel, Intervention, Port
+from ..protocol import Channel, Intervention, Port, Within, repeated
 from .checkpoint import Held, pack, read_state, unpack, write_state
 from .contact_law import set_contact_law
 from .distances import nearest, settle_kinematics
@@ -84,8 +84,10 @@ class SolverRigid(Stepper):
         speed = float(np.linalg.norm(velocities(self.model, self.data)[0], axis=1).max(initial=0.0))
         return max(2e-5, 2 * self.settings.skin / speed) if speed > 0 else self.settings.step
 
-    def advance(self, frame: int) -> None:
+    def advance(self, frame: int, *, tell: Within | None = None) -> None:
         """Advance from frame - 1 to `frame`; a frame whose visible surfaces could overlap at its end is redone finer.
+
+        `tell` takes when it is.
 
         Raises:
             InputError: not the next frame.
@@ -93,6 +95,8 @@ class SolverRigid(Stepper):
         self.begin_frame(frame)
         for level in range(self.settings.refine + 1):
             self.begin_attempt(level)
+            if tell is not None and level > 0:
+                tell(0.0, self.repeats())
             self.step_to(frame * self._frame_time)
             if self.end_attempt():
                 break
@@ -132,6 +136,10 @@ class SolverRigid(Stepper):
         self._before = None
         self._exchange.begin()
         self.fields.begin()
+
+    def repeats(self) -> str:
+        """What is told while a frame is made again."""
+        return repeated(self.refined, self.settings.refine, self.settings.step / 2**self.refined)
 
     def step_to(
         self,

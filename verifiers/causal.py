@@ -35,6 +35,7 @@ from ..worlds.spec import (
 )
 from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
 from .predicates import Outcome, beat_times, evaluate
+from .sheet_links import sheet_of
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -142,8 +143,8 @@ def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onse
 
 
 def _instant(candidate: Candidate, beat: Beat, first: int) -> float | None:
-    """Event time of a beat that is a contact and came true with its first touch [s]; None of any other."""
-    if not isinstance(beat.predicate, Contact):
+    """Event time of a beat that is a contact and came true with its first touch [s]; None of any other, and of cloth."""
+    if not isinstance(beat.predicate, Contact) or sheet_of(candidate.spec, beat.predicate.a, beat.predicate.b) is not None:
         return None
     time = begins(candidate, beat.predicate.a, beat.predicate.b, (beat.frames[0], first))
     return time if time is not None and time >= (first - 1) / candidate.spec.simulation.fps else None

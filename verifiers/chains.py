@@ -7,6 +7,8 @@ receiver through a link of a frame:
   the frame, only what presses it harder than what it carried all along: resting contacts link nothing.
 - a **joint**, spring or rope end while it holds, if the receiver moves.
 - a **liquid** or **grains** and a body that push each other, over the whole frame. They move while their particles do on the whole.
+- **cloth** and a body that press each other or that a pin joins, over the whole frame; a body that no coupling lets feel the cloth
+  receives nothing from it.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is
 another story. Static entities receive but never send: a shared floor connects nothing. Kinematic entities send but never
@@ -34,6 +36,7 @@ from . import motion
 from .field_ledger import blown_at
 from .liquid_links import liquid_motion, liquid_pushes, stirred
 from .particle_links import grain_motion, grain_pushes, running
+from .sheet_links import sheet_impulse, sheet_pushes, unfelt
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -167,7 +170,10 @@ class Chains:
         self._fps = spec.simulation.fps
         self._pause = max(2, round(PAUSE * self._fps))
         self._joined = self._joint_links()
-        self._pushes = [a + b for a, b in zip(liquid_pushes(candidate), grain_pushes(candidate), strict=True)]
+        pushes = liquid_pushes(candidate), grain_pushes(candidate), sheet_pushes(candidate)
+        self._pushes = [a + b + c for a, b, c in zip(*pushes, strict=True)]
+        deaf = [(self._index[a], self._index[b]) for a, b in unfelt(spec) if a in self._index and b in self._index]
+        self._deaf = np.array([a * len(self.names) + b for a, b in deaf], dtype=np.intp)
         self._links = [self._contact_links(k) for k in range(candidate.frame_count)]
         self._moving, self._floor = self._motions()
         self._freed = np.full(len(self.names), -NEVER)
@@ -231,7 +237,10 @@ class Chains:
                 if pair in after:
                     found.append((a, b, times[0][0], end, total.get(pair, times[0][1])))
         found += [(self._index[a], self._index[b], start, end, j) for a, b, j in self._pushes[frame] if b in self._index]
-        return _both_ways(found)
+        links = _both_ways(found)
+        sender, receiver, begin, end, impulse = links
+        heard = ~np.isin(sender * len(self.names) + receiver, self._deaf)
+        return _Links(sender[heard], receiver[heard], begin[heard], end[heard], impulse[heard])
 
     def _joint_links(self) -> _Links:
         plan = self.candidate.spec.simulation
@@ -438,9 +447,14 @@ def not_still(candidate: Candidate, entity: str) -> Flags:
 def begins(candidate: Candidate, a: str, b: str, frames: tuple[int, int]) -> float | None:
     """Time [s] at which the first contact of the pair within the frames began; None without one.
 
-    A pair that already touched before the interval began counts from the interval's first instant.
+    A pair that already touched before the interval began counts from the interval's first instant. Of cloth it is the beginning of
+    the frame over which they first press each other: its record tells no moment within it.
     """
     fps = candidate.spec.simulation.fps
+    pressed = sheet_impulse(candidate, a, b)
+    if pressed is not None:
+        when = np.flatnonzero(pressed[frames[0] : frames[1] + 1])
+        return max(0, frames[0] + int(when[0]) - 1) / fps if len(when) else None
     for cache in motion.caches_with(candidate, a, b):
         pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))
         contacts, events = cache.ragged("contact/pair", "contact/impulse"), cache.ragged("event/time", "event/pair")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .cloth import tears
+from .cloth import pins_of, tears
 from .fields import acting_on
 from .gate import Problem, replaced
 from .liquids import declares_heat
-from .predicates import PREDICATES, atoms_of, entities_of
+from .predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, entities_of
 from .references import cycle_in, kinds_of, mentions_joint
-from .spec import FieldDriver, Supports, WorldSpec
+from .spec import FieldDriver, SpecModel, Supports, WorldSpec
 
 __all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems"]
 
@@ -94,15 +94,63 @@ def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bo
         missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
         if missing:
             problems.append(Problem(f"/story/beats/{name}/predicate", f"no engine in use writes {sorted(set(missing))}"))
-    return [*problems, *_without_bodies(spec)]
+    return [*problems, *_without_bodies(spec), *_without_record(spec)]
+
+
+def _said(spec: WorldSpec) -> list[tuple[str, Predicate]]:
+    """Every predicate of the story and where it stands."""
+    said = [(f"/story/beats/{n}/predicate", b.predicate) for n, b in spec.story.beats.items()]
+    return said + [(f"/story/requirements/{n}/predicate", r.predicate) for n, r in spec.story.requirements.items()]
+
+
+def _without_record(spec: WorldSpec) -> list[Problem]:
+    """Contacts of cloth that its record cannot tell: it holds an impulse for each solid, of contacts and pins, of all members together."""
+    problems = []
+    for place, predicate in _said(spec):
+        for atom in atoms_of(predicate):
+            if isinstance(atom, Contact | NoContact):
+                pairs = dict.fromkeys((a, b) for a in _meant(atom.a, predicate) for b in _meant(atom.b, predicate) if a != b)
+                told = (text for pair in pairs for text in [_untold(spec, *pair)] if text)
+                problems += [Problem(place, f"{atom.kind}: {text}") for text in list(told)[:1]]
+    return problems
+
+
+def _meant(name: str, predicate: SpecModel) -> tuple[str, ...]:
+    return entities_of(predicate) if name == "each" else (name,)
+
+
+def _untold(spec: WorldSpec, a: str, b: str) -> str:
+    """Why no record tells contacts of two entities of which one is cloth, and what to ask instead; empty where one does."""
+    sheets = [n for n in (a, b) if n in spec.entities and spec.entities[n].physics.category == "cloth"]
+    if not sheets or not {a, b} <= set(spec.entities):
+        return ""
+    sheet, other = sheets[0], b if sheets[0] == a else a
+    contract, category = spec.entities[sheet], spec.entities[other].physics.category
+    if category == "cloth":
+        return f"no record holds contacts among cloth, such as {a!r} and {b!r}: ask separation of them"
+    if category not in ("rigid", "elastic"):
+        return ""
+    alike = next((i.members for i in spec.simulation.cloth.values() if sheet in i.members), [sheet])
+    if len(alike) > 1:
+        return (
+            f"the record of pushes on {other!r} does not tell {sheet!r} from {', '.join(m for m in alike if m != sheet)}: "
+            f"give it an instance of its own, or ask separation or reaches"
+        )
+    pins = pins_of(contract)
+    if any(p.to == other for p in pins.values()):
+        return f"{other!r} holds a pin of {sheet!r}, and its pull is recorded with contacts: ask pinned or separation"
+    if contract.physics.category == "cloth" and other in contract.physics.ignores:
+        return f"{sheet!r} passes through {other!r} (`ignores`): take it out of there, or ask separation or reaches"
+    parts = spec.entities[other].parts.values()
+    if category == "rigid" and parts and not any(p.collides for p in parts):
+        return f"no part of {other!r} collides, so {sheet!r} never meets it: let one collide, or ask separation or reaches"
+    return ""
 
 
 def _without_bodies(spec: WorldSpec) -> list[Problem]:
     """Liquids and particles are many: nothing is asked of their one place, surface or contact."""
-    said = [(f"/story/beats/{n}/predicate", b.predicate) for n, b in spec.story.beats.items()]
-    said += [(f"/story/requirements/{n}/predicate", r.predicate) for n, r in spec.story.requirements.items()]
     problems = []
-    for place, predicate in said:
+    for place, predicate in _said(spec):
         for atom in atoms_of(predicate):
             kind = str(getattr(atom, "kind", ""))
             for entity in entities_of(atom) if kind in BODILY else ():

@@ -13,8 +13,10 @@ from worldagent.bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.schedule import run_frames
 from worldagent.verifiers import cloth, elastic, particles
+from worldagent.verifiers.predicates import evaluate
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.predicates import Contact
 
 Edit = Callable[[int, dict[str, Any]], None]
 
@@ -81,6 +83,18 @@ def test_what_a_cloth_and_a_jelly_give_each_other_is_judged(caught: Candidate) -
     assert {rows[n] for n in ("exchange", "together", "energy", "records", "shape", "self")} == {"pass"}
     assert verdicts(cloth.check_instance(caught, "cloth"))["solids"] == "pass"
     assert verdicts(cloth.check_instance(caught, "cloth"))["momentum"] == "pass"
+
+
+def test_a_jelly_touches_the_cloth_that_it_drops_on(caught: Candidate, tmp_path: Path) -> None:
+    """By the cloth's record: without it nothing tells a contact."""
+
+    def silent(frame: int, data: dict[str, Any]) -> None:
+        data["exchange/impulse"][:] = 0.0
+
+    cloth_id = next(n for n, e in caught.spec.entities.items() if e.physics.category == "cloth")
+    asked = Contact(a="jelly", b=cloth_id, min_impulse=1e-3)
+    assert evaluate(caught, asked, (0, 4)).status == "pass"
+    assert evaluate(edited(caught, tmp_path, "cloth", silent), asked, (0, 4)).status == "fail"
 
 
 def test_an_impulse_that_was_given_and_not_received_is_told(caught: Candidate, tmp_path: Path) -> None:

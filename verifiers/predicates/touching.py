@@ -1,7 +1,8 @@
 """Evaluators of predicates about surfaces and forces between entities.
 
 Touching in the past tense comes from the contact log of the solver; resting, support and separation come from the
-visible surfaces. The log of a sleeping body is empty, so where both bodies sleep or are static, surfaces decide there too.
+visible surfaces. The log of a sleeping body is empty, so where both bodies sleep or are static, surfaces decide there too. Cloth is
+in no log of contacts: what it and a solid gave each other over a frame, friction included, is in its own record.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, NoContact, RestsOn, Separation, Supported
 from .. import motion
+from ..sheet_links import sheet_impulse
 from ..surfaces import Surfaces, Track, surfaces_of
 from .outcome import Comparison, Outcome, Series, Truth, band, judge
 
@@ -96,6 +98,9 @@ def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
     """Whether the two touched since the last frame, and with how much impulse [N s], per frame of the interval."""
     for name in (a, b):
         motion.require_motion(scope.candidate, name)
+    pressed = sheet_impulse(scope.candidate, a, b)
+    if pressed is not None:
+        return pressed[scope.window] != 0.0, pressed[scope.window]
     touched, impulse = np.zeros(scope.length, dtype=bool), np.zeros(scope.length)
     for cache in motion.caches_with(scope.candidate, a, b):
         pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))

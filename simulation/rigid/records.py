@@ -34,7 +34,7 @@ class Ledger:
 
     def __init__(self, model: Any, moving: Any, kinematic: Any, count: int, arms: F64) -> None:
         self.model, self.moving, self.count, self._row_arms = model, moving, count, arms
-        self.free, self.authored = moving[~kinematic], moving[kinematic]
+        self.free = moving[~kinematic]
         reach = np.zeros(model.nbody)
         np.maximum.at(reach, model.geom_bodyid, model.geom_rbound + np.linalg.norm(model.geom_pos, axis=1))
         self._reach = reach[moving]
@@ -87,10 +87,6 @@ class Ledger:
         spin = np.einsum("nji,nj->ni", data.ximat[bodies].reshape(-1, 3, 3), angular[bodies])
         kinetic = float(mass @ (linear[bodies] ** 2).sum(1)) + float((model.body_inertia[bodies] * spin**2).sum())
         return 0.5 * kinetic, -float(mass @ (data.xipos[bodies] @ model.opt.gravity))
-
-    def authored_energy(self, data: Any) -> float:
-        """Energy of the bodies on paths [J]: what drivers put into them is not put into the others."""
-        return sum(self.energy(data, self.authored, velocities(self.model, data))) if len(self.authored) else 0.0
 
     def spring_energy(self, data: Any) -> float:
         """Energy stored in joint springs and tendons [J]."""

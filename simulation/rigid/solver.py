@@ -113,7 +113,6 @@ class SolverRigid(Stepper):
         self._mj.mj_copyData(self._saved, self.model, self.data)
         self._begun, self._bonds, self._sleepers = self._now, self.breakage.memory(), self.breakage.sleepers()
         self._memory, self._work_before = self.monitor.memory(), self._work
-        self._authored = self.ledger.authored_energy(self.data)
 
     def begin_attempt(self, level: int) -> None:
         """Go through the frame that was begun with a step halved `level` times."""
@@ -174,7 +173,6 @@ class SolverRigid(Stepper):
 
     def end_frame(self) -> None:
         """The frame that was begun is reached."""
-        self._work -= self.ledger.authored_energy(self.data) - self._authored
         self.frame += 1
         self._finish_frame(self._taken, self.settings.step / 2**self.refined)
 

@@ -15,8 +15,8 @@ __all__ = ["DriverWork"]
 class DriverWork:
     """Sums force times displacement of motors, forces and paths over the steps of a segment.
 
-    Velocities are means over the step, so that the sum is the exact change of energy under the engine's scheme. The work
-    on a path's own body is in it; the caller takes the energy of such bodies out again.
+    Velocities are means over the step, so that the sum is the exact change of energy under the engine's scheme. Of a path it is
+    the work on what its body pushes and carries, step by step; what moves the body itself is nobody's energy.
     """
 
     def __init__(self, model: Any, actuators: dict[str, int], drivers: Drivers) -> None:
@@ -26,6 +26,10 @@ class DriverWork:
         self._motor_dofs = model.jnt_dofadr[model.actuator_trnid[rows, 0]] if len(rows) else rows
         self._gain = model.actuator_gainprm[rows, 0] if len(rows) else np.zeros(0)
         self._path_dofs = drivers.kinematic_dofs
+        carries = np.bincount(model.body_rootid, minlength=model.nbody)[model.dof_bodyid[self._path_dofs]] > 1
+        carries |= model.nflex > 0  # elasticity is not always among the engine's forces
+        # Six degrees of freedom each: a body on a path is a free one.
+        self._carriers = np.flatnonzero(carries).reshape(-1, 6)
         self._armature = drivers.holds.armature(self._path_dofs)
         self._total = 0.0
         self.pushes: F64 = np.zeros((model.nbody, 6))
@@ -60,7 +64,10 @@ class DriverWork:
             self._total += dt * float(force @ (before + after)) / 2
         if len(self._path_dofs):
             dofs = self._path_dofs
-            force = data.qfrc_applied[dofs] - self._armature * data.qacc[dofs]
+            force = -(data.qfrc_constraint[dofs] + data.qfrc_passive[dofs])
+            for rows in self._carriers:
+                own, at = _inertial(self.model, data, dofs[rows], dt), dofs[rows]
+                force[rows] = data.qfrc_applied[at] - self._armature[rows] * data.qacc[at] - own
             self._total += dt * float(force @ (data.qvel[dofs] - 0.5 * dt * data.qacc[dofs]))
         if len(self._pushed):
             # Body velocities are still those of the step's beginning: trapezoid with the next step's.
@@ -73,3 +80,21 @@ class DriverWork:
     def end(self, speeds: tuple[F64, F64], dt: float) -> float:
         """Work of the segment [J]."""
         return self._total + (dt * self._power(speeds) / 2 if len(self._pushed) else 0.0)
+
+
+def _inertial(model: Any, data: Any, dofs: Any, dt: float) -> F64:
+    """What a free body alone takes to move as it does, against gravity, in its own six coordinates [N, N m].
+
+    Newton and Euler about the centre of mass, carried to the body's origin; the state is that of the step's beginning, with
+    velocities already integrated.
+    """
+    body = int(model.dof_bodyid[dofs[0]])
+    turn, tilt = data.xmat[body].reshape(3, 3), data.ximat[body].reshape(3, 3)
+    arm = data.xipos[body] - data.xpos[body]
+    acceleration, spin = data.qacc[dofs], turn @ (data.qvel[dofs[3:]] - dt * data.qacc[dofs[3:]])
+    angular = turn @ acceleration[3:]
+    inertia = (tilt * model.body_inertia[body]) @ tilt.T
+    linear = acceleration[:3] + np.cross(angular, arm) + np.cross(spin, np.cross(spin, arm)) - model.opt.gravity
+    force = model.body_mass[body] * linear
+    torque = inertia @ angular + np.cross(spin, inertia @ spin) + np.cross(arm, force)
+    return np.concatenate([force, turn.T @ torque])

@@ -189,3 +189,26 @@ def test_declared_velocities_are_those_of_the_centre_of_mass():
 def test_drag_slows_a_free_body_exponentially():
     run = Run(world({"b": ball(0.1, v=(2, 0, 0), mass=1.0, drag=0.8)}, seconds=1.0, gravity=(0, 0, 0)))
     assert run.of("b", "velocity")[-1, 0] == pytest.approx(2 * math.exp(-0.8), rel=1e-3)
+
+
+def test_what_moves_a_body_on_a_path_is_work_on_nothing_else():
+    """A gate that turns, whose origin is far from its centre of mass, lifts itself and stops within a step: nothing takes energy."""
+    drivers = {"p": _path("gate", (0.1, (0, 0, 1), (0, 0, 0)), (0.4173, (0.2, 0, 1.5), (0.3, 1.2, 0.4)))}
+    gate = entity({"kind": "box", "size": (0.04, 0.3, 0.24)}, at=(0, 0, 1), motion="kinematic")
+    gate["parts"]["p"]["pose"] = {"position": (0.3, 0.2, 0.1)}
+    run = Run(world({"ground": floor(), "gate": gate}, seconds=0.6, drivers=drivers))
+    assert np.abs(run.of("gate", "velocity")).max() > 0.5
+    assert np.abs(run.record("driver_work")).max() == 0.0
+
+
+def test_a_body_on_a_path_works_on_what_hangs_on_it_and_not_on_itself():
+    """Own choice of the bound: a heavy trolley that turns, rises and stops, and a bob that weighs a thousandth of it."""
+    drivers = {"p": _path("trolley", (0.1, (0, 0, 1), (0, 0, 0)), (0.4173, (0.2, 0, 1.5), (0.3, 0.4, 0.4)))}
+    trolley = entity({"kind": "box", "size": (0.1, 0.1, 0.1)}, at=(0, 0, 1), motion="kinematic", mass=300.0)
+    trolley["parts"]["p"]["pose"] = {"position": (0.3, 0.2, 0.1)}
+    entities = {"trolley": trolley, "bob": ball(0.02, at=(0, 0, 0.5), mass=0.3)}
+    joints = {"h": {"kind": "hinge", "parent": "trolley", "child": "bob", "anchor": (0, 0, 1), "axis": (0, 1, 0)}}
+    run = Run(world(entities, seconds=0.6, joints=joints, drivers=drivers, settings={"step": 2e-4}))
+    energy = run.record("kinetic_energy") + run.record("potential_energy")
+    found = energy - energy[0] - run.record("driver_work")
+    assert np.abs(found).max() < WORK * np.ptp(energy), (found, np.ptp(energy))

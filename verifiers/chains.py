@@ -238,9 +238,8 @@ class Chains:
                     found.append((a, b, times[0][0], end, total.get(pair, times[0][1])))
         found += [(self._index[a], self._index[b], start, end, j) for a, b, j in self._pushes[frame] if b in self._index]
         links = _both_ways(found)
-        sender, receiver, begin, end, impulse = links
-        heard = ~np.isin(sender * len(self.names) + receiver, self._deaf)
-        return _Links(sender[heard], receiver[heard], begin[heard], end[heard], impulse[heard])
+        ok = ~np.isin(links.sender * len(self.names) + links.receiver, self._deaf)
+        return _Links(links.sender[ok], links.receiver[ok], links.begin[ok], links.end[ok], links.impulse[ok])
 
     def _joint_links(self) -> _Links:
         plan = self.candidate.spec.simulation

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
     from .ledgers import Books
 
-__all__ = ["CHANNEL", "Exchanged", "account", "both_ways", "exchange_steps", "exchanged", "nothing", "partners"]
+__all__ = ["CHANNEL", "Exchanged", "account", "both_ways", "exchange_steps", "exchanged", "nothing", "partners", "pushed"]
 
 CHANNEL = "exchange/impulse"
 """Linear and angular impulse about each body's centre of mass over the frame [N s], [N m s], shape (n, 6)."""
@@ -95,14 +95,21 @@ def exchanged(books: Books) -> Exchanged:
     Raises:
         EvidenceError: one is, and the cache has no record of it.
     """
-    if not both_ways(books.candidate.spec, books.cache.index.solver):
-        return nothing(books)
+    return account(books, pushed(books)) if both_ways(books.candidate.spec, books.cache.index.solver) else nothing(books)
+
+
+def pushed(books: Books) -> F64:
+    """Impulses that coupled liquids, grains and cloth gave to each body, and angular ones about its centre [N s, N m s], shape (F - 1, n, 6).
+
+    Raises:
+        EvidenceError: the cache has no record of it.
+    """
     given: F64 = np.asarray(books.cache.series(CHANNEL), dtype=np.float64)
     if given.shape != (books.frames, len(books.owner), 6):
         raise EvidenceError(f"channel {CHANNEL!r} has shape {given.shape}, not {(books.frames, len(books.owner), 6)}; bake again")
     if not np.isfinite(given).all():
         raise EvidenceError(f"channel {CHANNEL!r} is not finite; see numerical:finite")
-    return account(books, given[1:])
+    return given[1:]
 
 
 def nothing(books: Books) -> Exchanged:

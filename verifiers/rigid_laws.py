@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64, pose_of, rotation_matrix
 from ..worlds.spec import PathDriver
 from .ledgers import Books, Flags, books_of
+from .rests import rests_of, strangest
 from .rigid_rows import Excess, largest, law_row
 from .tumbling import tumble
 from .verdicts import correction
@@ -96,20 +97,12 @@ def _grouped(books: Books, label: Labels, opened: Flags) -> _Groups:
     mass, budget, doubt = np.zeros(count), np.zeros(count), np.zeros(count)
     residual, closed = np.zeros((count, 3)), np.zeros(count, dtype=bool)
     np.add.at(mass, label, np.broadcast_to(books.mass, label.shape))
-    np.add.at(residual, label, books.residual)
-    np.add.at(budget, label, books.contact_budget)
+    rests = rests_of(books)
+    np.add.at(residual, label, books.residual - rests.held)
+    np.add.at(budget, label, books.contact_budget + rests.passed_on)
     np.add.at(doubt, label, books.spring_impulse[1] + books.let_go_doubt[0])
     np.logical_or.at(closed, label, opened)
     return _Groups(mass, residual, budget, doubt, closed)
-
-
-def _unlogged(books: Books) -> F64:
-    """Impulse that contacts of resting bodies can have given without being logged [N s], shape (F - 1, E).
-
-    The engine lists no contacts among sleeping bodies; what they give is what keeps the body still.
-    """
-    known = np.linalg.norm(books.known_impulse, axis=2)
-    return np.where(books.dozing | books.napping, known, 0.0)
 
 
 def _lag(books: Books, label: Labels) -> F64:
@@ -131,7 +124,7 @@ def unexplained(books: Books) -> Unexplained:
     held = books.free_time <= 0
     groups = _grouped(books, label, anchored | held)
     unlogged = np.zeros(len(groups.mass))
-    np.add.at(unlogged, label, _unlogged(books))
+    np.add.at(unlogged, label, rests_of(books).unlogged)
     size = np.linalg.norm(groups.residual, axis=1)
     excess = (size - (groups.budget + unlogged) * (1 + ROUNDING) - groups.doubt) / groups.mass
     judged = ~groups.open & np.isfinite(groups.doubt)
@@ -189,6 +182,7 @@ def momentum(candidate: Candidate, solver: str, cache: Cache) -> Row:
         none="every moving body is held, on a path or fixed by joints in this interval",
         entities=books.entities,
         hints=hints,
+        evidence=strangest(books, worst.entity, worst.frame) if worst.over and worst.entity else None,
     )
 
 
@@ -209,7 +203,7 @@ def _drift(books: Books) -> tuple[F64, Flags]:
     change = np.zeros(len(groups.mass))
     np.add.at(change, label, _uneven(books))
     unlogged = np.zeros(len(groups.mass))
-    np.add.at(unlogged, label, _unlogged(books))
+    np.add.at(unlogged, label, rests_of(books).unlogged)
     # An impulse at any moment of the frame shifts the body by at most half the frame times its speed against the trapezoid.
     allowed = 0.5 * h * (groups.budget + groups.doubt + unlogged + change) * (1 + ROUNDING) / groups.mass
     allowed += np.linalg.norm(known, axis=1) / groups.mass * books.step
@@ -277,7 +271,7 @@ def _in_contact(books: Books) -> tuple[F64, Flags]:
     angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.outside.angular, axis=2)
     torques = np.where(books.dozing | books.switching, np.linalg.norm(books.driver_wrench[1], axis=2), 0.0)
     lever = books.reach + books.rolling
-    allowed = books.contact_budget * lever * (1 + ROUNDING) + _unlogged(books) * lever + torques + books.let_go_doubt[1]
+    allowed = books.contact_budget * lever * (1 + ROUNDING) + rests_of(books).unlogged * lever + torques + books.let_go_doubt[1]
     inertia = np.linalg.eigvalsh(books.inertia[books.first])
     speed = np.linalg.norm(books.spin[:, books.first], axis=2)
     gyration = np.maximum(speed[:-1], speed[1:]) ** 2 * books.step * inertia[:, 2]

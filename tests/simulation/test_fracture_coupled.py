@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +13,8 @@ from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.probe import replay
 from worldagent.simulation.schedule import run_frames
-from worldagent.verifiers import fracture, rigid
-from worldagent.worlds.cache import Cache
+from worldagent.verifiers import fracture, rigid, rigid_laws
+from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
 
@@ -108,3 +110,40 @@ def test_intervals_replay_from_their_checkpoints_by_the_byte(run: Candidate) -> 
     results = replay(run, intervals=2, seed=1)
     assert {r["solver"] for r in results} == {"rigid", "water"}
     assert all(r["identical"] for r in results), results
+
+
+def _lifted(run: Candidate, folder: Path, *, told: bool) -> Candidate:
+    """The run, with its root asleep where it stood as if on a shelf, while something lifts a loose piece by the weight of the whole
+    plank; `told` where water says that it did."""
+    cache, frame = run.caches["rigid"], FRAMES - 3
+    rows = [cache.body_row("plank", b.name) for b in run.entity("plank").bodies]
+    mass = np.array([b.mass for b in run.entity("plank").bodies])
+    root, loose = rows[0], rows[-1]
+    given = cache.read(frame)["exchange/impulse"][rows, 2].sum()
+    impulse = mass.sum() * 9.81 / run.spec.simulation.fps - given
+    shutil.copytree(cache.folder, folder / "run" / "rigid")
+    other = Cache(folder / "run" / "rigid")
+    for k in range(FRAMES):
+        data = other.read(k)
+        data["bond/broken"][:] = 1
+        data["asleep"][root] = 1
+        if k >= frame:
+            data["velocity"][loose, 2] += impulse / mass[-1]
+        if told and k == frame:
+            data["exchange/impulse"][loose, 2] += impulse
+        write_container(other.path(k), data)
+    return dataclasses.replace(run, folder=folder, caches={**run.caches, "rigid": other})
+
+
+def test_water_that_lifts_some_pieces_does_not_hide_what_others_sleep_on(run: Candidate, tmp_path: Path) -> None:
+    """It may carry some with as much as what others lie on bears of those: nothing is left of what is known to push them together."""
+    lifted = _lifted(run, tmp_path, told=True)
+    row = rigid_laws.momentum(lifted, "rigid", lifted.caches["rigid"])
+    assert row.status == "pass", row.evidence
+
+
+def test_a_lift_that_no_water_gave_is_found_and_names_the_piece(run: Candidate, tmp_path: Path) -> None:
+    lifted = _lifted(run, tmp_path, told=False)
+    row = rigid_laws.momentum(lifted, "rigid", lifted.caches["rigid"])
+    assert (row.status, row.first_failing_entity) == ("fail", "plank")
+    assert str(row.evidence["body"]).startswith("plank/")

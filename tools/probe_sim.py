@@ -57,7 +57,7 @@ def probe_sim(
     from .waiting import start_and_wait
 
     session = Session.open(context.workspace, world)
-    session.require_audit("probe_sim")
+    report = session.require_audit("probe_sim")
     rows, _, _ = session.check_static()
     open_rows = [r for r in rows if r.mandatory and r.status in ("fail", "unverified") and r.check != "shots"]
     if open_rows:
@@ -80,7 +80,7 @@ def probe_sim(
     if "state" in data:
         data["estimate_s"] = liquid_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
         data["estimate_of"] = "moving its liquids once, checks and runs without a cause apart,"
-    return told(world, "probe", data, detail)
+    return told(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
 
 
 def _line(row: Row) -> str:

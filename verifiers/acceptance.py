@@ -26,6 +26,7 @@ from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import WorldSpec, prompt_digest
+from ..worlds.story_audit import uncaused
 from .bundle import event_list
 from .register import approximations
 
@@ -204,8 +205,8 @@ def judge(
 def _unjudged(candidate: Candidate, check: Check) -> Row:
     """A check that found nothing to judge: no evidence is no pass, unless nothing of the kind can exist."""
     spec = candidate.spec
-    still = all(e.motion == "static" for e in spec.entities.values()) and not spec.simulation.drivers
-    if check == "causal" and still and not spec.story.beats:
+    lacking = uncaused(spec)
+    if check == "causal" and lacking is None:
         return Row(
             id="causal:none",
             check=check,
@@ -217,7 +218,7 @@ def _unjudged(candidate: Candidate, check: Check) -> Row:
             recipe=candidate.recipe(check, extra="none"),
         )
     pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
-    text = {"causal": "no beat names causes; say which beat brings about which"}.get(check, f"nothing for {check} to judge")
+    text = (lacking if check == "causal" else None) or f"nothing for {check} to judge"
     return Row(
         id=f"{check}:none",
         check=check,

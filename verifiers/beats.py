@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.candidate import Candidate
+from ..worlds.drivers import deed, to_declare, undeclared
 from ..worlds.predicates import atoms_of, describe_predicate, entities_of, is_invariant
 from ..worlds.requirements import Group, Row
 from ..worlds.spec import PathDriver
 from .beat_corrections import corrections_of, happens_at
-from .causal import driver_start
 from .predicates import Outcome, beat_times, evaluate
 from .verdicts import correction, make_row, requested_frames
 
@@ -233,11 +233,11 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
             f"beat:driven:{beat_id}",
             check="beat",
             group="temporal",
-            predicate=f"outcome {beat_id} is brought about by a solver, not by an authored path",
+            predicate=f"outcome {beat_id} is brought about by a solver, not by an authored path or by a driver that the story leaves out",
             mandatory=beat.mandatory,
             status="fail" if first else "pass",
             explanation=(
-                f"driver {helper} acts on {first} before {beat_id} comes true, and no beat that leads to it is owned by that driver"
+                f"{deed(candidate.spec, helper, beat.subject)}, before {beat_id} comes true, and no beat that leads to it is owned by {helper}"
                 if helper
                 else f"{first} follows {f'path driver {driver}' if driver else 'an authored motion'}, so beat {beat_id} is staged"
                 if first
@@ -250,7 +250,7 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
                 correction(
                     "a driver moves the outcome itself, and the story does not say so",
                     "drivers",
-                    f"take driver {helper} away, or let it own a beat that is among the causes of {beat_id}",
+                    to_declare(helper, beat.subject, beat_id),
                     pointers=(f"/simulation/drivers/{helper}", f"/story/beats/{beat_id}/causes"),
                 )
                 if helper
@@ -270,23 +270,8 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
 
 def _helper(candidate: Candidate, beat_id: str) -> str | None:
     """A driver that acts on the subject of an outcome without owning a beat that leads to it. A medium at rest brings nothing about."""
-    plan, beats = candidate.spec.simulation, candidate.spec.story.beats
-    beat = beats[beat_id]
+    beat = candidate.spec.story.beats[beat_id]
     if not beat.causes:
         return None
-    behind, left = {beat_id}, list(beat.causes)
-    while left:
-        name = left.pop()
-        if name in beats and name not in behind:
-            behind.add(name)
-            left += beats[name].causes
-    owners = {beats[n].owner for n in behind}
     first = beat_times(candidate).outcome(beat_id).first_true_frame
-    until = (beat.frames[1] if first is None else first) / plan.fps
-    for name, driver in plan.drivers.items():
-        if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
-            continue
-        start, entities = driver_start(candidate, name)
-        if beat.subject in entities and start < until:
-            return name
-    return None
+    return undeclared(candidate.spec, beat_id, (beat.frames[1] if first is None else first) / candidate.spec.simulation.fps)

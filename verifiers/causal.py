@@ -11,28 +11,15 @@ at which the driver acts.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..worlds.candidate import Candidate
+from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
-from ..worlds.fields import acting_on
 from ..worlds.predicates import Contact
 from ..worlds.requirements import Correction, Row, Status
-from ..worlds.spec import (
-    DetachDriver,
-    EmitterDriver,
-    FieldDriver,
-    ForceDriver,
-    InflowDriver,
-    MotorDriver,
-    OutflowDriver,
-    PathDriver,
-    ReleaseDriver,
-    WavesDriver,
-)
 from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
 from .predicates import Outcome, beat_times, evaluate
 from .sheet_links import sheet_of
@@ -87,34 +74,10 @@ def check(candidate: Candidate) -> list[Row]:
 def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str, ...]]:
     """When a driver acts first [s], and on which entities.
 
-    A path acts when its poses first change.
+    Raises:
+        EvidenceError: its joint is not in the plan.
     """
-    plan = candidate.spec.simulation
-    driver = plan.drivers[driver_id]
-    if isinstance(driver, ReleaseDriver):
-        return driver.time, (driver.entity,)
-    if isinstance(driver, ForceDriver | InflowDriver | EmitterDriver):
-        return driver.start, (driver.entity,)
-    if isinstance(driver, FieldDriver):
-        return driver.start, acting_on(candidate.spec, driver)
-    if isinstance(driver, WavesDriver):
-        return max(0.0, driver.start), (driver.entity,)
-    if isinstance(driver, OutflowDriver):
-        return 0.0, (driver.entity,)
-    if isinstance(driver, PathDriver):
-        keys = sorted(driver.keys.values(), key=lambda k: k.time)
-        still = [b.time for a, b in pairwise(keys) if a.pose == b.pose]
-        start = keys[0].time
-        for time in still:  # leading keys with equal poses are a wait
-            if all(k.pose == keys[0].pose for k in keys if k.time <= time):
-                start = time
-        return start, (driver.entity,)
-    assert isinstance(driver, MotorDriver | DetachDriver)
-    joint = plan.joints.get(driver.joint)
-    if joint is None:
-        raise EvidenceError(f"joint {driver.joint!r} of driver {driver_id!r} is not in the simulation plan")
-    ends = tuple(e for e in (joint.child, joint.parent) if e is not None)
-    return (driver.start if isinstance(driver, MotorDriver) else driver.time), ends
+    return acts_from(candidate.spec, driver_id)
 
 
 def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onset:

@@ -29,7 +29,7 @@ from .spec import (
     MOVED,
     WorldSpec,
 )
-from .story_audit import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems
+from .story_audit import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused
 
 __all__ = ["AuditReport", "audit"]
 
@@ -94,6 +94,8 @@ class AuditReport:
     coverage: Mapping[str, tuple[str, ...]]
     """Beat -> shots that overlap its frames."""
     clauses: Mapping[str, str]
+    lacking: tuple[str, ...] = ()
+    """What a world may do without until its acceptance, which will ask for it."""
 
     @property
     def passed(self) -> bool:
@@ -361,4 +363,6 @@ def audit(spec: WorldSpec) -> AuditReport:
             if r.kind in ("supports", "interacts", "contains", "fastened")
         }
     )
-    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses)
+    lacking = uncaused(spec)
+    told = () if lacking is None else (lacking,)
+    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses, told)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from .cloth import pins_of, tears
+from .drivers import deed, to_declare, undeclared
+from .errors import EvidenceError
 from .fields import acting_on
 from .gate import Problem, replaced
 from .liquids import declares_heat
@@ -13,7 +15,7 @@ from .predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, ent
 from .references import cycle_in, kinds_of, mentions_joint
 from .spec import FieldDriver, SpecModel, Supports, WorldSpec
 
-__all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems"]
+__all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
 
 TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
 """Evidence of cloth that can tear."""
@@ -60,6 +62,7 @@ def story_problems(spec: WorldSpec) -> list[Problem]:
             if cause not in beat.causes:
                 text = f"the margin names {cause!r}, which is not among the causes"
                 problems.append(Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"}))
+        problems += _unsaid(spec, name)
         if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
             problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
     cycle = cycle_in({n: list(b.causes) for n, b in beats.items()})
@@ -70,6 +73,39 @@ def story_problems(spec: WorldSpec) -> list[Problem]:
             Problem("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
         )
     return problems
+
+
+def _unsaid(spec: WorldSpec, name: str) -> list[Problem]:
+    """A driver that is sure to act on the subject of an outcome before it can come true, and that no beat which leads there owns.
+
+    An outcome that is true at frame 0 is none, so it comes true at frame 1 or at the first of its frames.
+    """
+    beat, plan = spec.story.beats[name], spec.simulation
+    try:
+        helper = undeclared(spec, name, max(1, beat.frames[0]) / plan.fps) if beat.mandatory else None
+    except EvidenceError:
+        return []  # a joint that is not there: the references tell of it
+    if helper is None:
+        return []
+    text = f"{deed(spec, helper, beat.subject)}, before {name} can come true, and no beat that leads to it is owned by {helper}"
+    return [Problem(f"/story/beats/{name}/causes", f"{text}: {to_declare(helper, beat.subject, name)}")]
+
+
+def uncaused(spec: WorldSpec) -> str | None:
+    """Why an acceptance would find no cause to judge, and what to add; None where it finds one, or nothing can happen."""
+    beats = spec.story.beats
+    if any(b.causes for b in beats.values()):
+        return None
+    if not beats and not spec.simulation.drivers and all(e.motion == "static" for e in spec.entities.values()):
+        return None
+    text = "no beat names causes, and without one an acceptance stays incomplete: "
+    if len(beats) < 2:
+        return (
+            text
+            + "add a beat of what starts the event (owned by its driver, if it has one) and name it in the `causes` of the event's"
+        )
+    first, *_, last = sorted(beats, key=lambda n: beats[n].frames)
+    return text + f'say which beat brings about which, such as "causes": ["{first}"] in /story/beats/{last}, if that is so'
 
 
 def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bonds: frozenset[str]) -> list[Problem]:

@@ -13,6 +13,7 @@ import worldagent.worlds.ledger_file as ledger_file
 import worldagent.worlds.patch as patches
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools.edit_spec import edit_spec
+from worldagent.tools.run_checks import run_checks
 from worldagent.tools.session import Session
 from worldagent.worlds.errors import EngineError, RefusedError, WorldAgentError
 from worldagent.worlds.requirements import Row
@@ -168,3 +169,10 @@ def test_a_verdict_over_motion_that_comes_amid_static_checks_stays(
     assert not other.error
     found = next(r for r in session.ledger.rows() if r.id == judged.id)
     assert (found.status, session.ledger.stages()[judged.id]) == ("fail", "probe")
+
+
+def test_an_edit_tells_what_its_acceptance_will_ask_for(world: Any) -> None:
+    without = [{"op": "replace", "path": f"/story/beats/{n}/causes", "value": []} for n in ("strike", "fall")]
+    told = edit_spec(world, world="w", patch=without).data["warnings"]
+    assert any("no beat names causes" in w for w in told), told
+    assert any("no beat names causes" in w for w in run_checks(world, world="w", scope="audit").data["warnings"])

@@ -61,7 +61,7 @@ def test_an_unjudged_check_gets_a_row_that_says_what_to_do(tmp_path: Path) -> No
     candidate = make_candidate(tmp_path, small(), stage="full")
     made = acceptance._unjudged(candidate, "causal")
     assert (made.status, made.check, made.mandatory) == ("unverified", "causal", True)
-    assert "which beat brings about which" in made.corrections[0].action
+    assert "add a beat of what starts the event" in made.corrections[0].action
 
 
 def test_where_nothing_can_happen_no_cause_is_missed(tmp_path: Path) -> None:

@@ -33,6 +33,8 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an unknown region end": ([("/graph/relations/way", {"kind": "connects", "a": "r1", "b": "r2"})], "references", "unknown region 'r1'"),
     "an unknown owner": ([("/story/beats/roll/owner", "fluid")], "references", "unknown owner 'fluid'"),
     "an unknown cause": ([("/story/beats/fall/causes", ["bang"])], "references", "unknown beat 'bang'"),
+    "a release that no beat tells": (
+        [("/simulation/drivers/go", {"kind": "release", "entity": "b3", "time": 0.1})], "story", "release go lets b3 go at 0.1 s, before fall can"),
     "a margin of no cause": ([("/story/beats/fall/margins", {"roll": {"frames": 2}})], "story", "the margin names 'roll'"),
     "an unknown beat of a robustness item": (
         [("/story/robustness", {"r": {"kind": "refined", "beats": ["bang"]}})], "references", "unknown beat 'bang'"),
@@ -116,6 +118,24 @@ def test_suggested_patches_mend_what_they_are_for() -> None:
                 assert len(left) < before, name
                 mended += 1
     assert mended >= 5
+
+
+def test_drivers_that_a_beat_tells_or_that_come_too_late_to_be_certain_are_no_fault() -> None:
+    go = {"kind": "release", "entity": "b3", "time": 0.1}
+    late = ("/simulation/drivers/go", {**go, "time": 0.5})
+    told = ("/story/beats/strike", {**base().story.beats["strike"].model_dump(mode="json"), "owner": "go", "subject": "b3"})
+    optional = ("/story/beats/fall/mandatory", False)
+    for changes in ([late], [("/simulation/drivers/go", go), told], [("/simulation/drivers/go", go), optional]):
+        row = next(r for r in audit(broken(*changes)).rows if r.id == "audit:story")
+        assert not any("before fall" in p for p in row.evidence.get("problems", [])), changes
+
+
+def test_a_story_without_causes_is_told_what_its_acceptance_will_ask_for() -> None:
+    assert audit(base()).lacking == ()
+    without = broken(("/story/beats/fall/causes", []), ("/story/beats/strike/causes", []))
+    (said,) = audit(without).lacking
+    assert '"causes": ["roll"] in /story/beats/fall' in said
+    assert audit(without).passed
 
 
 def test_an_unmet_clause_with_a_reason_passes() -> None:

@@ -1,0 +1,100 @@
+"""When drivers act and on what, by the specification alone."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from .errors import EvidenceError
+from .fields import acting_on
+from .spec import (
+    DetachDriver,
+    EmitterDriver,
+    FieldDriver,
+    ForceDriver,
+    InflowDriver,
+    MotorDriver,
+    OutflowDriver,
+    PathDriver,
+    ReleaseDriver,
+    WavesDriver,
+    WorldSpec,
+)
+
+__all__ = ["acts_from", "deed", "to_declare", "undeclared"]
+
+
+def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
+    """When a driver acts first [s], and on which entities.
+
+    A path acts when its poses first change.
+
+    Raises:
+        EvidenceError: its joint is not in the plan.
+    """
+    plan = spec.simulation
+    driver = plan.drivers[driver_id]
+    if isinstance(driver, ReleaseDriver):
+        return driver.time, (driver.entity,)
+    if isinstance(driver, ForceDriver | InflowDriver | EmitterDriver):
+        return driver.start, (driver.entity,)
+    if isinstance(driver, FieldDriver):
+        return driver.start, acting_on(spec, driver)
+    if isinstance(driver, WavesDriver):
+        return max(0.0, driver.start), (driver.entity,)
+    if isinstance(driver, OutflowDriver):
+        return 0.0, (driver.entity,)
+    if isinstance(driver, PathDriver):
+        keys = sorted(driver.keys.values(), key=lambda k: k.time)
+        still = [b.time for a, b in pairwise(keys) if a.pose == b.pose]
+        start = keys[0].time
+        for time in still:  # leading keys with equal poses are a wait
+            if all(k.pose == keys[0].pose for k in keys if k.time <= time):
+                start = time
+        return start, (driver.entity,)
+    assert isinstance(driver, MotorDriver | DetachDriver)
+    joint = plan.joints.get(driver.joint)
+    if joint is None:
+        raise EvidenceError(f"joint {driver.joint!r} of driver {driver_id!r} is not in the simulation plan")
+    ends = tuple(e for e in (joint.child, joint.parent) if e is not None)
+    return (driver.start if isinstance(driver, MotorDriver) else driver.time), ends
+
+
+def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:
+    """What a driver does to an entity, in words."""
+    time = acts_from(spec, driver_id)[0]
+    if isinstance(spec.simulation.drivers[driver_id], ReleaseDriver):
+        return f"release {driver_id} lets {entity} go at {time:g} s"
+    return f"driver {driver_id} acts on {entity} from {time:g} s on"
+
+
+def to_declare(driver_id: str, entity: str, beat_id: str) -> str:
+    """What makes the story say that a driver leads to a beat."""
+    return (
+        f"give {driver_id} a beat of its own (owner {driver_id}, subject {entity}) and name it in the causes of {beat_id} or of a beat "
+        f"that leads to it, or take {driver_id} away"
+    )
+
+
+def undeclared(spec: WorldSpec, beat_id: str, until: float) -> str | None:
+    """A driver that acts on the subject of an outcome before `until` [s] without owning a beat that leads to it; None where none does.
+
+    Paths are judged by themselves, and a medium at rest brings nothing about.
+    """
+    plan, beats = spec.simulation, spec.story.beats
+    beat = beats[beat_id]
+    if not beat.causes:
+        return None
+    behind, left = {beat_id}, list(beat.causes)
+    while left:
+        name = left.pop()
+        if name in beats and name not in behind:
+            behind.add(name)
+            left += beats[name].causes
+    owners = {beats[n].owner for n in behind}
+    for name, driver in plan.drivers.items():
+        if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
+            continue
+        start, entities = acts_from(spec, name)
+        if beat.subject in entities and start < until:
+            return name
+    return None

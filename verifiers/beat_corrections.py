@@ -9,6 +9,7 @@ import numpy as np
 
 from ..worlds.candidate import Candidate
 from ..worlds.predicates import atoms_of, entities_of, is_invariant
+from .fracture_corrections import breaking
 from .predicates import Outcome, evaluate
 from .verdicts import correction
 
@@ -66,7 +67,8 @@ def corrections_of(
     if entity is not None and aimed is not None and aimed.physics.category == "particles":
         found += _stock(candidate, entity, outcome, details)
     if entity is not None and aimed is not None and aimed.physics.category in AIMED:
-        found += _aim(candidate, entity, outcome, details)
+        broken = breaking(candidate, predicate, entity, outcome, details, pointer)
+        found += _aim(candidate, entity, outcome, details) if broken is None else broken
     return found
 
 

@@ -10,15 +10,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.bench.simulated_worlds import beat
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import STONE, bond, simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers import fracture, rigid
+from worldagent.verifiers.beats import check as check_beats
+from worldagent.verifiers.diagnosis import diagnose
 from worldagent.verifiers.fracture_frames import Frames
 from worldagent.verifiers.register import approximations
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Breach, Broken, Debris
+from worldagent.worlds.requirements import Correction
 from worldagent.worlds.spec import WorldSpec
 
 Channels = dict[str, Any]
@@ -255,3 +259,48 @@ def test_the_laws_of_rigid_bodies_hold_over_the_split(run: Candidate) -> None:
     found = {r.id.split(":")[2]: r.status for r in rigid.check_instance(run, "main")}
     assert set(found.values()) <= {"pass", "not_applicable"}
     assert {found[k] for k in ("bodies", "mass", "energy", "records", "momentum", "motion", "contacts")} == {"pass"}
+
+
+def _hints(run: Candidate, asked: Broken | Breach | Debris, span: tuple[int, int]) -> tuple[list[Correction], str]:
+    """Corrections of a beat that asks for too much, diagnosed, and all their words."""
+    row = next(r for r in check_beats(asking(run, asked, span)) if r.id == "beat:breaks")
+    assert row.status == "fail"
+    found = list(diagnose(row, run.spec).corrections)
+    return found, " ".join(f"{c.cause} {c.action} {c.pointers} {c.patch}" for c in found)
+
+
+def asking(run: Candidate, asked: Broken | Breach | Debris, span: tuple[int, int]) -> Candidate:
+    story = run.spec.story.model_copy(update={"beats": {"breaks": beat("wall", asked, frames=span, owner="main")}})
+    return dataclasses.replace(run, spec=run.spec.model_copy(update={"story": story}))
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        Broken(entity="wall", by="ball", min=0.999),
+        Debris(entity="wall", min=200),
+        Debris(entity="wall", min=1, min_distance=4.0),
+        Breach(entity="wall", direction=(0, 1, 0), point=(0.01, 0, 0.3), min_width=1.2, min_height=0.6),
+    ],
+)
+def test_what_breaks_too_little_gets_the_causes_of_fracture(run: Candidate, asked: Broken | Breach | Debris) -> None:
+    found, words = _hints(run, asked, (0, run.last_frame))
+    assert {"initial_state", "mass", "bonds"} <= {c.group for c in found}
+    assert "/entities/ball/physics/linear_velocity" in words
+    assert "/entities/wall/physics/linear_velocity" not in words
+    assert "friction" not in words
+    bond = run.spec.entities["wall"].breakable.bond  # type: ignore[union-attr]
+    weaker = next(c for c in found if c.group == "bonds")
+    assert [o["value"] for o in weaker.patch] == [pytest.approx(0.7 * bond.tension), pytest.approx(0.7 * bond.shear)]
+
+
+def test_debris_that_is_not_far_enough_is_told_how_far_it_went(run: Candidate) -> None:
+    """The distance that is proposed makes the beat true; where too few pieces came loose none is."""
+    asked, span = Debris(entity="wall", min=1, min_distance=4.0), (0, run.last_frame)
+    found, _ = _hints(run, asked, span)
+    wanted = next(c for c in found if c.group == "story").patch[0]
+    assert wanted["path"] == "/story/beats/breaks/predicate/min_distance"
+    assert evaluate(run, asked.model_copy(update={"min_distance": wanted["value"]}), span).status == "pass"
+    many, words = _hints(run, Debris(entity="wall", min=200), span)
+    assert "story" not in {c.group for c in many}
+    assert "200 are asked for" in words

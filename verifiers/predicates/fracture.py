@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+import math
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,13 +82,15 @@ def debris(scope: Scope, predicate: SpecModel) -> Outcome:
     rest = frames.rest_points(np.array([b.pose.position for b in frames.built.bodies]))
     mass = np.array([b.mass for b in frames.built.bodies])
     first, last = scope.frames
-    counts, most = [], []
+    needed = None if p.min is None else max(1, math.ceil(p.min))
+    counts, most, apart = [], [], []
     for f in range(first, last + 1):
         position, _ = frames.poses(f)
         labels, fixed = components(len(rest), frames.bonds, ~frames.broken(f))
         total = np.bincount(labels, weights=mass, minlength=len(fixed))
         moved = np.stack([np.bincount(labels, weights=mass * d, minlength=len(fixed)) for d in (position - rest).T], axis=1)
         off = np.linalg.norm(moved, axis=1) > p.min_distance * total
+        apart.append(np.sort((np.linalg.norm(moved, axis=1) / total)[~fixed])[::-1])
         counts.append(float((off & ~fixed).sum()))
         most.append(int((off & ~fixed)[labels].sum()))
     value = np.array(counts)
@@ -97,7 +100,16 @@ def debris(scope: Scope, predicate: SpecModel) -> Outcome:
         lumps = f"{value[i]:.0f} loose lumps of {p.entity} ({most[i]} of its {len(rest)} pieces)"
         return f"{lumps} lay {p.min_distance:g} m off their place at frame {first + i}"
 
-    return judge(Series(scope.frames, value, margin, "1", p.entity, side, tell), p.when)
+    def detail(i: int) -> dict[str, Any]:
+        """How many lumps are loose, and how far as many as asked for went from their places [m]: at any frame, where one decides."""
+        at = range(len(apart)) if p.when == "eventually" else [i]
+        far = {k: float(apart[k][needed - 1]) for k in at if needed is not None and needed <= len(apart[k])}
+        best = max(far, key=lambda k: far[k], default=None)
+        if best is None or not np.isfinite(far[best]):
+            return {"lumps": max(len(apart[k]) for k in at)}
+        return {"lumps": len(apart[best]), "reached": far[best], "largest_frame": first + best}
+
+    return judge(Series(scope.frames, value, margin, "1", p.entity, side, tell, detail), p.when)
 
 
 def breach(scope: Scope, predicate: SpecModel) -> Outcome:

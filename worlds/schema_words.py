@@ -42,6 +42,10 @@ NAMED = 4
 """Parts that are offered for a word."""
 UNSAID = 1e9
 """Bounds that only keep numbers finite are left out."""
+_FIRST = tuple(
+    f"one of {u}" for u in ("SolverInstance", "Driver", "Physics", "Predicate", "Shape", "Region", "Relation", "Joint")
+)
+"""In which order parts of one name are told, by where they stand."""
 _ID = "^[A-Za-z][A-Za-z0-9_-]{0,63}$"
 _BOUNDS = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
 
@@ -96,13 +100,14 @@ def described(part: str, document: Any = None) -> dict[str, Any]:
     """One part in short lines, with the parts that only it needs.
 
     Args:
-        part: a name of `known_parts`, or a JSON pointer into a specification, such as `/simulation/solvers`.
+        part: a name of `known_parts`, what a kind, an engine or a category is called in a specification (`release`, `dem`), or a JSON
+            pointer into one, such as `/simulation/solvers`. Of several parts of a name one is told and the others are named.
         document: the specification, which tells which member of a union the pointer leads through; else the first that fits.
 
     Raises:
         InputError: there is no such part.
     """
-    name = _by_pointer(part, document) if part.startswith("/") else {k.lower(): k for k in known_parts()}.get(part.lower(), part)
+    name, others = (_by_pointer(part, document), []) if part.startswith("/") else _meant(part)
     if name in (ROOT, ""):
         return overview()
     if name in _members():
@@ -111,15 +116,47 @@ def described(part: str, document: Any = None) -> dict[str, Any]:
         raise InputError(
             f"the schema has no part {part!r}{_hint(name)} Parts: {', '.join((ROOT, *UNIONS))}, and every name they mention"
         )
-    found: dict[str, Any] = {"type": name, **_type(name)}
+    found: dict[str, Any] = {"type": name}
+    if others:
+        found |= {"stands": _home(name), "see_also": [f"{k} ({_home(k)})" for k in others]}
+    found |= _type(name)
     nested = [n for n in _mentioned(_schema()["$defs"][name]) if n not in UNIONS][:NESTED]
     if nested:
         found["parts"] = {n: _type(n) for n in nested}
     return found
 
 
+def _meant(word: str) -> tuple[str, list[str]]:
+    """The part that a word means, itself where there is none, and others that it may mean.
+
+    A part's own name means that part. Other words are what a specification calls a kind, an engine or a category: what is simulated goes
+    before what is asked of it, and layers of terrain, whose names are those of what shaped it, come last.
+    """
+    same = [k for k in known_parts() if word.lower() in (k.lower(), *_kinds(_schema()["$defs"].get(k, {})))]
+    if not same or word in (ROOT, *UNIONS):
+        return word, []
+    told = sorted(
+        same, key=lambda k: (k != word, _FIRST.index(_home(k)) if _home(k) in _FIRST else len(_FIRST), _home(k) == "one of Layer")
+    )
+    if told[0] in (ROOT, *UNIONS):
+        return told[0], []
+    near = [] if word == told[0] else _near(word)
+    return told[0], [k for k in dict.fromkeys((*told, *near)) if k != told[0]][:NAMED]
+
+
 def _hint(name: str) -> str:
     """Parts that a word may mean, each with where it stands: by name, kind, beginning or end of their name, else by likeness."""
+    near = _near(name)
+    if near:
+        told = [f"{k} ({_home(k)})" for k in near]
+    else:
+        folded = {k.lower(): k for k in known_parts()}
+        told = [folded[c] for c in difflib.get_close_matches(name.lower(), folded, n=3, cutoff=0.5)]
+    return f"; did you mean {' or '.join(told)}?" if told else ""
+
+
+def _near(name: str) -> list[str]:
+    """Parts of which a word is the kind or the beginning or end of the name."""
     folded = {k.lower(): k for k in known_parts()}
     word = name.lower()
     stem = word.removesuffix("s")
@@ -133,11 +170,7 @@ def _hint(name: str) -> str:
         )
 
     found = [k for f, k in folded.items() if kinds.get(k, set()) & {word, stem} or f.startswith(stem) or f.endswith(stem)]
-    if found and len(stem) >= LEAST_STEM:
-        told = [f"{k} ({_home(k)})" for k in sorted(found, key=rank)[:NAMED]]
-    else:
-        told = [folded[c] for c in difflib.get_close_matches(word, folded, n=3, cutoff=0.5)]
-    return f"; did you mean {' or '.join(told)}?" if told else ""
+    return sorted(found, key=rank)[:NAMED] if len(stem) >= LEAST_STEM else []
 
 
 def _kinds(node: Mapping[str, Any]) -> set[str]:

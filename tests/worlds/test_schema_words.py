@@ -73,11 +73,7 @@ def test_what_is_no_part_is_refused_with_what_there_is(part: str) -> None:
 @pytest.mark.parametrize(
     ("word", "told"),
     [
-        ("Cloth", ["ClothPhysics (one of Physics)", "ClothInstance (one of SolverInstance)", "ClothPin (in ClothPhysics)"]),
-        ("Wind", ["WindField (in FieldDriver)"]),
-        ("Field", ["FieldDriver (one of Driver)"]),
-        ("Turbulence", ["TurbulenceField (in FieldDriver)"]),
-        ("Particles", ["ParticlePhysics (one of Physics)"]),
+        ("Landscapes", ["LandscapeWater (one of Predicate)"]),
         ("Solver", ["SolverInstance (in SimulationPlan)"]),
         ("Spheres", ["did you mean Sphere (one of Shape)"]),
         ("Boxx", ["did you mean Box"]),
@@ -87,3 +83,34 @@ def test_a_word_that_is_no_part_leads_to_the_parts_it_means(word: str, told: lis
     with pytest.raises(InputError) as refused:
         described(word)
     assert all(t in str(refused.value) for t in told), refused.value
+
+
+@pytest.mark.parametrize(
+    ("word", "part", "others"),
+    [
+        ("submerged_fraction", "SubmergedFraction", []),
+        ("liquid_arrives", "LiquidArrives", []),
+        ("release", "ReleaseDriver", []),
+        ("emitter", "EmitterDriver", []),
+        ("mujoco", "RigidInstance", []),
+        ("dfsph", "DfsphInstance", ["DfsphSettings (in DfsphInstance)"]),
+        ("shell", "ClothInstance", []),
+        ("dem", "DemInstance", ["Dem (one of Layer)"]),
+        ("Dem", "Dem", ["DemInstance (one of SolverInstance)"]),
+        ("inflow", "InflowDriver", ["Inflow"]),
+        ("Inflow", "Inflow", ["InflowDriver (one of Driver)"]),
+        ("box", "Box", ["BoxRegion (one of Region)", "FieldBox"]),
+        ("Cloth", "ClothPhysics", ["ClothInstance (one of SolverInstance)", "ClothPin (in ClothPhysics)"]),
+        ("wind", "WindField", []),
+        ("field", "FieldDriver", []),
+        ("particles", "ParticlePhysics", []),
+        ("contact", "Contact", []),
+    ],
+)
+def test_what_a_specification_calls_a_part_leads_to_it_and_names_the_others(word: str, part: str, others: list[str]) -> None:
+    found = described(word)
+    assert found["type"] == part
+    told = found.get("see_also", [])
+    assert all(any(t.startswith(o) for t in told) for o in others), told
+    assert part not in [t.split(" ")[0] for t in told]
+    assert ("stands" in found) is bool(told)

@@ -250,7 +250,7 @@ def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
                 correction(
                     "a driver moves the outcome itself, and the story does not say so",
                     "drivers",
-                    to_declare(helper, beat.subject, beat_id),
+                    to_declare(candidate.spec, helper, beat_id),
                     pointers=(f"/simulation/drivers/{helper}", f"/story/beats/{beat_id}/causes"),
                 )
                 if helper

@@ -67,12 +67,30 @@ def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:
     return f"driver {driver_id} acts on {entity} from {time:g} s on"
 
 
-def to_declare(driver_id: str, entity: str, beat_id: str) -> str:
-    """What makes the story say that a driver leads to a beat."""
+def to_declare(spec: WorldSpec, driver_id: str, beat_id: str) -> str:
+    """What makes the story say that a driver leads to a beat: a first beat that does and that it could own, else a new one."""
+    beats, acted = spec.story.beats, acts_from(spec, driver_id)[1]
+    subject = beats[beat_id].subject
+    first = [n for n in _behind(spec, beat_id)[1:] if beats[n].subject in acted and not beats[n].causes]
+    own = [n for n in first if beats[n].owner in spec.simulation.solvers]
+    if own:
+        return f"let {driver_id} own beat {own[0]} (/story/beats/{own[0]}/owner), or take {driver_id} away"
     return (
-        f"give {driver_id} a beat of its own (owner {driver_id}, subject {entity}) and name it in the causes of {beat_id} or of a beat "
+        f"give {driver_id} a beat of its own (owner {driver_id}, subject {subject}) and name it in the causes of {beat_id} or of a beat "
         f"that leads to it, or take {driver_id} away"
     )
+
+
+def _behind(spec: WorldSpec, beat_id: str) -> list[str]:
+    """A beat and all that lead to it by their causes."""
+    beats = spec.story.beats
+    found, left = [beat_id], list(beats[beat_id].causes)
+    while left:
+        name = left.pop()
+        if name in beats and name not in found:
+            found.append(name)
+            left += beats[name].causes
+    return found
 
 
 def undeclared(spec: WorldSpec, beat_id: str, until: float) -> str | None:
@@ -84,13 +102,7 @@ def undeclared(spec: WorldSpec, beat_id: str, until: float) -> str | None:
     beat = beats[beat_id]
     if not beat.causes:
         return None
-    behind, left = {beat_id}, list(beat.causes)
-    while left:
-        name = left.pop()
-        if name in beats and name not in behind:
-            behind.add(name)
-            left += beats[name].causes
-    owners = {beats[n].owner for n in behind}
+    owners = {beats[n].owner for n in _behind(spec, beat_id)}
     for name, driver in plan.drivers.items():
         if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
             continue

@@ -88,7 +88,7 @@ def _unsaid(spec: WorldSpec, name: str) -> list[Problem]:
     if helper is None:
         return []
     text = f"{deed(spec, helper, beat.subject)}, before {name} can come true, and no beat that leads to it is owned by {helper}"
-    return [Problem(f"/story/beats/{name}/causes", f"{text}: {to_declare(helper, beat.subject, name)}")]
+    return [Problem(f"/story/beats/{name}/causes", f"{text}: {to_declare(spec, helper, name)}")]
 
 
 def uncaused(spec: WorldSpec) -> str | None:

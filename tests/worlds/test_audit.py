@@ -130,6 +130,20 @@ def test_drivers_that_a_beat_tells_or_that_come_too_late_to_be_certain_are_no_fa
         assert not any("before fall" in p for p in row.evidence.get("problems", [])), changes
 
 
+def test_a_driver_that_no_beat_tells_is_offered_the_beat_that_it_could_own() -> None:
+    """The ball is let go and the first beat of it is the solver's: naming the release as its owner is all that is missing."""
+    go = {"kind": "release", "entity": "ball", "time": 0.02}
+    hit = base().story.beats["strike"].model_dump(mode="json") | {"subject": "ball", "frames": [3, 10]}
+    changes = [("/simulation/drivers/go", go), ("/story/beats/strike", hit)]
+
+    def said(*more: tuple[str, Any]) -> list[str]:
+        row = next(r for r in audit(broken(*changes, *more)).rows if r.id == "audit:story")
+        return [p for p in row.evidence.get("problems", []) if "before strike" in p]
+
+    assert "let go own beat roll (/story/beats/roll/owner)" in said()[0]
+    assert said(("/story/beats/roll/owner", "go")) == []
+
+
 def test_a_story_without_causes_is_told_what_its_acceptance_will_ask_for() -> None:
     assert audit(base()).lacking == ()
     without = broken(("/story/beats/fall/causes", []), ("/story/beats/strike/causes", []))

@@ -19,10 +19,11 @@ from ..worlds.errors import EvidenceError
 from .exchanged import partners
 from .findings import Finding
 from .instance_rows import baked_again
+from .liquid_about import COLUMN, Hull, Surroundings, hull_of, others_than
 from .liquid_bodies import Bodies, exchanged
 from .liquid_footing import unwetted
 from .liquid_rows import coarse, longer_step
-from .liquid_samples import sample_inside, share_under
+from .liquid_samples import shares_under
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Correction
     from .liquid_frames import Frame, Liquid, Step
 
-__all__ = ["BUOYANCY", "REACTION", "Coupling", "coupled", "level_about"]
+__all__ = ["BUOYANCY", "REACTION", "Coupling", "coupled"]
 
 REACTION = 1e-5
 """Relative to the largest impulse of the boundary in any frame: single-precision sums (measured 3e-8 at most)."""
@@ -83,7 +84,8 @@ class Coupling:
             i for i in self.judged if liquid.candidate.spec.entities[self.bodies.entities[i]].physics.category == "cloth"
         }
         """They displace nothing."""
-        self.inside = {i: sample_inside(liquid, self.bodies.names[i]) for i in self.judged if i not in self.sheets}
+        self.hulls = {i: hull_of(liquid, self.bodies.names[i]) for i in self.judged if i not in self.sheets}
+        self.walls = {e: others_than(liquid, e) for e in {self.bodies.entities[i] for i in self.hulls}}
         self.sunk: list[F64] = []
         self.flow: list[F64] = []
         self.level: list[F64] = []
@@ -123,28 +125,39 @@ class Coupling:
         return result
 
     def _about(self, frame: Frame) -> tuple[F64, F64, F64]:
-        """Of every free body, the share under the level about it, the liquid's speed there [m/s], and the level [m]; NaN where none is plain to see."""
+        """Of every free body, the share in the liquid, its speed there [m/s], and its level [m]; NaN where no level is plain to see.
+
+        Nothing of a body that no liquid touches is in it, wherever the level is.
+        """
         sunk, flow = np.full(len(self.judged), np.nan), np.zeros(len(self.judged))
         levels = np.full(len(self.judged), np.nan)
         seen = _seen(self.liquid, frame) if self.judged else np.zeros((0, 2))
+        heights = frame.position @ self.liquid.up
         for column, row in enumerate(self.judged):
             if row in self.sheets:
                 continue
-            points = self._points(row, frame.index)
-            near = _ring(self.liquid, seen, points)
+            entity, body = self.bodies.names[row].split("/")
+            hull = self._hull(row, frame.index)
+            near = _ring(self.liquid, seen, hull.inside)
+            about = Surroundings(self.liquid, self.walls[entity], frame.index, hull, frame.position)
             flow[column] = _flow(frame, near)
-            level = _level(self.liquid, frame, seen, near)
+            if not about.touched.any():
+                sunk[column] = 0.0
+                continue
+            tops = about.tops(frame.position, seen, heights, near, COLUMN * self.liquid.spacing)
+            level = _level(self.liquid, frame, tops)
             if level is not None:
-                entity, body = self.bodies.names[row].split("/")
-                step = float(np.cbrt(self.liquid.candidate.body(entity, body).volume / len(points)))
-                sunk[column] = share_under(points @ self.liquid.up, level, step)
+                step = float(np.cbrt(self.liquid.candidate.body(entity, body).volume / len(hull.inside)))
+                share = shares_under(hull.inside @ self.liquid.up, level, step)
+                sunk[column] = float((share * about.wet(share > 0.0, hull.skin @ self.liquid.up < level)).mean())
                 levels[column] = level
         return sunk, flow, levels
 
-    def _points(self, row: int, index: int) -> F64:
+    def _hull(self, row: int, index: int) -> Hull:
         entity, body = self.bodies.names[row].split("/")
         position, quaternion = self.liquid.candidate.track(entity, body)
-        return np.asarray(self.inside[row] @ rotation_matrix(quaternion[index]).T + position[index])
+        turn, hull = rotation_matrix(quaternion[index]).T, self.hulls[row]
+        return Hull(hull.inside @ turn + position[index], hull.skin @ turn + position[index])
 
     def findings(self) -> dict[str, Finding]:
         """All four."""
@@ -309,7 +322,7 @@ class Coupling:
         density = float(liquid.rest_density.max())
         entity, body = self.bodies.names[row].split("/")
         volume = self.liquid.candidate.body(entity, body).volume
-        size = np.ptp(self.inside[row], axis=0) + 1e-9
+        size = np.ptp(self.hulls[row].inside, axis=0) + 1e-9
         section = float(np.sort(size)[1:].prod())
         speed = np.linalg.norm(self.bodies.motion[0][:, row], axis=1) + flow
         rise = self.bodies.motion[0][:, row] @ liquid.up
@@ -366,24 +379,10 @@ def _flow(frame: Frame, near: NDArray[np.intp]) -> float:
     return float(np.sqrt(np.mean(frame.squared[near]))) if len(near) else 0.0
 
 
-def level_about(liquid: Liquid, frame: Frame, points: F64) -> float | None:
-    """Height of the liquid's surface about points, along `up` [m]; None where there is no plain one."""
-    if not frame.count:
-        return None
-    seen = _seen(liquid, frame)
-    return _level(liquid, frame, seen, _ring(liquid, seen, points))
-
-
-def _level(liquid: Liquid, frame: Frame, seen: F64, near: NDArray[np.intp]) -> float | None:
-    if not len(near):
-        return None
-    s = liquid.spacing
-    column = np.floor(seen[near] / (1.5 * s)).astype(np.int64)
-    column -= column.min(axis=0)
-    _, which = np.unique(column[:, 0] * (int(column[:, 1].max()) + 1) + column[:, 1], return_inverse=True)
-    top = np.full(which.max() + 1, -np.inf)
-    np.maximum.at(top, which.reshape(-1), frame.position[near] @ liquid.up)
-    if len(top) < 8 or float(np.quantile(top, 0.9) - np.quantile(top, 0.1)) > 2.0 * ROUGH * s:
+def _level(liquid: Liquid, frame: Frame, tops: NDArray[np.intp]) -> float | None:
+    """Height of the surface that the highest particles of columns tell."""
+    top = frame.position[tops] @ liquid.up
+    if len(top) < 8 or float(np.quantile(top, 0.9) - np.quantile(top, 0.1)) > 2.0 * ROUGH * liquid.spacing:
         return None
     # The highest of a column lies half a particle under the surface.
     return float(np.median(top)) + 0.5 * liquid.pitch

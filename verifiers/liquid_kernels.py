@@ -1,6 +1,6 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""Warp kernels of the judge of liquids: depth of points in a closed mesh, and sums over neighbouring particles.
+"""Warp kernels of the judge of liquids: depth of points in a closed mesh, ways that meet one, and sums over neighbouring particles.
 
 All only gather: thread i reads what it likes and writes its own answer. Import only where warp is used.
 """
@@ -9,7 +9,7 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["crowding", "depth"]
+__all__ = ["crowding", "depth", "met"]
 
 
 @wp.kernel
@@ -21,6 +21,25 @@ def depth(first: wp.int32, mesh: wp.uint64, points: wp.array(dtype=wp.vec3), rea
     if query.result:
         nearest = wp.mesh_eval_position(mesh, query.face, query.u, query.v)
         found[i] = -query.sign * wp.length(points[i] - nearest)
+
+
+@wp.kernel
+def met(
+    first: wp.int32,
+    mesh: wp.uint64,
+    start: wp.array(dtype=wp.vec3),
+    end: wp.array(dtype=wp.vec3),
+    found: wp.array(dtype=wp.uint8),
+):
+    """Which straight ways meet the surface, from either side."""
+    i = first + wp.tid()
+    way = end[i] - start[i]
+    length = wp.length(way)
+    found[i] = wp.uint8(0)
+    if length > 0.0:
+        query = wp.mesh_query_ray(mesh, start[i], way / length, length)
+        if query.result:
+            found[i] = wp.uint8(1)
 
 
 @wp.kernel

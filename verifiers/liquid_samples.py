@@ -13,7 +13,7 @@ from ..worlds.arrays import F64
 if TYPE_CHECKING:
     from .liquid_frames import Liquid
 
-__all__ = ["sample_inside", "samples", "scattered", "share_under", "spread", "triangles_by_parts"]
+__all__ = ["sample_inside", "samples", "scattered", "shares_under", "spread", "triangles_by_parts"]
 
 MOST_PARTS = 32
 """Triangles whose edges would be cut into more parts are divided first."""
@@ -107,6 +107,6 @@ def sample_inside(liquid: Liquid, name: str) -> F64:
     return grid[held] if held.any() else 0.5 * (low + high)[None]
 
 
-def share_under(heights: F64, level: F64 | float, step: float) -> float:
-    """Share of cubes of edge `step` [m] about points at some heights [m] that lies under a level, each in proportion."""
-    return float(np.clip((level - heights) / step + 0.5, 0.0, 1.0).mean())
+def shares_under(heights: F64, level: F64 | float, step: float) -> F64:
+    """Of cubes of edge `step` [m] about points at some heights [m], the share of each that lies under a level."""
+    return np.asarray(np.clip((level - heights) / step + 0.5, 0.0, 1.0))

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry import Solid
 from ..geometry.launch import launch, warp
@@ -89,11 +90,33 @@ class Piece:
         from .liquid_kernels import depth
 
         wp = warp()
-        where = wp.array(np.ascontiguousarray(points[near] - solid.sphere_center, dtype=np.float32), dtype=wp.vec3, device="cpu")
+        where = _placed(points[near], solid)
         found = wp.zeros(len(near), dtype=float, device="cpu")
         launch(depth, len(near), [self._mesh.id, where, float(2.0 * solid.size), found], device="cpu")
         result[near] = found.numpy()
         return result
+
+    def between(self, start: F64, end: F64, frame: int) -> NDArray[np.bool_]:
+        """Which straight ways between world points, each shape (n, 3), meet its surface at a frame, shape (n,)."""
+        low, high = self.box(frame)
+        result = np.zeros(len(start), dtype=bool)
+        near = np.flatnonzero(((np.minimum(start, end) <= high) & (np.maximum(start, end) >= low)).all(axis=1))
+        if len(near) == 0:
+            return result
+        from .liquid_kernels import met
+
+        wp = warp()
+        ends = [_placed(self.local(p[near], frame), self.solid) for p in (start, end)]
+        found = wp.zeros(len(near), dtype=wp.uint8, device="cpu")
+        launch(met, len(near), [self._mesh.id, *ends, found], device="cpu")
+        result[near] = found.numpy() > 0
+        return result
+
+
+def _placed(points: F64, solid: Solid) -> Any:
+    """Points about the middle of a solid, on the device."""
+    wp = warp()
+    return wp.array(np.ascontiguousarray(points - solid.sphere_center, dtype=np.float32), dtype=wp.vec3, device="cpu")
 
 
 def _corners(solid: Solid) -> F64:

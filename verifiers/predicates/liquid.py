@@ -22,8 +22,9 @@ from ...worlds.predicates import (
     WetArea,
 )
 from .. import motion
+from ..liquid_about import COLUMN, Hull, Surroundings, hull_of, others_than
 from ..liquid_frames import Frame, Liquid, liquid_of
-from ..liquid_samples import sample_inside, samples, share_under
+from ..liquid_samples import samples, shares_under
 from ..liquid_solids import Piece, pieces_of
 from ..liquid_wet import touched
 from .kinematic import region_offset
@@ -237,46 +238,57 @@ def _near(pieces: list[Piece], frame: Frame, reach: float) -> NDArray[np.bool_]:
 
 
 def submerged_fraction(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: share of points inside the entity that are lower than the liquid in the columns next to the entity."""
+    """Measured: share of points inside the entity that are lower than the liquid that stands about it, with no solid between.
+
+    `liquid_about.py` says what stands about it.
+    """
     p = _typed(predicate, SubmergedFraction)
     found = _liquid(scope.candidate, p.liquid)
     if isinstance(found, str):
         return _painted(scope, "1", p.entity, found)
     liquid, member = found
     bodies = scope.candidate.entity(p.entity).bodies
-    inside = {b.name: sample_inside(liquid, f"{p.entity}/{b.name}") for b in bodies}
-    step = float(np.cbrt(sum(b.volume for b in bodies) / sum(map(len, inside.values()))))
+    hulls = {b.name: hull_of(liquid, f"{p.entity}/{b.name}") for b in bodies}
+    walls = others_than(liquid, p.entity)
+    step = float(np.cbrt(sum(b.volume for b in bodies) / sum(len(h.inside) for h in hulls.values())))
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
-        points = np.concatenate([scope.candidate.pose(p.entity, frame.index, b).apply(x) for b, x in inside.items()])
-        value[i] = _under(liquid, frame.position[own], points, step)
+        poses = {b: scope.candidate.pose(p.entity, frame.index, b) for b in hulls}
+        hull = Hull(
+            np.concatenate([poses[b].apply(h.inside) for b, h in hulls.items()]),
+            np.concatenate([poses[b].apply(h.skin) for b, h in hulls.items()]),
+        )
+        position = frame.position[own]
+        value[i] = _under(liquid, position, Surroundings(liquid, walls, frame.index, hull, position), step)
     return _banded(scope, p, value, "1", f"submerged share of {p.entity}")
 
 
-def _under(liquid: Liquid, position: F64, points: F64, step: float) -> float:
-    """Share of points under the tops of the nearest columns of liquid that stand beside them."""
+def _under(liquid: Liquid, position: F64, about: Surroundings, step: float) -> float:
+    """Share of points inside a body that are wet: under the tops of the nearest columns of liquid that stand beside it."""
     from scipy.spatial import cKDTree
 
-    s = liquid.spacing
+    s, points, skin = liquid.spacing, about.hull.inside, about.hull.skin
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     gap = np.maximum(low - position[:, :2], position[:, :2] - high).max(axis=1, initial=-np.inf)
     reach = max(4.0 * s, 0.25 * float((high - low).max()))
-    near = np.flatnonzero(gap < reach)
-    if not len(near):
+    rows = about.tops(position, position[:, :2], position[:, 2], np.flatnonzero(gap < reach), COLUMN * s)
+    if not len(rows):
         return 0.0
-    column = np.floor(position[near, :2] / (1.5 * s)).astype(np.int64)
-    cells, which = np.unique(column, axis=0, return_inverse=True)
-    top = np.full(len(cells), -np.inf)
-    np.maximum.at(top, which.reshape(-1), position[near, 2])
+    top = position[rows, 2]
     # Columns under the body end at its bottom; those beside it tell the level.
-    middle = (cells + 0.5) * 1.5 * s
+    middle = (np.floor(position[rows, :2] / (COLUMN * s)) + 0.5) * COLUMN * s
     beside = np.maximum(low - middle, middle - high).max(axis=1) > 0.25 * s
     if not beside.any():
-        return 1.0 if (top > points[:, 2].max()).all() else 0.0
-    count = min(NEAREST, int(beside.sum()))
-    _, at = cKDTree(middle[beside]).query(points[:, :2], k=count)
-    level = top[beside][np.asarray(at).reshape(len(points), count)].mean(axis=1) + 0.5 * liquid.pitch
-    return share_under(points[:, 2], level, step)
+        share, skinned = np.full(len(points), float((top > points[:, 2].max()).all())), np.ones(len(skin), dtype=bool)
+    else:
+        count, tree = min(NEAREST, int(beside.sum())), cKDTree(middle[beside])
+
+        def level(places: F64) -> F64:
+            at = np.asarray(tree.query(places[:, :2], k=count)[1]).reshape(len(places), count)
+            return np.asarray(top[beside][at].mean(axis=1) + 0.5 * liquid.pitch)
+
+        share, skinned = shares_under(points[:, 2], level(points), step), skin[:, 2] < level(skin)
+    return float((share * about.wet(share > 0.0, skinned)).mean())
 
 
 def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:

@@ -134,7 +134,9 @@ def _hint(entity: str, name: str, group: str) -> Correction:
         "events": ("the log of broken bonds is not whole", "bake again", "step"),
         "cause": (
             "bonds broke without a load that breaks them",
-            "bake again; compare the strengths with what was baked",
+            "the same specification breaks the same bonds: bake again only where strengths or files changed since; what is wedged"
+            " between the body and what carries it may press both by more than it brought: lower the friction there, or let it"
+            " come from another side",
             "bonds",
         ),
         "flight": ("pieces in the air are pushed or held by nothing", "bake again", "step"),

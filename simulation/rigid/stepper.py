@@ -19,6 +19,7 @@ from .fields import FieldForces
 from .flex import hear
 from .flex_fields import FlexFields
 from .flex_loads import SoftLoads
+from .impact_friction import stop_slides
 from .parts import Parts, carry_over, make_parts
 from .records import velocities
 from .relax import open_skins
@@ -177,6 +178,7 @@ class Stepper:
             for field in fields:
                 field.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
+            stop_slides(self.rigid.law, data, dt, slowest)
             contact_law(data, dt, slowest)
             if self.flexes is not None:
                 # Elastic members take the discrete integrator, which has no stage of its own; nothing sleeps beside them.

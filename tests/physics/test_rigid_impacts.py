@@ -127,3 +127,18 @@ def test_a_sleeping_stack_that_is_hit_logs_only_real_touches():
     # The stack hardly moves under one per cent of its mass: its own contacts never end.
     if max(np.abs(run.of(f"b{k}") - run.of(f"b{k}")[0]).max() for k in range(3)) < 2e-4:
         assert [e for e in run.events() if "far" not in e["names"]] == []
+
+
+@pytest.mark.parametrize("degrees", [30.0, 45.0, 60.0])
+def test_a_ball_that_rolls_under_a_slope_is_not_wedged_by_friction(degrees):
+    """Its friction cones on floor and slope see each other, so that either could press it without end; the roll ends instead."""
+    r, mass, speed, tilt = 0.28, 194.0, 0.4, math.radians(degrees)
+    towards = np.array([math.cos(tilt), 0.0, math.sin(tilt)])
+    place = np.array([0.1, 0.0, r]) + (r + 0.053) * towards
+    slope = box(0.1, 2.0, 2.0, at=tuple(place), euler=(0, -tilt, 0), motion="static")
+    rolls = ball(r, at=(0, 0, r + 0.001), v=(speed, 0, 0), w=(0, speed / r, 0), mass=mass)
+    spec = world({"ground": floor(), "slope": slope, "b": rolls}, seconds=0.6, friction=0.7, fps=240, settings={"step": 4e-4})
+    run = Run(spec)
+    own = run.index.colliders.index("slope")
+    given = [float(f["contact/impulse"][(f["contact/pair"] == own).any(axis=1)].sum()) for f in run.frames]
+    assert 0.5 * mass * speed < max(given) < 2.5 * mass * speed

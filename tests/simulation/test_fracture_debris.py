@@ -67,7 +67,8 @@ def _weak(points: list[float], pair: list[int]) -> Weak:
     count = len(points)
     place = np.array([[x, 0.0, 0.0] for x in points])
     rows = 3 * np.arange(count, dtype=np.int32)
-    return Weak(rows, np.full(count, 10.0), np.array(pair), place, np.ones(count), np.zeros(count))
+    tight = np.ones(count, dtype=bool)
+    return Weak(rows, np.full(count, 10.0), np.array(pair), place, np.ones(count), np.zeros(count), tight)
 
 
 def _state(force: list[float]) -> Any:

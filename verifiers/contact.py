@@ -13,7 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
+from ..worlds.elastic_audit import elastic_problems
 from ..worlds.errors import EvidenceError
+from ..worlds.fracture import crumble_of
+from ..worlds.fracture_audit import crumble_limit, fracture_problems
 from ..worlds.requirements import Correction
 from .own_bodies import own_gap, own_pairs
 from .passages import find_passages
@@ -23,6 +26,7 @@ from .surfaces import surfaces_of
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
+    from ..worlds.spec import WorldSpec
     from .own_bodies import OwnPair
     from .passages import Passage
     from .surfaces import Gap, Surfaces
@@ -37,6 +41,8 @@ SKIN_MAX = 0.02
 """[m] Largest skin that the specification takes."""
 STEP_MIN = 2e-5
 """[s] Smallest step that the specification takes."""
+CRUMBLE_FACTOR = 1.2
+"""Own choice: faces crumble by so many times the overlap that was measured: what yields more lets the next blow go deeper."""
 TUNNEL_SHARE = 0.25
 """Own choice: deeper than this share of the thinner body, in two frames running, is no contact any more. Depth is that of
 the deepest surface point and cannot exceed half the thinner body, so this is half of what is possible."""
@@ -128,6 +134,9 @@ def _pair(
         evidence["peak_inside_frames_m"], evidence["peak_frame"] = peaks[a, b]
     order = (a, b)
     corrections: list[Correction] = []
+    contract = surfaces.candidate.spec.entities[a]
+    if a == b and contract.breakable is not None:
+        evidence["crumble_m"], evidence["crumble_limit_m"] = allowed, crumble_limit(contract)
     if len(bad):
         gap = _gap(surfaces, a, b, int(bad[0]), own)
         order = (a, b) if not surfaces.is_static(a) else (b, a)
@@ -221,8 +230,7 @@ def _corrections(
             )
         )
         return found
-    resolution = _resolution(surfaces, solver, depth, tunnel=tunnel)
-    return found + resolution
+    return [*found, *_crumbled(surfaces, order, depth), *_resolution(surfaces, solver, depth, tunnel=tunnel)]
 
 
 def _not_colliding(surfaces: Surfaces, parts: tuple[Pair, Pair]) -> list[Correction]:
@@ -259,12 +267,45 @@ def _not_colliding(surfaces: Surfaces, parts: tuple[Pair, Pair]) -> list[Correct
     return found
 
 
+def _crumbled(surfaces: Surfaces, order: Pair, depth: float) -> list[Correction]:
+    """Of pieces of one body that were pressed together: faces that crumble as far, where the audit lets them."""
+    entity = surfaces.candidate.spec.entities[order[0]]
+    if order[0] != order[1] or entity.breakable is None:
+        return []
+    most, now = crumble_limit(entity), crumble_of(entity.breakable, surfaces.candidate.entity(order[0]))
+    if depth > most:
+        return []
+    path = pointer("entities", order[0], "breakable", "bond", "crumble")
+    wanted = math.floor(min(most, CRUMBLE_FACTOR * depth) * 1e6) / 1e6
+    return [
+        Correction(
+            cause=f"pieces of {order[0]!r} are pressed together further than the {now * 1e3:.4g} mm that their faces crumble",
+            edit_class="solver",
+            group="bonds",
+            action=f"Let faces crumble over {wanted * 1e3:.4g} mm, the overlap and some to spare; at most {most * 1e3:.4g} mm.",
+            pointers=(path,),
+            patch=({"op": "add", "path": path, "value": wanted},),
+        )
+    ]
+
+
+def _refused(spec: WorldSpec, solver: str, skin: float) -> bool:
+    """Whether the schema or the audit would not take this skin [m]."""
+    # Two skins must stay below the contact tolerance.
+    if skin > min(SKIN_MAX, SKIN_SHARE * spec.simulation.limits.contact_gap / 2):
+        return True
+    rigid = spec.simulation.rigid[solver]
+    wider = rigid.model_copy(update={"settings": rigid.settings.model_copy(update={"skin": skin})})
+    plan = spec.simulation.model_copy(update={"solvers": {**spec.simulation.solvers, solver: wider}})
+    changed = spec.model_copy(update={"simulation": plan})
+    place = pointer("simulation", "solvers", solver, "settings", "skin")
+    return any(p.pointer == place for p in (*fracture_problems(changed), *elastic_problems(changed)))
+
+
 def _resolution(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) -> list[Correction]:
     settings = surfaces.candidate.spec.simulation.rigid[solver].settings
     path = pointer("simulation", "solvers", solver, "settings")
     skin = math.ceil((settings.skin + SKIN_FACTOR * depth) * 1e5) / 1e5
-    # Two skins must stay below the contact tolerance, or the audit refuses them.
-    fits = skin <= min(SKIN_MAX, SKIN_SHARE * surfaces.candidate.spec.simulation.limits.contact_gap / 2)
     wider = Correction(
         cause="the collision skin is thinner than the overlap that one step allows",
         edit_class="solver",
@@ -272,9 +313,12 @@ def _resolution(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) 
         action=f"Raise the skin of solver {solver!r} from {settings.skin * 1e3:.4g} mm to {skin * 1e3:.4g} mm "
         f"(+ {SKIN_FACTOR:g} x the overlap of {depth * 1e3:.4g} mm).",
         pointers=(path + "/skin",),
-        patch=({"op": "add", "path": path + "/skin", "value": skin},) if fits else (),
+        patch=({"op": "add", "path": path + "/skin", "value": skin},),
     )
+    offered = [] if _refused(surfaces.candidate.spec, solver, skin) else [wider]
     step = max(STEP_MIN, settings.step / (4.0 if tunnel else 2.0))
+    if step == settings.step and (settings.speculative or not tunnel):
+        return offered
     finer = Correction(
         cause="the bodies pass through each other within few steps" if tunnel else "the step is too long for this contact",
         edit_class="solver",
@@ -287,7 +331,7 @@ def _resolution(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) 
             *(({"op": "add", "path": path + "/speculative", "value": True},) if tunnel else ()),
         ),
     )
-    return [finer, wider] if tunnel or not fits else [wider, finer]
+    return [finer, *offered] if tunnel else [*offered, finer]
 
 
 def _through(surfaces: Surfaces, passage: Passage) -> Row:

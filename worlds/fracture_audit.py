@@ -15,7 +15,7 @@ from .spec import ForceDriver, PathDriver, RigidPhysics
 if TYPE_CHECKING:
     from .spec import Breakable, Entity, WorldSpec
 
-__all__ = ["fracture_problems"]
+__all__ = ["crumble_limit", "fracture_problems"]
 
 LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
@@ -41,6 +41,21 @@ def fracture_problems(spec: WorldSpec) -> list[Problem]:
     if total > cap.value:
         found.append(Problem("/entities", f"breakable entities have about {total} pieces, at most {cap.value}; {cap.knob}"))
     return found
+
+
+def crumble_limit(entity: Entity) -> float:
+    """Most that faces of a breakable entity may crumble [m]: a share of its least piece, as far as the specification tells its size."""
+    assert entity.breakable is not None
+    return CRUMBLE_SHARE * _least_piece(entity, entity.breakable)
+
+
+def _least_piece(entity: Entity, breakable: Breakable) -> float:
+    pattern, box = breakable.pattern, np.array(entity.dimensions.size)
+    if pattern.kind == "bricks":
+        return float(min(pattern.size))
+    if pattern.kind == "glass":
+        return float(box.min())
+    return float(min(box.min(), (box.prod() / pattern.pieces) ** (1 / 3)))
 
 
 def _contract(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
@@ -98,14 +113,8 @@ def _partners(spec: WorldSpec, name: str) -> Iterator[Problem]:
 
 
 def _pieces(spec: WorldSpec, name: str, entity: Entity, breakable: Breakable) -> Iterator[Problem]:
-    place, pattern, bond = f"/entities/{name}/breakable", breakable.pattern, breakable.bond
-    box = np.array(entity.dimensions.size)
-    if pattern.kind == "bricks":
-        least = float(min(pattern.size))
-    elif pattern.kind == "glass":
-        least = float(box.min())
-    else:
-        least = float(min(box.min(), (box.prod() / pattern.pieces) ** (1 / 3)))
+    place, bond = f"/entities/{name}/breakable", breakable.bond
+    least = _least_piece(entity, breakable)
     for key, instance in spec.simulation.rigid.items():
         if name not in instance.members:
             continue
@@ -119,9 +128,9 @@ def _pieces(spec: WorldSpec, name: str, entity: Entity, breakable: Breakable) ->
         if instance.settings.step > bond.contact_time:
             text = f"a step of {instance.settings.step:g} s is longer than the contact time {bond.contact_time:g} s of {name!r}; "
             yield Problem(f"/simulation/solvers/{key}/settings/step", text + f"use at most {bond.contact_time:g} s")
-    if bond.crumble is not None and bond.crumble > CRUMBLE_SHARE * least:
+    value = crumble_limit(entity)
+    if bond.crumble is not None and bond.crumble > value:
         text = f"faces of {name!r} crumble over {bond.crumble:g} m, more than {CRUMBLE_SHARE:g} of a piece; at most "
-        value = CRUMBLE_SHARE * least
         patch = {"op": "replace", "path": f"{place}/bond/crumble", "value": value}
         yield Problem(f"{place}/bond/crumble", text + f"{value:.3g} m", patch)
 

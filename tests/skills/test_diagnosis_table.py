@@ -17,6 +17,7 @@ from worldagent.bench.defects import _liquid_resolution as liquid_resolution
 from worldagent.bench.defects import _liquid_scenes as liquid_scenes
 from worldagent.bench.defects.suites import CHECKS, suite_of
 from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
+from worldagent.construction import build_entity
 from worldagent.server.skill_files import SKILLS
 from worldagent.tools import TOOLS
 from worldagent.verifiers import beats, category, causal, contact, counterfactual, numerical, phases
@@ -26,7 +27,7 @@ from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, BoxRegion, Story
+from worldagent.worlds.spec import Beat, Bond, BoxRegion, Breakable, BrickPattern, Story
 
 TABLE: list[Entry] = [entry for _, _, entry in entries()]
 EASIER = {"story", "limits"}
@@ -150,6 +151,17 @@ def _pressed(folder: Path) -> Any:
     return make_candidate(folder, spec, tracks={"ball": (np.stack([0 * z, 0 * z, z], axis=1), IDENTITY)}, touches=touches)
 
 
+def _squeezed(folder: Path) -> Any:
+    """A brick of a wall that lies in the next one."""
+    broken = Breakable(pattern=BrickPattern(size=(0.2, 0.1, 0.1)), bond=Bond(tension=1e5, shear=1e5))
+    wall = box(0.6, 0.1, 0.3, motion="dynamic", at=(0, 0, 0.151)).model_copy(update={"breakable": broken})
+    spec = world({"floor": ground(), "wall": wall}, frames=3)
+    built = build_entity(spec, "wall", folder)
+    moved = np.add(built.bodies[0].pose.position, (0, 0, 0.151)) + np.outer([0, 1, 1], (0.02, 0, 0))
+    tracks = {f"wall/{built.bodies[0].name}": (moved, IDENTITY)}
+    return make_candidate(folder, spec, tracks=tracks, built={"wall": built})
+
+
 def _capped(folder: Path) -> Candidate:
     """A liquid whose pressure solves all end at their cap."""
     flow = liquid_scenes.pool(np.random.default_rng(3))
@@ -170,7 +182,7 @@ OWN = {
     "category": [(_clings, category.check), (_dribbles, category.check)],
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check), (_motion, counterfactual.check)],
-    "contact": [(_pressed, contact.check)],
+    "contact": [(_pressed, contact.check), (_squeezed, contact.check)],
     "numerical": [(_capped, numerical.check)],
 }
 """Worlds of this file, before those of the check's suite of defects."""

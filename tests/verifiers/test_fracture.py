@@ -14,15 +14,17 @@ from worldagent.bench.simulated_worlds import beat
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import STONE, bond, simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers import fracture, rigid
+from worldagent.verifiers import contact, fracture, rigid
 from worldagent.verifiers.beats import check as check_beats
 from worldagent.verifiers.diagnosis import diagnose
 from worldagent.verifiers.fracture_frames import Frames
 from worldagent.verifiers.register import approximations
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.fracture_audit import crumble_limit, fracture_problems
+from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.predicates import Breach, Broken, Debris
-from worldagent.worlds.requirements import Correction
+from worldagent.worlds.requirements import Correction, Row
 from worldagent.worlds.spec import WorldSpec
 
 Channels = dict[str, Any]
@@ -304,3 +306,47 @@ def test_debris_that_is_not_far_enough_is_told_how_far_it_went(run: Candidate) -
     many, words = _hints(run, Debris(entity="wall", min=200), span)
     assert "story" not in {c.group for c in many}
     assert "200 are asked for" in words
+
+
+def _pressed(run: Candidate, folder: Path, depth: float) -> Row:
+    """The row of the wall's pieces against each other, one pressed into its neighbour from frame 1 on."""
+    frames = Frames(run, "main", "wall")
+    where = frames.poses(1)[0]
+    hulls = [frames.built.parts_of(body.name)[0].render.vertices for body in frames.built.bodies]
+    # Two bricks of one course, next to each other.
+    level = (np.abs(where[:, None] - where[None])[..., 1:] < 1e-3).all(axis=2)
+    gaps = (where[None, :, 0] + [h[:, 0].min() for h in hulls]) - (where[:, None, 0] + np.array([[h[:, 0].max()] for h in hulls]))
+    one, two = np.argwhere(level & (gaps > 0) & (gaps < 0.03))[0].tolist()
+    gap = float(gaps[one, two])
+
+    def change(frame: int, data: Channels) -> None:
+        if frame == 1:
+            data["position"][frames.rows[one], 0] += gap + depth
+
+    return next(r for r in contact.check(changed(run, folder, change, range(2))) if r.id == "contact:wall:wall")
+
+
+def test_pieces_that_are_pressed_together_are_told_how_far_faces_may_crumble(run: Candidate, tmp_path: Path) -> None:
+    """What is proposed is what the audit takes; of an overlap that no face may crumble, none is."""
+    limit = crumble_limit(run.spec.entities["wall"])
+    row = _pressed(run, tmp_path / "some", 0.85 * limit)
+    assert row.status == "fail"
+    (deeper,) = next(c for c in row.corrections if c.group == "bonds").patch
+    assert deeper["path"] == "/entities/wall/breakable/bond/crumble"
+    assert -(row.measured or 0) <= deeper["value"] <= limit
+    assert not [p for p in fracture_problems(apply_patch(run.spec, [deeper])) if "crumble" in p.pointer]
+    assert diagnose(row, run.spec).corrections[0].group == "bonds"
+    far = _pressed(run, tmp_path / "far", 1.5 * limit)
+    assert "bonds" not in {c.group for c in far.corrections}
+    assert diagnose(far, run.spec).corrections[0].group == "step"
+
+
+@pytest.mark.parametrize("share", [0.85, 1.5])
+def test_no_skin_is_proposed_that_the_schema_or_the_audit_refuses(run: Candidate, tmp_path: Path, share: float) -> None:
+    row = _pressed(run, tmp_path, share * crumble_limit(run.spec.entities["wall"]))
+    assert row.corrections
+    for correction in row.corrections:
+        assert "skin" not in correction.action
+        spec = apply_patch(run.spec, list(correction.patch))
+        skin = spec.simulation.rigid["main"].settings.skin
+        assert 2 * skin <= 0.9 * spec.simulation.limits.contact_gap

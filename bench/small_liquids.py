@@ -6,7 +6,7 @@ from typing import Any
 
 __all__ = ["PROMPT", "jelly_tank_spec", "sea_spec", "tank_spec"]
 
-PROMPT = "A wooden crate drops into a tank of water."
+PROMPT = "A wooden crate drops in a tank of water."
 INNER = (0.4, 0.4, 0.3)
 """Inside of the tank, its floor at z = 0 [m]."""
 WALL = 0.03

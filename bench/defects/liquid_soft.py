@@ -190,8 +190,10 @@ def received_more(base: Candidate, magnitude: float, rng: np.random.Generator) -
 
 
 def forged_loss(base: Candidate, magnitude: float, rng: np.random.Generator) -> dict[str, Edit]:
-    """What the water lost to the jelly is not what it gave."""
-    return {WATER: _scaled("exchange/reaction", _row(base, JELLY), int(rng.integers(LAST - 1, LAST + 1)))}
+    """What the water lost to the jelly is not what it gave, where it gave most: the row goes by that."""
+    row = _row(base, JELLY)
+    given = np.array(base.caches[WATER].series("exchange/impulse"))[:, row, :3]
+    return {WATER: _scaled("exchange/reaction", row, int(np.argmax(np.linalg.norm(given, axis=1))))}
 
 
 def forged_loss_to_cloth(base: Candidate, magnitude: float, rng: np.random.Generator) -> dict[str, Edit]:

@@ -1,4 +1,4 @@
-"""The worlds that skills record, to their acceptance: a wall is breached, a flag flutters, sand topples a tile; sparks, rain, ash and dust fall."""
+"""The worlds that skills record, to their acceptance: a wall is breached, planks splinter, a flag flutters, sand topples a tile, dust falls."""
 
 from __future__ import annotations
 
@@ -15,6 +15,13 @@ BROKEN = tuple(f"category:fracture:{n}:wall" for n in ("bonded", "events", "caus
 JUDGED: dict[str, tuple[str, ...]] = {
     "cloth/flag": CLOTH,
     "fracture/breach": ("causal:strikes:breaks", "causal:breaks:opens", "causal:breaks:rubble", *BROKEN),
+    "fracture/splinters": (
+        *(
+            f"causal:{a}:{b}"
+            for a, b in (("rolls", "crashes"), ("crashes", "splinters"), ("splinters", "fall"), ("fall", "float"))
+        ),
+        "category:liquid:exchange:liquid",
+    ),
     "particles/collapse": ("causal:opens:collapses", "causal:collapses:topples"),
     "particles/sparks": ("causal:sprays:falls",),
     "particles/rain": ("causal:falls:lands",),

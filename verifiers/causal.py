@@ -28,7 +28,7 @@ from .verdicts import correction, make_row
 if TYPE_CHECKING:
     from ..worlds.spec import Beat
 
-__all__ = ["Onset", "check", "driver_start", "onset_of", "wrong_cause"]
+__all__ = ["Onset", "check", "onset_of", "wrong_cause"]
 
 INSTANTS = frozenset({"contact", "reaches", "crosses", "liquid_arrives"})
 
@@ -71,20 +71,11 @@ def check(candidate: Candidate) -> list[Row]:
     return rows
 
 
-def driver_start(candidate: Candidate, driver_id: str) -> tuple[float, tuple[str, ...]]:
-    """When a driver acts first [s], and on which entities.
-
-    Raises:
-        EvidenceError: its joint is not in the plan.
-    """
-    return acts_from(candidate.spec, driver_id)
-
-
 def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onset:
     """When and where a beat that came true at frame `first` started to act as a cause."""
     plan = candidate.spec.simulation
     if beat.owner in plan.drivers:
-        time, entities = driver_start(candidate, beat.owner)
+        time, entities = acts_from(candidate.spec, beat.owner)
         return Onset(
             tuple(dict.fromkeys((*entities, beat.subject))),
             time,

@@ -30,11 +30,12 @@ import numpy as np
 from ..simulation.protocol import Intervention
 from ..simulation.variants import first_frame, run_variant, simulated
 from ..worlds.candidate import Candidate
+from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact, entities_of
 from ..worlds.requirements import Correction, Row, Status
 from . import motion
-from .causal import driver_start, onset_of, wrong_cause
+from .causal import onset_of, wrong_cause
 from .chains import Chains
 from .predicates import Outcome, beat_times, evaluate, last_needed
 from .verdicts import correction, make_row, postponed
@@ -203,7 +204,7 @@ class _Work:
             raise _FollowsError(cause_id, f"{cause_id} did not come true, so it cannot be taken away: {outcome.explanation}")
         found = []
         if beat.owner in plan.drivers:
-            moment, _ = driver_start(candidate, beat.owner)
+            moment, _ = acts_from(candidate.spec, beat.owner)
             frame = min(max(0, int(np.floor(moment * plan.fps + 1e-9))), candidate.last_frame)
             found.append(_Try(Intervention(without=frozenset({beat.owner})), frame, f"driver {beat.owner} is taken away"))
         onset = onset_of(candidate, cause_id, beat, outcome.first_true_frame)

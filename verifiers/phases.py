@@ -23,11 +23,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.arrays import F64
+from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import is_invariant
 from ..worlds.requirements import Correction, Row
 from . import motion
-from .causal import driver_start
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .verdicts import correction, make_row
 
@@ -166,7 +166,7 @@ def _activation(candidate: Candidate, names: list[str], threshold: float) -> tup
     plan = candidate.spec.simulation
     best, starter, how = None, "", "nothing moves"
     for driver in plan.drivers:
-        time, entities = driver_start(candidate, driver)
+        time, entities = acts_from(candidate.spec, driver)
         frame = int(np.floor(time * plan.fps + 1e-9))
         if frame <= candidate.last_frame and (best is None or frame < best):
             best, starter, how = frame, (entities or ("",))[0], f"driver {driver} acts at {time:.3f} s"
@@ -198,7 +198,7 @@ def _preroll(
 def _sent(candidate: Candidate, name: str) -> bool:
     """Whether the specification gives the entity a velocity at frame 0 or a driver."""
     entity = candidate.spec.entities[name]
-    return _thrown(entity) or any(name in driver_start(candidate, d)[1] for d in candidate.spec.simulation.drivers)
+    return _thrown(entity) or any(name in acts_from(candidate.spec, d)[1] for d in candidate.spec.simulation.drivers)
 
 
 def _thrown(entity: Entity) -> bool:

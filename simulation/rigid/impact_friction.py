@@ -2,7 +2,7 @@
 
 The engine solves friction for an acceleration of the slide of -b v. Damping b = 1 / (4 dt), which contacts have, asks for three
 quarters of the slide after the step. Where other contacts stop the body within that very step, friction then pushes it on, for
-the slide that it asks for: a boulder that rolled on a ramp and met a plank was wedged between both, and each gave twenty times
+the slide that it asks for: a boulder that rolled on a ramp and met a plank was wedged between both, and each gave many times
 its momentum. Coulomb's friction never does work on what slides (J. J. Moreau, *Unilateral contact and dry friction in finite
 freedom dynamics*, 1988). So where a body meets one thing while it lies on another the impact asks for no slide at all,
 b = 1 / dt. What meets the first thing in its flight keeps the other b: nothing stops it there, and the lift that is taken out of

@@ -311,12 +311,10 @@ def test_a_slow_creep_is_a_motion(tmp_path: Path) -> None:
 
 
 def test_waves_act_from_their_start_or_from_frame_0() -> None:
-    from types import SimpleNamespace
-
     from worldagent.bench.small_liquids import sea_spec
-    from worldagent.verifiers.causal import driver_start
+    from worldagent.worlds.drivers import acts_from
     from worldagent.worlds.patch import parse_spec
 
     for start, wanted in ((0.5, 0.5), (-1.0, 0.0)):
         spec = parse_spec({**sea_spec(start=start), "prompt": "A crate bobs in the waves of the sea."})
-        assert driver_start(SimpleNamespace(spec=spec), "sea") == (wanted, ("water",))  # type: ignore[arg-type]
+        assert acts_from(spec, "sea") == (wanted, ("water",))

@@ -1,4 +1,4 @@
-# make setup | demo | test | test-all | conformance | clients | check | build | mcpb
+# make setup | demo | test | slow | slow-ages | test-all | conformance | clients | check | build | mcpb
 PYTHON ?= python3
 VENV := .venv
 TEST_JOBS ?= 2
@@ -7,7 +7,7 @@ FLOORS := worlds execution geometry construction simulation verifiers rendering 
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 
-.PHONY: setup demo conformance clients test test-all fuzz check build mcpb clean
+.PHONY: setup demo conformance clients test slow slow-ages test-all fuzz check build mcpb clean
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -41,6 +41,13 @@ demo: setup
 
 test: setup
 	$(BIN)/python -m pytest -q -m "not slow" -n $(TEST_JOBS) --dist loadfile
+
+# The slice of the slow tests whose last pass is oldest, or the one that SLICE names; records the run in tests/slow/passes.json.
+slow: setup
+	$(BIN)/python -m worldagent.tests.slow.run $(SLICE) --jobs $(TEST_JOBS) $(SLOW_ARGS)
+
+slow-ages: setup
+	$(BIN)/python -m worldagent.tests.slow.run --ages
 
 test-all: setup
 	$(BIN)/python -m pytest -q

@@ -1,21 +1,19 @@
-"""Write `docs/accuracy.md` from the figures of `worldagent bench defects` (the last line of its standard output, as a file).
+"""Write `docs/accuracy.md` and its data, `docs/accuracy.json`, from figures of `worldagent bench defects` (the last line it prints).
 
-python docs/generate_accuracy.py FIGURES.json [LATER.json ...]
-python docs/generate_accuracy.py --add LATER.json [...]
-
-Later runs of some checks (`--only`) replace what earlier files say of them; the page names every run. With `--add` the page as it
-stands is the earliest of them.
+python docs/generate_accuracy.py FIGURES.json [LATER.json ...]   # these runs alone
+python docs/generate_accuracy.py --add LATER.json [...]          # later runs of some checks replace what there is of them
+python docs/generate_accuracy.py --refresh                       # only tell anew which tables are stale
 """
 
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from worldagent.bench.defects.suites import suite_digest, verifiers_digest
 from worldagent.verifiers.robustness import clopper_pearson
 
 HEAD = """# Accuracy of the checks
@@ -31,53 +29,35 @@ Intervals: 95 %, Clopper and Pearson (1934).
 """
 
 
-def joined(runs: list[dict[str, Any]], page: str = "") -> dict[str, Any]:
-    """Figures of several runs, of each check the latest, with the totals over them; `page` is what an earlier page says."""
-    checks: dict[str, Any] = _told(page)
+DATA = Path(__file__).with_name("accuracy.json")
+PAGE = Path(__file__).with_name("accuracy.md")
+KEPT = ("broken", "detected", "clean", "false_alarms", "median_ms", "mechanisms", "missed", "smallest_detected", "suite")
+"""What the data keep of each check's figures."""
+
+
+def joined(runs: list[dict[str, Any]], earlier: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Data of several runs after earlier ones, of each check the latest."""
+    found: dict[str, Any] = {"runs": [], "accepted": None, "checks": {}} if earlier is None else dict(earlier)
     for run in runs:
-        checks = {**checks, **run["checks"]}
-    total = {k: sum(f[k] for f in checks.values()) for k in ("broken", "detected", "clean", "false_alarms")}
-    return {
-        "checks": checks,
-        "accepted": next((r["accepted"] for r in reversed(runs) if r.get("accepted")), _accepted(page)),
-        "detection_95": clopper_pearson(total["detected"], total["broken"]),
-        "false_alarm_95": clopper_pearson(total["false_alarms"], total["clean"]),
-        "runs": [
-            *re.findall(r"^Run.*$", page, re.MULTILINE),
-            *(_run(r, None if len(runs) == 1 and not page else r["checks"]) for r in runs),
-        ],
-    }
+        fresh = {n: {**{k: f[k] for k in KEPT}, "verifiers": run["verifiers"]} for n, f in run["checks"].items()}
+        only = None if len(runs) == 1 and earlier is None else run["checks"]
+        found = {
+            "runs": [*found["runs"], _run(run, only)],
+            "accepted": run.get("accepted") or found["accepted"],
+            "checks": {**found["checks"], **fresh},
+        }
+    return found
 
 
-def _told(page: str) -> dict[str, Any]:
-    """Figures of every check that a page holds."""
-    checks: dict[str, Any] = {}
-    tables = page.partition("## Smallest defect found")
-    for cells in _cells(tables[0], 7):
-        ours, sound = map(int, cells[1].split(" / "))
-        (detected, broken), (alarms, clean) = ([int(n) for n in cells[k].split(" of ")] for k in (2, 4))
-        checks[cells[0]] = {
-            "mechanisms": {"broken": ours, "clean": sound}, "broken": broken, "detected": detected, "clean": clean,
-            "false_alarms": alarms, "detection_95": clopper_pearson(detected, broken), "false_alarm_95": clopper_pearson(alarms, clean),
-            "median_ms": float(cells[6]), "missed": [], "smallest_detected": {},
-        }  # fmt: skip
-    for check, mechanism, magnitude, seed in re.findall(r"^- (\w+): (.+) at (\S+), seed (\d+)$", tables[0], re.MULTILINE):
-        checks[check]["missed"].append({"mechanism": mechanism, "magnitude": float(magnitude), "seed": int(seed)})
-    for check, mechanism, found, bound, unit in _cells(tables[2], 5):
-        least = None if found == "not found" else float(found)
-        checks[check]["smallest_detected"][mechanism] = {"magnitude": least, "bound": float(bound), "unit": unit}
-    return checks
-
-
-def _cells(text: str, count: int) -> list[list[str]]:
-    """Rows of the tables of a page without their heads, and without totals."""
-    rows = [[c.strip() for c in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
-    return [r for r in rows if len(r) == count and r[0] not in ("check", "all") and not r[0].startswith("---")]
-
-
-def _accepted(page: str) -> dict[str, int] | None:
-    found = re.search(r"judged anew: (\d+) worlds, (\d+) checks of\s+them, (\d+) refused", page)
-    return dict(zip(("worlds", "checks", "false_alarms"), map(int, found.groups()), strict=True)) if found else None
+def stale(data: dict[str, Any]) -> dict[str, str]:
+    """Checks whose figures are not of today's code, with what has changed since."""
+    judges, found = verifiers_digest(), {}
+    for name, figures in data["checks"].items():
+        changed = ["its worlds"] if figures["suite"] != suite_digest(name) else []
+        changed += ["the verifiers"] if figures["verifiers"] != judges else []
+        if changed:
+            found[name] = " and ".join(changed)
+    return found
 
 
 def _run(figures: dict[str, Any], checks: Iterable[str] | None) -> str:
@@ -89,27 +69,34 @@ def _run(figures: dict[str, Any], checks: Iterable[str] | None) -> str:
     )
 
 
+def _stale_lines(data: dict[str, Any]) -> list[str]:
+    by_change: dict[str, list[str]] = {}
+    for name, changed in stale(data).items():
+        by_change.setdefault(changed, []).append(name)
+    return [f"Stale: since the run of {', '.join(names)}, {changed} changed." for changed, names in by_change.items()]
+
+
 def page(figures: dict[str, Any]) -> str:
-    """The page of joined runs."""
+    """The page that tells the data."""
     lines = [
         HEAD,
         *figures["runs"],
         "",
+        *[line for text in _stale_lines(figures) for line in (text, "")],
         "| check | mechanisms broken / sound | found | 95 % | refused | 95 % | median ms per world |",
         "|---|---|---|---|---|---|---|",
     ]
     for name, f in figures["checks"].items():
-        found, alarm = (f"{100 * low:.2f} to {100 * high:.2f} %" for low, high in (f["detection_95"], f["false_alarm_95"]))
+        found, alarm = _intervals(f)
         lines.append(
             f"| {name} | {f['mechanisms']['broken']} / {f['mechanisms']['clean']} | {f['detected']} of {f['broken']} | {found} "
             f"| {f['false_alarms']} of {f['clean']} | {alarm} | {f['median_ms']:.0f} |"
         )
     total = {k: sum(f[k] for f in figures["checks"].values()) for k in ("broken", "detected", "clean", "false_alarms")}
-    low, high = figures["detection_95"]
-    lower, upper = figures["false_alarm_95"]
+    found, alarm = _intervals(total)
     lines.append(
-        f"| all | | {total['detected']} of {total['broken']} | {100 * low:.2f} to {100 * high:.2f} % "
-        f"| {total['false_alarms']} of {total['clean']} | {100 * lower:.2f} to {100 * upper:.2f} % | |"
+        f"| all | | {total['detected']} of {total['broken']} | {found} "
+        f"| {total['false_alarms']} of {total['clean']} | {alarm} | |"
     )
     kept = figures.get("accepted")
     if kept:
@@ -136,8 +123,16 @@ def page(figures: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _intervals(figures: dict[str, Any]) -> tuple[str, str]:
+    """95 % intervals of the share found and of the share refused, as text."""
+    of = (("detected", "broken"), ("false_alarms", "clean"))
+    found, alarm = (clopper_pearson(figures[hits], figures[count]) for hits, count in of)
+    return f"{100 * found[0]:.2f} to {100 * found[1]:.2f} %", f"{100 * alarm[0]:.2f} to {100 * alarm[1]:.2f} %"
+
+
 if __name__ == "__main__":
-    target = Path(__file__).parent / "accuracy.md"
-    add = sys.argv[1:2] == ["--add"]
-    found = [json.loads(Path(name).read_text().strip().splitlines()[-1]) for name in sys.argv[1 + add :]]
-    target.write_text(page(joined(found, target.read_text() if add else "")))
+    option = sys.argv[1] if sys.argv[1:2] in (["--add"], ["--refresh"]) else None
+    runs = [json.loads(Path(name).read_text().strip().splitlines()[-1]) for name in sys.argv[1 + (option is not None) :]]
+    data = joined(runs, json.loads(DATA.read_text()) if option else None)
+    DATA.write_text(json.dumps(data, indent=1) + "\n")
+    PAGE.write_text(page(data))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from ...verifiers.robustness import clopper_pearson
 from ...worlds.requirements import Row
 from .cases import Mechanism, Suite, World, magnitudes
 
-__all__ = ["Judged", "Outcome", "interval", "judge", "judge_one", "smallest_detected", "survey"]
+__all__ = ["Drawn", "Judged", "Outcome", "draw", "interval", "judge", "judge_one", "outcome", "smallest_detected", "survey"]
 
 SEARCHES = 12
 """Bisections of the magnitude below `low`; leaves the smallest detected defect known within 1/4096 of the span."""
@@ -69,10 +68,19 @@ def judge_one(check: str, mechanism: Mechanism, magnitude: float, seed: int) -> 
         return judge(check, mechanism, mechanism.build(Path(folder), magnitude, np.random.default_rng(seed)))
 
 
-def survey(
-    suite: Suite, *, variants: int, seed: int, named: bool = True, progress: Callable[[Outcome], None] | None = None
-) -> list[Outcome]:
-    """Judge the hand-picked worlds and at least `variants` generated ones of each kind."""
+@dataclass(frozen=True)
+class Drawn:
+    """One world to build and judge."""
+
+    mechanism: str
+    magnitude: float
+    seed: int
+    named: bool
+    """Picked by hand, not drawn."""
+
+
+def draw(suite: Suite, *, variants: int, seed: int, named: bool = True) -> list[Drawn]:
+    """The hand-picked worlds of a suite and at least `variants` generated ones of each kind."""
     rng = np.random.default_rng(seed)
     found = []
     for broken in (True, False):
@@ -81,13 +89,21 @@ def survey(
         for mechanism in chosen:
             picked = [(m, True) for m in mechanism.hand_picked] if named else []
             for magnitude, hand in [*picked, *((m, False) for m in magnitudes(mechanism, each, rng))]:
-                own = int(rng.integers(2**31))
-                verdict = judge_one(suite.check, mechanism, magnitude, own)
-                right = verdict.detected if broken else not verdict.alarm
-                found.append(Outcome(mechanism.name, broken, magnitude, own, hand, right, verdict.milliseconds))
-                if progress is not None:
-                    progress(found[-1])
+                found.append(Drawn(mechanism.name, magnitude, int(rng.integers(2**31)), hand))
     return found
+
+
+def outcome(suite: Suite, drawn: Drawn) -> Outcome:
+    """Build one drawn world and judge it."""
+    (mechanism,) = (m for m in suite.mechanisms if m.name == drawn.mechanism)
+    verdict = judge_one(suite.check, mechanism, drawn.magnitude, drawn.seed)
+    right = verdict.detected if mechanism.broken else not verdict.alarm
+    return Outcome(drawn.mechanism, mechanism.broken, drawn.magnitude, drawn.seed, drawn.named, right, verdict.milliseconds)
+
+
+def survey(suite: Suite, *, variants: int, seed: int, named: bool = True) -> list[Outcome]:
+    """Draw worlds and judge them, one after the other."""
+    return [outcome(suite, d) for d in draw(suite, variants=variants, seed=seed, named=named)]
 
 
 def smallest_detected(check: str, mechanism: Mechanism, seed: int) -> float | None:

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import ast
+import hashlib
 import importlib
+import multiprocessing
 import secrets
 import sys
 import time
+from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...execution.processes import core_count
+from ...worlds.canonical import source_digest
 from .cases import Suite
-from .judge import Outcome, interval, smallest_detected, survey
+from .judge import Drawn, Outcome, draw, interval, outcome, smallest_detected
 
-__all__ = ["CHECKS", "run", "suite_of", "table"]
+__all__ = ["CHECKS", "run", "suite_digest", "suite_of", "table", "verifiers_digest"]
 
 CHECKS = (
     "terrain",
@@ -45,7 +53,12 @@ def suite_of(check: str) -> Suite:
 
 
 def run(
-    *, checks: tuple[str, ...] = CHECKS, variants: int = VARIANTS, seed: int | None = None, accepted: bool = True
+    *,
+    checks: tuple[str, ...] = CHECKS,
+    variants: int = VARIANTS,
+    seed: int | None = None,
+    accepted: bool = True,
+    jobs: int | None = None,
 ) -> dict[str, Any]:
     """Judge every suite; figures per check, and the share of defects found and of sound worlds refused.
 
@@ -54,20 +67,23 @@ def run(
         variants: generated worlds of each kind per check.
         seed: draws magnitudes and details; default a new one, which the figures name.
         accepted: also build, bake and judge every world that was accepted once.
+        jobs: processes that judge worlds beside each other; default one a core.
     """
     seed = secrets.randbelow(2**31) if seed is None else seed
     figures: dict[str, Any] = {}
-    for check in checks:
-        suite, start = suite_of(check), time.perf_counter()
-        outcomes = survey(suite, variants=variants, seed=seed, progress=lambda o, c=check: _tell(c, o))  # type: ignore[misc]
-        figures[check] = _figures(suite, outcomes, seed)
-        print(f"{check}: {len(outcomes)} worlds in {time.perf_counter() - start:.0f} s", file=sys.stderr, flush=True)
+    with _pool(jobs or core_count()) as pool:
+        for check in checks:
+            start = time.perf_counter()
+            outcomes = _surveyed(pool, check, variants, seed)
+            figures[check] = {**_figures(suite_of(check), outcomes, seed), "suite": suite_digest(check)}
+            print(f"{check}: {len(outcomes)} worlds in {time.perf_counter() - start:.0f} s", file=sys.stderr, flush=True)
     kept = _rejudged() if accepted else None
     print(table(figures), file=sys.stderr, flush=True)
     broken, clean = (sum(f[k] for f in figures.values()) for k in ("broken", "clean"))
     found, alarms = (sum(f[k] for f in figures.values()) for k in ("detected", "false_alarms"))
     return {
         "seed": seed,
+        "verifiers": verifiers_digest(),
         "checks": figures,
         "accepted": kept,
         "detection": found / max(1, broken),
@@ -94,6 +110,49 @@ def _rejudged() -> dict[str, Any]:
         print(text, file=sys.stderr, flush=True)
     figures["false_alarm_95"] = interval(figures["false_alarms"], figures["checks"])
     return figures
+
+
+def _pool(jobs: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+
+
+def _outcome(check: str, drawn: Drawn) -> Outcome:
+    return outcome(suite_of(check), drawn)
+
+
+def _surveyed(pool: Executor, check: str, variants: int, seed: int) -> list[Outcome]:
+    """Outcomes of all drawn worlds of one suite, in the order of the draw."""
+    found = []
+    for one in pool.map(partial(_outcome, check), draw(suite_of(check), variants=variants, seed=seed)):
+        found.append(one)
+        _tell(check, one)
+    return found
+
+
+def suite_digest(check: str) -> str:
+    """SHA-256 over the modules of a suite: its own and those of `bench/defects/` that they import."""
+    folder, state = Path(__file__).parent, hashlib.sha256()
+    found, seen = [check], set()
+    while found:
+        name = found.pop()
+        path = folder / f"{name}.py"
+        if name in seen or not path.exists():
+            continue
+        seen.add(name)
+        found += [
+            word
+            for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.ImportFrom) and node.level == 1
+            for word in ([node.module] if node.module else [a.name for a in node.names])
+        ]
+    for name in sorted(seen):
+        state.update(name.encode() + (folder / f"{name}.py").read_bytes())
+    return state.hexdigest()
+
+
+def verifiers_digest() -> str:
+    """SHA-256 over the source of the verifiers, which judged the worlds of a run."""
+    return source_digest(Path(__file__).parents[2] / "verifiers")
 
 
 def _tell(check: str, outcome: Outcome) -> None:

@@ -165,7 +165,10 @@ def _parser() -> argparse.ArgumentParser:
     add("warm", _warm, "Compile kernels and prove the renderer's variant now rather than at first use.")
     bench = add("bench", _bench, "Run a benchmark: progress on stderr, one JSON object as the last line of stdout.")
     bench.add_argument(
-        "--only", metavar="CHECK", action="append", help="defects: only this check; skills: only this skill (repeatable)"
+        "--only",
+        metavar="CHECK",
+        action="append",
+        help="defects: only this check, or `accepted` for the accepted worlds; skills: only this skill (repeatable)",
     )
     bench.add_argument(
         "--adopt", type=Path, metavar="FOLDER", help="defects: keep this accepted world for the clean set, run nothing"
@@ -333,7 +336,9 @@ def _bench(arguments: argparse.Namespace) -> int:
 
     options: dict[str, Any] = {"variants": arguments.variants, "seed": arguments.seed}
     options["checks"] = tuple(arguments.only) if arguments.only else None
-    options["accepted"] = False if arguments.only and arguments.name == "defects" else None
+    if arguments.only and arguments.name == "defects":
+        options["accepted"] = "accepted" in arguments.only
+        options["checks"] = tuple(c for c in arguments.only if c != "accepted")
     given = {k: v for k, v in options.items() if v is not None}
     if given and arguments.name not in ("defects", "skills"):
         raise InputError(

@@ -1,7 +1,7 @@
 """Accepted worlds as the clean set: every world that was accepted once must pass every check again.
 
-They are kept as specifications in `accepted/`; a run builds, probes and bakes them anew and counts each check that leaves a
-mandatory row open as a false alarm.
+They are the specifications in `accepted/` and the whole worlds that the skills record; a run builds, probes and bakes them anew and
+counts each check that leaves a mandatory row open as a false alarm.
 """
 
 from __future__ import annotations
@@ -25,9 +25,10 @@ from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
 
-__all__ = ["KEPT", "Rejudged", "adopt", "rejudge", "specifications"]
+__all__ = ["KEPT", "Rejudged", "adopt", "recorded", "rejudge", "specifications"]
 
 FOLDER = "accepted"
+SKILLS = Path(__file__).parents[2] / "skills"
 KEPT = Path(__file__).with_name(FOLDER)
 """Where accepted worlds are kept in a checkout."""
 
@@ -58,10 +59,18 @@ def specifications() -> Iterator[tuple[str, WorldSpec]]:
             yield item.name.removesuffix(".json"), parse_spec(json.loads(item.read_text(encoding="utf-8")))
 
 
+def recorded() -> Iterator[tuple[str, WorldSpec]]:
+    """Name (`skill/file`) and specification of every whole world that a skill records."""
+    for path in sorted(SKILLS.glob("*/*.json")):
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if isinstance(document, dict) and {"prompt", "entities"} <= set(document):
+            yield f"{path.parent.name}/{path.stem}", parse_spec(document)
+
+
 def rejudge(world: str, spec: WorldSpec) -> Rejudged:
     """Build, bake and judge a specification from nothing, as its acceptance did."""
     with tempfile.TemporaryDirectory(prefix="worldagent-accepted-") as root:
-        folder = WorldFolder(Path(root) / world)
+        folder = WorldFolder(Path(root) / world.replace("/", "-"))
         folder.root.mkdir()
         write_atomically(folder.spec_path, spec.model_dump_json(exclude_none=True).encode())
         built, _ = build_world(folder, spec)

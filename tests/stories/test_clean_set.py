@@ -6,7 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from worldagent.bench.defects.accepted import adopt, rejudge, specifications
+from worldagent.bench.defects.accepted import adopt, recorded, rejudge, specifications
+from worldagent.tests.stories.test_recorded_worlds import JUDGED
 from worldagent.worlds.errors import WorldAgentError
 from worldagent.worlds.patch import parse_spec
 
@@ -25,3 +26,7 @@ def test_a_world_that_is_not_accepted_does_not_join(failed_folder: Path, tmp_pat
 
 def test_kept_worlds_are_specifications_of_this_version() -> None:
     assert len(dict(specifications())) >= 5
+
+
+def test_every_world_that_a_skill_records_is_taken_to_acceptance() -> None:
+    assert {name for name, _ in recorded()} == set(JUDGED)

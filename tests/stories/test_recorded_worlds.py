@@ -1,4 +1,5 @@
-"""The worlds that skills record, to their acceptance: a wall is breached, planks splinter, a flag flutters, sand topples a tile, dust falls."""
+"""The worlds that skills record, to their acceptance: a wall is breached, planks splinter, a flag flutters, a jelly wobbles, sand
+topples a tile, dust falls."""
 
 from __future__ import annotations
 
@@ -14,6 +15,12 @@ CLOTH = tuple(f"category:cloth:{n}:sheets" for n in ("stretch", "self", "solids"
 BROKEN = tuple(f"category:fracture:{n}:wall" for n in ("bonded", "events", "cause", "standing"))
 JUDGED: dict[str, tuple[str, ...]] = {
     "cloth/flag": CLOTH,
+    "elastic-bodies/jelly": (
+        *(f"category:elastic:{n}:jelly" for n in ("shape", "strain", "self", "volume", "step", "flight")),
+        *(f"category:elastic:{n}:rigid" for n in ("energy", "solve", "records", "mass")),
+        "contact:die:jelly",
+        "contact:jelly:table",
+    ),
     "fracture/breach": ("causal:strikes:breaks", "causal:breaks:opens", "causal:breaks:rubble", *BROKEN),
     "fracture/splinters": (
         *(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from ..worlds.groups import group_of
 from ..worlds.patch import differences
 from ..worlds.requirements import Row
 from ..worlds.spec import HeightField, WorldSpec
 
-__all__ = ["CAUSAL_CLASSES", "UNDONE", "causal_groups", "cut_grounds", "failed", "same_causes"]
+__all__ = ["CAUSAL_CLASSES", "UNDONE", "causal_groups", "cut_grounds", "failed", "judged_on", "same_causes"]
 
 CAUSAL_CLASSES = ("scene", "solver")
 UNDONE = "undone"
@@ -66,6 +66,11 @@ def same_causes(one: WorldSpec, other: WorldSpec) -> bool:
     """Whether two specifications are equal in everything causal: scene and solver."""
     places = differences(one.model_dump(mode="json"), other.model_dump(mode="json"))
     return not any(group_of(p).edit_class in CAUSAL_CLASSES for p in places)
+
+
+def judged_on(rows: Iterable[Row]) -> set[str]:
+    """Entities that rows name: on their surfaces they were judged."""
+    return {name for row in rows for name in (*row.entities, row.first_failing_entity) if name}
 
 
 def failed(row: Row) -> bool:

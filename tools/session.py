@@ -23,7 +23,7 @@ from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 from .earlier import has_motion
 from .known_specs import KnownSpecs
-from .repair_rules import CAUSAL_CLASSES, UNDONE, causal_groups, cut_grounds, failed, same_causes
+from .repair_rules import CAUSAL_CLASSES, UNDONE, causal_groups, cut_grounds, failed, judged_on, same_causes
 
 __all__ = ["Session", "no_revision"]
 
@@ -146,11 +146,11 @@ class Session:
         places = list(differences(*documents))
         groups = {group_of(p) for p in places}
         causal = [] if derived else causal_groups(places, cut_grounds(before, after))
-        weaker = weakenings(before, after)
         stale = stale_artifacts(before, after)
         with self.step():
             undone = self._undone(after) if causal else []
             failing = [r for r in self.ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
+            weaker = weakenings(before, after, judged_on(failing))
             self._rules(failing, groups, [] if undone else causal, weaker, hypothesis, weakening_reason)
             number = self.ledger.add_revision(
                 after.model_dump_json(exclude_none=True),

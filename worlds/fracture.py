@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .built import BuiltEntity
     from .spec import Breakable, Entity
 
-__all__ = ["bonded_pairs", "crumble_of", "crumbled_force", "middle_size", "piece_count", "piece_overlap"]
+__all__ = ["CRUMBLE", "bonded_pairs", "crumble_of", "crumbled_force", "middle_size", "piece_count", "piece_overlap"]
 
 CRUMBLE = 0.01
 """Default thickness of what crumbles at a broken face, in parts of the middle piece's size."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .fracture import piece_count
+from .fracture import CRUMBLE, piece_count
 from .gate import Problem
 from .limits import CAPS
 from .spec import ForceDriver, PathDriver, RigidPhysics
@@ -15,7 +15,7 @@ from .spec import ForceDriver, PathDriver, RigidPhysics
 if TYPE_CHECKING:
     from .spec import Breakable, Entity, WorldSpec
 
-__all__ = ["crumble_limit", "fracture_problems"]
+__all__ = ["crumble_limit", "fracture_problems", "usual_crumble"]
 
 LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
@@ -47,6 +47,13 @@ def crumble_limit(entity: Entity) -> float:
     """Most that faces of a breakable entity may crumble [m]: a share of its least piece, as far as the specification tells its size."""
     assert entity.breakable is not None
     return CRUMBLE_SHARE * _least_piece(entity, entity.breakable)
+
+
+def usual_crumble(entity: Entity) -> float:
+    """How far faces crumble by default [m], as far as the specification tells the size of pieces."""
+    assert entity.breakable is not None
+    pattern = entity.breakable.pattern
+    return pattern.joint / 2 if pattern.kind == "bricks" else CRUMBLE * _least_piece(entity, entity.breakable)
 
 
 def _least_piece(entity: Entity, breakable: Breakable) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
@@ -13,8 +13,9 @@ from .bounds import check_document, extent, shown
 from .errors import SpecError
 from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
-from .predicates import PREDICATES
+from .predicates import PREDICATES, interval_tightens
 from .spec import WorldSpec
+from .weakened import physical_weakenings, relation_weakenings, surface_weakenings
 
 __all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
 
@@ -183,7 +184,7 @@ def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str)
             yield f"{place}/{key} made optional"
         if beat.get("observe", True) and not now.get("observe", True):
             yield f"{place}/{key} need not be seen any more"
-        if beat.get("frames") != now.get("frames"):
+        if beat.get("frames") != now.get("frames") and _frames_weaker(beat, now):
             yield f"{place}/{key}/frames {beat.get('frames')} -> {now.get('frames')}"
         if not set(beat.get("causes", [])) <= set(now.get("causes", [])):
             yield f"{place}/{key}/causes lost {sorted(set(beat['causes']) - set(now.get('causes', [])))}"
@@ -193,6 +194,18 @@ def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str)
                 yield f"{place}/{key}/{field} {beat.get(field)} -> {now.get(field)}"
         if _predicate_weaker(beat["predicate"], now["predicate"]):
             yield f"{place}/{key}/predicate loosened or replaced"
+
+
+def _frames_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
+    """Whether other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more.
+
+    An effect that is only looked for later is not asked whether it came before its cause.
+    """
+    (first, last), (now, then) = (x.get("frames") or (0, math.inf) for x in (old, new))
+    harder = interval_tightens(old["predicate"])
+    if harder == "narrower":
+        return bool(now < first or then > last or (now > first and old.get("causes")))
+    return harder == "either" or bool(now > first or then < last)
 
 
 def _margin_weakenings(old: Mapping[str, Any], beat: Mapping[str, Any], place: str) -> Iterator[str]:
@@ -233,8 +246,8 @@ def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
         if key not in now:
             if relation["kind"] != "fastened":
                 yield f"/graph/relations/{key} ({relation['kind']}) removed"
-        elif {**relation, "text": ""} != {**now[key], "text": ""}:
-            yield f"/graph/relations/{key} changed"
+        else:
+            yield from relation_weakenings(f"/graph/relations/{key}", relation, now[key])
     for key, relation in now.items():
         if relation["kind"] == "fastened" and old["relations"].get(key, {}).get("kind") != "fastened":
             yield f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended"
@@ -262,11 +275,6 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
         now = new[key]
         if entity["motion"] == "dynamic" and now["motion"] != "dynamic":
             yield f"/entities/{key}/motion dynamic -> {now['motion']}"
-        for name, part in entity["parts"].items():
-            if name not in now["parts"]:
-                yield f"/entities/{key}/parts/{name} removed"
-            elif part["collides"] and not now["parts"][name]["collides"]:
-                yield f"/entities/{key}/parts/{name} collides no more"
         for bound in ("max_strain", "max_stretch", "recovery"):
             if bound in entity["physics"] and now["physics"].get(bound, math.inf) > entity["physics"][bound]:
                 yield f"/entities/{key}/physics/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"
@@ -301,8 +309,14 @@ def _clause_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
             yield f"/clauses/{key}/met_by lost {lost}"
 
 
-def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
-    """Changes that make the specification easier to satisfy (R157), in words."""
+def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()) -> list[str]:
+    """Changes that make the specification easier to satisfy (R157), in words.
+
+    Args:
+        before: the specification before the edit.
+        after: the one after it.
+        judged: entities that failing rows name: their surfaces are what was judged.
+    """
     old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
     found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
     found += _beat_weakenings(old["story"]["requirements"], new["story"]["requirements"], "/story/requirements")
@@ -310,6 +324,8 @@ def weakenings(before: WorldSpec, after: WorldSpec) -> list[str]:
     found += _graph_weakenings(old["graph"], new["graph"])
     found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
     found += _entity_weakenings(old["entities"], new["entities"])
+    found += surface_weakenings(old["entities"], new["entities"], judged)
+    found += physical_weakenings(before, after, old, new)
     for key, material in old["materials"].items():
         if key in new["materials"] and new["materials"][key]["substance"] != material["substance"]:
             found.append(f"/materials/{key}/substance {material['substance']} -> {new['materials'][key]['substance']}")

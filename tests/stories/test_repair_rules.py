@@ -169,7 +169,13 @@ EASIER: dict[str, list[dict[str, Any]]] = {
     "another predicate": [
         {"op": "replace", "path": "/story/beats/fall/predicate", "value": {"kind": "speed", "entity": "b3", "min": 0.01}}
     ],
-    "fewer frames": [{"op": "replace", "path": "/story/beats/fall/frames", "value": [4, 10]}],
+    "more frames for what must happen": [{"op": "replace", "path": "/story/beats/fall/frames", "value": [4, 34]}],
+    "fewer frames in a second": [{"op": "add", "path": "/simulation/fps", "value": 12}],
+    "weak gravity": [{"op": "add", "path": "/simulation/gravity", "value": [0, 0, -1.62]}],
+    "gravity that pulls along": [{"op": "add", "path": "/simulation/gravity", "value": [1, 0, -9.76]}],
+    "a mass of its own": [{"op": "add", "path": "/entities/b3/physics", "value": {"category": "rigid", "mass": 0.05}}],
+    "a body that is there for a while": [{"op": "add", "path": "/entities/b3/active", "value": [0, 20]}],
+    "a surface gone": [{"op": "add", "path": "/entities/b3/parts/body/collides", "value": False}],
     "a shorter sequence": [
         {"op": "replace", "path": "/simulation/frames", "value": 30},
         {"op": "replace", "path": "/shots/only/frames", "value": [0, 29]},
@@ -215,6 +221,15 @@ def test_after_a_failure_nothing_becomes_easier_without_a_reason(failed: Any, na
     assert "easier to satisfy" in text
     assert "weakening_reason" in text
     assert "easier" in failed.refused("edit_spec", world="w", patch=EASIER[name], hypothesis=WHY, weakening_reason="why not")
+
+
+def test_what_must_happen_sooner_and_other_surfaces_are_no_weakening(failed: Any) -> None:
+    """An event in fewer frames asks for more; a part of another form is judged as it is; one beside it is drawn only."""
+    sooner = {"op": "replace", "path": "/story/beats/fall/frames", "value": [4, 20]}
+    assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=[sooner], hypothesis=WHY)
+    knob = {"shape": {"kind": "box", "size": [0.01, 0.01, 0.01]}, "collides": False}
+    drawn = [{"op": "add", "path": "/entities/shelf/parts/knob", "value": knob}]
+    assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=drawn, hypothesis=WHY)
 
 
 def test_before_any_failure_the_plan_may_become_easier(agent: Any) -> None:

@@ -19,7 +19,15 @@ REGION = {"kind": "sphere", "center": [0, 0, 0], "radius": 0.1}
 
 
 def base() -> WorldSpec:
-    return parse_spec({**small_spec(), "prompt": PROMPT})
+    """The small world with a way, a rock and a block that can break."""
+    spec = small_spec()
+    spec["graph"]["regions"] = {"here": REGION, "there": REGION}
+    spec["graph"]["relations"]["way"] = {"kind": "connects", "a": "here", "b": "there"}
+    spec["materials"]["rock"] = {"density": 2200}
+    spec["entities"]["b2"]["breakable"] = {
+        "pattern": {"kind": "voronoi", "pieces": 4}, "bond": {"tension": 2e5, "shear": 2e5, "crumble": 0.0001}
+    }  # fmt: skip
+    return parse_spec({**spec, "prompt": PROMPT})
 
 
 def changed(spec: WorldSpec, pointer: str, value: Any) -> WorldSpec:
@@ -124,7 +132,13 @@ def test_every_limit_has_a_direction_that_weakens() -> None:
         ("/shots/only/covers", ["roll", "strike", "fall"], ["roll", "strike"]),
         ("/shots/only/subjects", ["ball", "b3"], ["b3"]),
         ("/entities/b1/motion", "dynamic", "static"),
-        ("/entities/b1/parts/body/collides", True, False),
+        ("/graph/relations/way/width", 0.8, 0.1),
+        ("/graph/relations/way/headroom", 2.0, 0.5),
+        ("/graph/relations/way/max_step", 0.2, 5.0),
+        ("/graph/relations/way/max_slope", 0.6, 1.5),
+        ("/entities/b1/physics", {"category": "rigid"}, {"category": "rigid", "mass": 0.05}),
+        ("/entities/b1/active", [0, 35], [0, 20]),
+        ("/entities/b2/breakable/bond/crumble", 0.0001, 0.001),
     ],
 )
 def test_one_way_changes(pointer: str, hard: Any, easy: Any) -> None:
@@ -136,7 +150,6 @@ def test_one_way_changes(pointer: str, hard: Any, easy: Any) -> None:
 @pytest.mark.parametrize(
     ("pointer", "one", "other"),
     [
-        (f"{FALL}/frames", [4, 24], [4, 30]),
         (f"{FALL}/margins", {"strike": {"value": 0.3}}, {"strike": {"frames": 3}}),
         ("/story/robustness/r", ROBUST, FINER),
         ("/story/robustness/r", ROBUST, {**ROBUST, "seed": 1}),
@@ -147,6 +160,11 @@ def test_one_way_changes(pointer: str, hard: Any, easy: Any) -> None:
         ("/graph/regions/goal", REGION, {**REGION, "radius": 0.2}),
         ("/materials/steel/substance", "steel", "other"),
         ("/entities/b1/nominal_diagonal", 0.08, 0.2),
+        ("/simulation/gravity", [0, 0, -1.62], [0, 1, -9.7]),
+        ("/simulation/fps", 24, 12),
+        ("/materials/rock/density", 2000, 2500),
+        ("/graph/relations/way/carrier", "walker", "object"),
+        ("/entities/b1/physics", {"category": "rigid", "mass": 0.05}, {"category": "rigid", "mass": 0.06}),
     ],
 )
 def test_changes_that_may_help_either_way(pointer: str, one: Any, other: Any) -> None:
@@ -158,7 +176,14 @@ def test_changes_that_may_help_either_way(pointer: str, one: Any, other: Any) ->
 def test_repairs_of_the_scene_or_the_solver_are_no_weakening() -> None:
     for pointer, value in (
         ("/entities/ball/pose/position", [-0.1, 0, 0.321]),
-        ("/entities/ball/physics/mass", 0.4),
+        ("/entities/ball/physics/linear_damping", 0.1),
+        ("/materials/steel/density", 7800),
+        ("/simulation/solvers/rigid/settings/skin", 0.0004),
+        ("/entities/b2/breakable/bond/tension", 1e5),
+        ("/entities/b1/parts/body/collides", False),
+        ("/entities/b1/parts/ear", {"shape": {"kind": "box", "size": [0.01, 0.01, 0.01]}, "collides": False}),
+        ("/entities/b1/parts", {"trunk": base().model_dump(mode="json")["entities"]["b1"]["parts"]["body"]}),
+        ("/entities/b1/parts/body/shape", {"kind": "sphere", "radius": 0.02}),
         ("/simulation/solvers/rigid/settings/step", 0.0002),
         ("/materials/steel/friction", 0.5),
         ("/shots/only/intent", "another"),
@@ -239,3 +264,117 @@ def test_differences_are_pointers_of_leaves_and_whole_subtrees() -> None:
     new = {"a": {"b": 2, "c": [1, 3]}, "e": {"f": 1}}
     assert list(differences(old, new)) == ["/a/b", "/a/c", "/d", "/e"]
     assert list(differences(old, old)) == []
+
+
+# ---------------------------------------------------------------- intervals
+
+HAPPENS = [SPEED, {"kind": "eventually", "predicate": SPEED}, {"kind": "crosses", "entity": "b3", "point": [0, 0, 0], "normal": [1, 0, 0]},
+           {"kind": "or", "of": [SPEED, SPEED]}, {"kind": "not", "predicate": {**SPEED, "when": "always"}}]  # fmt: skip
+LASTS = [{**SPEED, "when": "always"}, {"kind": "supported", "entity": "b3"}, {"kind": "always", "predicate": SPEED},
+         {"kind": "no_contact", "a": "ball", "b": "b3"}, {"kind": "not", "predicate": SPEED}]  # fmt: skip
+UNTOLD = [{**SPEED, "when": "end"}, {"kind": "topples", "entity": "b3"}, {"kind": "before", "beat": "strike", "predicate": SPEED},
+          {"kind": "and", "of": [SPEED, {**SPEED, "when": "always"}]}]  # fmt: skip
+
+
+def _over(predicate: dict[str, Any], frames: list[int], causes: list[str]) -> WorldSpec:
+    spec = changed(with_predicate(predicate), f"{FALL}/frames", frames)
+    return changed(spec, f"{FALL}/causes", causes)
+
+
+@pytest.mark.parametrize("predicate", HAPPENS)
+def test_what_must_happen_sooner_asks_for_more(predicate: dict[str, Any]) -> None:
+    wide = _over(predicate, [4, 30], [])
+    for narrow in ([4, 24], [6, 30], [6, 24]):
+        assert weakenings(wide, _over(predicate, narrow, [])) == []
+        assert weakenings(_over(predicate, narrow, []), wide) == [f"{FALL}/frames {narrow} -> [4, 30]"]
+
+
+@pytest.mark.parametrize("predicate", LASTS)
+def test_what_must_last_asks_for_less_in_fewer_frames(predicate: dict[str, Any]) -> None:
+    wide, narrow = _over(predicate, [4, 30], []), _over(predicate, [4, 24], [])
+    assert weakenings(narrow, wide) == []
+    assert weakenings(wide, narrow) == [f"{FALL}/frames [4, 30] -> [4, 24]"]
+
+
+@pytest.mark.parametrize("predicate", UNTOLD)
+def test_where_it_cannot_be_told_other_frames_may_ask_for_less(predicate: dict[str, Any]) -> None:
+    wide, narrow = _over(predicate, [4, 30], []), _over(predicate, [4, 24], [])
+    assert weakenings(narrow, wide)
+    assert weakenings(wide, narrow)
+
+
+def test_an_effect_looked_for_later_may_hide_that_it_came_before_its_cause() -> None:
+    early, late = _over(SPEED, [4, 24], ["strike"]), _over(SPEED, [6, 24], ["strike"])
+    assert weakenings(early, late)
+    assert weakenings(_over(SPEED, [4, 24], ["strike"]), _over(SPEED, [4, 20], ["strike"])) == []
+
+
+def test_a_requirement_without_frames_asks_over_all_of_them() -> None:
+    def asked(when: str, frames: list[int] | None) -> WorldSpec:
+        own = {} if frames is None else {"frames": frames}
+        return changed(base(), "/story/requirements/still", {"text": "t", "predicate": {**SPEED, "when": when}, **own})
+
+    assert weakenings(asked("always", None), asked("always", [0, 10])) != []
+    assert weakenings(asked("always", [0, 10]), asked("always", None)) == []
+    assert weakenings(asked("eventually", None), asked("eventually", [0, 10])) == []
+    assert weakenings(asked("eventually", [0, 10]), asked("eventually", None)) != []
+
+
+# ---------------------------------------------------------------- quantities of nature, surfaces
+
+SOFT = {"kind": "broken", "entity": "b2", "min": 0.1}
+
+
+@pytest.mark.parametrize("field", ["tension", "shear", "toughness", "friction"])
+def test_strength_is_a_weakening_where_a_beat_asks_to_break_or_to_hold(field: str) -> None:
+    place = f"/entities/b2/breakable/bond/{field}"
+
+    def strong(predicate: dict[str, Any], value: float) -> WorldSpec:
+        return changed(with_predicate(predicate), place, value)
+
+    holds = {"kind": "not", "predicate": SOFT}
+    for asked, hard, easy in ((SOFT, 1.0, 0.5), (holds, 0.5, 1.0), ({"kind": "broken", "entity": "b2", "max": 0.2}, 0.5, 1.0)):
+        (told,) = weakenings(strong(asked, hard), strong(asked, easy))
+        assert told == f"{place} {hard:g} -> {easy:g}, by which fall is easier to meet"
+        assert weakenings(strong(asked, easy), strong(asked, hard)) == []
+    other = {**SOFT, "entity": "b3"}
+    assert weakenings(strong(other, 1.0), strong(other, 0.5)) == []
+
+
+def test_back_to_the_gravity_of_the_earth_and_to_density_times_volume_is_no_weakening() -> None:
+    assert weakenings(changed(base(), "/simulation/gravity", [0, 0, -1.62]), base()) == []
+    assert weakenings(base(), changed(base(), "/simulation/gravity", [0, 0, -1.62])) == [
+        "/simulation/gravity [0.0, 0.0, -9.81] -> [0.0, 0.0, -1.62] m/s^2, by default [0.0, 0.0, -9.81]"
+    ]
+    heavy = changed(base(), "/entities/b1/physics/mass", 0.05)
+    assert weakenings(heavy, apply_patch(heavy, [{"op": "remove", "path": "/entities/b1/physics/mass"}])) == []
+
+
+def test_more_frames_per_second_that_end_sooner_ask_for_less() -> None:
+    (told,) = weakenings(base(), changed(base(), "/simulation/fps", 96))
+    assert "the sequence lasts" in told
+    longer = apply_patch(base(), [{"op": "replace", "path": "/simulation/fps", "value": 48}, {"op": "replace", "path": "/simulation/frames", "value": 99}])  # fmt: skip
+    assert weakenings(base(), longer) == []
+
+
+def test_a_surface_on_which_a_failing_row_was_judged_may_not_go() -> None:
+    drawn = changed(base(), "/entities/b1/parts/body/collides", False)
+    assert weakenings(base(), drawn, {"b1"}) == ["/entities/b1/parts/body collides no more, on which a failing row was judged"]
+    assert weakenings(base(), drawn, {"b3"}) == []
+    ear = {"shape": {"kind": "box", "size": [0.01, 0.01, 0.01]}}
+    two = changed(base(), "/entities/b1/parts/ear", ear)
+    assert weakenings(base(), two, {"b1"}) == []
+    assert weakenings(two, base(), {"b1"}) == ["/entities/b1/parts/ear removed, on which a failing row was judged"]
+    body = base().model_dump(mode="json")["entities"]["b1"]["parts"]["body"]
+    other = changed(base(), "/entities/b1/parts", {"trunk": {**body, "shape": {"kind": "sphere", "radius": 0.02}}})
+    assert weakenings(base(), other, {"b1"}) == []
+
+
+def test_a_coupling_without_its_way_back_is_a_weakening() -> None:
+    both = {"source": "rigid", "target": "rigid", "direction": "two_way", "variables": ["motion"]}
+    two = changed(base(), "/simulation/couplings/c", both)
+    assert weakenings(two, changed(base(), "/simulation/couplings/c", {**both, "direction": "one_way"})) == [
+        "/simulation/couplings/c two_way -> one_way: no reaction any more"
+    ]
+    assert weakenings(two, base()) != []
+    assert weakenings(base(), two) == []

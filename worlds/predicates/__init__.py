@@ -45,7 +45,7 @@ from .models import (
     WetArea,
     Within,
 )
-from .registry import PREDICATES, PredicateInfo, atoms_of, describe_predicate, entities_of, is_invariant
+from .registry import PREDICATES, PredicateInfo, atoms_of, describe_predicate, entities_of, interval_tightens, is_invariant
 
 __all__ = [
     "ATOMS",
@@ -103,5 +103,6 @@ __all__ = [
     "atoms_of",
     "describe_predicate",
     "entities_of",
+    "interval_tightens",
     "is_invariant",
 ]

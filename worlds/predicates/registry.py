@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..vocabulary import Ref, SpecModel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREDICATES", "PredicateInfo", "atoms_of", "describe_predicate", "entities_of", "is_invariant"]
+__all__ = [
+    "PREDICATES",
+    "PredicateInfo",
+    "atoms_of",
+    "describe_predicate",
+    "entities_of",
+    "interval_tightens",
+    "is_invariant",
+]
 
 Tightens = Literal["up", "down", "none"]
+Interval = Literal["narrower", "wider", "either"]
+"""Which change of its frames makes a predicate harder to meet; `either`: it cannot be told."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +36,8 @@ class PredicateInfo:
     """Cache channels that must be present; a missing one makes the row `unverified`."""
     tightens: Mapping[str, Tightens] = field(default_factory=dict)
     """Per numeric field: the direction in which the requirement becomes harder to meet."""
+    frames: Interval | Literal["when", "inner", "own"] = "when"
+    """Which frames are harder: `when` as that field says; `inner` as what it holds; `own` it may have frames of its own."""
 
 
 _BAND: dict[str, Tightens] = {"min": "up", "max": "down"}
@@ -37,13 +49,13 @@ _BONDS = ("bond/broken", "break/time", "break/bond", "break/cause")
 _KINDS = (
     PredicateInfo("reaches", "m", _POSE),
     PredicateInfo("stays_in", "m", _POSE),
-    PredicateInfo("crosses", "m", _POSE),
-    PredicateInfo("contact", "N s", ("contact/pair", "contact/impulse"), {"min_impulse": "up"}),
-    PredicateInfo("no_contact", "N s", ("contact/pair", "contact/impulse")),
+    PredicateInfo("crosses", "m", _POSE, frames="narrower"),
+    PredicateInfo("contact", "N s", ("contact/pair", "contact/impulse"), {"min_impulse": "up"}, frames="narrower"),
+    PredicateInfo("no_contact", "N s", ("contact/pair", "contact/impulse"), frames="wider"),
     PredicateInfo("rests_on", "m/s", (*_POSE, "velocity", "angular_velocity"), {"max_speed": "down"}),
     PredicateInfo("supported", "1", _POSE),
     PredicateInfo("tilts", "rad", _POSE, _BAND),
-    PredicateInfo("topples", "rad", _POSE, {"min_angle": "up"}),
+    PredicateInfo("topples", "rad", _POSE, {"min_angle": "up"}, frames="either"),
     PredicateInfo("speed", "m/s", ("velocity",), _BAND),
     PredicateInfo("displacement", "m", _POSE, _BAND),
     PredicateInfo("separation", "m", _POSE, _BAND),
@@ -55,12 +67,13 @@ _KINDS = (
         "1",
         (),
         _BAND | {"min_depth": "up", "min_area": "up", "min_length": "up", "min_width": "up"},
+        frames="either",
     ),
-    PredicateInfo("landscape_field", "1", (), _BAND),
+    PredicateInfo("landscape_field", "1", (), _BAND, frames="either"),
     PredicateInfo("liquid_volume_in", "m^3", _LIQUID, _BAND),
     PredicateInfo("liquid_level_at", "m", _LIQUID, _BAND),
-    PredicateInfo("liquid_flux_through", "m^3", (*_LIQUID, "particle/id"), _BAND),
-    PredicateInfo("liquid_arrives", "m^3", _LIQUID, {"min_volume": "up", "within": "down"}),
+    PredicateInfo("liquid_flux_through", "m^3", (*_LIQUID, "particle/id"), _BAND, frames="either"),
+    PredicateInfo("liquid_arrives", "m^3", _LIQUID, {"min_volume": "up", "within": "down"}, frames="narrower"),
     PredicateInfo("submerged_fraction", "1", _LIQUID, _BAND),
     PredicateInfo("wet_area", "m^2", _LIQUID, _BAND),
     PredicateInfo("splash_height", "m", _LIQUID, _BAND),
@@ -80,19 +93,20 @@ _KINDS = (
         "m",
         _SHEETS,
         {"min_amplitude": "up", "max_amplitude": "down", "min_cycles": "up", "min_frequency": "up", "max_frequency": "down"},
+        frames="either",
     ),
     PredicateInfo("torn", "m", (*_SHEETS, "edge/open", "tear/corner", "tear/side", "tear/cause"), _BAND),
     PredicateInfo("pinned", "m", _SHEETS, {"max_slip": "down"}),
-    PredicateInfo("count", "1", (), _BAND),
-    PredicateInfo("always", "1", ()),
-    PredicateInfo("eventually", "1", ()),
-    PredicateInfo("until", "1", ()),
-    PredicateInfo("before", "frame", ()),
-    PredicateInfo("after", "frame", ()),
-    PredicateInfo("within", "frame", (), {"frames": "down"}),
-    PredicateInfo("and", "1", ()),
-    PredicateInfo("or", "1", ()),
-    PredicateInfo("not", "1", ()),
+    PredicateInfo("count", "1", (), _BAND, frames="inner"),
+    PredicateInfo("always", "1", (), frames="own"),
+    PredicateInfo("eventually", "1", (), frames="own"),
+    PredicateInfo("until", "1", (), frames="either"),
+    PredicateInfo("before", "frame", (), frames="either"),
+    PredicateInfo("after", "frame", (), frames="either"),
+    PredicateInfo("within", "frame", (), {"frames": "down"}, frames="either"),
+    PredicateInfo("and", "1", (), frames="inner"),
+    PredicateInfo("or", "1", (), frames="inner"),
+    PredicateInfo("not", "1", (), frames="inner"),
 )
 PREDICATES: Mapping[str, PredicateInfo] = {info.kind: info for info in _KINDS}
 
@@ -140,6 +154,34 @@ def is_invariant(predicate: SpecModel) -> bool:
     if kind in ("and", "or"):
         return all(is_invariant(p) for p in predicate.of)  # type: ignore[attr-defined]
     return kind in INVARIANTS or getattr(predicate, "when", "") == "always"
+
+
+def _turned(interval: Interval) -> Interval:
+    return {"narrower": "wider", "wider": "narrower", "either": "either"}[interval]  # type: ignore[return-value]
+
+
+def interval_tightens(predicate: Mapping[str, Any]) -> Interval:
+    """Which change of the frames of a beat or requirement makes its predicate, as JSON, harder to meet.
+
+    What has to happen is harder in fewer frames, what has to last in more.
+    """
+    kind, info = str(predicate.get("kind")), PREDICATES.get(str(predicate.get("kind")))
+    if info is None:
+        return "either"
+    if info.frames == "inner":
+        if kind == "count" and predicate.get("max") is not None:
+            return "either"
+        inner = [predicate["predicate"]] if "predicate" in predicate else list(predicate["of"])
+        found = {interval_tightens(p) for p in inner}
+        one = found.pop() if len(found) == 1 else "either"
+        return _turned(one) if kind == "not" else one
+    if info.frames == "own":
+        mine: Interval = "wider" if kind == "always" else "narrower"
+        return mine if predicate.get("frames") is None else "either"
+    if info.frames == "when":
+        by_when: dict[str, Interval] = {"eventually": "narrower", "always": "wider"}
+        return by_when.get(str(predicate.get("when")), "either")
+    return info.frames
 
 
 def describe_predicate(predicate: SpecModel) -> str:

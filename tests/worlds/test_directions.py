@@ -1,0 +1,81 @@
+"""Every field of the schema says whether more of it makes requirements harder, easier, or neither (R157)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.worlds import directions
+from worldagent.worlds.directions import way_of
+from worldagent.worlds.spec import WorldSpec
+
+
+def _walk(node: dict[str, Any], place: str, known: dict[str, Any], found: set[str]) -> None:
+    """Pointers of all leaves of a schema, with `x` for keys; predicates and shapes hold many alike and count as one."""
+    if place.endswith(("/predicate", "/shape")):
+        found.add(place)
+        return
+    if "$ref" in node:
+        _walk(known[node["$ref"].rpartition("/")[2]], place, known, found)
+    for kind in ("anyOf", "oneOf", "allOf"):
+        for option in node.get(kind, ()):
+            _walk(option, place, known, found)
+    for key, value in node.get("properties", {}).items():
+        _walk(value, f"{place}/{key}", known, found)
+    members = [node["additionalProperties"]] if isinstance(node.get("additionalProperties"), dict) else []
+    for member in [*members, *node.get("patternProperties", {}).values()]:
+        found.add(place)
+        found.add(f"{place}/x")
+        _walk(member, f"{place}/x", known, found)
+    if node.get("type") not in (None, "object", "null"):
+        found.add(place)
+
+
+def _fields() -> set[str]:
+    schema, found = WorldSpec.model_json_schema(), set[str]()
+    _walk(schema, "", schema["$defs"], found)
+    return found
+
+
+FIELDS = _fields()
+
+
+def test_no_field_of_the_schema_is_silent_about_its_direction() -> None:
+    assert len(FIELDS) > 300
+    assert sorted(f for f in FIELDS if way_of(f) is None) == []
+
+
+def test_every_line_of_the_table_speaks_of_a_field() -> None:
+    silent = []
+    for pattern, way in directions._COMPILED:
+        mine = [f for f in FIELDS if pattern.fullmatch(f) and way_of(f) is way]
+        inner = [f for f in FIELDS for k in range(1, f.count("/")) if way_of(f.rsplit("/", k)[0]) is way]
+        if not mine and not inner:
+            silent.append(pattern.pattern)
+    assert silent == []
+
+
+def test_an_unknown_field_has_no_direction() -> None:
+    for place in ("/simulation/luck", "/entities/x/physics/luck", "/simulation/limits/luck", "/entities/x/breakable/bond/luck"):
+        assert way_of(place) is None
+
+
+@pytest.mark.parametrize(
+    ("place", "direction"),
+    [
+        ("/simulation/fps", "harder_up"),
+        ("/entities/x/breakable/bond/crumble", "harder_down"),
+        ("/graph/relations/x/width", "harder_up"),
+        ("/graph/relations/x/max_step", "harder_down"),
+        ("/materials/x/substance", "either"),
+        ("/simulation/gravity", "either"),
+        ("/entities/x/breakable/bond/tension", "bound"),
+        ("/entities/x/pose/position", "repair"),
+        ("/look/exposure", "none"),
+    ],
+)
+def test_directions_are_as_physics_has_them(place: str, direction: str) -> None:
+    way = way_of(place)
+    assert way is not None
+    assert way.direction == direction
+    assert way.why

@@ -1,0 +1,138 @@
+"""Which way each field of a specification makes its requirements harder or easier to meet (R157): one table of pointers.
+
+Every field stands here by name, so that a new one has to say what it is. What a direction means for an edit:
+
+- `harder_up`, `harder_down`: moved against that direction, it asks for less.
+- `either`: any change may ask for less.
+- `bound`: a quantity of nature. A weakening where a declared beat or requirement is easier to meet by it, or where it leaves what
+  the specification takes by default; else a repair in its group.
+- `repair`: scene, solver or picture, which checks judge as it then is.
+- `none`: nothing that is judged depends on it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Literal, NamedTuple
+
+__all__ = ["Direction", "Way", "way_of"]
+
+Direction = Literal["harder_up", "harder_down", "either", "bound", "repair", "none"]
+
+
+class Way(NamedTuple):
+    """What changing a field does to what is asked."""
+
+    direction: Direction
+    why: str
+
+
+_E, _P, _S, _D = (
+    r"/entities/[^/]+",
+    r"/entities/[^/]+/physics",
+    r"/simulation/solvers/[^/]+/settings",
+    r"/simulation/drivers/[^/]+",
+)
+_ANY = r"(/.*)?"
+_TABLE: tuple[tuple[str, Direction, str], ...] = (
+    # the prompt and its clauses
+    (r"/(title|spec_version|prompt)", "none", "a name, the version of the schema, and the prompt, which never changes"),
+    (r"/clauses/[^/]+/met_by", "either", "what a clause is judged by"),
+    (r"/clauses/[^/]+/(unmet|static_because)", "either", "gives a clause up, or what its words ask for"),
+    (r"/clauses(/[^/]+)?", "either", "clauses added or dropped"),
+    # story
+    (r"/story/semantics", "none", "words"),
+    (r"/story/(beats|requirements)/[^/]+/text", "none", "words; the predicate is judged"),
+    (r"/story/(beats|requirements)/[^/]+/(mandatory|observe)", "either", "true asks for more"),
+    (r"/story/(beats|requirements)/[^/]+/frames", "either", "by the predicate: what must last is easier in fewer frames, what must happen is harder"),
+    (rf"/story/(beats|requirements)/[^/]+/predicate{_ANY}", "either", "by the predicate's own bounds, see PREDICATES"),
+    (r"/story/beats/[^/]+/(subject|owner)", "either", "another body or cause is judged"),
+    (r"/story/beats/[^/]+/causes", "either", "fewer causes ask for less"),
+    (rf"/story/beats/[^/]+/margins{_ANY}", "either", "a margin asks for less than that the effect vanish"),
+    (r"/story/robustness/[^/]+/(beats|entities|kind|seed)", "either", "other trials"),
+    (r"/story/robustness/[^/]+/(samples|min_fraction|factor|position|angle|speed|friction|restitution|density)", "harder_up", "more or larger trials"),
+    (r"/story/robustness/[^/]+/frames", "harder_down", "shift that is allowed"),
+    (r"/story(/(beats|requirements|robustness)(/[^/]+)?)?", "either", "added asks for more, dropped for less"),
+    # scene graph
+    (r"/graph/(regions|relations)/[^/]+/(role|text)", "none", "words"),
+    (rf"/graph/regions{_ANY}", "either", "where things are looked for"),
+    (r"/graph/relations/[^/]+/(width|headroom)", "harder_up", "what has to get through"),
+    (r"/graph/relations/[^/]+/(max_slope|max_step|gap|max_depth)", "harder_down", "what is allowed"),
+    (r"/graph/relations/[^/]+/(a|b|kind|carrier|frames|ratio|reason|waypoints)", "either", "another relation"),
+    (r"/graph(/relations(/[^/]+)?)?", "either", "added asks for more, dropped for less; an overlap that is allowed the other way about"),
+    # entities
+    (rf"{_E}/(role|inputs|outputs){_ANY}", "none", "words"),
+    (rf"{_E}/exchanges{_ANY}", "none", "a note on what its solver exchanges; couplings decide"),
+    (rf"{_E}/(pose|material){_ANY}", "repair", "where it is and what it is made of"),
+    (rf"{_E}/motion", "either", "what is authored or fixed need not happen by itself"),
+    (rf"{_E}/active", "either", "checks judge a body while it is there: fewer frames ask for less"),
+    (rf"{_E}/nominal_diagonal", "either", "the size that its role implies"),
+    (rf"{_E}/dimensions/tolerance", "harder_down", "allowed deviation"),
+    (rf"{_E}/dimensions(/size{_ANY})?", "repair", "rows hold it against what is built"),
+    (rf"{_E}/parts/[^/]+/collides", "either", "what is drawn only is no surface: asks for less where a failing row was judged on it"),
+    (rf"{_E}/parts/[^/]+/(shape|pose|material){_ANY}", "repair", "a surface of another form is judged as it is"),
+    (rf"{_E}/parts(/[^/]+)?", "either", "a lost surface asks for less where a failing row was judged on it; an added one does not"),
+    (rf"{_E}/generator{_ANY}", "repair", "a rope of another form is judged as it is"),
+    (rf"{_E}/breakable/bond/(tension|shear|toughness|friction)", "bound", "weaker bonds break more easily, stronger ones hold"),
+    (rf"{_E}/breakable/bond/crumble", "harder_down", "how deep pieces may lie in one another"),
+    (rf"{_E}/breakable/bond/(young_modulus|poisson_ratio|contact_time)", "repair", "how a load is shared among bonds"),
+    (rf"{_E}/breakable/(pattern|fixed){_ANY}", "repair", "how it is cut and held"),
+    (rf"{_E}/breakable(/bond)?", "either", "what breaks, or no longer does"),
+    # physics
+    (rf"{_P}/(max_strain|max_stretch|recovery)", "harder_down", "allowed deformation"),
+    (rf"{_P}/self_collision", "either", "false: layers pass through each other"),
+    (rf"{_P}/ignores{_ANY}", "either", "what it passes through"),
+    (rf"{_P}/tear(/strength)?", "bound", "weaker cloth tears more easily, stronger holds"),
+    (rf"{_P}/(young_modulus|stretch_stiffness|weft_stiffness|shear_stiffness|bend_stiffness)", "bound", "softer bodies give way more, stiffer ones hold"),
+    (rf"{_P}/(mass|hollow|area_density)", "either", "default: density times volume"),
+    (rf"{_P}/(linear_damping|damping)", "repair", "its loss stands in the energy rows"),
+    (rf"{_P}/category", "either", "another kind of matter"),
+    (rf"{_P}/(linear_velocity|angular_velocity|temperature|count|currents|pins){_ANY}", "repair", "the state at frame 0 and what holds it"),
+    (rf"{_P}/(resolution|radius|radius_spread)", "repair", "rows hold it against what it must resolve"),
+    (rf"{_P}/(viscosity|surface_tension|conductivity|heat_capacity|activation)", "repair", "the liquid"),
+    (rf"{_P}/(poisson_ratio|yield_strain|thickness|drag|skin_drag|flat)", "repair", "the body or sheet"),
+    (rf"{_P}/(law|rolling|cohesion|packing|on_hit|life|life_spread|soot_density|fuel)", "repair", "grains, particles, gas"),
+    (_P, "repair", "whole; its fields are compared"),
+    (r"/entities(/[^/]+)?", "either", "an entity that is gone is not judged"),
+    # materials and landscapes
+    (rf"/materials/[^/]+/appearance{_ANY}", "none", "look"),
+    (r"/materials/[^/]+/substance", "either", "the range of densities that is allowed"),
+    (r"/materials/[^/]+/density", "bound", "held by its substance; of substance other by nothing"),
+    (r"/materials/[^/]+/(friction|rolling_friction|restitution)", "repair", "of the material"),
+    (r"/materials(/[^/]+)?", "repair", "references are audited"),
+    (rf"/terrains{_ANY}", "repair", "landscapes are judged as they are built"),
+    # pictures
+    (r"/shots/[^/]+/(covers|subjects)", "either", "what has to be seen"),
+    (rf"/shots/[^/]+/(frames|keys|follow|transition){_ANY}", "repair", "rows judge what the camera sees"),
+    (r"/shots/[^/]+/intent", "none", "words"),
+    (r"/shots(/[^/]+)?", "either", "what has to be seen, over all shots"),
+    (rf"/look{_ANY}", "none", "light and format of pictures"),
+    # simulation
+    (r"/simulation/fps", "harder_up", "rows ask at written frames: fewer of them see less; more of them in a shorter time ask for less"),
+    (r"/simulation/frames", "harder_up", "what must last is asked for longer"),
+    (r"/simulation/gravity", "either", "anything but the default is no gravity of the Earth"),
+    (r"/simulation/(preroll|seed|order)(/.*)?", "repair", "how the motion starts"),
+    (r"/simulation/limits/(visible_pixels|visible_share|beat_seen_frames)", "harder_up", "least share"),
+    (r"/simulation/limits/(contact_gap|max_speed|energy_growth|support_drift)", "harder_down", "most that is allowed"),
+    (r"/simulation/limits/scale_ratio", "either", "a wider range asks for less"),
+    (r"/simulation/limits", "either", "as their members"),
+    (rf"/simulation/couplings{_ANY}", "either", "without the way back there is no reaction"),
+    (rf"/simulation/joints{_ANY}", "repair", "what holds what"),
+    (rf"/simulation/contacts{_ANY}", "repair", "friction and restitution of a pair"),
+    (rf"/simulation/solvers/[^/]+/(engine|members){_ANY}", "repair", "who moves what; ownership is audited"),
+    (rf"{_S}/domain{_ANY}", "repair", "where a liquid or grains are followed; what leaves is counted"),
+    (rf"{_S}/(step|max_step|step_share|cfl|exchange|iterations|tolerance|integrator|refine|impratio|contact_steps|skin|margin|sleep|speculative)", "repair", "rows hold the motion against laws"),
+    (rf"{_S}/(density_error|divergence_error|viscosity_error|pressure_error|volume_correction|flip_ratio|transfer|particles_per_cell)", "repair", "rows hold the motion against laws"),
+    (rf"{_S}/(wall_friction|roughness|device)", "repair", "walls of liquids; where it runs"),
+    (r"/simulation/solvers(/[^/]+(/settings)?)?", "repair", "whole; ownership is audited"),
+    (rf"{_D}/(kind|entity|entities|joint|region|keys|pose|size|round|time|start|end|fade|rise){_ANY}", "repair", "drivers stand in the register, what they bring about is judged as authored"),
+    (rf"{_D}/(force|torque|velocity|max_effort|field|speed|speed_spread|rate|cone|spectrum|height|period|level|depth|direction){_ANY}", "repair", "as above"),
+    (rf"{_D}/(spreading|peakedness|components|seed|generate|absorb|zone){_ANY}", "repair", "as above"),
+    (r"/simulation(/drivers(/[^/]+)?)?", "repair", "as above"),
+)  # fmt: skip
+_COMPILED = tuple((re.compile(pattern), Way(direction, why)) for pattern, direction, why in _TABLE)
+
+
+def way_of(pointer: str) -> Way | None:
+    """What changing the field at a pointer does; None where no line of the table speaks of it."""
+    return next((way for pattern, way in _COMPILED if pattern.fullmatch(pointer)), None)

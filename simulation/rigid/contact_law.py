@@ -9,7 +9,7 @@ Three things are added between the velocity stage of a step and its solution, in
 
 - **Restitution.** A contact that closes faster than `rest_speed` is solved for -(1 + e) v / dt: within one step, so
   that a body enters a skin by v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
-  at once). A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
+  at once). What else a step with impacts asks for is in `impacts.py`. A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
 - **Pieces of one breakable body** meet as `crumbling` says.
 - **No lift.** The convex friction cone of MuJoCo makes a contact that slides at speed s separate at mu s: a sliding box
   hops, and a ball that hits obliquely bounces too high. Taking mu s / dt out of the normal reference makes the cone
@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from .crumbling import scale_rows
+from .impacts import Impact, calm
 from .sides import sides_of
 
 if TYPE_CHECKING:
@@ -102,6 +103,7 @@ class ContactLaw:
         self.kin = kin
         self._weak: Weak | None = None
         self._found = False
+        self._impact: Impact | None = None
         self._needed = np.zeros(model.nv)
         self.count = int(colliders.max(initial=0)) + 1
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
@@ -128,7 +130,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
-        self._weak, self._found = None, False
+        self._weak, self._found, self._impact = None, False, None
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
@@ -159,6 +161,8 @@ class ContactLaw:
         """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
         if not self._found:
             self._forward(data)
+            if self._impact is not None and self._impact.lift is not None:
+                calm(self._impact, data, self.model, self._try)
         if self.kin is not None and self._weak is not None:
             self.kin.remember(data, self._weak)
 
@@ -200,7 +204,11 @@ class ContactLaw:
         speed = data.efc_vel[rows]
         own = data.efc_aref[rows]
         closing = speed[hit] if weak is None else np.minimum(speed[hit] + weak.slack[hit], 0.0)
-        own[hit] = -(1.0 + self.restitution_of(sides[hit])) * closing / dt
+        impact = self._impact = Impact.of(
+            data, rows, hit, speed, self.restitution_of(sides), None if weak is None else weak.tight
+        )
+        own[hit] = -(1.0 + impact.bounce[hit]) * closing / dt
+        own[impact.parting] = impact.wanted(dt)[impact.parting]
         # Faces in a tight fit ask for what cannot all be had, and the harder they are the larger is what they answer with.
         hard = hit if weak is None else hit & ~weak.tight
         self._harden(data, rows[hard], sizes[hard])
@@ -237,6 +245,8 @@ class ContactLaw:
                     return True
                 break
         data.efc_aref[rows] = own - lift
+        if self._passes and kin is None:
+            impact.lift = lift
         return False
 
     def _near(self, data: Any, rows: NDArray[np.int32], hit: NDArray[np.int32]) -> NDArray[np.bool_]:

@@ -76,6 +76,60 @@ def test_a_newton_cradle_with_gaps_hands_the_speed_on():
     assert speeds == pytest.approx([0, 0, 0, 0, 1.0], abs=0.01)
 
 
+ENERGY = 1e-3
+"""Largest gain of energy, relative to what was there at first."""
+
+
+def chain(shape, let, e, gap, friction=None, fps=240):
+    """Five equal bodies in line, the first `let` of which run at 1 m/s, touching each other, into the rest; with friction on a floor."""
+    made, line = {}, 0.05 * (friction is not None) + 0.001
+    for k in range(5):
+        at = ((0.1 + gap) * k - (0.05 if k < let else 0.0), 0, line)
+        v = (1.0 if k < let else 0.0, 0, 0)
+        made[f"b{k}"] = ball(0.05, at=at, mass=1.0, v=v) if shape == "ball" else box(0.1, 0.1, 0.1, at=at, mass=1.0, v=v)
+    if friction is None:
+        return Run(world(made, seconds=0.25, restitution=e, gravity=(0, 0, 0), fps=fps))
+    return Run(world({"ground": floor(), **made}, seconds=0.25, restitution=e, friction=friction, fps=fps))
+
+
+@pytest.mark.parametrize("gap", [0.001, 0.0012])
+@pytest.mark.parametrize("let", [1, 2])
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9, 1.0])
+def test_a_chain_of_touching_balls_gains_no_energy_and_keeps_its_momentum(e, let, gap):
+    run = chain("ball", let, e, gap)
+    energy, p = run.record("kinetic_energy"), run.record("momentum_x")
+    assert np.diff(energy).max() < ENERGY * energy[0]
+    assert energy[-1] < energy[0] * ((0.25 + 0.75 * e**2) * (1 + ENERGY) if e else 0.5)
+    assert energy[-1] > 0.95 * energy[0] or e < 1.0
+    assert np.abs(p / p[0] - 1).max() < 1e-12
+    # What leaves goes on leaving: a contact that opens neither sticks nor pushes.
+    if e == 1.0:
+        speeds = np.array([run.of(f"b{k}", "velocity")[-10:, 0] for k in range(5)])
+        assert np.ptp(speeds, axis=1).max() < 1e-3
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("shape", ["ball", "box"])
+@pytest.mark.parametrize("let", [1, 2])
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9, 1.0])
+def test_a_touching_chain_on_a_floor_gains_no_energy_in_any_frame(e, let, shape, friction):
+    run = chain(shape, let, e, 0.001, friction)
+    energy = run.record("kinetic_energy") + run.record("potential_energy") - run.record("potential_energy")[0]
+    energy -= 0.5 * 5e-4 * G * run.record("momentum_z")  # velocities are half a step behind
+    assert np.diff(energy).max() < (ENERGY + PLASTIC**2) * energy[0]
+    assert energy.max() < energy[0] * (1 + 1e-9)
+    assert run.record("momentum_x")[-1] < let * (1 + ENERGY)
+
+
+@pytest.mark.parametrize("spin", [-8.0, 0.0, 8.0])
+def test_a_box_that_lands_obliquely_on_an_edge_gains_nothing(spin):
+    """Newton's restitution with Coulomb's friction would give it a third of what the impact exchanged."""
+    lands = box(0.1, 0.1, 0.1, at=(0, 0, 0.25), euler=(0, 0.5, 0), v=(2.0, 0, -2.0), w=(0, spin, 0), mass=1.0)
+    run = Run(world({"ground": floor(), "b": lands}, seconds=1.0, restitution=1.0, friction=0.5, fps=240))
+    energy = run.record("kinetic_energy") + run.record("potential_energy")
+    assert np.diff(energy).max() < ENERGY * energy[0]
+
+
 def test_a_head_on_collision_is_logged_once_with_its_impulse_and_closing_speed():
     m, v, e = 1.5, 1.3, 0.4
     bodies = {"a": ball(0.1, at=(-0.4, 0, 0), v=(v, 0, 0), mass=m), "b": ball(0.1, at=(0.4, 0, 0), v=(-v, 0, 0), mass=m)}

@@ -24,6 +24,8 @@ NEAR, FAR, BEAM, LIP, LIP_DEPTH = 0.055, 0.107, 0.004, 0.008, 0.005
 """Arms of the seesaw from its pivot, thickness of its board, height and depth of its lip [m]."""
 TILT, SWING = 0.65, 0.18
 """Slope of the waiting arm, and how far its hinge lets it swing [rad]."""
+CHEEK, CHEEK_GAP = 0.003, 0.002
+"""Thickness of the plates beside the beam that hold its axle, and their distance from it [m]."""
 
 
 def _box(size: tuple[float, float, float]) -> dict[str, Any]:
@@ -99,14 +101,23 @@ def _seesaw(pivot: tuple[float, float], height: float) -> tuple[dict[str, Any], 
     apex = height - BEAM - 0.004
     profile = [[-0.014, -apex / 2], [0.014, -apex / 2], [0.002, apex / 2], [-0.002, apex / 2]]
     fulcrum = _entity(
-        "fulcrum of the seesaw",
+        "fulcrum of the seesaw, with two cheeks beside the beam that hold its axle",
         "static",
         "dark_wood",
-        (0.028, apex, 0.02),
+        (0.028, height + CHEEK, 2 * (width / 2 + CHEEK_GAP + CHEEK)),
         {"kind": "extrusion", "polygon": profile, "height": 0.02},
         (pivot[0], pivot[1], TOP + apex / 2),
         turn={"euler": [round(math.pi / 2, 12), 0, round(math.pi / 2, 12)]},
     )
+    # In its frame y is up and z runs along the axle.
+    low, side = -apex / 2, width / 2 + CHEEK_GAP + CHEEK / 2
+    fulcrum["parts"]["foot"] = {
+        "shape": _box((0.028, 0.004, 2 * side + CHEEK)),
+        "pose": {"position": [0, round(low + 0.002, 6), 0]},
+    }
+    for name, sign in (("left", -1), ("right", 1)):
+        at = [0, round(low + (height + CHEEK) / 2, 6), round(sign * side, 6)]
+        fulcrum["parts"][f"{name}_cheek"] = {"shape": _box((0.008, round(height + CHEEK, 6), CHEEK)), "pose": {"position": at}}
     hinge = {
         "kind": "hinge",
         "parent": "fulcrum",

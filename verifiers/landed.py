@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Row
     from .surfaces import Surfaces
 
-__all__ = ["HANGING", "SUNK", "landed_rows"]
+__all__ = ["HANGING", "SUNK", "Ground", "landed_rows"]
 
 HANGING = 0.05
 """[m] Own choice: gap that may stay open under a level base on natural ground; turf and gravel close it."""
@@ -77,9 +77,57 @@ class _Standing(NamedTuple):
     """Height of each over the ground [m], shape (n,); NaN beside the land."""
     owner: str
     """Ground entity or landscape beneath."""
+    land: str
+    """The landscape."""
 
 
-def landed_rows(surfaces: Surfaces) -> list[Row]:
+class Ground:
+    """The landscapes of a candidate beneath its static things, and the entities cut from them."""
+
+    def __init__(self, surfaces: Surfaces) -> None:
+        self.surfaces = surfaces
+
+    @cached_property
+    def lands(self) -> list[tuple[Land, list[_Grid], frozenset[str]]]:
+        """Every landscape, the ground entities cut from it as grids, and their names.
+
+        Raises:
+            EvidenceError: one is not built from its present specification.
+        """
+        found = []
+        for land in lands(self.surfaces.candidate):
+            cut = patches(self.surfaces.candidate.spec, land.name)
+            grids = [g for p in cut if (g := _patch_grid(self.surfaces, p)) is not None]
+            found.append((land, grids, frozenset(p.entity for p in cut)))
+        return found
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, ...], tuple[_Standing, ...]]:
+        return {}
+
+    def standing(self, entity: str, parts: tuple[int, ...] | None = None) -> tuple[_Standing, ...]:
+        """The entity, or some parts of it, over each landscape that it is over."""
+        rows = self.surfaces.parts_of[entity] if parts is None else parts
+        if rows not in self._known:
+            places = (_under(self.surfaces, land, grids, entity, rows) for land, grids, cut in self.lands if entity not in cut)
+            self._known[rows] = tuple(s for s in places if s is not None)
+        return self._known[rows]
+
+    def over(self, entity: str) -> bool:
+        """Whether the entity is over a landscape."""
+        return bool(self.standing(entity))
+
+    def touched(self, entity: str, parts: tuple[int, ...]) -> bool:
+        """Whether some parts of the entity reach a landscape."""
+        return any(float(np.nanmin(s.gap)) <= _tolerance(self.surfaces, s) for s in self.standing(entity, parts))
+
+    def beneath(self, entity: str, parts: tuple[int, ...]) -> tuple[float, str] | None:
+        """Height of some parts over the landscape beneath them [m], and its name; None where there is none."""
+        found = [(float(np.nanmin(s.gap)), s.owner) for s in self.standing(entity, parts)]
+        return min(found, default=None)
+
+
+def landed_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
     """Rows `support:ground:<entity>` of static entities over landscapes at frame 0; none without landscapes.
 
     Entities that touch others are judged together: one of them must stand, and those that do must stand well.
@@ -89,7 +137,7 @@ def landed_rows(surfaces: Surfaces) -> list[Row]:
         return []
     return guarded_rows(
         candidate,
-        partial(_rows, surfaces),
+        partial(_rows, surfaces, ground),
         id="support:ground",
         check="support",
         predicate="static things stand on the ground",
@@ -97,13 +145,11 @@ def landed_rows(surfaces: Surfaces) -> list[Row]:
     )
 
 
-def _rows(surfaces: Surfaces) -> list[Row]:
+def _rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
     found: list[Row] = []
-    for land in lands(surfaces.candidate):
-        cut = patches(surfaces.candidate.spec, land.name)
-        grids = [_patch_grid(surfaces, p) for p in cut]
-        names = [n for n in surfaces.entities if surfaces.is_static(n) and n not in {p.entity for p in cut}]
-        standing = {n: s for n in names if (s := _under(surfaces, land, [g for g in grids if g is not None], n)) is not None}
+    for k, (_, _, cut) in enumerate(ground.lands):
+        names = [n for n in surfaces.entities if surfaces.is_static(n) and n not in cut]
+        standing = {n: s for n in names for s in ground.standing(n) if s.land == ground.lands[k][0].name}
         for group in _groups(surfaces, list(standing)):
             found += list(_judge(surfaces, [standing[n] for n in group]))
     return found
@@ -126,13 +172,10 @@ def _patch_grid(surfaces: Surfaces, patch: Patch) -> _Grid | None:
     return _Grid(np.array([x[0], y[0]]), cell, top[order, 2].reshape(len(y), len(x)), patch.entity)
 
 
-def _under(surfaces: Surfaces, land: Land, grids: list[_Grid], entity: str) -> _Standing | None:
-    """The underside of an entity and its height over the ground; None where it is not over the land."""
+def _under(surfaces: Surfaces, land: Land, grids: list[_Grid], entity: str, parts: tuple[int, ...]) -> _Standing | None:
+    """The underside of parts of an entity and its height over the ground; None where it is not over the land."""
     corners = np.concatenate(
-        [
-            surfaces.track(entity, p.body).at(0).apply(p.solid.vertices)[p.solid.faces]
-            for p in (surfaces.parts[i] for i in surfaces.parts_of[entity])
-        ]
+        [surfaces.track(entity, p.body).at(0).apply(p.solid.vertices)[p.solid.faces] for p in (surfaces.parts[i] for i in parts)]
     )
     low, high = corners[:, :, :2].min(axis=(0, 1)), corners[:, :, :2].max(axis=(0, 1))
     lattices = [(land.low, np.full(2, land.cell)), *((g.low, g.cell) for g in grids)]
@@ -146,7 +189,7 @@ def _under(surfaces: Surfaces, land: Land, grids: list[_Grid], entity: str) -> _
         owner = grid.owner if np.isfinite(here).any() else owner
     if not np.isfinite(ground).any():
         return None
-    return _Standing(entity, points, base, points[:, 2] - ground, owner)
+    return _Standing(entity, points, base, points[:, 2] - ground, owner, land.name)
 
 
 def _lattice(start: F64, cell: F64, low: F64, high: F64) -> F64:
@@ -229,7 +272,7 @@ def _judge(surfaces: Surfaces, group: list[_Standing]) -> Iterator[Row]:
     nearest = {s.entity: float(np.nanmin(s.gap)) for s in group}
     reach = {s.entity: _tolerance(surfaces, s) for s in group}
     standing = [s for s in group if nearest[s.entity] <= reach[s.entity]]
-    if not standing:
+    if not standing and any(surfaces.candidate.spec.entities[s.entity].afloat is None for s in group):
         lowest = min(group, key=lambda s: nearest[s.entity])
         yield _floats(surfaces, lowest, nearest[lowest.entity], reach[lowest.entity])
     for one in standing:
@@ -248,9 +291,9 @@ def _floats(surfaces: Surfaces, one: _Standing, gap: float, bound: float) -> Row
     hover = Correction(
         cause="it is meant to hover",
         edit_class="scene",
-        group="shape",
-        action=f"Make {one.entity!r} kinematic, which the register of approximations names, or let something carry it.",
-        pointers=(pointer("entities", one.entity, "motion"),),
+        group="placement",
+        action=f"Say so: `afloat` of {one.entity!r} with the reason, which is printed; or let something carry it.",
+        pointers=(pointer("entities", one.entity, "afloat"),),
     )
     return _row(surfaces, one, "fail", text, gap, bound, "<=", (move, hover), place)
 

@@ -15,6 +15,8 @@ from .elastic_register import elastic_lines
 from .field_ledger import field_lines
 from .fracture_register import fracture_lines
 from .ground_stems import plant_lines
+from .held import afloat_lines
+from .joined import anchor_lines
 from .particle_lines import particle_lines
 
 __all__ = ["approximations"]
@@ -161,6 +163,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
         )
         if terrain.vegetation is not None:
             found += plant_lines(spec, name)
+    found += afloat_lines(spec) + anchor_lines(candidate)
     for name, entity in spec.entities.items():
         if entity.motion == "kinematic":
             found.append(

@@ -19,8 +19,10 @@ from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
 from .carried import carried_row
 from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
+from .held import held_rows
+from .joined import joined_rows
 from .kept import kept_rows
-from .landed import landed_rows
+from .landed import Ground, landed_rows
 from .resting import rest_rows
 from .rows import Comparison, guarded, guarded_rows, pointer, row
 from .support_graph import SupportGraph, drop
@@ -87,8 +89,12 @@ def check(candidate: Candidate) -> list[Row]:
                 predicate=DERIVED,
                 entities=(name,),
             )
-    rows += [*landed_rows(surfaces), *kept_rows(surfaces)]
-    unique = {r.id: r for r in rows}
+    ground = Ground(surfaces)
+    rows += [*held_rows(surfaces, ground), *joined_rows(surfaces), *landed_rows(surfaces, ground), *kept_rows(surfaces)]
+    unique: dict[str, Row] = {}
+    for found in rows:  # of two rows that names give one id, the one that does not pass
+        if found.id not in unique or unique[found.id].status == "pass":
+            unique[found.id] = found
     return [_scene(surfaces, list(unique.values())), *unique.values()]
 
 

@@ -105,6 +105,8 @@ class Surfaces:
         self._solids: dict[bytes, Solid] = {}
         self._near: dict[Pair, set[tuple[int, int]]] = {}
         self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
+        self.at_start: dict[tuple[int, int], float] = {}
+        """Clearance [m] at frame 0 of parts (i < j) of different entities within `reach`; there once `first` was asked."""
 
     @cached_property
     def parts(self) -> tuple[PartSurface, ...]:
@@ -360,6 +362,8 @@ class Surfaces:
             series = found.setdefault(pair, np.full(len(frames), np.inf))
             series[near] = np.minimum(series[near], values[start : start + len(near)])
             start += len(near)
+            if len(frames) == 1 and frames[0] == 0:
+                self.at_start[min(i, j), max(i, j)] = float(values[start - 1])
 
     def _track_of(self, part: int) -> Track:
         return self.track(self.parts[part].entity, self.parts[part].body)

@@ -65,6 +65,7 @@ _TABLE: tuple[tuple[str, Direction, str], ...] = (
     (rf"{_E}/exchanges{_ANY}", "none", "a note on what its solver exchanges; couplings decide"),
     (rf"{_E}/(pose|material){_ANY}", "repair", "where it is and what it is made of"),
     (rf"{_E}/motion", "either", "what is authored or fixed need not happen by itself"),
+    (rf"{_E}/afloat", "either", "what is said to float needs nothing to hold it"),
     (rf"{_E}/active", "either", "checks judge a body while it is there: fewer frames ask for less"),
     (rf"{_E}/nominal_diagonal", "either", "the size that its role implies"),
     (rf"{_E}/dimensions/tolerance", "harder_down", "allowed deviation"),

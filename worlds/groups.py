@@ -21,7 +21,7 @@ class GroupInfo(NamedTuple):
 GROUPS: dict[str, GroupInfo] = {
     g.name: g
     for g in (
-        GroupInfo("placement", "scene", "where entities stand and how they are turned"),
+        GroupInfo("placement", "scene", "where entities stand and how they are turned, what floats in the air"),
         GroupInfo("dimensions", "scene", "declared sizes"),
         GroupInfo("shape", "scene", "parts, collision shapes, generators, entities added or removed"),
         GroupInfo("terrain", "scene", "height, erosion and water of landscapes"),
@@ -51,7 +51,7 @@ GROUPS: dict[str, GroupInfo] = {
 }
 
 _RULES: tuple[tuple[str, str], ...] = (
-    (r"/entities/[^/]+/pose(/.*)?", "placement"),
+    (r"/entities/[^/]+/(afloat|pose(/.*)?)", "placement"),
     (r"/entities/[^/]+/(dimensions|nominal_diagonal)(/.*)?", "dimensions"),
     (r"/entities/[^/]+/physics/(linear_velocity|angular_velocity|currents|temperature|count)(/.*)?", "initial_state"),
     (r"/entities/[^/]+/physics/(resolution|radius|radius_spread)", "resolution"),

@@ -275,6 +275,8 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
         now = new[key]
         if entity["motion"] == "dynamic" and now["motion"] != "dynamic":
             yield f"/entities/{key}/motion dynamic -> {now['motion']}"
+        if now.get("afloat") and not entity.get("afloat"):
+            yield f"/entities/{key}/afloat: said to float in the air: {now['afloat']}"
         for bound in ("max_strain", "max_stretch", "recovery"):
             if bound in entity["physics"] and now["physics"].get(bound, math.inf) > entity["physics"][bound]:
                 yield f"/entities/{key}/physics/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"

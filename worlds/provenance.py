@@ -186,6 +186,7 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
             entity.motion,
             by_entity.get(name, []),
             limits,
+            *([entity.afloat] if entity.afloat is not None else []),
         )
     for name in spec.terrains:
         found[f"terrain:{name}"] = landscape_digest(spec, name)
@@ -198,7 +199,8 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
         motion, [r for r in relations.values() if r["kind"] == Fastened.model_fields["kind"].default], limits
     )
     found["category"] = digest_of(motion, limits)
-    found["story"] = digest_of(motion, spec.story, graph, limits)
+    floating = {k: e.afloat for k, e in spec.entities.items() if e.afloat is not None}
+    found["story"] = digest_of(motion, spec.story, graph, limits, *([floating] if floating else []))
     aspect = spec.look.width / spec.look.height
     found["shots"] = digest_of(motion, spec.shots, spec.story, limits, aspect)
     found["acceptance"] = digest_of(

@@ -158,7 +158,9 @@ def _sent_away(folder: Path, m: float, rng: RNG) -> World:
 def _caught(folder: Path, m: float, rng: RNG) -> World:
     """A lower floor lies beneath, or it is caught in time."""
     things, tracks = _leaving(rng, m, start=12)
-    things["below"] = box(12 + 4 * m, 6, 0.2, at=(0, 0, float(rng.uniform(-40, -8))))
+    deep = float(rng.uniform(-40, -8))
+    things["below"] = box(12 + 4 * m, 6, 0.2, at=(0, 0, deep))
+    things["pillar"] = box(0.2, 0.2, -deep, at=(0, 0, deep / 2 - 0.05))
     return World(make_candidate(folder, world(things, frames=FRAMES, fps=FPS), tracks=tracks), ())
 
 

@@ -126,6 +126,7 @@ def slope(folder: Path, rng: RNG, excess: float, *culprits: str) -> World:
     scene = Scene(rng, friction=friction)
     angle = np.arctan(friction) + excess
     scene.add("slope", Box(size=(4, 4, 0.2)), at=(0, 0, 3), rotation=turn("y", angle))
+    scene.post(0.0, 0.0, 3.0)
     size = draw_size(rng, 0.1, 0.4)
     size[2] = min(size[2], 0.5 * min(size[:2]))
     rotation = turn("y", angle) @ turn("z", float(rng.choice([0.0, rng.uniform(-3, 3)])))
@@ -169,6 +170,7 @@ def wedged(folder: Path, rng: RNG, excess: float, *culprits: str) -> World:
         lean = turn("y", -sign * angle)
         place = np.array([sign * half, 0, 2]) + lean @ np.array([sign * (0.1 + 1e-5), 0, 0])
         scene.add(name, Box(size=(0.2, 0.5, 0.3)), at=place, rotation=lean)
+        scene.post(float(place[0]), 0.2, float(place[2]))
         scene.on(name, "book")
     return scene.world(folder, *culprits, still=True)
 
@@ -177,7 +179,7 @@ def slide(scene: Scene, rng: RNG, **more: object) -> float:
     """A body on an upright rail; its weight [N]."""
     size = draw_size(rng, 0.1, 0.3)
     scene.add("rail", Box(size=(0.1, 0.1, 3)), at=(0, 0, 1.5))
-    scene.add("thing", Box(size=tuple(size)), at=(0.2 + size[0] / 2, 0, 1.5), motion="dynamic")
+    scene.add("thing", Box(size=tuple(size)), at=(0.05 + size[0] / 2 + 1e-4, 0, 1.5), motion="dynamic")
     axis = scene.way((0, 0, 1 if rng.random() < 0.5 else -1))
     weight = DENSITY * float(np.prod(size)) * GRAVITY
     scene.more["joints"] = {"rail": SlideJoint(parent="rail", child="thing", anchor=scene.point((0, 0, 1.5)), axis=axis, **more)}

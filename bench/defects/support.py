@@ -12,6 +12,7 @@ from ...worlds.spec import (
     BallJoint,
     Beat,
     Box,
+    Capsule,
     Cylinder,
     DetachDriver,
     Extrusion,
@@ -215,7 +216,7 @@ def _one_bookend(folder: Path, m: float, rng: RNG) -> World:
 def _slack(folder: Path, m: float, rng: RNG) -> World:
     """Hangs on a rope that is m longer than the way to its hook."""
     scene, size, way = Scene(rng), draw_size(rng, 0.05, 0.2), float(rng.uniform(0.2, 1))
-    scene.add("beam", Box(size=(1, 0.1, 0.1)), at=(0, 0, 3.05))
+    scene.gallows()
     scene.add("thing", Box(size=tuple(size)), at=(0, 0, 3 - way - size[2] / 2), motion="dynamic")
     ends = {"parent_point": scene.point((0, 0, 3)), "child_point": scene.point((0, 0, 3 - way))}
     rope = SpringJoint(parent="beam", child="thing", stiffness=1e4, rest_length=way + m, rope=True, **ends)
@@ -240,9 +241,9 @@ def _weak_lift(folder: Path, m: float, rng: RNG) -> World:
 def _cut(folder: Path, m: float, rng: RNG) -> World:
     """Said to be held to the end; its joint is opened m frames before."""
     scene, size = Scene(rng), draw_size(rng, 0.1, 0.3)
-    scene.add("beam", Box(size=(1, 0.1, 0.1)), at=(0, 0, 3.05))
-    scene.add("thing", Box(size=tuple(size)), at=(0, 0, 2), motion="dynamic")
-    scene.more["joints"] = {"j": WeldJoint(parent="beam", child="thing", anchor=scene.point((0, 0, 2.5)))}
+    scene.gallows()
+    scene.add("thing", Box(size=tuple(size)), at=(0, 0, 3 - size[2] / 2 - 1e-4), motion="dynamic")
+    scene.more["joints"] = {"j": WeldJoint(parent="beam", child="thing", anchor=scene.point((0, 0, 3)))}
     scene.more["drivers"] = {"d": DetachDriver(joint="j", time=(FRAMES - 1 - round(m)) / 24 - 0.01)}
     scene.on("beam", "thing")
     scene.channels["digest"] = "cut"
@@ -308,14 +309,18 @@ def _row_of_books(folder: Path, m: float, rng: RNG) -> World:
 def _hanging(folder: Path, m: float, rng: RNG) -> World:
     """A lamp on a rope, spring, hinge or ball joint; it swings by m rad."""
     scene, radius, way, kind = Scene(rng), float(rng.uniform(0.05, 0.15)), float(rng.uniform(0.4, 1)), int(rng.integers(4))
-    scene.add("beam", Box(size=(1, 0.1, 0.1)), at=(0, 0, 3.05))
+    scene.gallows()
     angles = m * np.sin(np.linspace(0, 6, FRAMES)) if kind in (1, 2) else np.zeros(FRAMES)
     turns = np.array([turn("y", a) for a in angles])
-    path = np.array([0, 0, 3]) + turns @ np.array([0, 0, -way - radius])
+    top = 2.997 if kind in (1, 2) else 3.0  # a pin with room to turn under the beam
+    path = np.array([0, 0, top]) + turns @ np.array([0, 0, -way - radius])
     if kind == 3:
         path[:, 2] -= 0.05 * np.sin(np.linspace(0, 6, FRAMES)) ** 2
-    scene.add("lamp", Sphere(radius=radius), at=path[0], motion="dynamic", path=path, turns=turns)
-    hook, eye = scene.point((0, 0, 3)), scene.point((0, 0, 3 - way))
+    lamp = [Part(shape=Sphere(radius=radius))]
+    if kind in (1, 2):
+        lamp.append(Part(shape=Capsule(radius=0.0025, length=way), pose=Pose(position=(0, 0, radius + way / 2))))
+    scene.add("lamp", *lamp, at=path[0], motion="dynamic", path=path, turns=turns)
+    hook, eye = scene.point((0, 0, top)), scene.point((0, 0, top - way))
     if kind == 0:
         line = Rope(points=[(0, 0, 0), (0, 0, -way)], radius=0.005, segments=4, attach_start="beam", attach_end="lamp")
         scene.add("rope", at=(0, 0, 3), motion="dynamic", rope=line)
@@ -375,6 +380,7 @@ def _in_a_hollow(folder: Path, m: float, rng: RNG) -> World:
             (-0.5, 0.2 + m),
         ]
         scene.add("rest", Extrusion(polygon=tray, height=0.5), at=(0, 0, 0.5), rotation=turn("x", np.pi / 2))
+        scene.post(0.0, 0.0, 0.5)
         scene.add("thing", Box(size=(0.9 - 2 * m, 0.3, 0.1)), at=(0, 0, 0.6 + 1e-5), motion="dynamic")
     elif kind == 1:
         groove = [(-0.5, 0), (0.5, 0), (0.5, 0.5), (0, 0.1), (-0.5, 0.5)]
@@ -385,6 +391,7 @@ def _in_a_hollow(folder: Path, m: float, rng: RNG) -> World:
         # A beam stuck in a wall: pressed up at the slot's mouth and down at its end.
         for name, z in (("rest", 0.9), ("lid", 1.1 + m)):
             scene.add(name, Box(size=(0.6, 0.6, 0.1)), at=(-0.3, 0, z))
+        scene.post(-0.55, 0.25, 1.1)
         scene.add("thing", Box(size=(1.5, 0.1, 0.1)), at=(0.25, 0, 1.0), motion="dynamic")
     scene.on("rest", "thing")
     return scene.world(folder, still=True)
@@ -410,7 +417,7 @@ def _dim(folder: Path, m: float, rng: RNG) -> World:
     scene.moved = m * np.array([1.0, -1.0, 1.0])
     size = draw_size(rng, 0.1, 0.4)
     scene.add("thing", Wedge(size=tuple(size)), at=(0, 0, size[2] / 2 + 1e-4), motion="dynamic")
-    scene.add("wall", Box(size=(0.1, 2, 2)), at=(-size[0] / 2 - 0.05 - 1e-4, 0, 1.01))
+    scene.add("wall", Box(size=(0.1, 2, 2)), at=(-size[0] / 2 - 0.05 - 1e-4, 0, 1.0))
     scene.on("floor", "thing")
     return scene.world(folder, still=True)
 

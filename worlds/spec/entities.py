@@ -291,6 +291,10 @@ class Entity(SpecModel):
     nominal_diagonal: Positive | None = Field(
         default=None, description="[m] real-world bounding-box diagonal of such an object, where the role implies one"
     )
+    afloat: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
+        default=None,
+        description="of static and kinematic things: why it hangs in the air with nothing that holds it; printed with the acceptance",
+    )
 
     @model_validator(mode="after")
     def _has_geometry(self) -> Entity:

@@ -1,7 +1,7 @@
 """Beats and requirements of the story: does what the specification promises happen (R15, R86, R156)?
 
 Rows: `beat:<id>` and `requirement:<id>` judge the declared predicate over its frames; `beat:vacuous:<id>` fails a
-beat that was true from frame 0 on without anything happening; `beat:driven:<id>` fails an outcome whose motion
+beat that was true before its interval begins (`vacuity.py`); `beat:driven:<id>` fails an outcome whose motion
 is authored. An *invariant* (`always`, `stays_in`, `supported`, `no_contact`, `not`, an atom with `when=always`)
 without causes may be true from the start; a beat with causes may not.
 """
@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..worlds.candidate import Candidate
 from ..worlds.drivers import deed, to_declare, undeclared
 from ..worlds.predicates import atoms_of, describe_predicate, entities_of, is_invariant
@@ -19,6 +17,7 @@ from ..worlds.requirements import Group, Row
 from ..worlds.spec import PathDriver
 from .beat_corrections import corrections_of, happens_at
 from .predicates import Outcome, beat_times, evaluate
+from .vacuity import check_vacuity
 from .verdicts import correction, make_row, requested_frames
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ def check(candidate: Candidate) -> list[Row]:
         outcome = _decided_early(candidate, beat.predicate, times.outcome(beat_id))
         hints = corrections_of(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
         rows.append(_row(candidate, f"beat:{beat_id}", "temporal", beat, outcome, hints, (beat.subject,)))
-        rows += _vacuous(candidate, beat_id, beat)
+        rows += check_vacuity(candidate, beat_id)
         rows += _driven(candidate, beat_id, beat)
     for name, requirement in candidate.spec.story.requirements.items():
         frames = requirement.frames or requested_frames(candidate)
@@ -132,81 +131,6 @@ def _fields(atom: SpecModel) -> list[str]:
 
 
 # ---------------------------------------------------------------- derived rows (R156)
-
-
-def _decisive(predicate: SpecModel, outcome: Outcome) -> int | None:
-    if getattr(predicate, "when", "") == "end" or getattr(predicate, "kind", "") == "topples":
-        return outcome.frames[1]
-    return outcome.frames[0] if is_invariant(predicate) else outcome.first_true_frame
-
-
-def _vacuous(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
-    if is_invariant(beat.predicate) and not beat.causes:
-        return []
-    at_start = evaluate(candidate, beat.predicate, (0, 0))
-    true_at_start = at_start.status == "pass" or (at_start.truth is not None and bool(at_start.truth[0]))
-    outcome = beat_times(candidate).outcome(beat_id)
-    decisive = _decisive(beat.predicate, outcome)
-    still: int | None = 0
-    if at_start.status == "unverified":
-        status, text = "unverified", at_start.explanation
-    elif not true_at_start:
-        status, text = "pass", f"not true at frame 0: {at_start.explanation}"
-    elif outcome.status == "unverified" and beat.frames[0] > 0:
-        status, text = "unverified", outcome.explanation
-    else:
-        still = _unbroken(candidate, beat.predicate, decisive)
-        status = "fail" if still is not None else "pass"
-        since = f"at every frame up to {still}" if still else "at frame 0"
-        text = (
-            f"already true {since}, so nothing needs to happen: {at_start.explanation}"
-            if status == "fail"
-            else f"true at frame 0, but false in between: {at_start.explanation}"
-        )
-    return [
-        make_row(
-            candidate,
-            f"beat:vacuous:{beat_id}",
-            check="beat",
-            group="temporal",
-            predicate=f"not true from frame 0 on: {describe_predicate(beat.predicate)}",
-            mandatory=beat.mandatory,
-            status=status,  # type: ignore[arg-type]
-            explanation=text,
-            frames=(0, beat.frames[1]),
-            measured=at_start.value,
-            bound=at_start.bound,
-            unit=at_start.unit,
-            entities=(beat.subject, *entities_of(beat.predicate)),
-            first_failing_entity=beat.subject if status == "fail" else None,
-            first_failing_frame=0 if status == "fail" else None,
-            corrections=[
-                correction(
-                    "the predicate describes how the scene starts",
-                    "story",
-                    "ask for a state that frame 0 does not have, e.g. another region, a larger min, or a contact with an impulse",
-                    pointers=(f"/story/beats/{beat_id}/predicate",),
-                ),
-                correction(
-                    "the subject starts where it should end",
-                    "placement",
-                    f"start {beat.subject} where the predicate is false",
-                    pointers=(f"/entities/{beat.subject}/pose",),
-                ),
-            ],
-            evidence={"pointers": [f"/story/beats/{beat_id}/predicate"]},
-            extra=beat.model_dump(mode="json"),
-        )
-    ]
-
-
-def _unbroken(candidate: Candidate, predicate: SpecModel, decisive: int | None) -> int | None:
-    """Last frame of the unbroken truth from frame 0 to the frame that decides; None where it was false in between."""
-    end = decisive if decisive is not None else 0
-    span = evaluate(candidate, predicate, (0, end))
-    if span.truth is None:
-        return end if span.status == "pass" else None
-    return end if bool(np.all(span.truth)) else None
 
 
 def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:

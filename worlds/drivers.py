@@ -20,7 +20,7 @@ from .spec import (
     WorldSpec,
 )
 
-__all__ = ["acts_from", "deed", "to_declare", "undeclared"]
+__all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared"]
 
 
 def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
@@ -71,7 +71,7 @@ def to_declare(spec: WorldSpec, driver_id: str, beat_id: str) -> str:
     """What makes the story say that a driver leads to a beat: a first beat that does and that it could own, else a new one."""
     beats, acted = spec.story.beats, acts_from(spec, driver_id)[1]
     subject = beats[beat_id].subject
-    first = [n for n in _behind(spec, beat_id)[1:] if beats[n].subject in acted and not beats[n].causes]
+    first = [n for n in behind(spec, beat_id)[1:] if beats[n].subject in acted and not beats[n].causes]
     own = [n for n in first if beats[n].owner in spec.simulation.solvers]
     if own:
         return f"let {driver_id} own beat {own[0]} (/story/beats/{own[0]}/owner), or take {driver_id} away"
@@ -81,7 +81,7 @@ def to_declare(spec: WorldSpec, driver_id: str, beat_id: str) -> str:
     )
 
 
-def _behind(spec: WorldSpec, beat_id: str) -> list[str]:
+def behind(spec: WorldSpec, beat_id: str) -> list[str]:
     """A beat and all that lead to it by their causes."""
     beats = spec.story.beats
     found, left = [beat_id], list(beats[beat_id].causes)
@@ -102,7 +102,7 @@ def undeclared(spec: WorldSpec, beat_id: str, until: float) -> str | None:
     beat = beats[beat_id]
     if not beat.causes:
         return None
-    owners = {beats[n].owner for n in _behind(spec, beat_id)}
+    owners = {beats[n].owner for n in behind(spec, beat_id)}
     for name, driver in plan.drivers.items():
         if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
             continue

@@ -18,31 +18,26 @@ from .ground_stems import plant_lines
 from .held import afloat_lines
 from .joined import anchor_lines
 from .particle_lines import particle_lines
+from .scene_register import scene_lines
 
 __all__ = ["approximations"]
 
-STANDARD_GRAVITY = 9.81
-"""[m/s^2]"""
-GRAVITY_SLACK = 0.05
-"""[m/s^2] Gravity differs by this much over the Earth's surface."""
-
 
 def _declared(spec: WorldSpec) -> list[dict[str, str]]:
-    """What the specification itself departs by: gravity, bodies made one, overlaps."""
+    """What the specification itself departs by: bodies made one, overlaps; see `scene_register.py` for bounds."""
     found = []
-    pull = sum(g * g for g in spec.simulation.gravity) ** 0.5
-    if abs(pull - STANDARD_GRAVITY) > GRAVITY_SLACK:
-        found.append({"what": f"gravity of {pull:.4g} m/s^2", "effect": f"not the {STANDARD_GRAVITY:g} m/s^2 of the Earth"})
     for name, joint in spec.simulation.joints.items():
         if joint.kind == "weld":
             held = f"{joint.child!r} and {joint.parent!r}" if joint.parent else f"{joint.child!r} and the world"
             found.append({"what": f"weld {name!r}", "effect": f"{held} move as one body, however hard they are hit"})
     for relation in spec.graph.relations.values():
         if isinstance(relation, Fastened):
+            small = min((relation.a, relation.b), key=lambda n: math.hypot(*spec.entities[n].dimensions.size))
+            share = relation.max_depth / max(spec.entities[small].dimensions.size)
             found.append(
                 {
                     "what": f"overlap of {relation.a!r} and {relation.b!r} declared intended: {relation.reason}",
-                    "effect": f"their surfaces may overlap by {relation.max_depth:g} m",
+                    "effect": f"their surfaces may overlap by {relation.max_depth:g} m, {share:.2g} of the length of {small!r}",
                 }
             )
     return found
@@ -140,7 +135,7 @@ def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
-    found = _declared(spec)
+    found = scene_lines(candidate) + _declared(spec)
     for name, instance in spec.simulation.rigid.items():
         skin = instance.settings.skin
         found.append(

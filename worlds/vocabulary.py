@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, StringConstraints
+from pydantic_core import core_schema
 
 __all__ = [
     "BeatRef",
@@ -76,8 +77,23 @@ def _bounded(value: float) -> float:
 
 
 Finite = Annotated[float, AfterValidator(_bounded)]
-Positive = Annotated[float, Field(gt=0, le=1e9)]
-NonNegative = Annotated[float, Field(ge=0, le=1e9)]
+
+
+@dataclass(frozen=True)
+class _AtMost:
+    """Upper bound of numbers whose field gives none of its own. Of two `le` pydantic would keep the type's and drop the field's."""
+
+    value: float
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        schema = handler(source)
+        if schema["type"] == "float":
+            schema["le"] = min(schema.get("le", self.value), self.value)
+        return schema
+
+
+Positive = Annotated[float, Field(gt=0), _AtMost(1e9)]
+NonNegative = Annotated[float, Field(ge=0), _AtMost(1e9)]
 Vec2 = tuple[Finite, Finite]
 Vec3 = tuple[Finite, Finite, Finite]
 

@@ -85,7 +85,7 @@ def inside_out(folder: Path, magnitude: float, rng: np.random.Generator) -> Worl
         x[inner] += np.array([0.0, 0.0, magnitude * draw.size[2] / CELLS[2]]) * draw.late(time)
         return x
 
-    return draw.world(folder, move, physics={"max_strain": 1e3}, strain_energy=None)
+    return draw.world(folder, move, physics={"max_strain": 8.0}, strain_energy=None)
 
 
 def mirrored(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
@@ -96,7 +96,7 @@ def mirrored(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
         scale = np.array([1.0, 1.0 - (1.0 + magnitude) * draw.late(time), 1.0])
         return np.asarray(draw.local(x) * scale + draw.at)
 
-    return draw.world(folder, move, physics={"max_strain": 1e3}, strain_energy=None)
+    return draw.world(folder, move, physics={"max_strain": 8.0}, strain_energy=None)
 
 
 def lost(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
@@ -125,12 +125,12 @@ def dented(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
         depth = 2.5 * magnitude * size * draw.late(time) * np.exp(-((here[:, 0] / (0.3 * draw.size[0])) ** 2))
         return x - np.stack([0 * depth, 0 * depth, depth * (here[:, 2] / draw.size[2] + 0.5)], axis=1)
 
-    return draw.world(folder, move, physics={"recovery": 0.01, "max_strain": 1e3}, strain_energy=None)
+    return draw.world(folder, move, physics={"recovery": 0.01, "max_strain": 8.0}, strain_energy=None)
 
 
 def _pinned(draw: _Draw) -> dict[str, Any]:
     pin = Pin(center=(-draw.size[0] / 2, 0, 0), size=(1e-3, 1, 1))
-    return {"pins": {"wall": pin}, "max_strain": 1e3}
+    return {"pins": {"wall": pin}, "max_strain": 8.0}
 
 
 def slipped(folder: Path, magnitude: float, rng: np.random.Generator) -> World:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from pydantic import BaseModel, ValidationError
 from worldagent.worlds import directions
 from worldagent.worlds.directions import way_of
-from worldagent.worlds.spec import WorldSpec
+from worldagent.worlds.spec import Material, WorldSpec
+from worldagent.worlds.vocabulary import SpecModel
 
 
 def _walk(node: dict[str, Any], place: str, known: dict[str, Any], found: set[str]) -> None:
@@ -79,3 +81,30 @@ def test_directions_are_as_physics_has_them(place: str, direction: str) -> None:
     assert way is not None
     assert way.direction == direction
     assert way.why
+
+
+def test_every_upper_bound_that_a_field_declares_holds() -> None:
+    """Of a type's bound and a field's the smaller one holds, in the schema that agents read and in what is accepted."""
+    least = {"friction": 4, "rolling_friction": 0.1}
+    for field, bound in least.items():
+        assert Material(density=1.0, **{field: bound})
+        with pytest.raises(ValidationError, match="less than or equal"):
+            Material(density=1.0, **{field: bound * 1.01})
+    for name, model in sorted(_models().items()):
+        known = WorldSpec.model_json_schema()["$defs"].get(name, {}).get("properties", {})
+        for field, info in model.model_fields.items():
+            declared = [m.le for m in info.metadata if isinstance(getattr(m, "le", None), int | float)]
+            node = known.get(field, {})
+            if declared and node.get("type") in ("number", "integer"):
+                assert node["maximum"] == min(declared), (name, field)
+
+
+def _models() -> dict[str, type[BaseModel]]:
+    found: dict[str, type[BaseModel]] = {}
+    todo: list[type[BaseModel]] = [SpecModel]
+    while todo:
+        for model in todo.pop().__subclasses__():
+            if model.__name__ not in found:
+                found[model.__name__] = model
+                todo.append(model)
+    return found

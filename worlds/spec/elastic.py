@@ -36,5 +36,7 @@ class ElasticPhysics(SpecModel):
     )
     pins: Annotated[dict[Id, Pin], Field(max_length=16)] = {}
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
-    max_strain: Positive = Field(default=0.5, description="largest allowed principal strain")
-    recovery: Positive = Field(default=0.02, description="allowed residual deformation / size at rest")
+    # Rubber of the best kind tears at a stretch of 7 to 8 (Treloar 1975).
+    max_strain: Positive = Field(default=0.5, le=8, description="largest allowed principal strain")
+    # What stays bent by half of its size has not come back.
+    recovery: Positive = Field(default=0.02, le=0.5, description="allowed residual deformation / size at rest")

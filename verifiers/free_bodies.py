@@ -13,7 +13,7 @@ from ..worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysi
 from . import motion
 from .afloat import afloat
 from .rows import pointer, row, translation_patch
-from .support_graph import drop, gravity_direction
+from .support_graph import beside, drop, gravity_direction
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -80,11 +80,16 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
     if fall is None:
         text = f"{entity!r} floats: nothing lies beneath it, no joint or driver holds it and it has no initial velocity"
     elif fall[0] <= gap:
-        text = f"{entity!r} touches {fall[1]!r}, which is itself not held up"
+        text = f"{entity!r} touches {fall[1]!r}, which nothing holds up either"
+        if graph.grounded(fall[1])[0]:
+            text = f"{entity!r} touches {fall[1]!r}, which does not hold it: contact and friction there cannot bear its weight"
     else:
         text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
         offset = along_up(surfaces, LEFT - fall[0])
         corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
+    sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
+    if sides:
+        text += f"; it touches {', '.join(map(repr, sides))} beside or above it, where neither friction nor a joint holds it"
     held = Correction(
         cause="it is meant to be dropped, thrown or hung",
         edit_class="solver",
@@ -122,6 +127,9 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     spec = surfaces.candidate.spec
     if gravity_direction(surfaces) is None:
         return "is in a world without gravity", {}
+    said = spec.entities[entity].afloat
+    if said is not None:
+        return f"is said to float in the air: {said}", {"afloat": said}
     liquids = [n for n, frames in afloat(surfaces.candidate, entity).items() if frames[0]]
     if liquids:
         return f"lies in {liquids[0]!r}, which acts on it", {"liquids": liquids}
@@ -173,4 +181,6 @@ def _declared(surfaces: Surfaces, entity: str) -> Any:
         n: d.model_dump(mode="json") for n, d in sorted(spec.simulation.drivers.items()) if getattr(d, "entity", None) == entity
     }
     joints = {n: j.model_dump(mode="json") for n, j in sorted(spec.simulation.joints.items()) if entity in (j.parent, j.child)}
-    return [spec.entities[entity].physics.model_dump(mode="json"), drivers, joints, list(spec.simulation.gravity)]
+    said = spec.entities[entity].afloat
+    found = [spec.entities[entity].physics.model_dump(mode="json"), drivers, joints, list(spec.simulation.gravity)]
+    return found if said is None else [*found, said]

@@ -26,7 +26,7 @@ from .surfaces import surfaces_of
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
-    from ..worlds.spec import Joint
+    from ..worlds.spec.simulation import Joint
     from .surfaces import Surfaces
 
 __all__ = ["anchor_lines", "joined_rows"]

@@ -11,6 +11,7 @@ from ..worlds.arrays import F64
 from ..worlds.requirements import Correction
 from ..worlds.spec import BoxRegion
 from . import motion
+from .moved import atoms
 from .rows import guarded_rows, pointer, row
 from .support_graph import gravity_direction
 
@@ -177,8 +178,6 @@ def _since(surfaces: Surfaces, name: str, beneath: _Boxes, turn: F64) -> int:
 
 def _declared(surfaces: Surfaces, name: str, beneath: _Boxes, turn: F64) -> bool:
     """Whether a beat asks the body to be where nothing static is beneath."""
-    from .support import atoms
-
     spec, start = surfaces.candidate.spec, surfaces.candidate.center(name, 0)
     for beat in spec.story.beats.values():
         for atom in atoms(beat.predicate.model_dump()):

@@ -23,21 +23,19 @@ from .held import held_rows
 from .joined import joined_rows
 from .kept import kept_rows
 from .landed import Ground, landed_rows
+from .moved import support_interval
 from .resting import rest_rows
 from .rows import Comparison, guarded, guarded_rows, pointer, row
+from .stays import stays_rows
 from .support_graph import SupportGraph, drop
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
-    from ..worlds.spec import SpecModel, WorldSpec
     from .surfaces import Surfaces
 
-__all__ = ["atoms", "check", "support_interval"]
-
-MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses"})
-"""Predicates that say that an entity leaves its place."""
+__all__ = ["check", "support_interval"]
 
 
 @guarded("support", "every free body is held up by contact, joint or driver")
@@ -90,48 +88,18 @@ def check(candidate: Candidate) -> list[Row]:
                 entities=(name,),
             )
     ground = Ground(surfaces)
-    rows += [*held_rows(surfaces, ground), *joined_rows(surfaces), *landed_rows(surfaces, ground), *kept_rows(surfaces)]
+    rows += [
+        *held_rows(surfaces, ground),
+        *joined_rows(surfaces),
+        *landed_rows(surfaces, ground),
+        *stays_rows(surfaces),
+        *kept_rows(surfaces),
+    ]
     unique: dict[str, Row] = {}
     for found in rows:  # of two rows that names give one id, the one that does not pass
         if found.id not in unique or unique[found.id].status == "pass":
             unique[found.id] = found
     return [_scene(surfaces, list(unique.values())), *unique.values()]
-
-
-def atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
-    """Every atom in a dumped predicate that names an entity; `each` of a count stands for its entities."""
-    if isinstance(data, list):
-        for item in data:
-            yield from atoms(item, each)
-    elif isinstance(data, dict):
-        each = tuple(data.get("entities", each))
-        entity = data.get("entity")
-        if isinstance(entity, str):
-            for name in each if entity == "each" else (entity,):
-                yield {**data, "entity": name}
-        for value in data.values():
-            if isinstance(value, dict | list):
-                yield from atoms(value, each)
-
-
-def support_interval(spec: WorldSpec, relation: Supports) -> tuple[int, int]:
-    """Frames over which `a` must carry `b`: declared, else from frame 0 until the frame before a beat moves `b`.
-
-    A beat moves `b` when `b` is its subject, or when its predicate asks `b` to topple, tilt, be displaced, reach or
-    cross something.
-    """
-    if relation.frames is not None:
-        return relation.frames
-    last = spec.simulation.frames - 1
-    for beat in spec.story.beats.values():
-        moved = beat.subject == relation.b or _asks_to_move(beat.predicate, relation.b)
-        if moved:
-            last = min(last, max(0, beat.frames[0] - 1))
-    return 0, last
-
-
-def _asks_to_move(predicate: SpecModel, entity: str) -> bool:
-    return any(a["kind"] in MOVING_KINDS and a["entity"] == entity for a in atoms(predicate.model_dump()))
 
 
 def _not_reached(candidate: Candidate, name: str, relation: Supports, first: int) -> Row:
@@ -263,7 +231,11 @@ def _faults(
         text = f"{b!r} overlaps {a!r} by {depth * 1e3:.4g} mm at frame {begin + k}"
         lift = along_up(surfaces, depth + LEFT) if begin + k == 0 else None
         yield _Fault(begin + k, text, -depth, bound, ">=", "m", placement(surfaces, b, lift, f"{b!r} sinks into {a!r}"))
-    k = first(~linked & (distance <= gap) & ~surfaces.carries(a, b)[window] & ~_leans(graph, a, b, frames))
+    # What never moves needs no more of its holder than to touch it, from whichever side: a picture and its wall.
+    bears = surfaces.candidate.spec.entities[b].motion != "dynamic" or surfaces.carries(a, b)[window] | _leans(
+        graph, a, b, frames
+    )
+    k = first(~linked & (distance <= gap) & ~bears)
     if k is not None:
         text = (
             f"{a!r} touches {b!r} at frame {begin + k} but is neither beneath it nor needed to hold it, so it does not carry it"

@@ -21,7 +21,7 @@ from .links import Link, links_of
 if TYPE_CHECKING:
     from .surfaces import Surfaces
 
-__all__ = ["MISSING", "OUTSIDE", "SupportGraph", "drop", "gravity_direction", "rolling"]
+__all__ = ["MISSING", "OUTSIDE", "SupportGraph", "beside", "drop", "gravity_direction", "rolling"]
 
 OUTSIDE = 0.002
 """[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
@@ -222,6 +222,16 @@ def _can_rest(surfaces: Surfaces, group: Group, entity: str) -> bool:
     return False
 
 
+def beside(surfaces: Surfaces, entity: str, frame: int) -> list[str]:
+    """What touches the entity at a frame, and is not in the way of its falling: beside or above it."""
+    return [
+        n
+        for n in surfaces.neighbours.get(entity, ())
+        if surfaces.series(entity, n)[frame] <= surfaces.contact_gap(entity, n)
+        and not surfaces.carries(n, entity, until=frame + 1)[frame]
+    ]
+
+
 def drop(surfaces: Surfaces, entity: str, frame: int) -> tuple[float, str] | None:
     """How far the entity falls along gravity until it meets something [m], and what; None where nothing lies beneath.
 
@@ -236,7 +246,7 @@ def drop(surfaces: Surfaces, entity: str, frame: int) -> tuple[float, str] | Non
     start, stop = low[own, 0].min(axis=0), high[own, 0].max(axis=0)
     start, stop = np.minimum(start, start + reach * direction), np.maximum(stop, stop + reach * direction)
     meets = ((low[:, 0] <= stop) & (high[:, 0] >= start)).all(axis=1)
-    others = {surfaces.parts[i].entity for i in np.flatnonzero(meets)} - {entity}
+    others = {surfaces.parts[i].entity for i in np.flatnonzero(meets)} - {entity} - set(beside(surfaces, entity, frame))
     best: tuple[float, str] | None = None
     for other in sorted(others):
         fallen = 0.0

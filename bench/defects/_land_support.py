@@ -131,7 +131,10 @@ def _leaving(rng: RNG, beyond: float, *, start: int) -> tuple[dict[str, Entity],
     radius, k = float(rng.uniform(0.05, 0.2)), np.arange(FRAMES)
     x, time = 2.0 + radius + beyond, np.maximum(np.arange(FRAMES) - start, 0) / FPS
     path = np.stack([np.where(k < start, x * k / start, x), 0.0 * time, radius + 1e-3 - 0.5 * 9.81 * time**2], axis=1)
-    things = {"floor": ground(4.0, float(rng.uniform(0.1, 1.0))), "ball": ball(radius, motion="dynamic", at=path[0])}
+    things = {
+        "floor": ground(4.0, float(rng.uniform(0.1, 1.0))),
+        "ball": ball(radius, motion="dynamic", at=path[0], velocity=(x / start * FPS, 0, 0)),
+    }
     return things, {"ball": (path, (1.0, 0.0, 0.0, 0.0))}
 
 

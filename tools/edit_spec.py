@@ -203,32 +203,35 @@ def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any])
 
 
 def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
-    """Other worlds of the same prompt whose rows failed: starting anew is recorded like any other way around them (R157)."""
+    """Other worlds of nearly the same prompt whose rows failed: starting anew is recorded like any other way around them (R157)."""
     import json
 
     from ..worlds.folder import world_ids
     from ..worlds.ledger import Ledger
+    from ..worlds.likeness import likeness
 
-    failed = []
+    failed = {}
     for other in world_ids(context.workspace):
         try:
             folder = WorldFolder.of(context.workspace, other)
             if other == world or not folder.ledger_path.exists():
                 continue
-            same = json.loads(folder.spec_path.read_text()).get("prompt") == prompt
+            alike = likeness(prompt, str(json.loads(folder.spec_path.read_text()).get("prompt", "")))
         except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
             continue
-        if not same:
+        if not alike:
             continue
         try:
             if Ledger(folder.ledger_path).ever_failed():
-                failed.append(other)
+                failed[other] = alike
         except EvidenceError:
-            failed.append(f"{other} (its ledger is damaged)")
+            failed[f"{other} (its ledger is damaged)"] = alike
+    exact = all(alike == 1.0 for alike in failed.values())
+    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
     if len(failed) <= 1:
-        return [f"started anew beside world {other}, which has failed rows for this prompt" for other in failed]
-    names = ", ".join(failed[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
-    return [f"started anew beside {len(failed)} worlds with failed rows for this prompt: {names}"]
+        return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
+    names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
+    return [f"started anew beside {len(failed)} worlds with failed rows for {prompt_text}: {names}"]
 
 
 def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, reason: str) -> ToolReply:

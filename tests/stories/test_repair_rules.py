@@ -96,8 +96,14 @@ def test_a_world_beside_a_failed_one_of_its_prompt_is_told_so_at_once(failed: An
     again = failed.call("edit_spec", world="again", prompt=PROMPT, spec=small_spec())
     (warning,) = again["warnings"]
     assert "printed with the acceptance: started anew beside world w, which has failed rows" in warning
-    other = failed.call("edit_spec", world="other", prompt="A ball rolls into three blocks.", spec={})
+    other = failed.call("edit_spec", world="other", prompt="A vase tips over and breaks on the floor.", spec={})
     assert other["warnings"] == []
+
+
+@pytest.mark.parametrize("turned", [PROMPT + " ", PROMPT.upper(), PROMPT.replace("a", "\u0430", 2), "Please: " + PROMPT])
+def test_a_prompt_that_is_written_a_little_otherwise_hides_no_failed_world(failed: Any, turned: str) -> None:
+    (warning,) = failed.call("edit_spec", world="again", prompt=turned, spec={})["warnings"]
+    assert "started anew beside world w, which has failed rows for" in warning
 
 
 def test_a_failing_row_cites_what_past_edits_did_to_it(failed: Any) -> None:

@@ -1,0 +1,44 @@
+"""How alike two prompts are: what a reader would call the same request, however its letters are written."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from difflib import SequenceMatcher
+
+__all__ = ["ALIKE", "likeness"]
+
+ALIKE = 0.8
+"""Own choice: least share of equal words of prompts that ask for the same; one word of five changed."""
+ALIKE_LETTERS = 0.92
+"""Own choice: least share of equal letters; a letter or two exchanged for look-alikes of another script."""
+MAX_WORDS = 2000
+"""Words that are compared; the sequence matcher takes time of their square at worst."""
+MAX_LETTERS = 600
+"""Letters that are compared, for the same reason."""
+_WORDS = re.compile(r"[぀-ヿ㐀-䶿一-鿿가-힯฀-๿]|[^\W_]+")
+"""A word, or one letter of a script that writes none between spaces."""
+
+
+def _words(prompt: str) -> list[str]:
+    """Words without case, marks of punctuation, invisible letters and forms of compatibility (NFKC)."""
+    text = unicodedata.normalize("NFKC", prompt).casefold()
+    return _WORDS.findall("".join(c for c in text if unicodedata.category(c) != "Cf"))[:MAX_WORDS]
+
+
+def likeness(a: str, b: str) -> float:
+    """Share of two prompts that is the same, 1 for prompts that differ in case, blanks, punctuation or invisible letters alone.
+
+    Returns: the share of equal words in order, or that of equal letters where words differ by look-alike letters; 0 below
+    `ALIKE` and `ALIKE_LETTERS`, where they ask for different things.
+    """
+    one, other = _words(a), _words(b)
+    if one == other:
+        return 1.0
+    words = SequenceMatcher(None, one, other, autojunk=False).ratio()
+    if words >= ALIKE:
+        return words
+    first, second = (" ".join(listed)[:MAX_LETTERS] for listed in (one, other))
+    letters = SequenceMatcher(None, first, second, autojunk=False)
+    share = letters.ratio() if letters.quick_ratio() >= ALIKE_LETTERS else 0.0
+    return share if share >= ALIKE_LETTERS else 0.0

@@ -95,11 +95,12 @@ class Ledger:
         model = self.model
         if not model.jnt_stiffness.any() and not model.ntendon:
             return 0.0
+        # Where bodies may sleep the engine leaves out the springs of those that do: they would read as of no length.
+        gravity, flags = model.opt.gravity.copy(), model.opt.enableflags
+        model.opt.gravity[:], model.opt.enableflags = 0.0, flags & ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         mujoco.mj_tendon(model, data)
-        gravity = model.opt.gravity.copy()
-        model.opt.gravity[:] = 0.0
         mujoco.mj_energyPos(model, data)
-        model.opt.gravity[:] = gravity
+        model.opt.gravity[:], model.opt.enableflags = gravity, flags
         return float(data.energy[0])
 
     def joint_error(self, data: Any) -> float:

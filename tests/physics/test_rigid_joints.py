@@ -149,6 +149,61 @@ def test_a_mass_on_a_spring_has_the_period_of_a_harmonic_oscillator():
     assert np.ptp(energy) < ENERGY * mass * G * np.ptp(z)
 
 
+def _lifted(seconds, *, rest=0.96, rope=False, parent=None, drivers=None, others=None):
+    """A box of 1 kg on a floor, whose top hangs on a spring of 200 N/m; 1 m long, it is stretched by 1 m - `rest`."""
+    spring = {
+        "kind": "spring", "child": "b", "child_point": (0, 0, 0.2), "parent": parent, "parent_point": (0, 0, 1.2),
+        "stiffness": 200.0, "damping": 1.0, "rest_length": rest, "rope": rope,
+    }  # fmt: skip
+    bodies = {"ground": floor(), "b": box(0.2, 0.2, 0.2, at=(0, 0, 0.1), mass=1.0), **(others or {})}
+    run = Run(world(bodies, seconds=seconds, joints={"s": spring}, drivers=drivers or {}))
+    energy = run.record("kinetic_energy") + run.record("potential_energy") - run.record("driver_work")
+    return run, energy - energy[0], run.series("asleep")[:, run.index.bodies.index("b/body")]
+
+
+@pytest.mark.parametrize(("rest", "rope"), [(0.96, False), (1.04, False), (0.98, True), (1.3, True)])
+def test_a_spring_on_a_sleeping_body_gains_no_energy(rest, rope):
+    """It is stretched, pressed or slack, and less than the weight of what it is tied to: nothing moves, so nothing may be stored."""
+    run, energy, asleep = _lifted(1.0, rest=rest, rope=rope)
+    assert asleep[0] == 0
+    assert asleep[-6:].all()
+    assert np.abs(energy).max() < 1e-4  # it settles 5 micrometres into the skins
+    assert run.record("potential_energy")[-1] == pytest.approx(
+        1.0 * G * 0.101 + 0.5 * 200.0 * (0.0 if rope and rest > 1 else 0.999 - rest) ** 2, abs=1e-4
+    )
+
+
+def test_a_spring_whose_far_end_moves_on_pulls_a_resting_body_up():
+    hook = box(0.1, 0.1, 0.1, at=(0, 0, 1.25), motion="kinematic")
+    keys = {k: {"time": t, "pose": {"position": (0, 0, z)}} for k, t, z in (("a", 0, 1.25), ("b", 1, 1.25), ("c", 2, 2.25))}
+    up = {"up": {"kind": "path", "entity": "hook", "keys": keys}}
+    run, energy, asleep = _lifted(3.0, rest=1.0, parent="hook", drivers=up, others={"hook": hook})
+    z = run.of("b")[:, 2]
+    assert np.ptp(z[:24]) < 1e-4
+    assert z[-1] == pytest.approx(1.101 - G / 200.0, abs=0.1)
+    assert energy.max() < 1e-3
+    assert not asleep[30:].any()
+
+
+def test_what_adds_to_the_spring_of_a_sleeping_body_wakes_it():
+    """8 N of the spring and 5 N of a driver are more than its weight; 1 N more alone is not."""
+    more = {"kind": "force", "entity": "b", "start": 1.5, "end": 1.75}
+    for force, rises in ((1.0, False), (5.0, True)):
+        run, energy, asleep = _lifted(3.0, drivers={"f": more | {"force": (0, 0, force)}})
+        assert asleep[20:36].all()
+        assert (run.of("b")[:, 2].max() > 0.11) == rises
+        assert energy.max() < 1e-3
+
+
+def test_a_hinge_with_a_spring_sleeps_without_a_gain():
+    plank = box(0.4, 0.05, 0.05, at=(0.25, 0, 0.0255), mass=1.0)
+    hinge = {"kind": "hinge", "child": "b", "anchor": (0, 0, 0.0255), "axis": (0, 1, 0), "stiffness": 30.0, "damping": 0.5}
+    run = Run(world({"ground": floor(), "b": plank}, seconds=2.0, joints={"h": hinge}))
+    energy = run.record("kinetic_energy") + run.record("potential_energy")
+    assert run.series("asleep")[-6:].all()
+    assert np.abs(energy - energy[0]).max() < 1e-3
+
+
 def test_a_rope_spring_only_pulls():
     joint = {
         "s": {

@@ -1,7 +1,7 @@
 """Breakable bodies (R61, R65, R133): their pieces, what holds them together, and what broke it. Rows per entity:
 
 - `category:fracture:pieces:<entity>`: pieces are closed, convex part by part, and hold the volume of the specified parts to
-  `VOLUME`, and their mass is that volume's.
+  `VOLUME`, and their mass is that volume's. A solid of revolution has that of its profile, turned in as many chords as it says.
 - `category:fracture:bonded:<entity>`: two pieces whose bond holds do not move apart, and a piece that is bonded to the world
   stays where it was built (`APART` of a piece).
 - `category:fracture:events:<entity>`: bonds break once and never heal; each has an event within its frame, at the face that it
@@ -45,6 +45,8 @@ __all__ = ["check_instance"]
 VOLUME = 1e-6
 """Relative (reference/solvers.md 4.3); `ROUND_VOLUME` for parts with round sides, whose pieces have flat ones."""
 ROUND_VOLUME = 5e-3
+CAPPED_VOLUME = 7e-3
+"""The same for capsules: their caps are cut into chords along the meridian too; 5.9e-3 without a barrel."""
 APART = 1e-6
 """Own choice, of a piece's size: rounding of poses is 1e-12 of it."""
 RATIO = 0.02
@@ -161,6 +163,18 @@ def _specified_volume(part: Part) -> tuple[float, float] | None:
         return np.pi * shape.radius**2 * shape.height, ROUND_VOLUME
     if shape.kind == "sphere":
         return 4 / 3 * np.pi * shape.radius**3, ROUND_VOLUME
+    if shape.kind == "capsule":
+        return np.pi * shape.radius**2 * (shape.length + 4 / 3 * shape.radius), CAPPED_VOLUME
+    if shape.kind == "revolution":
+        r, z = np.array(shape.profile).T
+        moment = float((r * np.roll(z, -1) - np.roll(r, -1) * z) @ (r + np.roll(r, -1))) / 6
+        # Pappus' 2 pi, of a turn in as many straight chords as the specification says.
+        return abs(moment) * shape.segments * np.sin(2 * np.pi / shape.segments), VOLUME
+    if shape.kind == "mesh" and shape.vertices is not None:
+        from scipy.spatial import ConvexHull
+
+        # Only a convex mesh is cut.
+        return float(ConvexHull(shape.scale * np.array(shape.vertices)).volume), VOLUME
     return None
 
 
@@ -183,7 +197,11 @@ def _pieces(frames: Frames) -> _Verdict:
     declared = getattr(contract.physics, "mass", None)
     scale = 1.0 if declared is None else declared / mass.sum()
     bodies = np.array([b.mass for b in built.bodies])
-    order = [next(k for k, p in enumerate(built.parts) if p.body == b.name) for b in built.bodies]
+    place = {p.body: k for k, p in enumerate(built.parts)}
+    bare = [b.name for b in built.bodies if b.name not in place]
+    if bare:
+        return _Verdict(False, f"piece {bare[0]!r} of {entity!r} has no surface", float(len(bare)), 0.0)
+    order = [place[b.name] for b in built.bodies]
     astray = float(np.abs(bodies - scale * mass[order]).max() / bodies.max())
     text = f"{len(built.bodies)} pieces hold {found:.6g} m^3 of {volume:.6g} m^3, masses are off by at most {astray:.2g}"
     return _Verdict(off <= bound and astray <= VOLUME, text, max(off, astray), bound)

@@ -20,12 +20,13 @@ from ...worlds.spec import (
     Material,
     PathDriver,
     PathKey,
+    Revolution,
     RigidPhysics,
     RigidSettings,
     VoronoiPattern,
     WorldSpec,
 )
-from ..small_worlds import ball, box, ground, pose, world
+from ..small_worlds import ball, box, entity, ground, pose, world
 from ._films import Film, copied, film_of
 
 __all__ = ["KINDS", "VARIANTS", "film", "root_stress"]
@@ -154,6 +155,20 @@ def _dropped(rng: np.random.Generator) -> WorldSpec:
     return _scene({"post": box(0.08, 0.08, height, motion="static", at=(0.0, 0.0, height / 2)), "wall": falling}, 16)
 
 
+def _potted(rng: np.random.Generator) -> WorldSpec:
+    """A hollow pot, a solid of revolution, falls on the floor and breaks."""
+    wide, high, wall = float(rng.uniform(0.1, 0.15)), float(rng.uniform(0.15, 0.25)), float(rng.uniform(0.02, 0.025))
+    profile = [(0.0, 0.0), (0.7 * wide, 0.0), (wide, high), (wide - wall, high), (0.7 * wide - wall, wall), (0.0, wall)]
+    shape = Revolution(profile=profile, segments=int(rng.integers(10, 17)))
+    pattern = VoronoiPattern(pieces=int(rng.integers(8, 13)), seed=int(rng.integers(1000)))
+    breakable = Breakable(pattern=pattern, bond=_bond(rng, float(rng.uniform(1e5, 3e5))))
+    euler = (0.0, float(rng.uniform(0.2, 0.8)), 0.0)
+    falls = RigidPhysics(linear_velocity=(0.0, 0.0, -float(rng.uniform(0.5, 1.0))))
+    size = (2 * wide, 2 * wide, high)
+    pot = entity(shape, motion="dynamic", at=(0.0, 0.0, 0.3), euler=euler, size=size, material="brick", physics=falls)
+    return _scene({"wall": pot.model_copy(update={"breakable": breakable})}, 12)
+
+
 KINDS = {
     "struck": _struck,
     "held": _held,
@@ -162,6 +177,7 @@ KINDS = {
     "propped": _propped,
     "chain": _chain,
     "dropped": _dropped,
+    "potted": _potted,
 }
 
 WHOLE = ("held", "propped")

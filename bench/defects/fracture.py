@@ -373,15 +373,22 @@ def lighter(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     return _world(made, folder)
 
 
-def _rebuilt(made: Film, folder: Path, parts: Any = None, bodies: Any = None) -> World:
-    old = made.built[NAME]
-    made.built[NAME] = dataclasses.replace(old, parts=parts or old.parts, bodies=bodies or old.bodies)
+def _rebuilt(made: Film, folder: Path, **more: Any) -> World:
+    made.built[NAME] = dataclasses.replace(made.built[NAME], **more)
     return _world(made, folder)
 
 
 def shrunken(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """A piece is smaller than what was cut, by a share of its edges: the rest of it is nowhere."""
-    made = _any(rng)
+    """A piece is smaller than what was cut, by a share of its edges."""
+    return _smaller(_any(rng), folder, magnitude, rng)
+
+
+def sherd(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """The same of a pot."""
+    return _smaller(_any(rng, "potted"), folder, magnitude, rng)
+
+
+def _smaller(made: Film, folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     parts = list(made.built[NAME].parts)
     k = int(rng.integers(len(parts)))
     vertices: F64 = parts[k].render.vertices
@@ -393,8 +400,7 @@ def shrunken(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
 def hollow(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A piece weighs less than its volume, by a share."""
-    made = _any(rng)
-    bodies = list(made.built[NAME].bodies)
+    bodies = list((made := _any(rng)).built[NAME].bodies)
     k = int(rng.integers(len(bodies)))
     bodies[k] = dataclasses.replace(bodies[k], mass=(1.0 - magnitude) * bodies[k].mass)
     return _rebuilt(made, folder, bodies=tuple(bodies))
@@ -477,6 +483,7 @@ SUITE = Suite(
         _defect("vanishes", vanishes, 1.0, 100.0, "m"),
         _defect("lighter", lighter, 1e-8, 0.5, "1", 1e-9),
         _defect("shrunken", shrunken, 1e-3, 0.3, "1"),
+        _defect("sherd", sherd, 1e-3, 0.3, "1"),
         _defect("hollow", hollow, 1e-5, 0.5, "1", 1e-6),
         _defect("overlapping", overlapping, 1.05, 8.0, "allowed depths", 1.0, check="interpenetration"),
         _sound("struck", "a ball breaks a wall in part", "struck"),
@@ -486,6 +493,7 @@ SUITE = Suite(
         _sound("propped", "a beam bears most of what it can", "propped"),
         _sound("chain", "a shelf breaks and falls on another, which breaks", "chain"),
         _sound("dropped", "a free plate falls on a post and breaks", "dropped"),
+        _sound("potted", "a hollow pot falls and breaks", "potted"),
         Mechanism("shuffled", "contacts in another order", False, _shuffled, 1.0, 2.0, "1"),
         Mechanism("stronger mortar", "a mortar that holds is declared stronger", False, _far, 1.0, 10.0, "1"),
     ),

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.bench.simulated_worlds import beat
+from worldagent.construction import build_entity
+from worldagent.geometry.solids import Solid
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import STONE, bond, simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
@@ -350,3 +352,71 @@ def test_no_skin_is_proposed_that_the_schema_or_the_audit_refuses(run: Candidate
         spec = apply_patch(run.spec, list(correction.patch))
         skin = spec.simulation.rigid["main"].settings.skin
         assert 2 * skin <= 0.9 * spec.simulation.limits.contact_gap
+
+
+POT = [(0.0, 0.0), (0.1, 0.0), (0.15, 0.25), (0.138, 0.25), (0.09, 0.012), (0.0, 0.012)]
+TUMBLER = [(0.0, 0.0), (0.03, 0.0), (0.04, 0.12), (0.037, 0.12), (0.0275, 0.004), (0.0, 0.004)]
+RING = [(0.1, 0.0), (0.15, 0.0), (0.15, 0.05), (0.1, 0.05)]
+CORNER = {"vertices": [[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.2]], "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]}
+
+
+def _cut(shape: dict[str, Any], pieces: int) -> WorldSpec:
+    broken = {"pattern": {"kind": "voronoi", "pieces": pieces}, "bond": bond(1e5)}
+    made = rigid_world.entity(shape, material="brick", at=(0, 0, 0.05), v=(0, 0, -2), breakable=broken)
+    return rigid_world.world({"floor": rigid_world.floor(), "wall": made}, seconds=0.1, materials=STONE, settings={"refine": 1})
+
+
+@pytest.mark.parametrize(
+    ("profile", "segments", "area", "radius"),
+    [
+        (POT, 24, None, None),
+        (TUMBLER, 16, None, None),
+        (RING, 16, 0.0025, 0.125),
+        (RING[::-1], 40, 0.0025, 0.125),
+        ([(0.0, 0.0), (0.1, 0.0), (0.0, 0.2)], 32, 0.01, 0.1 / 3),
+    ],
+)
+def test_pieces_of_a_solid_of_revolution_hold_its_volume(
+    profile: list[tuple[float, float]], segments: int, area: float | None, radius: float | None
+) -> None:
+    """By Pappus, 2 pi times the way of the centroid times the area, less what the chords of the segments cut off."""
+    spec = _cut({"kind": "revolution", "profile": profile, "segments": segments}, 12)
+    built = build_entity(spec, "wall", rigid_world.NO_ASSETS)
+    solids = [Solid.from_mesh(p.render, closed=True) for p in built.parts]
+    assert all(s.is_watertight and s.volume > 0 for s in solids)
+    r, z = np.array(profile).T
+    if area is None or radius is None:
+        # Horizontal slices: rings between the outer and the inner wall.
+        levels = np.linspace(0.0, z.max(), 200001)
+        half = int(np.argmax(z)) + 1
+        outer, inner = np.interp(levels, z[:half], r[:half]), np.interp(levels, z[half:][::-1], r[half:][::-1], left=0.0)
+        inner[levels < z[-1]] = 0.0
+        pappus = float(np.trapezoid(np.pi * (outer**2 - inner**2), levels))
+    else:
+        pappus = 2 * np.pi * radius * area
+    chords = segments / (2 * np.pi) * np.sin(2 * np.pi / segments)
+    total = sum(s.volume for s in solids)
+    assert total == pytest.approx(chords * pappus, rel=2e-5)
+    assert total < pappus
+    assert sum(b.mass for b in built.bodies) == pytest.approx(1800.0 * total, rel=1e-9)
+    assert np.array([b.volume for b in built.bodies]) == pytest.approx([s.volume for s in solids], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"kind": "revolution", "profile": POT, "segments": 16},
+        {"kind": "revolution", "profile": TUMBLER, "segments": 12},
+        {"kind": "capsule", "radius": 0.05, "length": 1e-4},
+        {"kind": "mesh", **CORNER},
+    ],
+    ids=["pot", "tumbler", "capsule", "mesh"],
+)
+def test_pieces_of_every_shape_that_is_cut_are_compared_with_it(shape: dict[str, Any], tmp_path: Path) -> None:
+    run = simulate(tmp_path, _cut(shape, 8))
+    found = statuses(run)
+    assert found["pieces"] == "pass"
+    assert {found[n] for n in ("bonded", "events", "cause", "standing")} <= {"pass", "not_applicable"}
+    built = run.built["wall"]
+    less = dataclasses.replace(built, parts=built.parts[1:])
+    assert statuses(dataclasses.replace(run, built={**run.built, "wall": less}))["pieces"] != "pass"

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction, Row, Status
+from ..worlds.requirements import Correction, Row
 from . import cloth, liquid, motion, particles
 from .exchanged import both_ways
 from .field_ledger import feels_fields
@@ -21,14 +21,14 @@ from .findings import Finding, again, halve, separate
 from .ledgers import books_of
 from .numerical_state import SPIKE, counters, events, frozen, resting, spike
 from .rigid import energy_scale, moves_nothing
+from .step_travel import step_travel
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
-    from ..worlds.built import Convex
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
 
-__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "THICKNESS_SHARE", "check", "thickness"]
+__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "check"]
 
 QUATERNION_NOISE = 1e-6
 """Deviation of a quaternion's norm from 1; engines normalise every step, so more means a damaged state."""
@@ -38,8 +38,6 @@ SLOW = 0.05
 """[m/s] Speeds below this count as this in a growth ratio: anything is many times faster than rest."""
 CAPPED_SHARE = 0.05
 """Own choice: share of steps that may end at the iteration cap before contact forces are not to be trusted."""
-THICKNESS_SHARE = 0.5
-"""A body that travels more than half of a collider's thickness in one step may be pushed out on the far side."""
 POTENTIAL_SLACK = 1.0
 """[m/s] added to the speed limit for travel per frame: rounding of positions and half a frame of gravity."""
 
@@ -54,7 +52,7 @@ CLAIMS = {
     "counts": "rows per channel are as many as the index names",
     "overflow": "the engine reports no full buffer and no bad state",
     "iterations": "at most 5 % of the steps end at the iteration cap",
-    "step_travel": "travel per step <= half of the thinnest collider's thickness",
+    "step_travel": "travel per step <= half of the thickness of either of two colliders that could meet in that frame",
     "counters": "steps of at most the planned length cover every frame, and every counter is possible",
     "events": "logged contacts name colliders that are there, at times of their frame, with impulses >= 0",
     "frozen": "no free body that moves repeats a pose to the last bit",
@@ -401,62 +399,6 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     )
 
 
-def thickness(piece: Convex) -> float:
-    """Smallest width of a convex collision piece [m]."""
-    p = piece.params
-    if piece.kind == "box":
-        return 2 * min(p)
-    if piece.kind in {"sphere", "capsule"}:
-        return 2 * p[0]
-    if piece.kind == "cylinder":
-        return 2 * min(p)
-    if piece.kind == "heightfield":
-        return p[2]  # below its lowest place; under the others there is more
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(piece.points)
-    except QhullError:
-        return 0.0  # flat: nothing holds a body on its side
-    # The smallest width of a polytope is taken between a face and a vertex, or between two edges; the latter is
-    # smaller only for needle-like hulls, and then by little.
-    heights = piece.points @ hull.equations[:, :3].T + hull.equations[:, 3]
-    return float(-heights.min(axis=0).max())
-
-
-def _step_travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    thin = {
-        name: min(thickness(c) for part in candidate.entity(name).parts for c in part.collision)
-        for name in cache.index.colliders
-        if any(part.collision for part in candidate.entity(name).parts)
-    }
-    if not thin:
-        raise EvidenceError(f"instance {solver!r} has no collision shapes")
-    thinnest = min(thin, key=lambda n: thin[n])
-    bound = THICKNESS_SHARE * thin[thinnest]
-    series: F64 = cache.series("record/max_travel_per_step")
-    wrong = ~(series <= bound)
-    frame = int(np.argmax(wrong)) if wrong.any() else None
-    worst = float(series.max()) if np.isfinite(series).all() else None
-    shown = "not finite" if worst is None else f"{worst:.3g} m"
-    text = f"largest travel per step {shown}; thinnest collider is {thinnest}, {thin[thinnest]:.3g} m"
-    pointer = f"/simulation/solvers/{solver}/settings/step"
-    step = candidate.spec.simulation.rigid[solver].settings.step
-    fitting = max(2e-5, 0.9 * step * bound / worst) if worst else step / 2
-    hints = (
-        correction(
-            "a body may pass through the thin one within a step",
-            "step",
-            f"cut the step to {fitting:.2g} s",
-            pointers=(pointer,),
-            patch=({"op": "add", "path": pointer, "value": float(f"{fitting:.2g}")},),
-        ),
-        correction("the collider is thin", "shape", f"thicken {thinnest}", pointers=(f"/entities/{thinnest}/parts",)),
-    )
-    status: Status = "pass" if frame is None else "fail"
-    return Finding(status, text, worst, bound, "m", thinnest, frame, hints, {"thickness": thin[thinnest]})
-
-
 FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
     "frames": _frames,
     "digest": _digest,
@@ -468,7 +410,7 @@ FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
     "counts": _counts,
     "overflow": _overflow,
     "iterations": _iterations,
-    "step_travel": _step_travel,
+    "step_travel": step_travel,
     "counters": counters,
     "events": events,
     "frozen": frozen,

@@ -14,6 +14,7 @@ from ...worlds.spec import HingeJoint, Limits, RigidSettings
 from ..small_worlds import ball, box, ground, world
 from . import _scenes as scenes
 from ._films import Film, film_of, frame_of_walls, free_body, still
+from ._step_travel import coarse_travel, past_the_pane, thin_and_slow, through_the_pane
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -265,20 +266,6 @@ def skipped_steps(folder: Path, magnitude: float, rng: np.random.Generator) -> W
     return _judged(film, folder)
 
 
-def coarse_travel(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """Travel per step is `magnitude` times half of the thinnest collider, in one frame."""
-    film = _film(rng, scenes.flight, scenes.bounce, scenes.stack)
-    thin = []
-    for built in film.built.values():
-        for part in built.parts:
-            for piece in part.collision:
-                thin.append(2 * piece.params[0] if piece.kind == "sphere" else 2 * min(piece.params))
-    travel = film.series("record/max_travel_per_step")
-    travel[_frame(film, rng)] = magnitude * 0.5 * min(thin)
-    film.set_record("max_travel_per_step", travel)
-    return _judged(film, folder, *film.index.colliders)
-
-
 def late_event(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """An event is dated outside its frame by `magnitude` [s], names nobody, or pushes backwards."""
     film = _film(rng, scenes.bounce, scenes.pile, scenes.cradle)
@@ -424,13 +411,6 @@ def one_turn_per_frame(folder: Path, magnitude: float, rng: np.random.Generator)
     return World(film.candidate(folder))
 
 
-def thin_and_slow(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """A card of a tenth of a millimetre falls, slower per step than half of its thickness."""
-    entities = {"floor": ground(), "card": box(0.1, 0.06, float(magnitude), motion="dynamic", at=(0, 0, 0.3))}
-    film = film_of(world(entities, frames=4, fps=48, settings=RigidSettings(step=2e-5)))
-    return World(film.candidate(folder))
-
-
 def _defect(
     name: str, text: str, build: Maker, low: float, high: float, unit: str, bound: float | None = None, **more: Any
 ) -> Mechanism:
@@ -462,6 +442,9 @@ SUITE = Suite(
         _defect("capped", "steps end at the iteration cap", capped, 0.0505, 1.0, "1", 0.05),
         _defect("coarse", "a frame was run with too long a step", coarse, 1.01, 5.0, "1", 1.0),
         _defect("skipped_steps", "a frame has too few steps", skipped_steps, 1.0, 20.0, "steps"),
+        _defect(
+            "through_the_pane", "a ball is too fast for the pane that it flies at", through_the_pane, 1.05, 6.0, "bounds", 1.0
+        ),
         _defect("coarse_travel", "a body travels too far in a step", coarse_travel, 1.02, 10.0, "bounds", 1.0),
         _defect("late_event", "an event outside its frame, with nobody, or backwards", late_event, 1e-3, 10.0, "s"),
         _defect("repeated", "a frame is there twice", repeated, 1.0, 4.0, "frames"),
@@ -493,6 +476,7 @@ SUITE = Suite(
             3.0,
             "turns",
         ),
+        Mechanism("past_the_pane", "a ball flies past a pane, too fast to meet it", False, past_the_pane, 0.01, 3.0, "m"),
         Mechanism("thin_and_slow", "a card thinner than paper", False, thin_and_slow, 1.2e-4, 1e-3, "m"),
     ),
 )

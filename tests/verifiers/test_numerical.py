@@ -12,13 +12,14 @@ from worldagent.bench.defects import _scenes as scenes
 from worldagent.bench.defects._films import film_of
 from worldagent.bench.simulated_worlds import simulate
 from worldagent.bench.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
-from worldagent.verifiers.numerical import CLAIMS, check, thickness
+from worldagent.verifiers.numerical import CLAIMS, check
+from worldagent.verifiers.step_travel import thickness
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex
 from worldagent.worlds.cache import write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Limits, ReleaseDriver, RigidSettings
+from worldagent.worlds.spec import Limits, ReleaseDriver, RigidSettings, WorldSpec
 
 FPS, N = 24, 25
 TIME = np.arange(N) / FPS
@@ -63,7 +64,7 @@ def test_a_sound_run_passes_every_claim(tmp_path: Path) -> None:
     assert {r.status for r in rows.values()} == {"pass"}
     assert rows["finite"].id == "numerical:finite:rigid"
     assert rows["speed"].measured == pytest.approx(1.0)
-    assert rows["step_travel"].bound == pytest.approx(0.005)  # half of the card
+    assert rows["step_travel"].bound == pytest.approx(0.1)  # half of the cube, which moves
 
 
 def test_a_number_that_is_not_finite_is_found_in_any_channel(tmp_path: Path) -> None:
@@ -134,11 +135,33 @@ def test_engine_warnings_and_capped_iterations_fail(tmp_path: Path) -> None:
     assert failing(sliding(tmp_path / "b", records={"iterations_capped": 4.0})) == set()
 
 
-def test_travel_per_step_is_held_against_the_thinnest_collider(tmp_path: Path) -> None:
+def test_travel_per_step_that_no_body_explains_is_held_against_the_thinnest_collider(tmp_path: Path) -> None:
     records = {"max_travel_per_step": np.where(np.arange(N) == 8, 0.01, 1e-4)}
     row = rows_of(sliding(tmp_path, records=records, settings=RigidSettings(step=5e-4)))["step_travel"]
     assert (row.status, row.first_failing_frame, row.first_failing_entity) == ("fail", 8, "card")
     assert row.corrections[0].patch[0]["value"] == pytest.approx(0.9 * 5e-4 * 0.005 / 0.01, rel=0.05)
+
+
+@pytest.mark.parametrize(("beside", "status"), [(0.0, "fail"), (0.13, "pass"), (3.0, "pass")])
+def test_a_fast_ball_is_held_against_the_panes_that_it_could_meet(tmp_path: Path, beside: float, status: str) -> None:
+    """Ten metres per second in steps of a millisecond are more than half of a pane of a centimetre, wherever that stands."""
+    entities = {
+        "pane": box(0.01, 0.2, 1.0, at=(0, beside, 1.0)),
+        "ball": ball(0.01, motion="dynamic", at=(-1.0, 0, 1.0), velocity=(10, 0, 0)),
+        "snail": ball(0.05, motion="dynamic", at=(0.07, beside, 1.0)),
+    }
+    run = simulate_freely(tmp_path, world(entities, frames=7, gravity=(0, 0, 0), settings=RigidSettings(step=1e-3, refine=0)))
+    row = rows_of(run)["step_travel"]
+    assert row.status == status
+    if status == "fail":
+        assert (row.first_failing_entity, row.evidence["fast"]) == ("pane", "ball")
+        assert row.measured == pytest.approx(0.01, rel=1e-3)
+        assert row.bound == pytest.approx(0.005)
+        assert row.first_failing_frame == 3
+
+
+def simulate_freely(folder: Path, spec: WorldSpec) -> Candidate:
+    return film_of(spec).candidate(folder)
 
 
 @pytest.mark.parametrize(
@@ -293,7 +316,6 @@ def test_channels_without_digests_and_of_changing_shape_are_unverified(tmp_path:
 def test_ground_below_zero_is_as_thick_as_its_base() -> None:
     """A height field stands on its base below its lowest place, wherever that lies."""
     import numpy as np
-    from worldagent.verifiers.numerical import thickness
     from worldagent.worlds.arrays import RigidPose
     from worldagent.worlds.built import Convex
 

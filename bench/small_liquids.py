@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["PROMPT", "jelly_tank_spec", "sea_spec", "tank_spec"]
+__all__ = ["PROMPT", "jelly_tank_spec", "sea_spec", "springboard_spec", "tank_spec"]
 
 PROMPT = "A wooden crate drops in a tank of water."
 INNER = (0.4, 0.4, 0.3)
@@ -137,6 +137,30 @@ def jelly_tank_spec(*, frames: int = 24, young: float = 15000.0, density: float 
     spec["simulation"]["drivers"] = {"let_go": {"kind": "release", "entity": "jelly", "time": 0.0}}
     for beat in spec["story"]["beats"].values():
         beat["subject"] = beat["predicate"]["entity"] = "jelly"
+    return spec
+
+
+def springboard_spec(*, frames: int = 8, crate_at: float = 0.13, **tank: Any) -> dict[str, Any]:
+    """The tank with a crate that bobs in it and a short board that sticks out of its wall, without its prompt.
+
+    Args:
+        frames: at 24 per second.
+        crate_at: height of the crate's centre at frame 0 [m]; held there while the water settles, under the surface.
+        tank: arguments of `tank_spec`.
+    """
+    spec = tank_spec(frames=frames, crate_at=crate_at, **tank)
+    size, at = (0.24, 0.08, 0.04), (INNER[0] / 2 + WALL + 0.12, 0.0, INNER[2] + 0.1)
+    board = _entity("springboard", "dynamic", "board", size, at, outputs=["deformation"])
+    board["physics"] = {
+        "category": "elastic", "young_modulus": 1e6, "poisson_ratio": 0.3, "damping": 0.002, "resolution": 0.04,
+        "pins": {"foot": {"center": [-0.1, 0, 0], "size": [0.045, 0.09, 0.05]}},
+    }  # fmt: skip
+    spec["entities"]["board"] = board
+    spec["materials"]["board"] = {"density": 700, "friction": 0.4}
+    spec["simulation"]["solvers"]["rigid"]["members"].append("board")
+    # Held under while the water settles about it, the crate rises when it is let go.
+    spec["simulation"]["preroll"] = 0.3
+    spec["simulation"]["drivers"] = {f"let_go_{n}": {"kind": "release", "entity": n, "time": 0.0} for n in ("board", "crate")}
     return spec
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
-from .elastic_exchange import exchange, soft_work, together
-from .elastic_fields import field_work, fields
+from .elastic_exchange import exchange, outside_work, together
+from .elastic_fields import fields
 from .elastic_ledger import elastic_energies, vertex_books
 from .elastic_rows import elastic_row
 from .strains import require_deforming, strains_of
@@ -69,7 +69,8 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")
     )
     kinetic, potential = moving + rigid_moving, stored + rigid_stored
-    energy = kinetic + potential - work - soft_work(candidate, cache) - field_work(candidate, cache)
+    outside = outside_work(candidate, cache)
+    energy = kinetic + potential - work - outside.work - outside.doubt
     mass = sum(float(candidate.deforming[n].masses.sum()) for n in names)
     weight = mass * float(np.linalg.norm(candidate.spec.simulation.gravity))
     bound, step = candidate.spec.simulation.limits.energy_growth, f"/simulation/solvers/{solver}/settings/step"
@@ -111,7 +112,12 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         frame=frame_of,
         entities=names,
         corrections=(hint, skins),
-        evidence={"scale_J": scale, "start_J": float(energy[0]), "end_J": float(energy[-1])},
+        evidence={
+            "scale_J": scale,
+            "start_J": float(energy[0]),
+            "end_J": float(energy[-1]),
+            "given_by_others_J": float(outside.work[-1]),
+        },
     )
 
 

@@ -9,7 +9,7 @@ Per instance with elastic members:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from .elastic_fields import field_work
 from .elastic_ledger import elastic_energies
 from .elastic_rows import elastic_row
 from .exchanged import partners
+from .field_ledger import blown
+from .ledgers import books_of
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -26,12 +28,20 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
 
-__all__ = ["exchange", "soft_impulses", "soft_work", "together"]
+__all__ = ["Outside", "exchange", "outside_work", "soft_impulses", "soft_work", "together"]
 
 BOOKS = 1e-9
 """Relative to the largest impulse: sums of the same numbers in another order."""
 LEAST = 1e-12
 """[N s] Below it nothing was exchanged."""
+
+
+class Outside(NamedTuple):
+    """[J] since frame 0, each shape (F,)."""
+
+    work: F64
+    doubt: F64
+    """How much more it may be: of rigid bodies impulses over a frame are known, and velocities at its ends."""
 
 
 def soft_impulses(candidate: Candidate, cache: Cache) -> F64:
@@ -54,6 +64,18 @@ def soft_work(candidate: Candidate, cache: Cache) -> F64:
     if not cache.index.deformables or not partners(candidate.spec, cache.index.solver):
         return np.zeros(cache.index.frames)
     return np.cumsum(np.asarray(cache.series("record/soft_exchange_work"), dtype=np.float64))
+
+
+def outside_work(candidate: Candidate, cache: Cache) -> Outside:
+    """Work since frame 0 that others and force fields did on all that an instance moves.
+
+    Elastic and rigid members give energy to each other, so that both are one balance: what partners give to either comes from outside.
+    """
+    if not cache.index.bodies:
+        none = np.zeros(cache.index.frames)
+        return Outside(soft_work(candidate, cache) + field_work(candidate, cache), none)
+    rigid = books_of(candidate, cache).outside
+    return Outside(soft_work(candidate, cache) + field_work(candidate, cache) + rigid.work, rigid.doubt)
 
 
 def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Row:
@@ -108,7 +130,11 @@ def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
         return elastic_row(candidate, "together", solver, "not_applicable", text, entities=names)
     moving, stored = elastic_energies(cache)
     records = [np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")]
-    kinetic, potential, outside = moving + records[0], stored + records[1], records[2] + field_work(candidate, cache)
+    # What cloth gives to rigid members stays among those that are judged together; what fields give to them does not.
+    fields = blown(books_of(candidate, cache)) if cache.index.bodies else None
+    drawn = 0.0 if fields is None else fields.work + fields.doubt
+    kinetic, potential = moving + records[0], stored + records[1]
+    outside = records[2] + field_work(candidate, cache) + drawn
     for name in cloth:
         theirs = candidate.caches[name]
         part = {n: np.asarray(theirs.series(f"record/{n}")) for n in (

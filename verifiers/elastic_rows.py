@@ -24,7 +24,7 @@ PREDICATES = {
     "recovery": "at rest, the body is back in its shape: within `recovery` of its size, and what its load explains",
     "pins": "what pins hold stays where they hold it",
     "flight": "where nothing touches or pins the body, its centre of mass falls freely",
-    "energy": "energy less the work of drivers never grows by more than limits.energy_growth of the energy in play",
+    "energy": "energy of the instance less the work of drivers, coupled partners and fields never grows by more than limits.energy_growth of the energy in play",
     "solve": "the elastic solve of every step converges, or ends within a relative residual of 1e-3",
     "exchange": "what elastic members received is what cloth, grains and liquids gave them",
     "together": "energy of elastic bodies and the cloth coupled with them, less work from outside, never grows by more than "

@@ -26,6 +26,7 @@ from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entitie
 from ..worlds.requirements import Row
 from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
 from . import field_ledger, motion, rigid_books, rigid_bounces, rigid_contacts, rigid_laws
+from .elastic_exchange import outside_work
 from .elastic_ledger import elastic_energies
 from .ledgers import books_of
 from .rigid_joints import openings
@@ -270,7 +271,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     kinetic, potential = kinetic + moving, potential + stored
     plan = candidate.spec.simulation
     weight = sum(candidate.body(*b.split("/", 1)).mass for b in _free(candidate, cache)) * float(np.linalg.norm(plan.gravity))
-    outside = books_of(candidate, cache).outside
+    outside = outside_work(candidate, cache)
     given = work + outside.work + outside.doubt
     energy = kinetic + potential - given
     noise = rigid_books.authored_noise(books_of(candidate, cache))

@@ -15,6 +15,7 @@ import numpy as np
 from ...worlds.arrays import F64, I32
 from ...worlds.candidate import Candidate
 from ..simulated_worlds import edited
+from ._liquid_partners import PARTNER_MECHANISMS
 from ._soft_scenes import BATHED, CAUGHT, CLOTH, FIRST, JELLY, LAST, SPACING, SPILLED, soft_world
 from .cases import Mechanism, Suite, World
 
@@ -343,5 +344,6 @@ SUITE = Suite(
         _looks("renamed", "other ids, the same in every frame", _renamed, 1.0, 1e6),
         _looks("elsewhere", "another origin for the same places", _elsewhere, 1e-3, 0.05, "m"),
         _looks("blurred", "places off by single precision", _blurred, 1e-9, 1e-7, "m"),
+        *PARTNER_MECHANISMS,
     ),
 )

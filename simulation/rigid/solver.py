@@ -77,6 +77,8 @@ class SolverRigid(Stepper):
         self.restore(self._bytes(), 0)
         self.ledger.begin()
         self.fields.begin()
+        # What partners gave during the preroll is of no frame, as in their own books.
+        self._exchange.begin()
         self._finish_frame(0, self.settings.step)
 
     def max_stable_dt(self) -> float:

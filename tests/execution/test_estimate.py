@@ -157,18 +157,24 @@ def stretched(parts, *, compile_s=0.0, last=1.0):
 
 def test_a_stretch_tells_only_of_itself_and_the_last_one_of_the_whole():
     """What comes at another pace is not told by the pace of what goes on now."""
+    judged = 0
     for now, rank, step, estimate in stretched([(20, 0.5), (20, 3.0)]):
+        judged += 1
         if rank == 0:
             assert estimate.left(now) is None
             if step >= 5:
                 assert estimate.left_of_stretch(now) == pytest.approx(0.5 * (20 - step), abs=1e-6)
         elif step >= 2:
             assert estimate.left(now) == pytest.approx(3.0 * (20 - step), abs=1e-6)
+    assert judged == 2 * 21
 
 
 def test_the_first_step_of_a_stretch_is_no_measure():
+    judged = 0
     for now, _, step, estimate in stretched([(30, 1.0)], compile_s=60.0):
+        judged += 1
         if step < 2:
             assert estimate.left(now) is None
         else:
             assert estimate.left(now) == pytest.approx(30.0 - step, abs=1e-6)
+    assert judged == 31

@@ -74,6 +74,7 @@ def test_turned_boxes_hold_the_moved_vertices():
         np.array([[p.position for p in row] for row in poses]),
         np.array([[p.quaternion for p in row] for row in poses]),
     )
+    assert lo.shape == hi.shape == (5, 4, 3)
     for i, solid in enumerate(solids):
         for k, pose in enumerate(poses[i]):
             moved = pose.apply(solid.vertices)

@@ -376,7 +376,9 @@ def test_a_bundle_that_unpacks_to_more_than_it_says_is_refused(tmp_path: Path) -
 def test_no_module_reads_pickles() -> None:
     root = Path(__file__).resolve().parents[2]
     for folder in ("worlds", "execution", "geometry", "construction", "simulation", "verifiers", "rendering", "tools", "server"):
-        for path in (root / folder).rglob("*.py"):
+        paths = list((root / folder).rglob("*.py"))
+        assert paths, folder
+        for path in paths:
             text = path.read_text()
             assert "import pickle" not in text, path
             assert "allow_pickle=True" not in text, path

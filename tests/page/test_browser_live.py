@@ -98,6 +98,7 @@ def test_a_tab_that_nobody_sees_gives_its_stream_back(made: Made, tab: Tab) -> N
     with page.expect_request(lambda r: r.url.endswith("/api/events")):
         page.evaluate(turn, False)
     page.get_by_text("1 world", exact=True).wait_for()
+    assert page.locator(".worlds > li").count() == 1
 
 
 def followed(made: Made, tab: Tab, job: str) -> None:

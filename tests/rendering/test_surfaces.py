@@ -56,7 +56,8 @@ def test_concrete_has_no_seam():
 
 
 def test_boards_start_inside_the_tile():
-    assert all(0 <= board_joint(k) < BOARD_LENGTH for k in range(BOARDS))
+    joints = [board_joint(k) for k in range(BOARDS)]
+    assert 0 <= min(joints) <= max(joints) < BOARD_LENGTH
 
 
 def test_the_library_version_is_read_from_its_name():

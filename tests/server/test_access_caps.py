@@ -227,5 +227,7 @@ def test_the_estimate_of_triangles_is_no_less_than_what_is_built(shape: Any) -> 
 
 
 def test_the_small_world_is_within_every_cap() -> None:
-    for name, estimate in estimate_counts(parse_spec({**small_spec(), "prompt": PROMPT})).items():
+    estimates = estimate_counts(parse_spec({**small_spec(), "prompt": PROMPT}))
+    assert estimates
+    for name, estimate in estimates.items():
         assert 0 <= estimate <= CAPS[name].value

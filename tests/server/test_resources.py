@@ -198,6 +198,7 @@ async def test_no_path_leads_out(workspace: Path, uri: str) -> None:
 async def test_skills_can_be_listed_and_read(workspace: Path) -> None:
     async with Client(create_server(workspace, tools=[])) as client:
         listed = {str(r.uri): r for r in (await client.list_resources()).resources}
+        assert skill_names()
         for name in skill_names():
             assert (listed[f"skill://{name}/SKILL.md"].description or "") != f"Skill {name}"
             for file in skill_files(name):

@@ -20,6 +20,8 @@ FOLDERS = (
     "simulation/particles", "simulation/rigid", "server/page", "packaging", "skills", "tests", "tools", "verifiers", "worlds",
 )  # fmt: skip
 README_LINES = 40
+LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")
+"""A link of a page to a file, from the page's folder."""
 PATH = re.compile(r"`([\w\-./]+/[\w\-./]*|[\w\-]+\.(?:md|toml))(?:::(\w+))?`")
 
 
@@ -57,7 +59,11 @@ def test_every_silent_point_has_a_choice() -> None:
 
 @pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/choices.md", "docs/threat-model.md"])
 def test_paths_in_documents_exist(name: str) -> None:
-    for path, _ in PATH.findall((ROOT / name).read_text()):
+    text = (ROOT / name).read_text()
+    named = [path for path, _ in PATH.findall(text)]
+    linked = [str((ROOT / name).parent.relative_to(ROOT) / path) for path in LINK.findall(text)]
+    assert named or linked
+    for path in (*named, *linked):
         assert (ROOT / path).exists() or path.startswith(("demo-out/", "dist/", "candidates/")), (name, path)
 
 

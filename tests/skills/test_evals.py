@@ -16,6 +16,7 @@ from worldagent.verifiers import diagnosis
 
 
 def test_every_skill_has_cases_and_a_readme_of_its_eval() -> None:
+    assert skill_names()
     for name in skill_names():
         assert {"evals/cases.json", "evals/README.md"} <= set(skill_files(name)), name
 
@@ -42,6 +43,7 @@ def test_a_late_release_is_mended_by_the_table_and_not_without_it(tmp_path: Path
 
 def test_flaws_name_worlds_and_places_that_exist() -> None:
     data = skill_repair.cases()
+    assert data["flaws"]
     for name in data["flaws"]:
         changed = skill_repair.flawed(data, name, random.Random(3))
         assert changed != data["worlds"][data["flaws"][name]["world"]]["spec"], name

@@ -78,10 +78,13 @@ def test_every_skill_resource_that_a_skill_or_the_audit_names_exists() -> None:
         SKILLS.parent / "worlds" / "audit.py",
         SKILLS.parent / "server" / "app.py",
     ]
-    for path in sources:
-        for name, file in re.findall(r"skill://([\w-]+)/([\w./-]+\.(?:md|json))", path.read_text()):
-            assert name in skill_names(), (path, name)
-            assert file in skill_files(name), (path, file)
+    named = [
+        (path, *found) for path in sources for found in re.findall(r"skill://([\w-]+)/([\w./-]+\.(?:md|json))", path.read_text())
+    ]
+    assert named
+    for path, name, file in named:
+        assert name in skill_names(), (path, name)
+        assert file in skill_files(name), (path, file)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
@@ -116,9 +119,9 @@ def test_the_table_of_groups_is_that_of_the_registry() -> None:
 
 def test_atoms_of_the_reference_exist_with_their_fields() -> None:
     text = (BUILDING / "reference" / "predicates.md").read_text()
-    for line in text.split("## Which", 1)[0].splitlines():
-        if not line.startswith("| `"):
-            continue
+    lines = [line for line in text.split("## Which", 1)[0].splitlines() if line.startswith("| `")]
+    assert lines
+    for line in lines:
         kinds, fields = (re.findall(r"`(\w+)`", cell) for cell in line.split("|")[1:3])
         for kind in kinds:
             missing = set(fields) - set(_predicate_models()[kind].model_fields) - {"each"}
@@ -188,7 +191,9 @@ def _numerical() -> list[str]:
 def test_every_row_of_a_check_matches_a_diagnosis_of_that_check(check: str) -> None:
     failing = [e for e in DIAGNOSIS if check in e["checks"] and "fail" in e.get("statuses", ["fail"]) and not e.get("when")]
     patterns = [re.compile(e["row_pattern"]) for e in failing]
-    for row in _numerical() if check == "numerical" else ROWS[check]:
+    rows = _numerical() if check == "numerical" else ROWS[check]
+    assert rows
+    for row in rows:
         assert any(p.search(row) for p in patterns), row
 
 
@@ -197,6 +202,7 @@ def test_the_rules_of_resolution_in_the_liquids_skill_are_its_data_and_pass_the_
     rules = json.loads((SKILLS / "liquids" / "resolution.json").read_text())
     rows = [[c.strip() for c in line.split("|")[1:4]] for line in text.split("## Resolution", 1)[1].split("Particles are", 1)[0].splitlines()
             if line.startswith("| ")][1:]  # fmt: skip
+    assert len(rows) == len(rules["dfsph"]) == len(rules["flip"])
     for words, *stated in rows:
         name = next(k for k in rules["dfsph"] if k in words.replace("wall", "wall ").split())
         for engine, value in zip(("dfsph", "flip"), stated, strict=True):
@@ -208,7 +214,9 @@ def test_the_rules_of_resolution_in_the_liquids_skill_are_its_data_and_pass_the_
 
 
 def test_the_liquids_of_the_skill_have_densities_that_the_audit_accepts() -> None:
-    for name, liquid in json.loads((SKILLS / "liquids" / "liquids.json").read_text()).items():
+    liquids = json.loads((SKILLS / "liquids" / "liquids.json").read_text())
+    assert liquids
+    for name, liquid in liquids.items():
         low, high = DENSITY_RANGES[liquid["substance"]]
         assert low <= liquid["density"] <= high, name
         physics = {k: v for k, v in liquid.items() if k in LiquidPhysics.model_fields}

@@ -15,8 +15,6 @@ from worldagent.worlds.built import BuiltBody, BuiltEntity, load_built, save_bui
 from worldagent.worlds.cache import Cache, read_container, write_container
 from worldagent.worlds.errors import EvidenceError, RefusedError
 
-SEEDS = range(4)
-
 
 def _sql(folder: Path, statement: str, *values: Any) -> None:
     with sqlite3.connect(folder / "ledger.sqlite") as db:
@@ -103,11 +101,9 @@ def test_swapped_frames_are_found(copy: Path) -> None:
 @pytest.mark.parametrize("frame", [0, 6, 18, 35])
 def test_a_frame_forged_with_its_digest_is_found_by_replay(copy: Path, frame: int) -> None:
     _forge_frame(copy, frame, digest=True)
-    for seed in SEEDS:
-        found = _open(judge(copy, seed=seed)) if seed == 0 else None
-        if found is not None:
-            assert found["delivery:replay"]["first_failing_frame"] == frame
-            assert "delivery:digests:rigid" not in found
+    found = _open(judge(copy, seed=0))
+    assert found["delivery:replay"]["first_failing_frame"] == frame
+    assert "delivery:digests:rigid" not in found
 
 
 @pytest.mark.parametrize("frame", [0, 12, 24])

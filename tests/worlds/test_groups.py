@@ -75,7 +75,9 @@ def test_every_group_has_cases_and_a_class() -> None:
 
 def test_every_field_of_the_simulation_plan_and_an_entity_is_known() -> None:
     spec = WorldSpec.model_validate({"title": "t", "prompt": "p", "simulation": {"frames": 2}})
-    for pointer in differences({}, spec.simulation.model_dump(mode="json"), "/simulation"):
+    pointers = list(differences({}, spec.simulation.model_dump(mode="json"), "/simulation"))
+    assert len(pointers) >= len(type(spec.simulation).model_fields) // 2, "the plan was not taken apart"
+    for pointer in pointers:
         assert group_of(pointer).name != "text", pointer
 
 
@@ -86,6 +88,7 @@ def test_what_is_simulated_is_never_text() -> None:
 
     spec = WorldSpec.model_validate({**small_spec(), "prompt": PROMPT})
     motion = motion_slice(spec)
+    assert "ball" in motion["entities"]
     for pointer in differences({}, spec.model_dump(mode="json")["entities"]["ball"], "/entities/ball"):
         if group_of(pointer).name == "text":
             assert pointer.rpartition("/")[2] not in motion["entities"]["ball"], pointer

@@ -11,6 +11,7 @@ from worldagent.worlds.spec import WorldSpec
 
 
 def test_every_part_is_described_in_a_few_kilobytes() -> None:
+    assert known_parts()
     for part in known_parts():
         assert len(json.dumps(described(part))) < 7000, part
 
@@ -22,6 +23,7 @@ def test_the_index_names_every_field_of_a_world() -> None:
 
 def test_every_name_in_capitals_can_be_asked_for() -> None:
     known = set(known_parts())
+    assert {"World", "Shape", "Predicate"} <= known
     for part in known:
         text = json.dumps(described(part))
         for word in ("Shape", "Predicate", "Pose", "Dimensions", "RigidSettings", "Limits"):

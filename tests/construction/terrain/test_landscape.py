@@ -10,9 +10,10 @@ import pytest
 from scipy.spatial import cKDTree
 from worldagent.construction.terrain.climate import BIOMES, moisture
 from worldagent.construction.terrain.grid import Grid
+from worldagent.construction.terrain.ground import cover
 from worldagent.construction.terrain.landscape import Landscape, build_landscape
-from worldagent.construction.terrain.relief import horizons, sunlight, wind_exposure
-from worldagent.construction.terrain.vegetation import RESPONSES, _table, plant_table, species_of, trapezoid
+from worldagent.construction.terrain.relief import horizons, relief, sunlight, wind_exposure
+from worldagent.construction.terrain.vegetation import RESPONSES, _table, plant_table, species_of, suitability, trapezoid
 from worldagent.server.capabilities import _vegetation as capabilities_of_plants
 from worldagent.server.skill_files import SKILLS
 from worldagent.worlds.errors import InputError, LimitError
@@ -292,3 +293,77 @@ def test_species_bring_their_forms_and_contradictions_are_refused() -> None:
 def test_a_trapezoid_is_one_in_its_middle_and_zero_outside() -> None:
     values = trapezoid(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 2.5, 3.0, 4.0]), (0.0, 1.0, 2.0, 3.0))
     assert values.tolist() == [0.0, 0.0, 0.5, 1.0, 1.0, 0.5, 0.0, 0.0]
+
+
+RELIEF_INPUTS = (
+    "slope", "height", "curvature", "roughness", "peak", "sunlight", "wear", "deposit", "sediment", "filled", "basin_depth", "accumulation",
+)  # fmt: skip
+"""What R41 names as inputs of materials, and the Priority-Flood fields that it refers to and a rule may name."""
+
+
+@pytest.mark.parametrize("field", RELIEF_INPUTS)
+def test_a_rule_on_any_input_decides_exactly_its_cells(island: Landscape, field: str) -> None:
+    """R41: half of what the field spans is sand, the rest stays as it was without the rule."""
+    values = island.fields[field]
+    bound = (
+        float(values.min() + 0.5 * np.ptp(values)) if field == "peak" else float(np.quantile(values[values > values.min()], 0.5))
+    )
+    plain = Terrain.model_validate({**ISLAND, "ground": {}})
+    ruled = Terrain.model_validate(
+        {**ISLAND, "ground": {"r": {"order": 1, "material": "sand", "where": [{"field": field, "at_least": bound}]}}}
+    )
+    bed = np.zeros(island.grid.shape, dtype=bool)
+    without, found = (cover(island.grid, t, island.fields, bed=bed) for t in (plain, ruled))
+    sand = found.index == found.names.index("sand")
+    assert 0 < sand.sum() < sand.size, "the bound parts the land"
+    assert np.array_equal(sand, values >= bound)
+    assert np.array_equal(found.index[~sand], without.index[~sand])
+
+
+def test_derivatives_of_relief_are_those_of_its_formula() -> None:
+    """Law: a bowl z = r^2 / 2R has the curvature 2 / R and the slope r / R; a plane is not rough; one summit is one peak."""
+    grid, radius = Grid(61, 61, 2.0), 80.0
+    x, y = grid.points()
+    inner = np.s_[5:-5, 5:-5]
+    bowl = relief(grid, (x**2 + y**2) / (2 * radius))
+    assert bowl.curvature[inner] == pytest.approx(2 / radius, rel=1e-9)
+    assert bowl.slope[inner] == pytest.approx((np.hypot(x, y) / radius)[inner], rel=1e-9, abs=1e-12)
+    plane = relief(grid, 0.3 * x + 0.0 * y)
+    assert plane.roughness.max() < 1e-6
+    assert not plane.peak[inner].any()
+    waves = relief(grid, 0.3 * np.sin(x / 3) + 0.0 * y)
+    assert waves.roughness[inner].min() > 1e-3
+    summit = relief(grid, 50 - np.hypot(x, y))
+    assert np.argwhere(summit.peak).tolist() == [[30, 30]]
+
+
+@pytest.mark.parametrize("response", RESPONSES)
+def test_a_plant_thrives_within_its_range_of_every_response_and_nowhere_else(response: str) -> None:
+    """R44: moisture (which holds the distance to the bank), accumulated sunlight, wind exposure (which terrain shelters from), and more."""
+    (oak,) = (s for s in species_of("temperate") if s.name == "oak")
+    good = {name: np.array([0.5 * (max(c[1], 0.0) + min(c[2], 2 * max(c[1], 0.5)))]) for name, c in oak.responses.items()}
+    assert suitability(oak, good)[0] == 1.0
+    low, _, _, high = oak.responses[response]
+    wrong = [v for v in (low - 1e-6, high + 1e-6) if -1 <= v <= 100]
+    assert wrong
+    for value in wrong:
+        assert suitability(oak, {**good, response: np.array([value])})[0] == 0.0, value
+
+
+def test_a_biome_sets_how_much_water_a_land_has() -> None:
+    """R38: the same land, from a desert to the tropics, and there twice as dense as the biome has it."""
+    lengths = {}
+    for biome, density in (("desert", 1.0), ("mediterranean", 1.0), ("tropical", 1.0), ("tropical", 2.0)):
+        land = _built(climate={"biome": biome}, hydrology={"density": density}, vegetation=None, erosion=None)
+        wet = land.water.channels("river").sum() * land.grid.cell / (~land.water.standing).sum() / land.grid.cell_area
+        assert wet == pytest.approx(density * BIOMES[biome].river_density, rel=0.35), (biome, density)
+        lengths[biome, density] = wet
+    assert list(lengths.values()) == sorted(lengths.values())
+
+
+def test_basins_are_chosen_by_the_area_and_depth_asked_for() -> None:
+    """R38: the crater holds a lake until lakes must be deeper than it."""
+    kept = _built(hydrology={"least_lake_depth": 1.0}, vegetation=None)
+    deepest = max(lake.depth for lake in kept.water.lakes)
+    none = _built(hydrology={"least_lake_depth": deepest + 0.1}, vegetation=None)
+    assert not none.water.lakes

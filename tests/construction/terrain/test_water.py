@@ -137,3 +137,50 @@ def test_beds_fall_all_the_way_and_finding_water_leaves_the_land_alone() -> None
     along = along[np.isfinite(along)]
     assert along.size > 3
     assert np.diff(along).max() < 0.5
+
+
+def test_rivers_are_the_cells_that_gather_most() -> None:
+    """R39: no cell of dry land outside the rivers carries as much as any cell in them, by a count of the cells above each."""
+    grid, height = rough_land(seed=9, tilt=0.08)
+    drainage = drain(grid, height)
+    water = _water(drainage)
+    receiver, gathered = drainage.receiver.ravel(), np.zeros(grid.rows * grid.cols)
+    for start in range(gathered.size):  # every cell walks down by itself
+        here = start
+        while True:
+            gathered[here] += 1
+            if receiver[here] in (here, -1):
+                break
+            here = receiver[here]
+    river, land = water.channels("river").ravel(), ~water.standing.ravel()
+    assert river.sum() > 30
+    assert gathered[river].min() > gathered[land & ~river].max()
+
+
+def test_streams_rise_beside_crests_and_divides_and_nowhere_else() -> None:
+    """R40: within a quarter of the root of the largest area of a source from ground that nothing drains onto, or that parts watersheds."""
+    grid, height = rough_land(160, 160, seed=12, tilt=0.1)
+    drainage = drain(grid, height)
+    heads = [int(r.cells[0]) for r in _water(drainage, stream=4e-3).rivers if r.kind == "stream"]
+    assert len(heads) >= 3
+    fed = np.zeros(grid.rows * grid.cols, dtype=bool)
+    receiver = drainage.receiver.ravel()
+    fed[receiver[receiver != np.arange(receiver.size)]] = True
+    edge = np.flatnonzero(~fed | drainage.divides().ravel())
+    rows, cols = np.divmod(edge, grid.cols)
+    for head in heads:
+        away = np.hypot(rows - head // grid.cols, cols - head % grid.cols).min() * grid.cell
+        assert away <= 0.25 * np.sqrt(2e5)
+
+
+def test_no_stream_leads_to_water_that_is_not_there() -> None:
+    """R40: a plane that drains over its edge has neither lake nor river for a stream to reach."""
+    grid, height = rough_land(seed=9, tilt=0.08)
+    drainage = drain(grid, height)
+    everywhere = find_water(
+        drainage, sea_level=None, runoff=np.full(grid.shape, 0.5), river_density=0.0, stream_density=2e-3,
+        least_lake_area=1e12, least_lake_depth=0.5, rng=np.random.default_rng(0),
+    )  # fmt: skip
+    assert not everywhere.lakes
+    assert everywhere.rivers == ()
+    assert any(r.kind == "stream" for r in _water(drainage).rivers), "with rivers and lakes there are streams"

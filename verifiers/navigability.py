@@ -1,6 +1,7 @@
 """Navigability: every declared connection is a route that its carrier can take (R94, R95).
 
-A failure names its reason: too narrow, too low, too steep, too high a step, blocked by an entity, or a gap. A way that is
+A walker has at least the measures of a person (`worlds/walkers.py`); what has others is named with them.
+A failure names its reason: no person, too narrow, too low, too steep, too high a step, blocked by an entity, or a gap. A way that is
 asked for over several frames is searched again whenever something moves into it, so that a door that falls shut for one
 frame is found.
 
@@ -17,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction
 from ..worlds.spec import Connects
+from ..worlds.walkers import PERSON, carrier_words, easier_than_a_person
 from .conduits import find_conduit
 from .route_motion import disturbances, travellers
 from .route_search import PITCH, RASTER_NOISE, Finding, find_route
@@ -65,13 +67,15 @@ def _predicate(relation: Connects) -> str:
     if relation.carrier == "fluid":
         return f"an opening {relation.width:g} m wide leads from {relation.a} to {relation.b}, resolved by the fluid's solver"
     return (
-        f"a {relation.carrier} {relation.width:g} m wide and {relation.headroom:g} m high gets from {relation.a} to {relation.b} "
+        f"{carrier_words(relation)} gets from {relation.a} to {relation.b} "
         f"with slopes <= {relation.max_slope:g} rad and steps <= {relation.max_step:g} m"
     )
 
 
 def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
     candidate = surfaces.candidate
+    if relation.carrier == "walker" and easier_than_a_person(relation):
+        return [_no_person(candidate, name, relation)]
     if surfaces.missing:
         raise EvidenceError(f"the scene is incomplete: {next(iter(surfaces.missing.values()))}")
     first, last = relation.frames or (0, 0)
@@ -106,6 +110,41 @@ def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
             extra=[relation.model_dump(mode="json"), _layout(surfaces)],
         )
     ]
+
+
+def _no_person(candidate: Candidate, name: str, relation: Connects) -> Row:
+    """A walker that a person does not follow: its way, if there is one, is no way for a walker."""
+    worst, *_ = fields = easier_than_a_person(relation)
+    value, person = getattr(relation, worst), PERSON[worst]
+    told = ", ".join(f"{f} {getattr(relation, f):g} {PERSON[f].unit}, a person's is {PERSON[f].value:g}" for f in fields)
+    return row(
+        candidate,
+        id=f"navigability:{name}",
+        check="navigability",
+        predicate=_predicate(relation),
+        status="fail",
+        explanation=f"the walker is {carrier_words(relation)}: {told} {person.unit}",
+        measured=value,
+        bound=person.value,
+        comparison=">=" if value < person.value else "<=",
+        unit=person.unit,
+        frames=relation.frames or (0, 0),
+        corrections=[
+            Correction(
+                cause="the walker has not the measures of a person",
+                edit_class="scene",
+                group="relations",
+                action=f"Give the walker of {name!r} a {worst} of {person.value:g} {person.unit}; {person.source}. "
+                "What is no person is carrier 'object', which is named with its measures.",
+                pointers=tuple(pointer("graph", "relations", name, f) for f in fields),
+                patch=tuple(
+                    {"op": "replace", "path": pointer("graph", "relations", name, f), "value": PERSON[f].value} for f in fields
+                ),
+            )
+        ],
+        evidence={"reason": "no person", "fields": fields, "source": person.source},
+        extra=[relation.model_dump(mode="json")],
+    )
 
 
 def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict[int, Finding]:

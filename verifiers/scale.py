@@ -1,4 +1,4 @@
-"""Scale: constructed sizes against contracts, and sizes of related entities against each other (R87, R88).
+"""Scale: constructed sizes against contracts, and sizes of related entities against each other (R87, R88); masses (R154).
 
 Sizes are those of the visible surfaces as constructed, in the entity's own frame, never those that the contract
 merely claims: of the whole entity, and of every part against the numbers of its shape, so that a wrong part inside a
@@ -18,6 +18,8 @@ from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction
 from ..worlds.spec import Box
 from .extents import Extent, built_extent, part_extents, region_diagonal, specified_extent
+from .masses import PREDICATE as MASS
+from .masses import declares_mass, mass_row
 from .rows import guarded, guarded_rows, pointer, row
 
 if TYPE_CHECKING:
@@ -104,6 +106,15 @@ def check(candidate: Candidate) -> list[Row]:
             predicate=size,
             entities=(name,),
         )
+        if declares_mass(entity):
+            rows += guarded_rows(
+                candidate,
+                lambda name=name: [mass_row(candidate, name)],  # type: ignore[misc]
+                id=f"scale:mass:{name}",
+                check="scale",
+                predicate=MASS,
+                entities=(name,),
+            )
         if entity.nominal_diagonal is not None:
             rows += guarded_rows(
                 candidate,

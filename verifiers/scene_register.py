@@ -17,7 +17,8 @@ from ..worlds.errors import EvidenceError
 from ..worlds.fracture import crumble_of
 from ..worlds.predicates import entities_of
 from ..worlds.references import references
-from ..worlds.spec import ClothPhysics, Dimensions, ElasticPhysics, Limits
+from ..worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics
+from ..worlds.walkers import carrier_words, easier_than_a_person
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
@@ -43,7 +44,15 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
     spec = candidate.spec
     return [
         {"what": what, "effect": effect}
-        for found in (_gravity(spec), _limits(spec), _bounds(candidate), _pushers(candidate), _idle(candidate))
+        for found in (
+            _gravity(spec),
+            _limits(spec),
+            _bounds(candidate),
+            _hollow(candidate),
+            _carriers(spec),
+            _pushers(candidate),
+            _idle(candidate),
+        )
         for what, effect in found
     ]
 
@@ -114,6 +123,27 @@ def _bounds(candidate: Candidate) -> Iterator[tuple[str, str]]:
                 f"crumble of {name!r} is {declared:g} m, {_times(declared, usual)} m",
                 "its pieces may lie as deep in one another",
             )
+
+
+def _hollow(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Bodies that are said to be shells: their mass against that of a solid."""
+    spec = candidate.spec
+    for name, entity in spec.entities.items():
+        physics = entity.physics
+        if isinstance(physics, RigidPhysics) and physics.hollow and physics.mass is not None and name in candidate.built:
+            used = [p.material or entity.material for p in entity.parts.values()] or [entity.material]
+            full = sum(b.volume for b in candidate.built[name].bodies) * min(spec.materials[m].density for m in used)
+            yield (
+                f"{name!r} is declared hollow: {physics.mass:g} kg, {physics.mass / full:.2g} of a solid one",
+                "its inertia is that of a solid of the same mass, at most two fifths less than a thin shell's",
+            )
+
+
+def _carriers(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Routes of carriers that get through where a person does not."""
+    for name, relation in spec.graph.relations.items():
+        if isinstance(relation, Connects) and easier_than_a_person(relation):
+            yield f"the way {name!r} is for {carrier_words(relation)}", "nothing says that people can take it"
 
 
 # ---------------------------------------------------------------- bodies that move without a reason, or do not move

@@ -16,7 +16,8 @@ from .liquid_words import missing_liquid
 from .predicates import atoms_of, entities_of, is_invariant
 from .references import kinds_of
 from .scenery_words import missing_scenery
-from .spec import Beat, Clause, Fastened, ReleaseDriver, WorldSpec
+from .spec import Beat, Clause, Connects, Fastened, ReleaseDriver, WorldSpec
+from .walkers import carrier_words, easier_than_a_person
 from .wording import (
     EVENTS,
     event_words,
@@ -27,6 +28,7 @@ from .wording import (
     numbers_in,
     objects_in,
     piece_words,
+    walks,
     way_words,
 )
 
@@ -133,14 +135,22 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
             f"clause {key} {text!r} tells of what lasts ({', '.join(lasts)}): name a mandatory requirement in met_by, or a beat whose predicate "
             f"holds always; {ESCAPE}",
         )
+    yield from _ways(spec, place, f"clause {key} {text!r}", text, [n for kind, n in named if kind == "graph/relations"])
+
+
+def _ways(spec: WorldSpec, place: str, clause: str, text: str, named: list[str]) -> Iterator[Problem]:
+    """Whether a way that the clause tells of is a declared route, and one for people where people walk."""
     ways = way_words(text)
-    routes = [
-        n for kind, n in named if kind == "graph/relations" and getattr(spec.graph.relations.get(n), "kind", "") == "connects"
-    ]
-    if ways and not routes:
+    routes = {n: r for n in named if isinstance(r := spec.graph.relations.get(n), Connects)}
+    if not ways:
+        return
+    if not routes:
+        yield Problem(place, f"{clause} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; {ESCAPE}")
+    elif walks(text) and not any(r.carrier == "walker" and not easier_than_a_person(r) for r in routes.values()):
+        told = "; ".join(f"{n} is for {carrier_words(r)}" for n, r in list(routes.items())[:3])
         yield Problem(
             place,
-            f"clause {key} {text!r} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; {ESCAPE}",
+            f"{clause} tells of people who walk ({', '.join(ways)}): name a `connects` relation for a walker in met_by; {told}; {ESCAPE}",
         )
 
 

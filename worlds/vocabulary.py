@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, StringConstraints
 from pydantic_core import core_schema
@@ -86,10 +86,10 @@ class _AtMost:
     value: float
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        schema = handler(source)
+        schema: Any = handler(source)
         if schema["type"] == "float":
             schema["le"] = min(schema.get("le", self.value), self.value)
-        return schema
+        return cast("core_schema.CoreSchema", schema)
 
 
 Positive = Annotated[float, Field(gt=0), _AtMost(1e9)]

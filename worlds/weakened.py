@@ -74,6 +74,8 @@ def _entity(key: str, old: Document, new: Document, story: Document) -> Iterator
     if "mass" in now and now["mass"] != was.get("mass"):
         before = f"{was['mass']:g} kg" if "mass" in was else "density times volume"
         yield f"{place}/physics/mass {before} -> {now['mass']:g} kg"
+    if now.get("hollow") and not was.get("hollow"):
+        yield f"{place}/physics/hollow declared: it may weigh less than its volume"
     span, active = old.get("active", [0, math.inf]), new.get("active", [0, math.inf])
     if active[0] > span[0] or active[1] < span[1]:
         yield f"{place}/active {old.get('active', 'all frames')} -> {new['active']}: it is judged at fewer frames"

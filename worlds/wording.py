@@ -19,6 +19,7 @@ __all__ = [
     "numbers_in",
     "objects_in",
     "piece_words",
+    "walks",
     "way_words",
 ]
 
@@ -51,6 +52,10 @@ _NOUNS = re.compile(
 )
 """What stands before such a word when it is a noun ("a slide", "drops of water")."""
 _WAYS = re.compile(r"\b(?:walks?|walkable|walking|route|doorway|corridor|stairs|staircase|passage|passageway)\b", re.IGNORECASE)
+_WALKS = re.compile(
+    r"\b(?:walks?|walkable|walking|stairs|staircase|person|people|man|men|woman|women|someone|anyone|one can|visitors?)\b",
+    re.IGNORECASE,
+)
 _LASTING = re.compile(
     r"\b(?:stays?|remains?|keeps? (?:standing|upright|still|its)|never|without (?:falling|spilling|breaking))\b",
     re.IGNORECASE,
@@ -195,6 +200,11 @@ def piece_words(text: str) -> tuple[str, ...]:
 def way_words(text: str) -> tuple[str, ...]:
     """Words of a clause that tell of a way to go."""
     return tuple(m.group().lower() for m in _WAYS.finditer(text))
+
+
+def walks(text: str) -> bool:
+    """Whether people take the way that a clause tells of."""
+    return bool(_WALKS.search(text))
 
 
 def lasting_words(text: str) -> tuple[str, ...]:

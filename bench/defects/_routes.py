@@ -37,16 +37,25 @@ def prism(profile: Sequence[tuple[float, float]], y0: float, y1: float) -> Part:
 
 def carrier(rng: RNG, **fields: Any) -> Connects:
     """A walker or an object of random size, to be asked from region `a` to region `b`."""
-    if rng.random() < 0.5:
+    walker = rng.random() < 0.5
+    if walker or fields.get("carrier") == "walker":  # which is a person
+        fields["headroom"] = max(float(fields.get("headroom", 2.0)), 1.9)
+    if walker:
         return Connects(a="a", b="b", **fields)
     width = float(rng.uniform(0.6, 1.1))
-    chosen = {
+    chosen: dict[str, Any] = {
         "carrier": "object",
         "width": width,
         "headroom": float(rng.uniform(0.8, 2.2)),
         "max_step": float(rng.uniform(0.02, 0.25)),
         "max_slope": float(rng.uniform(0.1, 0.7)),
     }
+    if fields.get("carrier") == "walker":  # which is a person
+        chosen |= {
+            "headroom": 1.9,
+            "max_step": min(float(chosen["max_step"]), 0.22),
+            "max_slope": min(float(chosen["max_slope"]), 0.6),
+        }
     return Connects(a="a", b="b", **{**chosen, **fields})
 
 

@@ -15,6 +15,7 @@ from ...verifiers.walkable import GAP, SAME
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, Part, Sphere
 from ..small_worlds import entity, pose
 from ._land_ways import LAND_MECHANISMS
+from ._route_people import no_person, small_carrier, tall_person
 from ._routes import EAST, WEST, Site, block, carrier, flight, furniture, prism, ramp, site, stairs, tanks
 from .cases import Mechanism, Suite, World
 
@@ -123,7 +124,7 @@ def _steep_piece(folder: Path, m: float, rng: RNG) -> World:
 
 def _threshold(folder: Path, m: float, rng: RNG) -> World:
     """A sill in a door is just too high; it may be a thin blade, and stand on a ramp's foot."""
-    hall, way = site(rng), carrier(rng, headroom=1.7)
+    hall, way = site(rng), carrier(rng, headroom=1.9)
     hall.wall("wall", 0.0, way.width * 1.2, lintel=2.5)
     thick = float(rng.choice([0.002, 0.03, 0.2]))
     x, height = float(rng.uniform(-0.3, 0.3)), way.max_step + m
@@ -211,7 +212,7 @@ def _falls_shut(folder: Path, m: float, rng: RNG) -> World:
 
 def _moved_obstacle(folder: Path, m: float, rng: RNG) -> World:
     """A crate slides into the only door, at the last frame, or passes through it between the ends of the interval."""
-    hall, way = site(rng, half=1.6), carrier(rng, carrier="walker", headroom=1.8)
+    hall, way = site(rng, half=1.6), carrier(rng, carrier="walker", headroom=1.9)
     door = way.width * 1.1
     hall.wall("wall", 0.0, door)
     size, frames = float(rng.uniform(0.5, 0.8)), int(rng.integers(6, 20))
@@ -226,7 +227,7 @@ def _moved_obstacle(folder: Path, m: float, rng: RNG) -> World:
 
 def _lamp(folder: Path, m: float, rng: RNG) -> World:
     """A small thing hangs, or a wire stands, in a corridor; neither side of it is wide enough."""
-    hall, way = site(rng), carrier(rng, headroom=1.7)
+    hall, way = site(rng), carrier(rng, headroom=1.9)
     radius = float(rng.choice([0.001, 0.02, 0.15]))
     clear = way.width - m
     door, y = 2.0 * clear + 2.0 * radius, float(rng.uniform(-0.1, 0.1))
@@ -412,7 +413,7 @@ def _cracks(folder: Path, m: float, rng: RNG) -> World:
 
 def _low_sill(folder: Path, m: float, rng: RNG) -> World:
     """Sills at the limit, rugs that are only drawn, pebbles, and a lamp above the head."""
-    hall, way = site(rng), carrier(rng, headroom=1.7)
+    hall, way = site(rng), carrier(rng, headroom=1.9)
     hall.wall("wall", 0.0, way.width * 1.2, lintel=2.5)
     hall.add("sill", block(0.0, float(rng.choice([0.002, 0.05, 0.2])), -hall.half, hall.half, 0.0, way.max_step - m))
     hall.add("rug", block(-1.2, -0.4, -0.5, 0.5, 0.0001, min(0.01, 0.5 * way.max_step), collides=False))
@@ -424,7 +425,7 @@ def _low_sill(folder: Path, m: float, rng: RNG) -> World:
 
 def _passing_by(folder: Path, m: float, rng: RNG) -> World:
     """A crate slides past the door and leaves the width, or stands in it only at frames that nobody asks for."""
-    hall, way = site(rng, half=1.6), carrier(rng, carrier="walker", headroom=1.8)
+    hall, way = site(rng, half=1.6), carrier(rng, carrier="walker", headroom=1.9)
     door = way.width + 0.3
     hall.wall("wall", 0.0, door)
     size, frames = float(rng.uniform(0.5, 0.8)), 12
@@ -460,6 +461,9 @@ SUITE = Suite(
         Mechanism("through the wall", "a region on both sides", True, _through_the_wall, 0.05, 1.1, "m"),
         Mechanism("narrow opening", "for a fluid", True, _narrow_opening, 1.1 * FLOW_NOISE, 0.97, "1", bound=FLOW_NOISE),
         Mechanism("unresolved opening", "cells as coarse as it", True, _unresolved_opening, 1.02, 4.0, "1", bound=1.0),
+        Mechanism("no person", "a walker smaller than people are", True, no_person, 1.001, 40.0, "1", bound=1.0),
+        Mechanism("small carrier", "no person, and it says so", False, small_carrier, 1.01, 4.0, "1"),
+        Mechanism("least person", "as narrow as people are", False, tall_person, 1.0, 2.0, "1"),
         Mechanism("opening", "just wide enough for a fluid", False, _opening, 0.0001, 0.3, "1"),
         Mechanism("wide enough", "just as wide as needed, turned", False, _wide_enough, 0.0001, 0.1, "m"),
         Mechanism("high enough", "just clears the head", False, _high_enough, 0.0001, 0.1, "m"),

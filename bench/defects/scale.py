@@ -32,6 +32,7 @@ from ...worlds.spec import (
     Wedge,
 )
 from ..small_worlds import ball, box, build, entity, ground, make_candidate, mesh_of, pose, world
+from ._masses import heavier_than_its_volume, lighter_than_its_volume, of_its_volume, thin_shell
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -408,6 +409,10 @@ SUITE = Suite(
             "1",
             bound=NOMINAL_FACTOR,
         ),
+        Mechanism("too light", "steel of a milligram", True, lighter_than_its_volume, 1.03, 1e8, "1", bound=1.0),
+        Mechanism("too heavy", "more than its volume holds", True, heavier_than_its_volume, 1.03, 1e3, "1", bound=1.0),
+        Mechanism("of its volume", "a mass of its own, in the range", False, of_its_volume, 0.001, 1.0, "1"),
+        Mechanism("thin shell", "hollow, and says so", False, thin_shell, 1.05, 10.0, "1"),
         Mechanism("absurd", "larger than a mountain", True, _absurd, 1.001 * LARGEST, 100.0 * LARGEST, "m", bound=LARGEST),
         Mechanism("nearly off", "just within its tolerance", False, _nearly_off, 0.5, 0.999, "1"),
         Mechanism("turned parts", "many parts at angles, exactly right", False, _turned_parts, 0.05, 5.0, "m"),

@@ -16,9 +16,10 @@ from worldagent.verifiers.diagnosis_table import TABLES
 from worldagent.verifiers.elastic_rows import PREDICATES as ELASTIC
 from worldagent.verifiers.liquid import WATCHES
 from worldagent.verifiers.liquid_numerical import Numbers
-from worldagent.worlds.audit import DENSITY_RANGES, audit
+from worldagent.worlds.audit import audit
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.liquids import LEAST_SPACINGS
+from worldagent.worlds.mass_audit import DENSITY_RANGES
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import PREDICATES
 from worldagent.worlds.requirements import Check

@@ -447,3 +447,37 @@ def test_a_long_way_round_is_found(tmp_path):
     assert row.status == "pass"
     assert row.evidence["route_length_m"] > 20.0
     assert not row.evidence["search_clipped"]
+
+
+# ---------------------------------------------------------------- who walks
+
+
+@pytest.mark.parametrize(
+    ("easier", "measured", "bound", "comparison"),
+    [
+        ({"width": 0.1}, 0.1, 0.51, ">="),
+        ({"headroom": 1.2}, 1.2, 1.88, ">="),
+        ({"max_step": 5.0}, 5.0, 0.22, "<="),
+        ({"max_slope": 1.2}, 1.2, 0.6, "<="),
+    ],
+)
+def test_a_walker_is_no_smaller_than_a_person(tmp_path, easier, measured, bound, comparison):
+    """Choice: measures of the 95th percentile of men; a way that anyone could take does not help."""
+    row = row_of(tmp_path, ROOM, **easier)
+    assert (row.status, row.measured, row.bound, row.comparison) == ("fail", measured, bound, comparison)
+    assert row.evidence["reason"] == "no person"
+    (hint,) = row.corrections
+    mended = {p["path"].rpartition("/")[2]: p["value"] for p in hint.patch}
+    assert row_of(tmp_path / "mended", ROOM, **{**easier, **mended}).status == "pass"
+
+
+def test_a_walker_0_1_m_wide_with_steps_of_5_m_is_named_as_what_it_is(tmp_path):
+    walker = {"width": 0.1, "headroom": 1.8, "max_step": 5.0}
+    row = row_of(tmp_path / "a", ROOM, **walker)
+    assert row.status == "fail"
+    assert "a carrier of 0.1 m x 1.8 m with steps of 5 m, not a person" in row.evidence["explanation"]
+    assert "a carrier of 0.1 m x 1.8 m with steps of 5 m, not a person gets from a to b" in row.predicate
+    allowed = row_of(tmp_path / "b", ROOM, carrier="object", **walker)
+    assert allowed.status == "pass"
+    assert "not a person" in allowed.predicate
+    assert "not a person" not in row_of(tmp_path / "c", ROOM, carrier="object", width=0.6, headroom=2.0).predicate

@@ -15,7 +15,19 @@ from worldagent.tests.physics.rigid_world import world as rigid_world
 from worldagent.verifiers.register import approximations
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement
-from worldagent.worlds.spec import Beat, Dimensions, ElasticPhysics, Fastened, Limits, PathDriver, Shot, Supports
+from worldagent.worlds.spec import (
+    Beat,
+    BoxRegion,
+    Connects,
+    Dimensions,
+    ElasticPhysics,
+    Fastened,
+    Limits,
+    PathDriver,
+    RigidPhysics,
+    Shot,
+    Supports,
+)
 
 CRATE = {"crate": box(0.1, 0.1, 0.1, at=(0, 0, 1), motion="dynamic"), "floor": ground()}
 
@@ -120,6 +132,22 @@ def test_an_intended_overlap_is_told_with_its_share_of_the_body(tmp_path: Path) 
     assert lines["overlap of 'crate' and 'floor' declared intended: glued to the ground"].endswith(
         "by 0.02 m, 0.2 of the length of 'crate'"
     )
+
+
+def test_a_way_that_no_person_takes_is_told(tmp_path: Path) -> None:
+    region = BoxRegion(min=(0, 0, 0), max=(1, 1, 1))
+    for carrier, width, told in (("object", 0.1, True), ("object", 0.6, False), ("walker", 0.8, False)):
+        way = Connects(a="a", b="b", carrier=carrier, width=width)  # type: ignore[arg-type]
+        lines = _lines(tmp_path / f"{carrier}{width}", regions={"a": region, "b": region}, relations={"way": way})
+        found = _about(lines, "the way 'way'")
+        assert found == (["the way 'way' is for a carrier of 0.1 m x 2 m with steps of 0.2 m, not a person"] if told else [])
+
+
+def test_a_hollow_body_is_told_with_its_share_of_a_solid(tmp_path: Path) -> None:
+    can = CRATE["crate"].model_copy(update={"physics": RigidPhysics(mass=0.01, hollow=True)})
+    (line,) = _about(_lines(tmp_path / "a", {**CRATE, "crate": can}), "is declared hollow")
+    assert line.startswith("'crate' is declared hollow: 0.01 kg, 0.0")
+    assert not _about(_lines(tmp_path / "b"), "is declared hollow")
 
 
 # ---------------------------------------------------------------- gravity

@@ -173,6 +173,26 @@ def test_a_way_needs_a_route() -> None:
     assert "tells of a way (doorway): name a `connects` relation" in _problems(spec, "There is a doorway in the wall.")
 
 
+@pytest.mark.parametrize(
+    ("way", "enough"),
+    [
+        ({}, True),
+        ({"width": 0.51, "headroom": 1.88, "max_step": 0.22}, True),
+        ({"width": 0.1, "max_step": 5.0}, False),
+        ({"carrier": "object", "width": 0.1, "headroom": 1.8, "max_step": 5.0}, False),
+        ({"carrier": "object"}, False),
+    ],
+)
+def test_where_people_walk_the_way_is_one_for_a_person(way: dict[str, Any], enough: bool) -> None:
+    spec = small_spec()
+    here = {"kind": "sphere", "center": [0, 0, 0], "radius": 0.2}
+    spec["graph"]["regions"] = {"here": here, "there": here}
+    spec["graph"]["relations"]["way"] = {"kind": "connects", "a": "here", "b": "there", **way}
+    spec["clauses"] = {"c1": {"met_by": ["/graph/relations/way"]}}
+    assert ("name a `connects` relation for a walker" in _problems(spec, "A person can walk past the shelf.")) is not enough
+    assert "for a walker" not in _problems(spec, "A passage leads past the shelf.")
+
+
 def test_a_clause_met_by_nothing_that_is_judged_is_refused() -> None:
     spec = small_spec()
     spec["clauses"] = {"c1": {"met_by": ["/look/exposure"]}}
@@ -231,6 +251,57 @@ def test_a_body_is_no_heavier_than_its_box_full_of_its_material() -> None:
     spec = small_spec()
     spec["entities"]["b2"]["physics"] = {"category": "rigid", "mass": 9000.0}
     assert "'b2' weighs 9000 kg" in _problems(spec)
+
+
+STEEL_B2 = 0.03 * 0.05 * 0.05
+"""[m^3]"""
+
+
+@pytest.mark.parametrize(
+    ("mass", "told"),
+    [
+        (1e-6, "at least"),
+        (0.9 * 7700 * STEEL_B2, "at least"),
+        (7700 * STEEL_B2, ""),
+        (8100 * STEEL_B2, ""),
+        (1.1 * 8100 * STEEL_B2, "at most"),
+    ],
+)
+def test_a_declared_mass_is_that_of_the_volume_of_its_substance(mass: float, told: str) -> None:
+    """Steel of a milligram, and steel that is heavier than steel."""
+    spec = small_spec()
+    spec["entities"]["b2"]["material"] = "steel"
+    spec["entities"]["b2"]["physics"] = {"category": "rigid", "mass": mass}
+    text = _problems(spec)
+    assert (f"'b2' weighs {mass:g} kg, its volume of steel {told}" in text) if told else ("weighs" not in text)
+
+
+def test_a_hollow_body_says_so_and_has_a_wall() -> None:
+    spec = small_spec()
+    can = {"category": "rigid", "mass": 0.013}
+    spec["entities"]["b2"] |= {"material": "steel", "physics": can}
+    assert "or say physics.hollow true where it is a closed shell" in _problems(spec)
+    can["hollow"] = True
+    assert "weighs" not in _problems(spec)
+    can["mass"] = 1e-6
+    assert "a wall of 0.0001 m of steel at least" in _problems(spec)
+
+
+def test_a_rope_and_a_sheet_weigh_what_their_substance_allows() -> None:
+    spec = small_spec()
+    rope = {"kind": "rope", "points": [[0, 0, 0], [0, 0, 1]], "radius": 0.01, "segments": 10}
+    spec["entities"]["rope"] = {"role": "r", "motion": "dynamic", "dimensions": {"size": [0.02, 0.02, 1]}, "material": "steel",
+                                "generator": rope, "physics": {"category": "rigid", "mass": 0.001}}  # fmt: skip
+    assert "'rope' weighs 0.001 kg, its volume of steel at least" in _problems(spec)
+    spec["entities"]["rope"]["physics"]["mass"] = 3.1416e-4 * 7800
+    assert "'rope' weighs" not in _problems(spec)
+    spec["materials"]["linen"] = {"density": 500, "substance": "fabric"}
+    sheet = {"category": "cloth", "area_density": 1e-4, "thickness": 1e-3, "stretch_stiffness": 1000}
+    spec["entities"]["flag"] = {"role": "f", "motion": "dynamic", "dimensions": {"size": [1, 1, 0.001]}, "material": "linen",
+                                "parts": {"s": {"shape": {"kind": "sheet", "size": [1, 1], "resolution": 0.1}}}, "physics": sheet}  # fmt: skip
+    assert "'flag' weighs 0.0001 kg/m^2 at 0.001 m, 0.1 kg/m^3, which is no fabric: allowed 0.05 to 1.6 kg/m^2" in _problems(spec)
+    sheet["area_density"] = 0.2
+    assert "'flag' weighs" not in _problems(spec)
 
 
 def test_a_count_that_is_always_true_is_refused() -> None:

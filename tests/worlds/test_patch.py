@@ -138,6 +138,7 @@ def test_every_limit_has_a_direction_that_weakens() -> None:
         ("/graph/relations/way/max_slope", 0.6, 1.5),
         ("/entities/b1/physics", {"category": "rigid"}, {"category": "rigid", "mass": 0.05}),
         ("/entities/b1/active", [0, 35], [0, 20]),
+        ("/entities/b1/physics/hollow", False, True),
         ("/entities/b2/breakable/bond/crumble", 0.0001, 0.001),
     ],
 )

@@ -120,7 +120,13 @@ class RigidPhysics(SpecModel):
     """Rigid body."""
 
     category: Literal["rigid"] = "rigid"
-    mass: Positive | None = Field(default=None, description="[kg]; default: density x volume")
+    mass: Positive | None = Field(
+        default=None, description="[kg]; default: density x volume; within the substance's range of densities x volume"
+    )
+    hollow: bool = Field(
+        default=False,
+        description="a closed shell around air: it may weigh less than its volume, at least a wall of 0.1 mm; listed as an approximation",
+    )
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
     angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
     linear_damping: NonNegative = Field(default=0.0, description="viscous drag on the body [N s/m]")

@@ -207,7 +207,11 @@ class Adjacent(_Edge):
 
 
 class Connects(_Edge):
-    """A route leads from region `a` to region `b` for `carrier` (R21, R94); for a fluid an opening of diameter `width`."""
+    """A route leads from region `a` to region `b` for `carrier` (R21, R94); for a fluid an opening of diameter `width`.
+
+    A walker is a person: at least 0.51 m wide and 1.88 m high, steps of at most 0.22 m, slopes of at most 0.6 rad. Give anything
+    else as `object`; it is named with its measures and is no way for people.
+    """
 
     kind: Literal["connects"] = "connects"
     a: RegionRef

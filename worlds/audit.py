@@ -24,6 +24,7 @@ from .liquid_audit import liquid_problems
 from .mass_audit import DENSITY_RANGES, mass_problems
 from .ownership_audit import ownership_problems
 from .particle_audit import particle_problems
+from .reach_audit import reach_problems
 from .references import closest, references, resolves
 from .requirements import Correction, Row
 from .spec import (
@@ -232,6 +233,9 @@ class _Audit:
         """Support is acyclic and carried by something; relations lie in the sequence."""
         text = "support relations are acyclic, relations lie in the sequence"
         self.add("graph", text, graph_problems(self.spec), group="spatial")
+        if self.spec.simulation.joints or any(e.generator is not None for e in self.spec.entities.values()):
+            text = "joints, springs and rope ends reach the shapes that they join"
+            self.add("reach", text, reach_problems(self.spec), group="spatial")
 
     # ---------------------------------------------------------------- numbers
 

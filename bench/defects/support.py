@@ -27,6 +27,7 @@ from ...worlds.spec import (
     Wedge,
     WeldJoint,
 )
+from ._held_worlds import HELD_MECHANISMS
 from ._land_support import LAND_MECHANISMS
 from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
 from ._support_worlds import FRAMES, RNG, Scene, block, turn
@@ -473,5 +474,6 @@ SUITE = Suite(
         Mechanism("strong-lift", "an upright rail that holds", False, _strong_lift, 1.001, 10.0, "weight"),
         Mechanism("far-away", "beside a wall, far from the origin", False, _dim, 1.0, 1e5, "m"),
         *LAND_MECHANISMS,
+        *HELD_MECHANISMS,
     ),
 )

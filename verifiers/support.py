@@ -232,10 +232,8 @@ def _faults(
         lift = along_up(surfaces, depth + LEFT) if begin + k == 0 else None
         yield _Fault(begin + k, text, -depth, bound, ">=", "m", placement(surfaces, b, lift, f"{b!r} sinks into {a!r}"))
     # What never moves needs no more of its holder than to touch it, from whichever side: a picture and its wall.
-    bears = surfaces.candidate.spec.entities[b].motion != "dynamic" or surfaces.carries(a, b)[window] | _leans(
-        graph, a, b, frames
-    )
-    k = first(~linked & (distance <= gap) & ~bears)
+    unborne = ~linked & (distance <= gap) & ~surfaces.carries(a, b)[window] & ~_leans(graph, a, b, frames)
+    k = first(unborne) if surfaces.candidate.spec.entities[b].motion == "dynamic" else None
     if k is not None:
         text = (
             f"{a!r} touches {b!r} at frame {begin + k} but is neither beneath it nor needed to hold it, so it does not carry it"

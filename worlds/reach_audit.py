@@ -72,9 +72,9 @@ def _ends(spec: WorldSpec) -> Iterator[tuple[str, str, F64, str, float]]:
                     0.0,
                 )
         elif isinstance(joint, BallJoint | HingeJoint):
-            for entity in (joint.child, joint.parent):
-                if entity is not None:
-                    yield f"{joint.kind} {name!r}", entity, np.array(joint.anchor, dtype=np.float64), f"{place}/anchor", 0.0
+            for body in (joint.child, joint.parent):
+                if body is not None:
+                    yield f"{joint.kind} {name!r}", body, np.array(joint.anchor, dtype=np.float64), f"{place}/anchor", 0.0
     for name, entity in spec.entities.items():
         rope = entity.generator
         if isinstance(rope, Rope):

@@ -151,6 +151,7 @@ ROWS = {
         "audit:density:wood",
         "audit:engine:cloud",
         "audit:elastic",
+        "audit:reach",
         "audit:cloth",
     ],
     "terrain": [
@@ -159,7 +160,12 @@ ROWS = {
     ],
     "scale": ["scale:scene", "scale:ball", "scale:nominal:ball", "scale:relation:on"],
     "interpenetration": ["interpenetration:a:b", "interpenetration:self:a", "interpenetration:scene"],
-    "support": ["support:scene", "support:on:cup", "support:balance:cup", "support:derived:cup"],
+    "support": [
+        "support:scene",
+        "support:on:cup",
+        "support:balance:cup",
+        *(f"support:{n}:cup" for n in ("derived", "stays", "joint", "rope", "fastened")),
+    ],
     "navigability": ["navigability:way"],
     "relations": ["relations:holds"],
     "causal": ["causal:a:b", "causal:without:a:b"],

@@ -8,7 +8,7 @@ from worldagent.worlds.patch import differences
 from worldagent.worlds.spec import WorldSpec
 
 CASES = {
-    "placement": ["/entities/a/pose", "/entities/a/pose/position/2", "/entities/a/pose/euler"],
+    "placement": ["/entities/a/pose", "/entities/a/pose/position/2", "/entities/a/pose/euler", "/entities/a/afloat"],
     "dimensions": ["/entities/a/dimensions/size/0", "/entities/a/nominal_diagonal"],
     "shape": ["/entities/a", "/entities/a/parts/b/shape/size", "/entities/a/generator/segments", "/entities/a/motion",
               "/entities/a/parts/b/collides", "/entities/a/active", "/simulation/solvers/s/members/0"],

@@ -140,6 +140,7 @@ def test_every_limit_has_a_direction_that_weakens() -> None:
         ("/entities/b1/active", [0, 35], [0, 20]),
         ("/entities/b1/physics/hollow", False, True),
         ("/entities/b2/breakable/bond/crumble", 0.0001, 0.001),
+        ("/entities/b1/afloat", None, "a magic domino that hovers"),
     ],
 )
 def test_one_way_changes(pointer: str, hard: Any, easy: Any) -> None:

@@ -95,7 +95,7 @@ MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(Solver
 class _Joint(SpecModel):
     parent: EntityRef | None = Field(default=None, description="default: the world")
     child: EntityRef
-    anchor: Vec3 = Field(description="world coordinates at frame 0 [m]")
+    anchor: Vec3 = Field(description="world coordinates at frame 0 [m], on or in both bodies (a hinge: some point of its axis)")
     damping: NonNegative = Field(default=0.0, description="[N m s/rad] or [N s/m]")
     stiffness: NonNegative = Field(default=0.0, description="spring towards the initial position [N m/rad] or [N/m]")
     collide: bool = Field(default=False, description="whether parent and child collide with each other")
@@ -137,8 +137,8 @@ class SpringJoint(SpecModel):
     kind: Literal["spring"] = "spring"
     parent: EntityRef | None = None
     child: EntityRef
-    parent_point: Vec3 = Field(description="world coordinates at frame 0 [m]")
-    child_point: Vec3 = Field(description="world coordinates at frame 0 [m]")
+    parent_point: Vec3 = Field(description="world coordinates at frame 0 [m], on or in the parent")
+    child_point: Vec3 = Field(description="world coordinates at frame 0 [m], on or in the child")
     stiffness: Positive = Field(description="[N/m]")
     damping: NonNegative = Field(default=0.0, description="[N s/m]")
     rest_length: NonNegative | None = Field(default=None, description="[m]; default the initial distance")

@@ -188,7 +188,9 @@ class Supports(_Edge):
     kind: Literal["supports"] = "supports"
     a: EntityRef
     b: EntityRef
-    frames: FrameInterval | None = Field(default=None, description="default: until a declared beat moves b, else all frames")
+    frames: FrameInterval | None = Field(
+        default=None, description="default: until a declared beat moves b or what it hangs on, else all frames"
+    )
 
 
 class Contains(_Edge):
@@ -234,7 +236,7 @@ class Interacts(_Edge):
 
 
 class Fastened(_Edge):
-    """`a` and `b` are meant to overlap (embedded, glued, screwed): allowed down to `max_depth`."""
+    """`a` and `b` are meant to touch or overlap (embedded, glued, screwed): allowed down to `max_depth`."""
 
     kind: Literal["fastened"] = "fastened"
     a: EntityRef

@@ -86,7 +86,9 @@ class _Draft:
         frames = {"frames": [0, 0]} if self.rules["supports_until_moved"] else {}
         self.relations[f"on_{name}"] = {"kind": "supports", "a": on, "b": name, **frames}
 
-    def beat(self, name: str, subject: str, at: float, predicate: Document, *, last: float | None = None) -> None:
+    def beat(
+        self, name: str, subject: str, at: float, predicate: Document, *, last: float | None = None, causes: Sequence[str] = ()
+    ) -> None:
         """Add a beat that is expected at a time [s], or between two."""
         margin = self.rules["beat_margin_frames"]
         first, end = round(FPS * at), round(FPS * (at if last is None else last))
@@ -96,6 +98,7 @@ class _Draft:
             "subject": subject,
             "frames": [max(0, first - margin), end + margin],
             "predicate": predicate,
+            "causes": list(causes),
         }
 
     def document(self) -> Document:
@@ -182,6 +185,7 @@ def _row(draft: _Draft, drawn: Mapping[str, float]) -> None:
         0.0,
         {"kind": "tilts", "entity": f"d{count - 1}", "min": 0.6},
         last=(count - 1) * pitch / wave + fall,
+        causes=["knock"],
     )
     draft.extent = height
 

@@ -108,7 +108,7 @@ def flag_spec(*, frames: int = 48, resolution: float = 0.05, **changes: Any) -> 
             "solvers": _solvers(["ground", "pole"], ["flag"]),
             "drivers": {"breeze": wind},
         },
-        _beat("the flag flies", "cloth", "flag", "flag", 0.02),
+        _beat("the flag flies", "breeze", "flag", "flag", 0.02),
         {"position": [0.7, -3.2, 2.0], "target": [0.6, 0.0, 1.8], "fov_deg": 45},
         changes,
     )
@@ -138,7 +138,7 @@ def drape_spec(*, frames: int = 36, resolution: float = 0.035, **changes: Any) -
                 "let_go": {"kind": "release", "entity": "cloth", "time": 0.0},
             },
         },
-        _beat("the cloth drapes the ball", "cloth", "cloth", "cloth", 0.05),
+        _beat("the cloth drapes the ball", "let_go", "cloth", "cloth", 0.05),
         {"position": [1.3, -1.6, 1.1], "target": [0.0, 0.0, 0.25], "fov_deg": 40},
         changes,
     )

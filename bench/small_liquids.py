@@ -136,7 +136,8 @@ def jelly_tank_spec(*, frames: int = 24, young: float = 15000.0, density: float 
     spec["simulation"]["solvers"]["rigid"]["members"] = ["tank", "jelly"]
     spec["simulation"]["drivers"] = {"let_go": {"kind": "release", "entity": "jelly", "time": 0.0}}
     for beat in spec["story"]["beats"].values():
-        beat["subject"] = beat["predicate"]["entity"] = "jelly"
+        beat["owner"], beat["subject"] = "let_go", "jelly"
+        beat["predicate"]["entity"] = "jelly"
     return spec
 
 

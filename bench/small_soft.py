@@ -106,7 +106,7 @@ def hammock_spec(
         "story": {
             "beats": {
                 "drops": {
-                    "text": "the jelly drops on the cloth", "owner": "bodies", "subject": "jelly", "frames": [0, frames - 1],
+                    "text": "the jelly drops on the cloth", "owner": "let_go", "subject": "jelly", "frames": [0, frames - 1],
                     "predicate": {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.08},
                 }
             }

@@ -139,7 +139,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
                                  {"kind": "broken", "entity": "wall", "by": "ball", "min": 0.02}, "strikes"),
                 "collapses": beat("the breach collapses", "stones", "wall", [fired + 2, last],
                                   {"kind": "debris", "entity": "wall", "min_distance": 0.3, "min": 5}, "breaches"),
-                "whips": beat("the flag whips in the gust", "silk", "flag", [gust, last],
+                "whips": beat("the flag whips in the gust", "gust", "flag", [gust, last],
                               {"kind": "deflection", "entity": "flag", "min": 0.08}),
             },
             "requirements": {

@@ -2,7 +2,7 @@
 
 Rows: `beat:<id>` and `requirement:<id>` judge the declared predicate over its frames; `beat:vacuous:<id>` fails a
 beat that was true before its interval begins (`vacuity.py`); `beat:driven:<id>` fails an outcome whose motion
-is authored. An *invariant* (`always`, `stays_in`, `supported`, `no_contact`, `not`, an atom with `when=always`)
+is authored, or that nothing of the story starts (`driven.py`). An *invariant* (`always`, `stays_in`, `supported`, `no_contact`, `not`, an atom with `when=always`)
 without causes may be true from the start; a beat with causes may not.
 """
 
@@ -11,14 +11,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..worlds.candidate import Candidate
-from ..worlds.drivers import deed, to_declare, undeclared
 from ..worlds.predicates import atoms_of, describe_predicate, entities_of, is_invariant
 from ..worlds.requirements import Group, Row
-from ..worlds.spec import PathDriver
 from .beat_corrections import corrections_of, happens_at
+from .driven import check_driven
 from .predicates import Outcome, beat_times, evaluate
 from .vacuity import check_vacuity
-from .verdicts import correction, make_row, requested_frames
+from .verdicts import make_row, requested_frames
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Correction
@@ -50,7 +49,7 @@ def check(candidate: Candidate) -> list[Row]:
         hints = corrections_of(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
         rows.append(_row(candidate, f"beat:{beat_id}", "temporal", beat, outcome, hints, (beat.subject,)))
         rows += check_vacuity(candidate, beat_id)
-        rows += _driven(candidate, beat_id, beat)
+        rows += check_driven(candidate, beat_id)
     for name, requirement in candidate.spec.story.requirements.items():
         frames = requirement.frames or requested_frames(candidate)
         outcome = _decided_early(candidate, requirement.predicate, evaluate(candidate, requirement.predicate, frames))
@@ -128,74 +127,3 @@ def _kinds(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> dict
 
 def _fields(atom: SpecModel) -> list[str]:
     return [v for n in type(atom).model_fields if isinstance(v := getattr(atom, n), str)]
-
-
-# ---------------------------------------------------------------- derived rows (R156)
-
-
-def _driven(candidate: Candidate, beat_id: str, beat: Beat) -> list[Row]:
-    plan, entities = candidate.spec.simulation, candidate.spec.entities
-    followed = any(beat_id in b.causes for b in candidate.spec.story.beats.values())
-    if (
-        beat.owner not in plan.solvers
-        and not beat.causes
-        and (followed or not isinstance(plan.drivers.get(beat.owner), PathDriver))
-    ):
-        return []  # an authored input: a trigger, not an outcome; a path from which nothing follows is an outcome
-    paths = {d.entity: name for name, d in plan.drivers.items() if isinstance(d, PathDriver)}
-    authored = {n for n, e in entities.items() if e.motion == "kinematic"} | set(paths)
-    moving = [n for n in entities_of(beat.predicate) if n in entities and entities[n].motion != "static"]
-    culprits = [beat.subject] if beat.subject in authored else moving if moving and set(moving) <= authored else []
-    first = culprits[0] if culprits else None
-    driver = paths.get(first or "")
-    helper = None if first else _helper(candidate, beat_id)
-    if helper is not None:
-        first, driver = beat.subject, helper
-    return [
-        make_row(
-            candidate,
-            f"beat:driven:{beat_id}",
-            check="beat",
-            group="temporal",
-            predicate=f"outcome {beat_id} is brought about by a solver, not by an authored path or by a driver that the story leaves out",
-            mandatory=beat.mandatory,
-            status="fail" if first else "pass",
-            explanation=(
-                f"{deed(candidate.spec, helper, beat.subject)}, before {beat_id} comes true, and no beat that leads to it is owned by {helper}"
-                if helper
-                else f"{first} follows {f'path driver {driver}' if driver else 'an authored motion'}, so beat {beat_id} is staged"
-                if first
-                else f"{beat.subject} is moved by a solver"
-            ),
-            entities=(*culprits, beat.subject),
-            first_failing_entity=first,
-            first_failing_frame=0 if first else None,
-            corrections=[
-                correction(
-                    "a driver moves the outcome itself, and the story does not say so",
-                    "drivers",
-                    to_declare(candidate.spec, helper, beat_id),
-                    pointers=(f"/simulation/drivers/{helper}", f"/story/beats/{beat_id}/causes"),
-                )
-                if helper
-                else correction(
-                    "a keyframed path moves the outcome itself",
-                    "drivers",
-                    f"make {first} dynamic and bring it about by contact, a force, a motor or a release",
-                    pointers=(f"/entities/{first}/motion", f"/simulation/drivers/{driver}" if driver else "/simulation/drivers"),
-                )
-            ],
-            evidence={"owner": beat.owner, "pointers": [f"/story/beats/{beat_id}/owner"]},
-            artifact="world.json",
-            extra=[beat.model_dump(mode="json"), sorted(authored)],
-        )
-    ]
-
-
-def _helper(candidate: Candidate, beat_id: str) -> str | None:
-    """A driver that acts on the subject of an outcome without owning a beat that leads to it. A medium at rest brings nothing about."""
-    beat = candidate.spec.story.beats[beat_id]
-    if not beat.causes:
-        return None
-    first = beat_times(candidate).outcome(beat_id).first_true_frame
-    return undeclared(candidate.spec, beat_id, (beat.frames[1] if first is None else first) / candidate.spec.simulation.fps)

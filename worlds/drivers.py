@@ -6,6 +6,7 @@ from itertools import pairwise
 
 from .errors import EvidenceError
 from .fields import acting_on
+from .predicates import is_invariant
 from .spec import (
     DetachDriver,
     EmitterDriver,
@@ -73,6 +74,8 @@ def to_declare(spec: WorldSpec, driver_id: str, beat_id: str) -> str:
     subject = beats[beat_id].subject
     first = [n for n in behind(spec, beat_id)[1:] if beats[n].subject in acted and not beats[n].causes]
     own = [n for n in first if beats[n].owner in spec.simulation.solvers]
+    if not beats[beat_id].causes:
+        own = [beat_id]
     if own:
         return f"let {driver_id} own beat {own[0]} (/story/beats/{own[0]}/owner), or take {driver_id} away"
     return (
@@ -96,13 +99,14 @@ def behind(spec: WorldSpec, beat_id: str) -> list[str]:
 def undeclared(spec: WorldSpec, beat_id: str, until: float) -> str | None:
     """A driver that acts on the subject of an outcome before `until` [s] without owning a beat that leads to it; None where none does.
 
-    Paths are judged by themselves, and a medium at rest brings nothing about.
+    An event without causes that a solver owns may start by any driver that some beat owns. Paths are judged by themselves, and a
+    medium at rest brings nothing about.
     """
     plan, beats = spec.simulation, spec.story.beats
     beat = beats[beat_id]
-    if not beat.causes:
+    if not beat.causes and (beat.owner in plan.drivers or is_invariant(beat.predicate)):
         return None
-    owners = {beats[n].owner for n in behind(spec, beat_id)}
+    owners = {beats[n].owner for n in (behind(spec, beat_id) if beat.causes else beats)}
     for name, driver in plan.drivers.items():
         if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
             continue

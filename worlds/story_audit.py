@@ -87,8 +87,9 @@ def _unsaid(spec: WorldSpec, name: str) -> list[Problem]:
         return []  # a joint that is not there: the references tell of it
     if helper is None:
         return []
-    text = f"{deed(spec, helper, beat.subject)}, before {name} can come true, and no beat that leads to it is owned by {helper}"
-    return [Problem(f"/story/beats/{name}/causes", f"{text}: {to_declare(spec, helper, name)}")]
+    owns, field = ("no beat that leads to it is owned by", "causes") if beat.causes else ("no beat is owned by", "owner")
+    text = f"{deed(spec, helper, beat.subject)}, before {name} can come true, and {owns} {helper}"
+    return [Problem(f"/story/beats/{name}/{field}", f"{text}: {to_declare(spec, helper, name)}")]
 
 
 def uncaused(spec: WorldSpec) -> str | None:

@@ -27,7 +27,7 @@ SAND_STORY = {
     "story": {
         "beats": {
             "lands": {
-                "text": "the ball drops into the sand", "owner": "bodies", "subject": "ball", "frames": [0, FRAMES - 1],
+                "text": "the ball drops into the sand", "owner": "hold", "subject": "ball", "frames": [0, FRAMES - 1],
                 "predicate": {"kind": "reaches", "entity": "ball", "region": "bed"},
             }
         },

@@ -19,17 +19,23 @@ from .held import afloat_lines
 from .joined import anchor_lines
 from .particle_lines import particle_lines
 from .scene_register import scene_lines
+from .shot_rows import unseen_text
 
 __all__ = ["approximations"]
 
 
 def _declared(spec: WorldSpec) -> list[dict[str, str]]:
-    """What the specification itself departs by: bodies made one, overlaps; see `scene_register.py` for bounds."""
+    """What the specification itself departs by: bodies made one, beats that no camera shows, overlaps; see `scene_register.py` for bounds."""
     found = []
     for name, joint in spec.simulation.joints.items():
         if joint.kind == "weld":
             held = f"{joint.child!r} and {joint.parent!r}" if joint.parent else f"{joint.child!r} and the world"
             found.append({"what": f"weld {name!r}", "effect": f"{held} move as one body, however hard they are hit"})
+    for name, beat in spec.story.beats.items():
+        if beat.mandatory and not beat.observe:
+            found.append(
+                {"what": unseen_text(name, beat), "effect": "no picture is asked to show it: numbers alone tell that it happens"}
+            )
     for relation in spec.graph.relations.values():
         if isinstance(relation, Fastened):
             small = min((relation.a, relation.b), key=lambda n: math.hypot(*spec.entities[n].dimensions.size))

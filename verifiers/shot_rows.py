@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ..worlds.predicates import describe_predicate
 from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row, Status
-    from ..worlds.spec import Shot
+    from ..worlds.spec import Beat, Shot
 
-__all__ = ["CLAIMS", "SCREEN_STEP", "shot_row", "shots_at", "subjects_of"]
+__all__ = ["CLAIMS", "MOMENT", "SCREEN_STEP", "around", "shot_row", "shots_at", "subjects_of", "unseen_text"]
 
 SCREEN_STEP = 0.2
 """Own choice: a picture that moves by more than a fifth of its width per frame cannot be followed by eye."""
+MOMENT = 0.25
+"""[s] Own choice: the frame at which a beat comes true is shown when its subject is seen within this time of it."""
 CLAIMS = {
     "tiling": "shots follow each other over all planned frames without gap or overlap",
-    "cover": "a shot runs while the beat happens",
+    "cover": "a shot runs when the beat comes true",
+    "observed": "at least one mandatory beat is observed; those that no camera is asked to see are printed",
     "visible": "the beat's subject is in view and unoccluded while it happens, and at the moment it comes true",
     "framed": "every subject of the shot is in view, and what it follows stays in view",
     "inside": "the camera is inside no solid, passes through no surface and cuts none off",
@@ -47,6 +51,12 @@ def shot_row(candidate: Candidate, row_id: str, status: Status, explanation: str
     )
 
 
+def around(candidate: Candidate, frame: int) -> tuple[int, int]:
+    """Frames within `MOMENT` of one."""
+    reach = round(MOMENT * candidate.spec.simulation.fps)
+    return max(0, frame - reach), min(candidate.spec.simulation.frames - 1, frame + reach)
+
+
 def shots_at(candidate: Candidate, frame: int) -> list[str]:
     """Shots that run at a frame."""
     return [n for n, s in candidate.spec.shots.items() if s.frames[0] <= frame <= s.frames[1]]
@@ -56,3 +66,8 @@ def subjects_of(candidate: Candidate, shot: Shot) -> list[str]:
     """Entities that a shot must frame: its own list, else the subjects of the beats it covers."""
     beats = candidate.spec.story.beats
     return list(dict.fromkeys(shot.subjects or [beats[b].subject for b in shot.covers if b in beats]))
+
+
+def unseen_text(name: str, beat: Beat) -> str:
+    """That no camera is asked to see a beat, and what it asks for."""
+    return f"beat {name!r} is not seen by any camera (observe: false): {describe_predicate(beat.predicate)}"

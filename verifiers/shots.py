@@ -1,7 +1,9 @@
 """Shot plan (R24, R98, S9, S10): are all beats shown, is the camera where a camera can be, does it move sanely?
 
 - `shots:tiling`: shots follow each other from the first to the last planned frame without gap or overlap.
-- `shots:cover:<beat>`: a shot runs while an observed beat happens.
+- `shots:cover:<beat>`: a shot that covers an observed beat runs within `MOMENT` of the frame at which it comes true; where that is
+  not known yet, at a frame of its interval.
+- `shots:observed:story`: where a mandatory beat asks for no camera (`observe` false), another one is observed; all such are named.
 - `shots:visible:<beat>`: its subject fills `limits.visible_pixels` of the picture and shows `limits.visible_share`
   of itself at its best frame, is in view at `limits.beat_seen_frames` of the frames, and is seen within `MOMENT` of the
   frame at which the beat comes true.
@@ -18,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction
 from .camera_path import inside, moves
-from .shot_rows import SCREEN_STEP, shot_row
+from .predicates import beat_times
+from .shot_rows import SCREEN_STEP, around, shot_row, unseen_text
 from .sight import Sight
 from .verdicts import correction
 from .views import framed, visible
@@ -35,6 +38,7 @@ def check(candidate: Candidate) -> list[Row]:
     """Rows of the whole plan, of every observed beat and of every shot."""
     rows = [_tiling(candidate)]
     observed = {n: b for n, b in candidate.spec.story.beats.items() if b.observe}
+    rows += _unobserved(candidate)
     rows += [_cover(candidate, n, b) for n, b in observed.items()]
     try:
         sight: Sight | EvidenceError = Sight(candidate)
@@ -115,35 +119,80 @@ def _overlap(shot: Shot, frames: tuple[int, int]) -> int:
 def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Row:
     shots = candidate.spec.shots
     named = [n for n, s in shots.items() if beat_id in s.covers]
-    able = {n: _overlap(shots[n], beat.frames) for n in (named or shots)}
+    first = None if candidate.stage == "static" else beat_times(candidate).first(beat_id)
+    frames = beat.frames
+    if first is not None:
+        low, high = around(candidate, first)
+        frames = max(low, frames[0]), min(high, frames[1])
+    able = {n: _overlap(shots[n], frames) for n in (named or shots)}
     best = max(able, key=lambda n: able[n], default=None)
     shown = able[best] if best is not None else 0
-    length = beat.frames[1] - beat.frames[0] + 1
-    text = f"{shown} of {length} frames of {beat_id} lie in {f'shot {best}' if best else 'no shot'}"
+    length = frames[1] - frames[0] + 1
+    when = f"of {beat_id}" if first is None else f"around frame {first}, where {beat_id} comes true,"
+    text = f"{shown} of {length} frames {when} lie in {f'shot {best}' if best else 'no shot'}"
     if named and not shown:
-        text = (
-            f"shots {', '.join(named)} name {beat_id} in covers but run at other frames than {beat.frames[0]}..{beat.frames[1]}"
-        )
+        text = f"shots {', '.join(named)} name {beat_id} in covers but run at other frames than {frames[0]}..{frames[1]}"
+        text += "" if first is None else f": {beat_id} comes true at frame {first}"
     pointer = f"/shots/{best}/frames" if best else "/shots"
     return shot_row(
         candidate,
         f"shots:cover:{beat_id}",
         "pass" if shown else "fail",
         text,
-        frames=beat.frames,
+        frames=frames,
         measured=float(shown),
         bound=1.0,
         comparison=">=",
         unit="frames",
         entities=(beat.subject,),
         first_failing_entity=None if shown else beat.subject,
-        first_failing_frame=None if shown else beat.frames[0],
+        first_failing_frame=None if shown else beat.frames[0] if first is None else first,
         mandatory=beat.mandatory,
         corrections=[
             correction(
-                "no camera runs while it happens", "shots", f"let a shot run over frames {list(beat.frames)}", pointers=(pointer,)
+                "no camera runs while it happens", "shots", f"let a shot run over frames {list(frames)}", pointers=(pointer,)
             )
         ],
         artifact="world.json",
         evidence={"named_by": named, "overlap": able},
     )
+
+
+def _unobserved(candidate: Candidate) -> list[Row]:
+    """A row where mandatory beats ask for no camera: not all of them may."""
+    mandatory = {n: b for n, b in candidate.spec.story.beats.items() if b.mandatory}
+    unseen = {n: b for n, b in mandatory.items() if not b.observe}
+    if not unseen:
+        return []
+    told = "; ".join(unseen_text(n, b) for n, b in unseen.items())
+    first = next(iter(unseen))
+    place = f"/story/beats/{first}/observe"
+    alone = len(unseen) == len(mandatory)
+    return [
+        shot_row(
+            candidate,
+            "shots:observed:story",
+            "fail" if alone else "pass",
+            f"{len(mandatory) - len(unseen)} of {len(mandatory)} mandatory beats are observed; {told}",
+            measured=float(len(mandatory) - len(unseen)),
+            bound=1.0,
+            comparison=">=",
+            unit="beats",
+            entities=[b.subject for b in unseen.values()],
+            first_failing_entity=unseen[first].subject if alone else None,
+            first_failing_frame=unseen[first].frames[0] if alone else None,
+            corrections=[
+                correction(
+                    "no camera is asked to see anything that must happen",
+                    "story",
+                    f"observe {first}, in a shot that covers it",
+                    pointers=(place, "/shots"),
+                    patch=({"op": "remove", "path": place},),
+                )
+            ]
+            if alone
+            else (),
+            artifact="world.json",
+            evidence={"unobserved": list(unseen), "pointers": [f"/story/beats/{n}/observe" for n in unseen]},
+        )
+    ]

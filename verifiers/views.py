@@ -9,7 +9,7 @@ import numpy as np
 from . import motion
 from .predicates import beat_times
 from .reframing import reframe
-from .shot_rows import shot_row, shots_at, subjects_of
+from .shot_rows import MOMENT, around, shot_row, shots_at, subjects_of
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -25,8 +25,6 @@ SAMPLES = 48
 MOST_SAMPLES = 400
 """The same where fewer leave the verdict open: at a share of seen frames within `DOUBT` of the bound, or never seen."""
 DOUBT = 0.15
-MOMENT = 0.25
-"""[s] Own choice: the frame at which a beat comes true is shown when its subject is seen within this time of it."""
 SHOT_SAMPLES = 24
 """Own choice: frames of a shot at which its subjects are looked for, besides those where they are nearest to its middle."""
 NEAREST = 3
@@ -81,15 +79,15 @@ def _looks(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: 
 def _moment(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: int | None) -> tuple[float, Seen | None]:
     """How much of the subject is unoccluded at best around the frame where the beat comes true, and that look.
 
-    1 where there is no such moment: the beat is true from its first frame on, or never.
+    1 where there is no such moment, because the beat never comes true.
     """
-    if first is None or first <= beat.frames[0]:
+    if first is None:
         return 1.0, None
-    limits, reach = candidate.spec.simulation.limits, round(MOMENT * candidate.spec.simulation.fps)
+    limits, (low, high) = candidate.spec.simulation.limits, around(candidate, first)
     # Nearest frames first: the first that shows it decides.
-    around = sorted(range(max(0, first - reach), min(candidate.last_frame, first + reach) + 1), key=lambda f: abs(f - first))
+    nearest = sorted(range(low, min(candidate.last_frame, high) + 1), key=lambda f: abs(f - first))
     best: Seen | None = None
-    for frame in around:
+    for frame in nearest:
         for look in _look(candidate, sight, beat_id, beat.subject, [frame]).seen:
             if look.share >= limits.visible_pixels and (best is None or look.unoccluded > best.unoccluded):
                 best = look

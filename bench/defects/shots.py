@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from ...verifiers.camera_path import NEAR_PLANE
+from ...verifiers.shot_rows import MOMENT
 from ...verifiers.shots import SCREEN_STEP
-from ...verifiers.views import MOMENT
 from ...worlds.spec import Box, Cylinder, Limits, Part, Pose, Sphere
+from ._shot_moments import MOMENTS
 from ._shot_worlds import ASPECT, RNG, Rig
 from .cases import Mechanism, Suite, World
 
@@ -151,10 +152,8 @@ def _timed(folder: Path, rng: RNG, count: int, frames: int, *culprits: str) -> W
     chosen = rng.permutation(frames)[:count] if rng.random() < 0.5 else np.arange(start, start + count)
     path[chosen] = rig.spot(0.1, 0.1)
     rig.add("subject", Box(size=(0.05 * rig.distance,) * 3), path[0], path=path)
-    # True from its first frame on, so that only the share of frames is judged.
+    # True where it first comes into view, or goes out of it.
     rig.beat("event", "subject")
-    event = rig.beats["event"]
-    rig.beats["event"] = event.model_copy(update={"predicate": event.predicate.model_copy(update={"min": 0.0})})
     rig.shot("a")
     return rig.world(folder, *culprits)
 
@@ -471,5 +470,6 @@ SUITE = Suite(
         Mechanism("brief-guest", "passes between two samples", False, _brief_guest, 8, 40, "frames"),
         Mechanism("cable", "thinner than a pixel, but long", False, _cable, 0.3, 3.0, "pixels"),
         Mechanism("hard-cut", "a cut to a far camera", False, _hard_cut, 1, 1000, "m"),
+        *MOMENTS,
     ),
 )

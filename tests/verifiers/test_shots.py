@@ -10,6 +10,7 @@ import jsonpatch
 import numpy as np
 import pytest
 from worldagent.bench.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
+from worldagent.verifiers.register import approximations
 from worldagent.verifiers.shots import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement
@@ -152,11 +153,46 @@ def test_named_subjects_must_be_in_the_shot(tmp_path: Path) -> None:
     assert (rows["framed:s"].status, rows["framed:s"].first_failing_entity) == ("fail", "behind")
 
 
-def test_unobserved_beats_need_no_camera(tmp_path: Path) -> None:
-    beats = {"roll": BEAT.model_copy(update={"observe": False})}
-    rows = rows_of(rolling(tmp_path, {"s": shot()}, beats=beats))
-    assert "visible:roll" not in rows
-    assert "cover:roll" not in rows
+def test_unobserved_beats_need_no_camera_and_are_printed(tmp_path: Path) -> None:
+    beats = {"roll": BEAT.model_copy(update={"observe": False}), "far": BEAT}
+    candidate = rolling(tmp_path, {"s": shot()}, beats=beats)
+    rows = rows_of(candidate)
+    assert not {"visible:roll", "cover:roll"} & set(rows)
+    said = "beat 'roll' is not seen by any camera (observe: false): displacement(min=0.3, entity=ball"
+    assert rows["observed:story"].status == "pass"
+    assert said in rows["observed:story"].evidence["explanation"]
+    assert any(a["what"].startswith(said) for a in approximations(candidate))
+    assert "observed:story" not in rows_of(rolling(tmp_path / "b", {"s": shot()}))
+
+
+def test_a_story_of_which_no_camera_sees_anything_that_must_happen_fails(tmp_path: Path) -> None:
+    beats = {"roll": BEAT.model_copy(update={"observe": False}), "more": BEAT.model_copy(update={"mandatory": False})}
+    candidate = rolling(tmp_path, {"s": shot()}, beats=beats)
+    row = rows_of(candidate)["observed:story"]
+    assert (row.status, row.mandatory, row.measured, row.first_failing_entity) == ("fail", True, 0.0, "ball")
+    assert "observed:story" not in rows_of(patched(candidate, row))
+
+
+@pytest.mark.parametrize(("ends", "status"), [(4, "fail"), (5, "pass")])
+def test_a_shot_counts_at_the_frames_of_the_outcome(tmp_path: Path, ends: int, status: str) -> None:
+    """A quarter of a second about frame 11 counts, at which it has gone 0.45 m; its interval began long before."""
+    roll = {"roll": BEAT.model_copy(update={"frames": (0, 20), "predicate": Displacement(entity="ball", min=0.45)})}
+    shots = {"a": shot((0, ends), covers=["roll"]), "b": shot((ends + 1, N - 1))}
+    row = rows_of(rolling(tmp_path, shots, beats=roll))["cover:roll"]
+    assert (row.status, row.frames) == (status, (5, 17))
+    if status == "fail":
+        assert "roll comes true at frame 11" in row.evidence["explanation"]
+        assert row.first_failing_frame == 11
+
+
+@pytest.mark.parametrize(("turns", "status"), [(18, "pass"), (19, "fail")])
+def test_what_comes_true_at_the_first_frame_of_its_interval_is_seen_there_too(tmp_path: Path, turns: int, status: str) -> None:
+    """A camera that shows the subject only long after says nothing of the outcome, at frame 12."""
+    roll = {"roll": BEAT.model_copy(update={"frames": (12, 24), "predicate": Displacement(entity="ball", min=0.5)})}
+    shots = {"a": shot((0, turns - 1), key(target=(0.5, -10, 1))), "b": shot((turns, N - 1))}
+    row = rows_of(rolling(tmp_path, shots, beats=roll))["visible:roll"]
+    assert row.status == status
+    assert row.evidence["moment"]["frame"] == 12
 
 
 # ---------------------------------------------------------------- camera

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..worlds.fields import fields_of
 from ..worlds.requirements import Correction
 from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, ReleaseDriver, RigidPhysics, Rope, Supports
 from . import motion
-from .exchanged import CHANNEL, partners
+from .exchanged import CHANNEL
 from .held import is_still
 from .moved import moves_of, support_interval
 from .rows import guarded_rows, pointer, row
@@ -133,7 +134,9 @@ class Reached:
         candidate = self.surfaces.candidate
         found: dict[str, int] = {}
         soft = {**candidate.liquid_caches, **candidate.cloth_caches, **candidate.particle_caches}
-        acting = {p for solver in self.spec.simulation.rigid for p in partners(self.spec, solver)}
+        plan = self.spec.simulation
+        coupled = ({c.source, c.target} for c in plan.couplings.values())
+        acting = {name for ends in coupled if ends & set(plan.rigid) for name in ends}
         for solver, cache in soft.items():
             if solver not in acting or not cache.index.colliders:
                 continue
@@ -179,16 +182,19 @@ class Reached:
         for name in self.names:
             own = self.source(name)
             found[name] = min(NEVER if own is None else own, self._pushed.get(name, NEVER))
-        waiting = [n for n in self.names if found[n] < NEVER]
+        waiting = [(frame, name) for name, frame in found.items() if frame < NEVER]
+        heapify(waiting)
+        done: set[str] = set()
         while waiting:
-            name = min(waiting, key=found.__getitem__)
-            waiting.remove(name)
-            begins = max(found[name], self._stirs(name)) if self._stirs(name) < NEVER else NEVER
+            frame, name = heappop(waiting)
+            stirs = NEVER if name in done else self._stirs(name)
+            done.add(name)
+            begins = max(frame, stirs)
             for other, touching in self._touches[name].items() if begins < NEVER else ():
                 frames = np.flatnonzero(touching[begins:])
                 if len(frames) and begins + int(frames[0]) < found[other]:
                     found[other] = begins + int(frames[0])
-                    waiting.append(other)
+                    heappush(waiting, (found[other], other))
         return found
 
 

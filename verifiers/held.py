@@ -201,6 +201,15 @@ def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
 
 
 def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
+    for name, reason in surfaces.missing.items():
+        if is_still(surfaces.candidate.spec, name):
+            yield row(
+                surfaces.candidate,
+                status="unverified",
+                explanation=f"no evidence: {reason}",
+                entities=(name,),
+                **_common(surfaces, name),
+            )
     held, failed = Held(surfaces, ground), 0
     for name in held.names:
         if held.is_ground(name):

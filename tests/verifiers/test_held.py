@@ -8,7 +8,7 @@ from typing import Any
 import jsonpatch
 import numpy as np
 import pytest
-from worldagent.bench.small_worlds import IDENTITY, ball, box, entity, ground, make_candidate, pose, world
+from worldagent.bench.small_worlds import IDENTITY, ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers import support
 from worldagent.verifiers.joined import anchor_lines
 from worldagent.verifiers.register import approximations
@@ -108,6 +108,14 @@ def test_every_piece_of_an_entity_is_held(tmp_path: Path) -> None:
     # The floor below it is the ground; a part of the ground that hangs over it is not.
     over = entity(Part(shape=Box(size=(4, 4, 0.2))), Part(shape=Box(size=(1, 1, 0.2)), pose=pose((0, 0, 2))))
     assert rows_of(tmp_path / "c", {"floor": over})["support:derived:floor"].status == "fail"
+
+
+def test_what_is_not_built_is_not_held(tmp_path: Path) -> None:
+    spec = world({"floor": ground(), "bust": box(0.2, 0.2, 0.4, at=(0, 0, 0.2))})
+    candidate = make_candidate(tmp_path, spec)
+    object.__setattr__(candidate, "built", {n: b for n, b in build_all(spec).items() if n != "bust"})
+    rows = {r.id: r.status for r in support.check(candidate)}
+    assert rows["support:derived:bust"] == rows["support:scene"] == "unverified"
 
 
 def test_free_bodies_hold_no_static_thing(tmp_path: Path) -> None:

@@ -7,9 +7,11 @@
   and solids (`phase_contacts.py`). Where there is none and the specification asks for none (no contact predicate, no `interacts`
   relation, no cause between different bodies), it does not apply.
 - peak response: frame of the largest kinetic energy from the first contact on; from activation where none is asked for and no bodies
-  meet. What then goes on evenly to the end (`STEADY`), as in a stream, is at its peak from the frame on where that begins.
+  meet. What then goes on evenly to the end (`STEADY`), as in a stream, is at its peak from the frame on where that begins. What has most
+  at the last frame is at its peak there when it goes on rightly, as a fall does.
 - early settling: the first frame after the peak at which the kinetic energy is below `SETTLED` of it, or the last
-  frame when it fell all through the last `FALLING` seconds; never later than the last beat's end needs.
+  frame when it fell all through the last `FALLING` seconds, or when what moves there goes on rightly (`phase_ends.py`): a flight, a
+  slide, a spin, a splash, what a driver keeps moving. Else the end of the last beat, unless the energy of bodies grows from nowhere.
 
 Where no rigid body can move, what counts is the matter of the other instances: their largest speed and kinetic energy as recorded.
 Where bodies could move and none does, the kinetic energy is that of grains and cloth.
@@ -29,6 +31,7 @@ from ..worlds.predicates import is_invariant
 from ..worlds.requirements import Correction, Row
 from . import motion
 from .phase_contacts import asks_for_contact, first_contact, promises
+from .phase_ends import ending
 from .verdicts import correction, make_row
 
 if TYPE_CHECKING:
@@ -129,9 +132,12 @@ def find_phases(candidate: Candidate) -> Phases:
             notes["peak_response"] = f"carried on evenly from frame {steady} to the last, with {energy[last]:.3g} J"
         elif peak == last:
             notes["peak_response"] = f"kinetic energy is largest at the last frame {last}"
-            peak = None
-    if peak is not None:
-        settling = _settling(candidate, energy, peak, notes)
+            end = ending(candidate, energy, start)
+            notes["peak_response"] += "" if end is None else f": {end.text}"
+            notes |= {"grows": end.text} if end is not None and not end.goes_on else {}
+            peak = peak if end is not None and end.goes_on else None
+    if peak is not None and start is not None:
+        settling = _settling(candidate, energy, (start, peak), notes)
     return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold, touchless)
 
 
@@ -238,8 +244,9 @@ def _steady(candidate: Candidate, energy: F64, start: int) -> int | None:
     return first if last - first >= max(1, round(FALLING * candidate.spec.simulation.fps)) else None
 
 
-def _settling(candidate: Candidate, energy: F64, peak: int, notes: dict[str, str]) -> int | None:
-    last, fps = candidate.last_frame, candidate.spec.simulation.fps
+def _settling(candidate: Candidate, energy: F64, response: tuple[int, int], notes: dict[str, str]) -> int | None:
+    """When the response, which has a start and a peak, settles or goes on rightly to the end."""
+    (start, peak), last, fps = response, candidate.last_frame, candidate.spec.simulation.fps
     if notes["peak_response"].startswith("carried on"):
         notes["early_settling"] = notes["peak_response"]
         return last
@@ -251,6 +258,13 @@ def _settling(candidate: Candidate, energy: F64, peak: int, notes: dict[str, str
     if last - peak >= span and bool((np.diff(energy[last - span : last + 1]) <= 0).all()):
         notes["early_settling"] = f"kinetic energy has fallen for {FALLING:g} s"
         return last
+    goes = ending(candidate, energy, start)
+    if goes is not None and goes.goes_on:
+        notes["early_settling"] = goes.text
+        return last
+    if goes is not None and not set(candidate.caches) - set(candidate.rigid_caches):
+        notes["early_settling"] = notes["grows"] = goes.text
+        return None
     end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=None)
     if end is not None and peak <= end <= last:
         notes["early_settling"] = f"the last beat ends at frame {end}"
@@ -288,6 +302,8 @@ def check(candidate: Candidate) -> list[Row]:
         text = ", ".join(f"{p.replace('_', ' ')} at frame {frames[p]}" for p in phases.applicable())
         if phases.touchless:
             text += f"; {phases.notes['first_contact']}"
+        if phases.notes.get("early_settling", "").startswith("goes on"):
+            text += f"; {phases.notes['early_settling']}"
     else:
         why = phases.notes.get(missing[0], "the phase before it is missing")
         text = f"no {missing[0].replace('_', ' ')} within frames 0..{phases.last_frame}: {why}"
@@ -306,8 +322,11 @@ def check(candidate: Candidate) -> list[Row]:
             entities=tuple(phases.entities.values()),
             first_failing_entity=next(iter(reversed(phases.entities.values())), None) if missing else None,
             first_failing_frame=phases.last_frame if missing else None,
-            corrections=_hints(candidate, missing[0], more) if missing else (),
-            evidence={**evidence, **({"missing": list(missing), "more_frames": more} if missing else {})},
+            corrections=(_blown_up() if "grows" in phases.notes else _hints(candidate, missing[0], more)) if missing else (),
+            evidence={
+                **evidence,
+                **({"missing": list(missing), "more_frames": more, "grows": int("grows" in phases.notes)} if missing else {}),
+            },
             extra=candidate.spec.simulation.frames,
             **common,  # type: ignore[arg-type]
         )
@@ -326,6 +345,17 @@ def _more_frames(candidate: Candidate, phases: Phases) -> int:
     end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=0)
     second = candidate.spec.simulation.fps
     return max(end - phases.last_frame, second if end <= phases.last_frame else 1)
+
+
+def _blown_up() -> list[Correction]:
+    return [
+        correction(
+            "energy grows at the end and no driver feeds it: the solver may diverge",
+            "step",
+            "halve the step; more frames do not help",
+            pointers=("/simulation/solvers",),
+        )
+    ]
 
 
 def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:

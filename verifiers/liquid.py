@@ -7,6 +7,7 @@ and recorded, and the solids of the candidate are all there is.
 
 from __future__ import annotations
 
+from .liquid_across import Across
 from .liquid_blown import Blown
 from .liquid_coupling import Coupling
 from .liquid_density import Density
@@ -42,6 +43,7 @@ WATCHES: tuple[type[Watch], ...] = (
         Trapped,
         Sticking,
         Resolved,
+        Across,
         Density,
         Coupling,
         Shown,

@@ -3,7 +3,7 @@
 Space around each barrier (all solids that stand still together, and every moving body in its own frame) is cut into cubes of
 half a spacing. Cubes that a surface passes through are closed, and with them every gap narrower than a cube: liquid of this
 spacing is not resolved there. A particle whose straight way since it was last in an open cube leads through closed ones has
-leaked where no open cubes connect both ends nearby, within the length of that way and a few spacings around it.
+leaked where no open cubes connect both ends nearby, within the length of that way and a few spacings around it. Where none has, but a slot too narrow for the spacing leads out of the wet, nothing is known: `liquid_slots.py`.
 """
 
 from __future__ import annotations
@@ -17,9 +17,12 @@ from scipy.spatial import cKDTree
 
 from ..geometry.launch import warp
 from ..worlds.arrays import F64
+from ..worlds.liquids import LEAST_SPACINGS
 from .findings import Finding
-from .liquid_barriers import Barrier, barriers_of
+from .liquid_barriers import Barrier, barriers_of, still_barrier
 from .liquid_rows import coarse, longer_step, place
+from .liquid_slots import slots, touching
+from .liquid_throats import Visited
 from .sheet_sides import PassedSheets
 from .soft_solids import soft_walls
 from .verdicts import correction
@@ -70,12 +73,15 @@ class Leaks:
         self.leaked: set[int] = set()
         self.crossed: list[tuple[int, str, str, F64, NDArray[np.int64]]] = []
         self.rims: dict[tuple[str, str], NDArray[np.intp]] = {}
+        self.visited = Visited.of(liquid)
 
     def see(self, step: Step) -> None:
         """Follow every particle by one frame."""
         if self.barriers is None:
             self.barriers = barriers_of(self.liquid)
         frame = step.now
+        if self.visited is not None:
+            self.visited.add(frame.position)
         self.particles = max(self.particles, frame.count)
         if step.before is not None and frame.count:
             self._sheets(step, step.before)
@@ -157,7 +163,7 @@ class Leaks:
         count = float(len(self.leaked))
         if count <= bound:
             text = f"{count:.0f} of {self.particles} particles passed a surface (allowed {bound:.0f})"
-            return {"leak": Finding("pass", text, count, bound, "1")}
+            return {"leak": self._slot(text) or Finding("pass", text, count, bound, "1")}
         if sum(len(c[4]) for c in self.crossed) > sum(len(e[4]) for e in self.leaks):
             return {"leak": self._through(count, bound)}
         index, gap, piece, sizes = self._gap()
@@ -176,6 +182,37 @@ class Leaks:
         evidence: dict[str, Any] = {"place": where, "collider": piece.entity, "part": piece.part, "gap_extent": sizes,
                                     "per_frame": [[i, n] for i, n, *_ in self.leaks[:20]], "share": count / max(self.particles, 1)}  # fmt: skip
         return {"leak": Finding("fail", text, count, bound, "1", piece.entity, index, hints, evidence)}
+
+    def _slot(self, text: str) -> Finding | None:
+        """A slot that the spacing does not resolve: that nothing came through it says nothing about the liquid."""
+        still = still_barrier(self.liquid)
+        if still is None or self.visited is None or still not in (self.barriers or ()):
+            return None
+        s, number = self.liquid.spacing, (self.barriers or []).index(still)
+        least = touching(self.liquid.candidate.spec)
+        found = slots(self.visited, still, s, least, lambda a, b: self._connected(number, still, a, b))
+        if not found:
+            return None
+        slot, where = found[0], place(found[0].place)
+        names = " and ".join(dict.fromkeys(f"{p.entity}/{p.part}" for p in slot.between))
+        entity, wanted = slot.between[0].entity, slot.width / LEAST_SPACINGS
+        told = (
+            f"{text}; but a slot {slot.width:.3g} m wide at {where} between {names} leads out of the wet, {slot.width / s:.2g} spacings "
+            f"of {s:g} m: nothing can pass it here whatever liquid would do; refine to {wanted:.3g} m, or close the gap"
+        )
+        hints = (
+            correction("a slot narrower than the spacing is closed for its particles", "shape", f"close the gap about {where}, or say by "
+                       f"its size that liquid runs out: at least {LEAST_SPACINGS * s:.3g} m", pointers=(f"/entities/{entity}/parts",)),
+            coarse(self.liquid, "the spacing does not resolve the slot", wanted),
+        )  # fmt: skip
+        evidence = {
+            "place": where,
+            "gap_m": slot.width,
+            "spacing_m": s,
+            "between": [f"{p.entity}/{p.part}" for p in slot.between],
+            "slots": len(found),
+        }
+        return Finding("unverified", told, slot.width / s, LEAST_SPACINGS, "spacings", entity, None, hints, evidence, ">=")
 
     def _through(self, count: float, bound: float) -> Finding:
         """What went through a sheet."""

@@ -19,6 +19,7 @@ from ..worlds.predicates import entities_of
 from ..worlds.references import references
 from ..worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics
 from ..worlds.walkers import carrier_words, easier_than_a_person
+from .liquid_across import thin_lines
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
@@ -42,7 +43,7 @@ MOST_NAMED = 12
 def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
     """Lines about gravity, bounds, frames, bodies on paths that push, and bodies that nothing moves."""
     spec = candidate.spec
-    return [
+    return thin_lines(spec) + [
         {"what": what, "effect": effect}
         for found in (
             _gravity(spec),

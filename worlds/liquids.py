@@ -25,6 +25,7 @@ __all__ = [
     "domain_box",
     "inflows_of",
     "initial_box",
+    "least_extent",
     "liquid_estimate",
     "shape_volume",
     "spacing_of",
@@ -114,6 +115,12 @@ def initial_box(entity: Entity) -> tuple[F64, F64] | None:
             return None
         found.append(pose_of(entity.pose).apply(pose_of(part.pose).apply(corners)))
     return (np.concatenate(found).min(0), np.concatenate(found).max(0)) if found else None
+
+
+def least_extent(shape: Shape) -> float | None:
+    """Least extent of a simple shape along its own axes [m]; None for what may be thinner than its box: files, meshes, wedges, plans."""
+    corners = _corners(shape) if shape.kind in ("box", "sphere", "cylinder", "capsule") else None
+    return None if corners is None else float(np.ptp(corners, axis=0).min())
 
 
 def shape_volume(shape: Shape) -> float | None:

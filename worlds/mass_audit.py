@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -59,7 +59,7 @@ class Weights(NamedTuple):
     most: float
 
 
-def allowed(pieces: list[tuple[float, str]]) -> Weights:
+def allowed(pieces: Sequence[tuple[float, str]]) -> Weights:
     """What a body of these volumes [m^3] and substances may weigh.
 
     Parts may lie in one another: the least is that of the heaviest part alone, the most that of all of them.

@@ -14,7 +14,9 @@ from . import _liquid_scenes as scenes
 from ._liquid_scenes import SPACING
 from .cases import World
 
-__all__ = ["apex", "clinging", "ledge", "narrow_way", "parted", "thin_wall", "tight_drain", "tight_tap"]
+__all__ = [
+    "apex", "clinging", "film", "ledge", "narrow_way", "parted", "slot", "slotted", "thin_pool", "thin_wall", "tight_drain", "tight_tap",
+]  # fmt: skip
 
 
 def parted(rng: np.random.Generator, width: float, wall: float = 0.04) -> Flow:
@@ -57,6 +59,26 @@ def _without(flow: Flow, gone: np.ndarray, others: Mapping[str, Entity]) -> Flow
 def narrow_way(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """Water stands on both sides of a way of `magnitude` spacings."""
     return World(parted(rng, magnitude * SPACING).candidate(folder), ("near_post", "far_post"))
+
+
+def slotted(rng: np.random.Generator, width: float) -> Flow:
+    """A pool that stands in a tank whose floor has a slot of `width` [m], which its spacing does not see."""
+    return scenes.pool(rng, gap=width)
+
+
+def slot(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """Nothing comes through a slot of `magnitude` [m] that liquid would run out of."""
+    return World(slotted(rng, magnitude).candidate(folder), ("tank",))
+
+
+def thin_pool(rng: np.random.Generator, layers: float) -> Flow:
+    """A crate floats in water so many layers deep."""
+    return scenes.crate_afloat(rng, depth=round(layers) * SPACING, density=100.0)
+
+
+def film(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """A body floats on `magnitude` layers of water."""
+    return World(thin_pool(rng, magnitude).candidate(folder), ("pool", "water"))
 
 
 def thin_wall(folder: Path, magnitude: float, rng: np.random.Generator) -> World:

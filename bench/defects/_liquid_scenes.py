@@ -43,10 +43,11 @@ def slosh(rng: np.random.Generator, *, amplitude: float = 0.004, frames: int = 1
     return flow.edited(position=position, velocity=velocity)
 
 
-def crate_afloat(rng: np.random.Generator, *, frames: int = 18, sinking: float = 0.0, density: float = 500.0) -> Flow:
+def crate_afloat(
+    rng: np.random.Generator, *, frames: int = 18, sinking: float = 0.0, density: float = 500.0, depth: float = 0.2
+) -> Flow:
     """A crate at its draft in a tank, coupled both ways; it sinks at `sinking` g where the water gives it that much less."""
     crate = sw.box(CRATE, CRATE, CRATE, motion="dynamic", at=(0, 0, 0)).model_copy(update={"material": "cork"})
-    depth = 0.2
     draft = density / DENSITY * CRATE
     fall = 0.5 * sinking * G * (np.arange(frames) / 24.0) ** 2
     place = crate.model_copy(update={"pose": sw.pose((0.0, 0.0, depth - draft + CRATE / 2))})

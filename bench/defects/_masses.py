@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...worlds.mass_audit import DENSITY_RANGES, LEAST_WALL
-from ...worlds.spec import Box, Cylinder, Entity, Material, RigidPhysics, Sphere
+from ...worlds.spec import Box, Cylinder, Entity, Material, RigidPhysics, Shape, Sphere
 from ..small_worlds import entity, make_candidate, world
 from .cases import World
 
@@ -20,17 +20,18 @@ SUBSTANCES = ("steel", "wood", "stone", "rubber", "plastic", "ice", "aluminium")
 def _body(rng: RNG) -> tuple[Entity, float]:
     """A free body and its volume [m^3]."""
     a, b, c = (float(x) for x in np.exp(rng.uniform(np.log(0.03), np.log(1.0), 3)))
-    shape, volume = [
+    shapes: tuple[tuple[Shape, float], ...] = (
         (Box(size=(a, b, c)), a * b * c),
         (Sphere(radius=a), 4 / 3 * np.pi * a**3),
         (Cylinder(radius=a, height=b), np.pi * a * a * b),
-    ][int(rng.integers(3))]
+    )
+    shape, volume = shapes[int(rng.integers(3))]
     return entity(shape, motion="dynamic"), float(volume)
 
 
 def _world(folder: Path, body: Entity, substance: str, mass: float, *culprits: str, hollow: bool = False) -> World:
     low, high = DENSITY_RANGES[substance]
-    material = Material(density=0.5 * (low + high), substance=substance)  # type: ignore[arg-type]
+    material = Material(density=0.5 * (low + high), substance=substance)
     own = body.model_copy(update={"physics": RigidPhysics(mass=mass, hollow=hollow), "material": "own"})
     spec = world({"body": own}, materials={"own": material, **world({"body": body}).materials})
     return World(make_candidate(folder, spec), culprits)

@@ -18,7 +18,20 @@ from .. import small_worlds as sw
 from ..liquid_worlds import DENSITY, Flow, stream
 from . import _liquid_scenes as scenes
 from ._liquid_fields import drawn, undrawn
-from ._liquid_resolution import apex, clinging, ledge, narrow_way, parted, thin_wall, tight_drain, tight_tap
+from ._liquid_resolution import (
+    apex,
+    clinging,
+    film,
+    ledge,
+    narrow_way,
+    parted,
+    slot,
+    slotted,
+    thin_pool,
+    thin_wall,
+    tight_drain,
+    tight_tap,
+)
 from ._liquid_scenes import SPACING
 from ._liquid_waves import flat_waves, slow_waves, waving
 from ._liquid_wet import dried, drowned, shifted, wetted
@@ -381,6 +394,20 @@ SUITE = Suite(
         _defect("popping", "the surface jumps at one frame", popping, 0.011, 0.5, "1", 0.01),
         _defect("stray_chunk", "a piece of surface where no liquid is", stray_chunk, 3.5, 20.0, "spacings", 2.0),
         _defect("narrow_way", "water stands on both sides of a way that is not resolved", narrow_way, 1.1, 2.97, "spacings"),
+        Mechanism(
+            "slot",
+            "a slot in the floor that its spacing does not see",
+            True,
+            slot,
+            0.0011,
+            0.015,
+            "m",
+            0.001,
+            finds=("unverified",),
+        ),
+        Mechanism("film", "a body floats on a few layers", True, film, 3.0, 4.0, "layers", finds=("unverified",)),
+        _clean("joint", "the floor's boards do not quite meet", slotted, 0.0001, 0.0009, "m"),
+        _clean("deep enough", "a body floats on enough layers", thin_pool, 5.0, 9.0, "layers"),
         _defect("thin_wall", "walls are thinner than is resolved", thin_wall, 0.1, 0.494, "spacings"),
         _defect("tight_tap", "an inflow is narrower than is resolved", tight_tap, 1.0, 2.99, "spacings"),
         _defect("tight_drain", "an outflow is narrower than is resolved", tight_drain, 0.5, 2.99, "spacings"),

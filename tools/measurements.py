@@ -153,15 +153,22 @@ def _records(candidate: Candidate, first: int, last: int, limit: int, head: dict
     """Quantities of all solvers together at evenly chosen frames."""
     step = max(1, -(-(last - first + 1) // min(limit, MAX_SAMPLES)))
     chosen = list(range(first, last + 1, step))
-    series = {}
+    series, missing = {}, []
     for name, quantity in QUANTITIES.items():
         writers = candidate.written_by(quantity)
         if not writers:
             continue
-        total = [sum(float(c.series(f"record/{name}")[k]) for c in writers) for k in chosen]
+        try:
+            columns = [c.series(f"record/{name}") for c in writers]
+        except EvidenceError:
+            missing.append(name)  # an older run does not hold it; what it holds is told all the same
+            continue
+        total = [sum(float(c[k]) for c in columns) for k in chosen]
         series[name] = {"unit": quantity.unit, "values": [float(f"{v:.6g}") for v in total]}
     text = f"{len(series)} quantities at {len(chosen)} of the frames {first} to {last}"
     then = f"frames=[{first}, {min(last, first + MAX_SAMPLES - 1)}] shows every frame" if step > 1 else ""
+    if missing:
+        text += f"; this run holds no {', '.join(missing)}: probe_sim writes them anew"
     return answer({**head, "frames": chosen, "step": step, "records": series}, text, then)
 
 

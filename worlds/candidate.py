@@ -20,6 +20,7 @@ from .cloth import tears
 from .coarsening import coarsened, read_overrides
 from .deforming import Deforming, deforming_of
 from .errors import EvidenceError, SpecError
+from .fields import fields_of
 from .folder import WorldFolder, safe_join
 from .liquid_surface import LiquidSurface
 from .liquid_wet import WetMap
@@ -88,6 +89,7 @@ class Candidate:
             "fracture": broken,
             "rigid": self.rigid_caches,
             "elastic": soft,
+            "blown": {n: c for n, c in soft.items() if any(fields_of(self.spec, d.split("/")[0]) for d in c.index.deformables)},
             "liquid": liquids,
             "surface": surfaces,
             "cloth": cloth,

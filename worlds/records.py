@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ["QUANTITIES", "Quantity"]
 
-Category = Literal["rigid", "elastic", "cloth", "liquid", "surface", "fracture", "particles", "tearing"]
+Category = Literal["rigid", "elastic", "blown", "cloth", "liquid", "surface", "fracture", "particles", "tearing"]
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Quantity:
     meaning: str
     conserved: bool = False
     of: tuple[Category, ...] = ("rigid",)
-    """Instances of these categories write it; `elastic`, `fracture`: rigid ones with elastic or breakable members; `tearing`: cloth that can tear; `surface`: it stands beside the surfaces of a liquid."""
+    """Instances of these categories write it; `elastic`, `fracture`: rigid ones with elastic or breakable members; `blown`: with elastic ones that a force field acts on; `tearing`: cloth that can tear; `surface`: it stands beside the surfaces of a liquid."""
 
 
 _BOTH: tuple[Category, ...] = ("rigid", "liquid", "cloth", "particles")
@@ -67,7 +67,7 @@ _ALL = (
     Quantity(
         "elastic_travel_per_step", "m", "farthest that a node of an elastic body went in one step of the frame", of=_ELASTIC
     ),
-    Quantity("soft_field_work", "J", "work of force fields on elastic bodies in the frame", of=_ELASTIC),
+    Quantity("soft_field_work", "J", "work of force fields on elastic bodies in the frame", of=("blown",)),
     Quantity("fracture_energy", "J", "of the bonds that broke since frame 0", of=("fracture",)),
     Quantity(
         "solve_residual",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..worlds.bonds import WORLD
 from ..worlds.fields import area_vectors, fields_of
 from ..worlds.fracture import crumble_of
 
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
 __all__ = ["fracture_lines"]
+
+TOGETHER = 0.6
+"""Share of the load of the worst bond from which its neighbours break with it (`simulation/fracture/breaking.py`)."""
 
 
 def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
@@ -46,6 +50,7 @@ def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "faces that crumble carry no more than their bonds bore",
             }
         )
+        found += _together(candidate, name)
         found += _blown(candidate, name)
         if name in candidate.built:
             found.append(
@@ -55,6 +60,23 @@ def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
                 }
             )
     return found
+
+
+def _together(candidate: Candidate, name: str) -> list[dict[str, str]]:
+    """Bonds around the worst one that go with it in one step, though its breaking might have eased them."""
+    bonds = candidate.built[name].bonds if name in candidate.built else None
+    if bonds is None or not len(bonds):
+        return []
+    inner = bonds.pieces[:, 1] != WORLD
+    count = np.bincount(np.concatenate([bonds.pieces[:, 0], bonds.pieces[inner, 1]]))
+    most = int((count[bonds.pieces[:, 0]] - 1 + np.where(inner, count[bonds.pieces[:, 1]] - 1, 0)).max())
+    return [
+        {
+            "what": f"bonds of {name!r} at the two pieces of the one that is loaded most break with it where they bear more than their "
+            f"strength and more than {TOGETHER:g} of its share",
+            "effect": f"up to {most} of the {len(bonds)} bonds go at once that may have held, had the load been found anew after each",
+        }
+    ]
 
 
 def _blown(candidate: Candidate, name: str) -> list[dict[str, str]]:

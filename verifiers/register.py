@@ -18,6 +18,7 @@ from .ground_stems import plant_lines
 from .held import afloat_lines
 from .joined import anchor_lines
 from .particle_lines import particle_lines
+from .rigid_register import rigid_lines
 from .scene_register import scene_lines
 from .shot_rows import unseen_text
 
@@ -141,15 +142,7 @@ def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
-    found = scene_lines(candidate) + _declared(spec)
-    for name, instance in spec.simulation.rigid.items():
-        skin = instance.settings.skin
-        found.append(
-            {
-                "what": f"collision skin of {skin:g} m on every part of {name!r}",
-                "effect": f"resting bodies hover up to {2 * skin:g} m",
-            }
-        )
+    found = scene_lines(candidate) + _declared(spec) + rigid_lines(spec)
     found += _liquids(spec)
     found += cloth_lines(spec)
     found += fracture_lines(candidate)

@@ -12,10 +12,14 @@ from worldagent.bench.small_grains import SAND_PROMPT, sand_spec
 from worldagent.bench.small_liquids import tank_spec
 from worldagent.bench.small_soft import HAMMOCK_PROMPT, hammock_spec
 from worldagent.construction.build import build_entity
-from worldagent.simulation.rigid import SolverRigid
+from worldagent.simulation.fracture import breaking
+from worldagent.simulation.rigid import SolverRigid, contact_law
+from worldagent.simulation.rigid import model as rigid_model
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import STONE, bond
+from worldagent.verifiers import rigid_register
 from worldagent.verifiers.register import approximations
+from worldagent.worlds.bonds import WORLD
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 
@@ -179,3 +183,105 @@ def test_grains_coupled_with_other_bodies_do_not_push_those_of_another_coupling(
     assert f"grains of {grains!r} are pushed by bodies of {bodies!r} and do not push them" in lines
     assert _any(lines, "two-way coupling 'a' in exchanges")
     assert _any(lines, f"particles of {grains!r} that leave its domain are gone")
+
+
+def _rigid(entities: dict[str, Any], **more: Any) -> dict[str, str]:
+    return _told(rigid_world.world(entities, **more).model_dump(mode="json"))
+
+
+def _two_balls(**more: Any) -> dict[str, Any]:
+    return {"floor": rigid_world.floor(), "b": rigid_world.ball(0.05, at=(0, 0, 0.05101), mass=1.0, **more)}
+
+
+@pytest.mark.parametrize("step", [5e-4, 2e-3])
+def test_a_contact_that_closes_slower_than_the_register_says_does_not_bounce(step: float) -> None:
+    """Known gap: rebounds from below the threshold are left out. Half of it does not bounce, twice of it does."""
+    settings = {"step": step, "refine": 0, "sleep": False}
+    (line,) = (w for w in _rigid(_two_balls(), restitution=0.9, settings=settings) if "do not bounce" in w)
+    slowest = float(line.split("slower than ")[1].split(" ")[0])
+    assert slowest == pytest.approx(contact_law.rest_speed(rigid_world.G, step), rel=1e-2)
+    for share, bounces in ((0.5, False), (2.0, True)):
+        world = rigid_world.world(
+            _two_balls(v=(0, 0, -share * slowest)), seconds=0.05, fps=120, restitution=0.9, settings=settings
+        )
+        rose = rigid_world.Run(world).of("b", "velocity")[:, 2].max()
+        assert (rose > 0.5 * slowest) == bounces, (share, rose)
+    assert not any("do not bounce" in w for w in _rigid(_two_balls(), settings=settings)), "nothing of restitution 0 bounces"
+
+
+def test_the_larger_friction_and_the_smaller_restitution_are_told_with_the_materials_that_they_change_most() -> None:
+    ice = {"density": 900.0, "friction": 0.02, "restitution": 0.3}
+    lines = _rigid(_two_balls(material="ice"), materials={"ice": ice}, friction=0.8, restitution=0.1)
+    (effect,) = (e for w, e in lines.items() if "larger friction and the smaller restitution" in w)
+    assert "'ice' (0.02) meets 'm' (0.8) with a friction of 0.8" in effect
+    assert "'ice' (0.3) meets 'm' (0.1) with a restitution of 0.1" in effect
+    slid = rigid_world.Run(
+        rigid_world.world(
+            {"floor": rigid_world.floor(), "b": rigid_world.box(0.1, 0.1, 0.1, at=(0, 0, 0.051), v=(1, 0, 0), material="ice")},
+            seconds=0.5, materials={"ice": ice}, friction=0.8,
+        )
+    )  # fmt: skip
+    assert slid.of("b")[-1, 0] == pytest.approx(1 / (2 * 0.8 * rigid_world.G), rel=0.05), "it stops as on the rough floor"
+    assert not any("larger friction" in w for w in _rigid(_two_balls())), "one material alone is not combined"
+    own = {"p": {"a": "floor", "b": "b", "friction": 0.1}}
+    assert _any(
+        _rigid(_two_balls(material="ice"), materials={"ice": ice}, contacts=own), "but for the 1 of `simulation.contacts`"
+    )
+
+
+def test_what_rests_sinks_as_far_into_its_skins_as_the_register_says() -> None:
+    slide = {n: {"kind": "slide", "child": n, "anchor": (0, 0, 0), "axis": (0, 0, 1)} for n in ("b", "heavy")}
+    heavy = {**_two_balls(), "heavy": rigid_world.ball(0.05, at=(0, 0, 0.152), mass=1000.0)}
+    more = {"settings": {"sleep": False, "refine": 0}, "seconds": 1.0}
+    (effect,) = (e for w, e in _rigid(heavy, joints=slide, **more).items() if "push back softly" in w)
+    rests, most = float(effect.split("sinks ")[1].split(" ")[0]), float(effect.split("as much, ")[1].split(" ")[0])
+    alone = rigid_world.Run(rigid_world.world(_two_balls(), **more))
+    assert 0.051 - alone.of("b")[-1, 2] == pytest.approx(rests, rel=0.1)
+    under = rigid_world.Run(rigid_world.world(heavy, joints=slide, **more))
+    assert 0.8 * most < 0.051 - under.of("b")[-1, 2] <= most
+    assert pytest.approx((1 - contact_law.IMPEDANCE) / contact_law.IMPEDANCE) == rigid_register.PASSED
+    assert rigid_register.SOFTEST == rigid_model.SOFTEST
+
+
+def test_a_weld_that_is_jerked_opens_no_farther_than_the_register_says() -> None:
+    """Known gap: welds that a driver opens are constraints of the solver. One metre per second, seen some steps later."""
+    weld = {"w": {"kind": "weld", "child": "b", "anchor": (0, 0, 2)}}
+    open_ = {"d": {"kind": "detach", "joint": "w", "time": 5.0}}
+    block = {"b": rigid_world.box(0.1, 0.1, 0.1, at=(0, 0, 2), v=(0, 0, -1), mass=1.0)}
+    more: dict[str, Any] = {"joints": weld, "settings": {"step": 1e-3}, "seconds": 0.03, "gravity": (0, 0, 0)}
+    lines = _rigid(block, drivers=open_, **more)
+    (effect,) = (e for w, e in lines.items() if "no exact joints: weld 'w'" in w)
+    most = float(effect.split("up to ")[1].split(" ")[0])
+    opened = 2 - rigid_world.Run(rigid_world.world(block, drivers=open_, fps=240, **more)).of("b")[:, 2].min()
+    assert 0.5 * most < opened <= most
+    assert not _any(_rigid(block, **more), "no exact joints"), "a weld that nothing opens is one body"
+
+
+def test_constraints_are_told_of_the_instance_that_holds_them() -> None:
+    hinge = {"h": {"kind": "hinge", "child": "b", "anchor": (0, 0, 0), "axis": (0, 0, 1), "range": (-0.1, 0.8)}}
+    assert _any(_rigid(_two_balls(), joints=hinge), "no exact joints: range of 'h'")
+    rope = {"kind": "rope", "points": [(0, 0, 1), (0, 0, 0.6)], "radius": 0.01, "attach_start": "world"}
+    for end in ("world", None):
+        hung = rigid_world.entity(generator={**rope, "attach_end": end})
+        assert _any(_rigid({"r": hung}), "far end of the rope 'r'") == (end is not None)
+    free = {"h": {**hinge["h"], "range": None}}
+    assert not _any(_rigid(_two_balls(), joints=free), "no exact joints")
+
+
+def test_bonds_that_break_together_are_told_with_how_many_they_can_be() -> None:
+    """Known gap: a load that grows breaks bonds one after the other; the engine breaks those around the worst one at once."""
+    wall = rigid_world.box(
+        1.0, 0.1, 1.0, at=(0, 0, 0.51), material="brick",
+        breakable={"pattern": {"kind": "bricks", "size": [0.5, 0.1, 0.25], "joint": 0.0}, "bond": bond(6e4), "fixed": ["z-"]},
+    )  # fmt: skip
+    data = rigid_world.world({"wall": wall}, materials=STONE).model_dump(mode="json")
+    (effect,) = (e for w, e in _told(data).items() if "break with it" in w and f"{breaking.TOGETHER:g} of its share" in w)
+    bonds = build_entity(parse_spec({**data, "prompt": "p"}), "wall", Path()).bonds
+    assert bonds is not None
+    around = [
+        sum(bool(set(other) & (set(pair) - {WORLD})) for other in bonds.pieces.tolist()) - 1 for pair in bonds.pieces.tolist()
+    ]
+    assert f"up to {max(around)} of the {len(bonds)} bonds" in effect
+    assert 0 < max(around) < len(bonds)
+    whole = {k: v for k, v in wall.items() if k != "breakable"}
+    assert not _any(_rigid({"wall": whole}, materials=STONE), "break with it")

@@ -16,13 +16,15 @@ MAX_WORDS = 2000
 """Words that are compared; the sequence matcher takes time of their square at worst."""
 MAX_LETTERS = 600
 """Letters that are compared, for the same reason."""
+_UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\uffa0\ufe00-\ufe0f\U000e0100-\U000e01ef]")
+"""Letters and marks that show nothing, beside format characters (Unicode, Default_Ignorable_Code_Point; U+2800 is blank)."""
 _WORDS = re.compile(r"[぀-ヿ㐀-䶿一-鿿가-힯฀-๿]|[^\W_]+")
 """A word, or one letter of a script that writes none between spaces."""
 
 
 def _words(prompt: str) -> list[str]:
     """Words without case, marks of punctuation, invisible letters and forms of compatibility (NFKC)."""
-    text = unicodedata.normalize("NFKC", prompt).casefold()
+    text = unicodedata.normalize("NFKC", _UNSEEN.sub("", prompt)).casefold()
     return _WORDS.findall("".join(c for c in text if unicodedata.category(c) != "Cf"))[:MAX_WORDS]
 
 

@@ -17,6 +17,8 @@ PROMPT = "A ball rolls along a shelf and strikes a block. The block falls to the
         PROMPT.replace(".", "!"),
         PROMPT.replace("shelf", "sh\u200belf"),
         PROMPT.replace("b", "\uff42"),
+        PROMPT.replace("shelf", "sh\u00adelf\ufe0f"),
+        PROMPT.replace("a shelf", "a\u00a0shelf") + "\u2060",
     ],
 )
 def test_letters_that_say_the_same_are_the_same(other: str) -> None:

@@ -76,7 +76,10 @@ class Beat(SpecModel):
         default={}, description="per cause: by how much its absence must change this beat; default: it must not happen at all"
     )
     mandatory: bool = True
-    observe: bool = Field(default=True, description="must be visible in the shots that cover it; one mandatory beat at least, and those that are not are printed")
+    observe: bool = Field(
+        default=True,
+        description="must be visible in the shots that cover it; one mandatory beat at least, and those that are not are printed",
+    )
 
 
 class Requirement(SpecModel):

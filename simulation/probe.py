@@ -88,12 +88,18 @@ def recorded_inputs(folder: WorldFolder, freeze: str) -> tuple[WorldSpec, dict[s
 
 
 def replay(
-    candidate: Candidate, *, intervals: int, seed: int, progress: Callable[[float, float, str], None] | None = None
+    candidate: Candidate,
+    *,
+    intervals: int,
+    seed: int,
+    also: frozenset[int] = frozenset(),
+    progress: Callable[[float, float, str], None] | None = None,
 ) -> list[dict[str, object]]:
     """Re-simulate randomly chosen checkpoint intervals of a bake and compare bytes (acceptance and replay).
 
     The start is compared too: what the rows of the cache stand for, frame 0 and its checkpoint. Each interval ends at the
-    checkpoint that the next one starts from, so that no link of the chain is taken on trust.
+    checkpoint that the next one starts from, so that no link of the chain is taken on trust. Intervals that begin at the
+    frames of `also` are simulated besides.
 
     Returns one record per interval: solver, first and last frame, whether all frames equal the cache, the first that does
     not, and by how much positions differ [m] (None where they cannot be compared).
@@ -109,7 +115,8 @@ def replay(
         caches = {n: candidate.caches[n] for n in names}
         count = min(c.index.frames for c in caches.values())
         marks = checkpoint_frames(candidate.spec, count)
-        chosen = sorted(rng.choice(marks, size=min(intervals, len(marks)), replace=False).tolist())
+        drawn = rng.choice(marks, size=min(intervals, len(marks)), replace=False).tolist()
+        chosen = sorted({*drawn, *(also & set(marks))})
         run = make_run(candidate.spec, candidate.built, names, caches=candidate.caches)
         run.prepare()
         results += [_replay_start(run.solvers[n], c) for n, c in caches.items()]

@@ -20,7 +20,7 @@ from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec, prompt_digest
 
-__all__ = ["HEAD", "bundle_world", "candidate_members", "history_of", "judged", "make_bundle"]
+__all__ = ["HEAD", "bundle_world", "candidate_members", "history_of", "judged", "make_bundle", "remember_refuted"]
 
 ABOUT = "Everything that a verdict about one simulated world rests on. Check it anywhere: worldagent verify FILE"
 HEAD = ("verdict", "stage", "freeze", "spec_digest", "prompt_digest", "cache_digest", "environment", "versions")
@@ -40,10 +40,21 @@ def judged(folder: WorldFolder, ledger: Ledger, *, seed: int | None = None) -> d
     try:
         record = judge_fresh(folder.root, seed=secrets.randbelow(2**31) if seed is None else seed)
         record["stage"] = "full"
+        remember_refuted(ledger, record)
     except (RefusedError, EvidenceError) as error:
         record = _open_record(folder, ledger, str(error).replace(f"{folder.root}/", ""))
     record["weakenings"] = ledger.weakenings()
     return record
+
+
+def remember_refuted(ledger: Ledger, record: Mapping[str, Any]) -> None:
+    """Keep what a replay found wrong: later judgements of the same cache draw other intervals, and it must not pass by that."""
+    replayed = next((r["evidence"] for r in record["rows"] if r["id"] == "delivery:replay"), {})
+    known = replayed.get("earlier", [])
+    bad = [i for i in replayed.get("intervals", []) if not i["identical"]]
+    fresh = [i for i in bad if not any(k["solver"] == i["solver"] and k["frames"] == i["frames"] for k in known)]
+    if fresh:
+        ledger.add_refuted(str(record["freeze"]), str(record["cache_digest"]), fresh)
 
 
 def _open_record(folder: WorldFolder, ledger: Ledger, reason: str) -> dict[str, Any]:

@@ -183,6 +183,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..simulation.bake import run_bake
     from ..simulation.schedule import stretch_count
     from ..verifiers.checks import judging_share, names_of, rerun_ids, run_checks
+    from ..worlds.baked import frame_digests
     from .measurements import refuted
     from .promises import promise_row
 
@@ -209,10 +210,9 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
     changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec))
-    session.ledger.put_bake(
-        freeze, session.revision, candidate.digest, {"frames": total, "failing": _failing(rows, candidate.last_frame)}
-    )
     open_rows = _failing(rows, candidate.last_frame)
+    content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches)}
+    session.ledger.put_bake(freeze, session.revision, candidate.digest, content)
     picture = _sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
     return {
         "complete": True,
@@ -228,7 +228,9 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
 def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Run the checks of one scope again on what is there."""
+    from ..verifiers.binding import cache_row
     from ..verifiers.checks import names_of, rerun_ids, run_checks
+    from ..worlds.baked import bake_record
     from ..worlds.candidate import open_candidate
 
     session, freeze = _session(payload)
@@ -238,6 +240,8 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         candidate = _keeping(candidate, session.folder, freeze)
     rows = run_checks(candidate, only=payload.get("only"), progress=Part(context.progress))
     done = names_of(stage) if payload.get("only") is None else payload["only"]
+    if stage == "full" and "delivery" in done:
+        rows.append(cache_row(candidate, bake_record(session.folder.ledger_path, freeze)))
     whole = stage == "probe" and payload.get("only") is None
     open_rows = _failing(rows, candidate.last_frame)
     with session.ledger.together():  # as in a probe
@@ -261,6 +265,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     import secrets
 
     from ..verifiers.acceptance import judge_fresh
+    from .bundles import remember_refuted
 
     session, freeze = _session(payload)
     if session.ledger.bake(freeze) is None:
@@ -273,7 +278,9 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     rows = [Row.model_validate(r) for r in record["rows"]]
     weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
     record |= {"weakenings": weakenings, "stage": "full"}
-    session.record(rows, stage="full")
+    with session.ledger.together():
+        remember_refuted(session.ledger, record)
+        session.record(rows, stage="full")
     # The ledger keeps verdicts; contact events are in the caches.
     kept = {k: v for k, v in record.items() if k != "events"}
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)

@@ -18,6 +18,8 @@ from .session import Session
 
 __all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
 
+DISTRUSTED = ("delivery:replay", "delivery:digests", "delivery:cache")
+"""Rows of an acceptance that say of a bake that it is not what was simulated."""
 MAX_NAMED = 6
 """Bodies of one entity that a reply names."""
 MAX_SAMPLES = 40
@@ -87,10 +89,19 @@ def is_whole(session: Session, freeze: str, stage: Literal["probe", "full"]) -> 
 
 
 def refuted(session: Session, freeze: str) -> bool:
-    """Whether the last acceptance found the bake of this freeze altered."""
+    """Whether the bake of this freeze is not to be trusted: a replay or the last acceptance found it altered, or the ledger names another."""
+    baked = session.ledger.bake(freeze)
+    if session.ledger.refuted(freeze):
+        return True
+    if baked is not None:
+        try:
+            if open_candidate(session.folder, freeze, "full").digest != baked["digest"]:
+                return True
+        except EvidenceError:
+            pass  # frames are missing or unreadable: the bake resumes and finds which
     latest = session.ledger.acceptance()
     rows = latest["record"]["rows"] if latest is not None and latest["freeze"] == freeze else []
-    return any(r["status"] == "fail" and r["id"].startswith(("delivery:replay", "delivery:digests")) for r in rows)
+    return any(r["status"] == "fail" and r["id"].startswith(DISTRUSTED) for r in rows)
 
 
 def _rounded(values: Any, digits: int = 5) -> list[float]:

@@ -158,7 +158,9 @@ def _check(found: Verification, root: Path, *, seed: int, intervals: int) -> Non
         if found.bundle.manifest["caches"] == "included":
             _replay_elsewhere(found, folder, str(record["freeze"]), seed, intervals)
         _make_anew(folder, spec)
-    found.own = judge_fresh(root, seed=seed, intervals=intervals)
+    # What was made here is what it is about; else the bundle's own word, which every replayed interval is held against.
+    about = str(record["cache_digest"]) if same else open_candidate(folder, _freeze_here(folder, spec), "full").digest
+    found.own = judge_fresh(root, seed=seed, intervals=intervals, recorded=about)
     _compare_verdicts(found, exact=same)
 
 
@@ -276,6 +278,12 @@ def _make_anew(folder: WorldFolder, spec: WorldSpec) -> None:
     built, _ = build_world(folder, spec)
     freeze = open_freeze(folder, spec, built, built_paths(folder, spec), revision=0)
     run_frames(spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, reuse=False)
+
+
+def _freeze_here(folder: WorldFolder, spec: WorldSpec) -> str:
+    from ..verifiers.acceptance import find_candidate
+
+    return find_candidate(folder, spec)
 
 
 def _compare_verdicts(found: Verification, *, exact: bool) -> None:

@@ -16,6 +16,7 @@ from typing import Any
 
 from ..execution import Part, Tell
 from ..worlds.audit import audit
+from ..worlds.baked import BakeRecord, bake_record
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
 from ..worlds.clauses import clauses_of
@@ -27,6 +28,7 @@ from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Correction, Row
 from ..worlds.spec import WorldSpec, prompt_digest
 from ..worlds.story_audit import uncaused
+from .binding import ALL_INTERVALS, cache_row, replay_row, standing
 from .bundle import event_list
 from .register import approximations
 
@@ -103,44 +105,13 @@ def verdict_of(rows: list[Row]) -> str:
     return "accepted" if ok else "incomplete"
 
 
-def _replay_row(candidate: Candidate, seed: int, intervals: int, progress: Tell) -> Row:
-    from ..simulation.probe import replay
-
-    results = replay(candidate, intervals=intervals, seed=seed, progress=progress)
-    bad = [r for r in results if not r["identical"]]
-    return Row(
-        id="delivery:replay",
-        check="delivery",
-        group="delivery",
-        predicate="the start and randomly chosen checkpoint intervals, simulated again, give the cached bytes",
-        status="fail" if bad or not results else "pass",
-        artifact=candidate.artifact,
-        measured=float(len(bad)),
-        bound=0.0,
-        comparison="<=",
-        unit="1",
-        first_failing_frame=int(str(bad[0]["first_different_frame"])) if bad else None,
-        evidence={"intervals": results, "seed": seed},
-        corrections=(
-            Correction(
-                cause="the cache is not what these settings give",
-                edit_class="solver",
-                group="interval",
-                action="bake again; never edit cache files",
-            ),
-        )
-        if bad
-        else (),
-        recipe=candidate.recipe("delivery", extra="replay"),
-    )
-
-
 def judge(
     root: Path,
     *,
     replay: bool = True,
     seed: int = 0,
     intervals: int = REPLAY_INTERVALS,
+    recorded: str | None = None,
     progress: Tell | None = None,
 ) -> dict[str, Any]:
     """Judge the candidate of a world folder's present `world.json`, reading only.
@@ -149,7 +120,8 @@ def judge(
         root: the world folder.
         replay: also simulate again: the start and randomly chosen checkpoint intervals, and the world without its causes.
         seed: of that choice.
-        intervals: how many per solver instance; more than there are means all.
+        intervals: how many per solver instance; more than there are means all. All are where the record of the bake lacks its seals.
+        recorded: digest of the caches that this must be about, where the folder's ledger does not say so: that of a bundle.
         progress: told of every check, and of the frames that are simulated.
 
     Returns a JSON-able record: verdict, freeze, subject, rows, clauses, approximations, versions, environment, events.
@@ -171,9 +143,8 @@ def judge(
     tell = progress or _silent
     judged = judging_share(spec, "full", reruns=replay) if replay else 1.0
     rows += run_checks(candidate, reruns=replay, progress=Part(tell, 0.0, judged))
-    if replay:
-        parts = len(groups_of(spec))
-        rows.append(_replay_row(candidate, seed, intervals, Part(tell, judged, 1.0, alike=parts)))
+    part = Part(tell, judged, 1.0, alike=len(groups_of(spec))) if replay else None
+    rows += _bound_rows(candidate, freeze, seed, intervals, recorded, part)
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]
     mapped = spec.clauses
     return {
@@ -200,6 +171,30 @@ def judge(
         "replayed": replay,
         "seed": seed,
     }
+
+
+def _bound_rows(
+    candidate: Candidate, freeze: str, seed: int, intervals: int, recorded: str | None, progress: Tell | None
+) -> list[Row]:
+    """`delivery:cache`, and `delivery:replay` where something was simulated again or an earlier replay failed."""
+    from ..simulation.schedule import checkpoint_frames
+
+    known, missing = None, ""
+    try:
+        known = BakeRecord(recorded) if recorded is not None else bake_record(WorldFolder(candidate.folder).ledger_path, freeze)
+    except EvidenceError as error:
+        missing = str(error)
+    earlier = standing(candidate, known)
+    if missing or (known is not None and not known.sealed):
+        intervals = ALL_INTERVALS
+    marks = len(checkpoint_frames(candidate.spec, candidate.frame_count))
+    if intervals >= marks:
+        intervals = ALL_INTERVALS
+    rows, replayed = [], False
+    if progress is not None or earlier:
+        row, replayed = replay_row(candidate, seed, intervals, earlier, progress)
+        rows.append(row)
+    return [cache_row(candidate, known, replayed=replayed, missing=missing), *rows]
 
 
 def _unjudged(candidate: Candidate, check: Check) -> Row:
@@ -269,6 +264,7 @@ def judge_fresh(
     replay: bool = True,
     seed: int = 0,
     intervals: int = REPLAY_INTERVALS,
+    recorded: str | None = None,
     progress: Tell | None = None,
 ) -> dict[str, Any]:
     """Run `judge` in a fresh Python process, pass its progress on, and return its record.
@@ -281,6 +277,8 @@ def judge_fresh(
     command += ["--intervals", str(intervals)]
     if not replay:
         command.append("--no-replay")
+    if recorded is not None:
+        command += ["--recorded", recorded]
     answer: dict[str, Any] | None = None
     with tempfile.TemporaryFile() as errors:
         pipes = {"stdout": subprocess.PIPE, "stderr": errors, "stdin": subprocess.DEVNULL}
@@ -334,6 +332,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--intervals", type=int, default=REPLAY_INTERVALS)
     parser.add_argument("--no-replay", action="store_true")
+    parser.add_argument("--recorded")
     options = parser.parse_args()
     try:
         record = judge(
@@ -341,6 +340,7 @@ def main() -> None:
             replay=not options.no_replay,
             seed=options.seed,
             intervals=options.intervals,
+            recorded=options.recorded,
             progress=lambda *told: _print({"progress": told}),
         )
     except WorldAgentError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -267,15 +267,19 @@ class Candidate:
         return hashlib.sha256(json.dumps(source, sort_keys=True, default=str).encode()).hexdigest()[:32]
 
 
-def cache_digest(caches: Mapping[str, Cache]) -> str:
-    """SHA-256 over the indices and the recorded digests of all frames, surfaces and wet maps, hex.
+def cache_digest(caches: Mapping[str, Cache], frames: Mapping[str, Sequence[str]] | None = None) -> str:
+    """SHA-256 over the indices and the digests of all frames, surfaces and wet maps, hex.
+
+    Args:
+        caches: by solver instance.
+        frames: digests of their frames, instead of those recorded beside them.
 
     Raises:
         EvidenceError: a cache has no digests or lacks frames.
     """
     state = hashlib.sha256()
     for name in sorted(caches):
-        digests = caches[name].digests()
+        digests = caches[name].digests() if frames is None else frames[name]
         if len(digests) < caches[name].index.frames:
             raise EvidenceError(
                 f"cache {name!r} holds {len(digests)} of {caches[name].index.frames} frames; bake again to resume"

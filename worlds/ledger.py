@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from .baked import refuted_texts
 from .ledger_file import LedgerFile, check_seal, matrix_texts, put_seal
 from .requirements import Attempt, Outcome, Row, fail_closed, outcome_of
 
@@ -291,11 +292,33 @@ class Ledger(LedgerFile):
         return [{**dict(r), "detail": json.loads(r["detail"]), "passed": bool(r["passed"])} for r in rows]
 
     def put_bake(self, freeze: str, revision: int, digest: str, detail: Mapping[str, Any]) -> None:
-        """Record a complete bake."""
+        """Record a complete bake, which settles what replays said about an earlier one of the same settings."""
         text = json.dumps(detail, sort_keys=True)
         with self._write() as db:
             db.execute("INSERT OR REPLACE INTO bakes VALUES (?,?,?,?,?)", (freeze, revision, digest, text, time.time()))
             put_seal(db, f"bake:{freeze}", digest, text)
+            db.execute("UPDATE refuted SET settled=1 WHERE freeze=?", (freeze,))
+            put_seal(db, f"refuted:{freeze}", *refuted_texts(db, freeze))
+
+    def add_refuted(self, freeze: str, digest: str, intervals: Iterable[Mapping[str, Any]]) -> None:
+        """Record that intervals of a bake, simulated again, did not give its bytes; it stays so until the next bake.
+
+        Args:
+            freeze: of the bake.
+            digest: of the caches that were replayed.
+            intervals: what `replay` says of each that differs.
+        """
+        with self._write() as db:
+            for interval in intervals:
+                values = (freeze, digest, json.dumps(dict(interval), sort_keys=True), time.time())
+                db.execute("INSERT INTO refuted (freeze, digest, detail, at, settled) VALUES (?,?,?,?,0)", values)
+            put_seal(db, f"refuted:{freeze}", *refuted_texts(db, freeze))
+
+    def refuted(self, freeze: str) -> list[dict[str, Any]]:
+        """Intervals of a freeze's newest bake that a replay did not give again, oldest first, with the caches' digest."""
+        with self._open() as db:
+            check_seal(db, f"refuted:{freeze}", *(texts := refuted_texts(db, freeze)))
+        return [{"digest": d, **json.loads(t)} for d, t in zip(texts[::2], texts[1::2], strict=True)]
 
     def bake(self, freeze: str) -> dict[str, Any] | None:
         """The record of a complete bake."""

@@ -31,6 +31,9 @@ _TABLES = {
     "freezes": """
         freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, passed INTEGER NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL""",
     "bakes": "freeze TEXT PRIMARY KEY, revision INTEGER NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL",
+    "refuted": """
+        n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL,
+        settled INTEGER NOT NULL""",
     "acceptances": """
         n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL,
         verdict TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL""",

@@ -19,8 +19,10 @@ from ...construction import build_world, built_paths
 from ...simulation.bake import run_bake
 from ...simulation.freeze import open_freeze
 from ...verifiers.acceptance import judge
+from ...worlds.baked import frame_digests
 from ...worlds.errors import RefusedError
 from ...worlds.folder import WorldFolder, write_atomically
+from ...worlds.ledger import Ledger
 from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
@@ -74,7 +76,9 @@ def rejudge(world: str, spec: WorldSpec) -> Rejudged:
         folder.root.mkdir()
         write_atomically(folder.spec_path, spec.model_dump_json(exclude_none=True).encode())
         built, _ = build_world(folder, spec)
-        run_bake(folder, open_freeze(folder, spec, built, built_paths(folder, spec), 1))
+        freeze = open_freeze(folder, spec, built, built_paths(folder, spec), 1)
+        baked = run_bake(folder, freeze)
+        Ledger(folder.ledger_path).put_bake(freeze, 1, baked.digest, {"frame_digests": frame_digests(baked.caches)})
         start = time.perf_counter()
         record = judge(folder.root)
         return Rejudged(world, tuple(Row.model_validate(r) for r in record["rows"]), time.perf_counter() - start)

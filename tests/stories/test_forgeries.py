@@ -10,10 +10,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.verifiers.acceptance import judge
+from worldagent.execution import run_inline
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+from worldagent.tools.bundles import remember_refuted
+from worldagent.verifiers.acceptance import REPLAY_INTERVALS, judge
+from worldagent.verifiers.binding import replay_row
+from worldagent.worlds.baked import frame_digests
 from worldagent.worlds.built import BuiltBody, BuiltEntity, load_built, save_built
 from worldagent.worlds.cache import Cache, read_container, write_container
+from worldagent.worlds.candidate import open_candidate
 from worldagent.worlds.errors import EvidenceError, RefusedError
+from worldagent.worlds.folder import WorldFolder
+from worldagent.worlds.ledger import Ledger
+
+
+SEEDS = range(4)
 
 
 def _sql(folder: Path, statement: str, *values: Any) -> None:
@@ -101,9 +112,100 @@ def test_swapped_frames_are_found(copy: Path) -> None:
 @pytest.mark.parametrize("frame", [0, 6, 18, 35])
 def test_a_frame_forged_with_its_digest_is_found_by_replay(copy: Path, frame: int) -> None:
     _forge_frame(copy, frame, digest=True)
-    found = _open(judge(copy, seed=0))
+    for seed in SEEDS:
+        assert _replayed(copy, seed).first_failing_frame == frame
+    found = _open(judge(copy, seed=SEEDS[-1]))
     assert found["delivery:replay"]["first_failing_frame"] == frame
     assert "delivery:digests:rigid" not in found
+
+
+def _times_fifty(folder: Path) -> int:
+    """Multiply the contact impulses of the first blow by fifty and mend the digest; returns the frame."""
+    cache = Cache(_bake(folder))
+    frame = next(k for k in range(1, cache.index.frames) if len(cache.read(k)["event/time"]))
+    data = cache.read(frame)
+    data["contact/impulse"] = data["contact/impulse"] * 50.0
+    cache.begin_digests([write_container(cache.path(frame), data) if k == frame else d for k, d in enumerate(cache.digests())])
+    return frame
+
+
+def _name_what_is_there(folder: Path, *, seals: bool) -> None:
+    """Have the ledger name the cache that is on disk; with `seals`, as the program itself would write it."""
+    ledger, freeze = Ledger(folder / "ledger.sqlite"), json.loads(_record(folder).read_text())["freeze"]
+    candidate, known = open_candidate(WorldFolder(folder), freeze, "full"), ledger.bake(freeze)
+    assert known is not None
+    detail = known["detail"] | {"frame_digests": frame_digests(candidate.caches)}
+    ledger.put_bake(freeze, known["revision"], candidate.digest, detail)
+    if not seals:
+        _sql(folder, "DELETE FROM refuted")
+
+
+def _replayed(folder: Path, seed: int, intervals: int = REPLAY_INTERVALS) -> Any:
+    """What a replay that draws with this seed says of the bake."""
+    candidate = open_candidate(WorldFolder(folder), json.loads(_record(folder).read_text())["freeze"], "full")
+    return replay_row(candidate, seed, intervals, (), lambda *_: None)[0]
+
+
+def test_impulses_times_fifty_with_a_mended_digest_are_refused_at_every_acceptance(
+    copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The cache is not the one that its ledger names, whichever intervals are drawn."""
+    run_jobs_inline(monkeypatch)
+    frame = _times_fifty(copy)
+    for _ in range(2):
+        verdict = run_inline("worldagent.tools.jobs:accept", {"folder": str(copy)})
+        assert verdict["verdict"] == "incomplete"
+        assert "delivery:cache" in [r["id"] for r in verdict["open_rows"]]
+    row = _open(judge(copy, replay=False))["delivery:cache"]
+    assert row["first_failing_frame"] == frame
+    assert row["evidence"]["recorded"][:16] in row["evidence"]["explanation"]
+    assert row["evidence"]["present"][:16] in row["evidence"]["explanation"]
+    checked = run_inline("worldagent.tools.jobs:check", {"folder": str(copy), "scope": "full"})
+    assert "delivery:cache" in [r["id"] for r in checked["open_rows"]]
+    assert run_inline("worldagent.tools.jobs:bake", {"folder": str(copy)})["passed"]
+    assert run_inline("worldagent.tools.jobs:accept", {"folder": str(copy)})["verdict"] == "accepted"
+
+
+def test_a_failed_replay_stays_with_the_cache_whatever_is_drawn_later(copy: Path) -> None:
+    """The ledger is made to name the forged cache, seals and all: only simulating again tells, and only once is needed."""
+    frame = _times_fifty(copy)
+    _name_what_is_there(copy, seals=True)
+    rows = {seed: _replayed(copy, seed, intervals=1) for seed in range(12)}
+    hit = next(seed for seed, row in rows.items() if row.status == "fail")
+    miss = next(seed for seed, row in rows.items() if row.status == "pass")
+    assert "delivery:replay" not in _open(judge(copy, seed=miss, intervals=1))
+    ledger, found = Ledger(copy / "ledger.sqlite"), judge(copy, seed=hit, intervals=1)
+    remember_refuted(ledger, found)
+    remember_refuted(ledger, judge(copy, seed=hit, intervals=1))
+    (kept,) = ledger.refuted(found["freeze"])
+    assert (kept["digest"], kept["first_different_frame"]) == (found["cache_digest"], frame)
+    row = _open(judge(copy, seed=miss, intervals=1))["delivery:replay"]
+    assert row["first_failing_frame"] == frame
+    assert kept["frames"] in [i["frames"] for i in row["evidence"]["intervals"]]
+    assert _open(judge(copy, replay=False))["delivery:replay"]["first_failing_frame"] == frame
+    candidate = open_candidate(WorldFolder(copy), found["freeze"], "full")
+    ledger.put_bake(found["freeze"], 1, candidate.digest, {"frame_digests": frame_digests(candidate.caches)})
+    assert ledger.refuted(found["freeze"]) == []
+
+
+def test_a_record_of_the_bake_without_its_seals_has_every_interval_simulated_again(copy: Path) -> None:
+    _sql(copy, "DELETE FROM refuted")
+    assert _open(judge(copy, replay=False)).keys() == {"delivery:cache"}
+    found = judge(copy, intervals=1)
+    assert not _open(found)
+    row = next(r for r in found["rows"] if r["id"] == "delivery:replay")
+    assert [i["frames"] for i in row["evidence"]["intervals"]] == [[0, 0], [0, 12], [12, 24], [24, 35]]
+    _times_fifty(copy)
+    _name_what_is_there(copy, seals=False)
+    assert _open(judge(copy, seed=SEEDS[0], intervals=1)).keys() == {"delivery:cache", "delivery:replay"}
+
+
+def test_a_folder_without_its_ledger_is_unverified_unless_all_of_it_is_simulated_again(copy: Path) -> None:
+    (copy / "ledger.sqlite").unlink()
+    row = _open(judge(copy, intervals=1))["delivery:cache"]
+    assert (row["status"], row["measured"]) == ("unverified", None)
+    assert not _open(judge(copy, intervals=10**6))
+    assert not (copy / "ledger.sqlite").exists()
 
 
 @pytest.mark.parametrize("frame", [0, 12, 24])
@@ -138,8 +240,6 @@ def judge_or_error(folder: Path) -> str:
 def test_another_run_in_place_of_the_baked_one_is_found(copy: Path, failed_folder: Path) -> None:
     """The frames, digests and checkpoints of a whole other simulation, consistent in themselves."""
     from worldagent.simulation.schedule import run_frames
-    from worldagent.worlds.candidate import open_candidate
-    from worldagent.worlds.folder import WorldFolder
 
     folder = WorldFolder(copy)
     freeze = json.loads(_record(copy).read_text())["freeze"]

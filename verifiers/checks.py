@@ -29,6 +29,7 @@ from . import (
     terrain,
 )
 from .diagnosis import diagnose
+from .rows import only_seen
 
 __all__ = ["CHECKS", "CheckBinding", "judging_share", "names_of", "rerun_ids", "run_checks"]
 
@@ -124,7 +125,7 @@ def run_checks(
         told = Part(progress or _silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
         told(0, 1, f"checking {binding.name}")
         found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _first_failure(rows))
-        rows += [diagnose(fail_closed(r), candidate.spec) for r in found]
+        rows += [diagnose(only_seen(candidate, fail_closed(r)), candidate.spec) for r in found]
         took += time.monotonic() - began if binding.reruns is None else 0.0
     if seconds is not None:
         seconds["judged"] = took

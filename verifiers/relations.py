@@ -12,7 +12,7 @@ from ..worlds.predicates import Reaches
 from ..worlds.requirements import Row
 from ..worlds.spec import Adjacent, Contains
 from .predicates import evaluate
-from .rows import guarded_rows, pointer, row
+from .rows import guarded_rows, only_seen, pointer, row
 from .surfaces import surfaces_of
 from .verdicts import correction
 
@@ -62,7 +62,7 @@ def _contains(candidate: Candidate, name: str, relation: Contains) -> Row:
         f"put {relation.b!r} inside {relation.a!r}",
         pointers=(pointer("graph", "relations", name), pointer("entities", relation.b, "pose")),
     )
-    return row(
+    found = row(
         candidate,
         id=f"relations:{name}",
         check="relations",
@@ -79,6 +79,8 @@ def _contains(candidate: Candidate, name: str, relation: Contains) -> Row:
         corrections=() if when is None else (hint,),
         extra=relation.model_dump(mode="json"),
     )
+    # A probe speaks of the frames that it has; a bake of all that the relation asks for.
+    return only_seen(candidate, found, (first, last)) if candidate.stage == "full" else found
 
 
 def _outside(candidate: Candidate, holder: str, held: str, frame: int) -> float:

@@ -25,7 +25,7 @@ from .kept import kept_rows
 from .landed import Ground, landed_rows
 from .moved import support_interval
 from .resting import rest_rows
-from .rows import Comparison, guarded, guarded_rows, pointer, row
+from .rows import Comparison, guarded, guarded_rows, only_seen, pointer, row
 from .stays import stays_rows
 from .support_graph import SupportGraph, drop
 from .surfaces import surfaces_of
@@ -58,7 +58,7 @@ def check(candidate: Candidate) -> list[Row]:
             continue
         frames = (first, min(last, candidate.last_frame))
         fluid = relation.a in candidate.liquids or relation.b in candidate.liquids
-        rows += guarded_rows(
+        judged = guarded_rows(
             candidate,
             lambda n=name, r=relation, f=frames, j=carried_row if fluid else _relation: [j(graph, n, r, f)],  # type: ignore[misc]
             id=f"support:{name}:{relation.b}",
@@ -66,6 +66,8 @@ def check(candidate: Candidate) -> list[Row]:
             predicate=f"{relation.a} carries {relation.b}",
             entities=(relation.b, relation.a),
         )
+        # A probe speaks of the frames that it has; a bake of all that the relation asks for.
+        rows += [only_seen(candidate, r, (first, last)) for r in judged] if candidate.stage == "full" else judged
         if first == 0 and last > 0 and not fluid and candidate.spec.entities[relation.b].motion == "dynamic":
             claimed.append(relation.b)
     for name in dict.fromkeys(claimed):

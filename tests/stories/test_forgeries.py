@@ -23,7 +23,6 @@ from worldagent.worlds.errors import EvidenceError, RefusedError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
 
-
 SEEDS = range(4)
 
 

@@ -138,7 +138,8 @@ def measured(
         raise InputError(
             f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {candidate.stage} run{more}"
         )
-    head = {"source": candidate.artifact, "stage": candidate.stage}
+    unjudged = session.shown(candidate, last)
+    head = {"source": candidate.artifact, "stage": candidate.stage, **({"unjudged": unjudged} if unjudged else {})}
     same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
         names = entities or list(session.spec.entities)

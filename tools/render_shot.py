@@ -107,9 +107,11 @@ def render_shot(
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
     wide, tall = LEDGER_SIZE if kind == "ledger" else (640, 360)
     size = width or wide, height or tall
+    unjudged = session.shown(candidate, candidate.last_frame if kind == "contact_sheet" else state)
     own = None if camera is None else own_camera(candidate, camera, state, *size)
     image = _picture(candidate, kind, state, shot, own, frames, *size, samples, seen_from=frame)
     warnings = [] if own is None else buried(candidate, own)
+    warnings += [unjudged] if unjudged else []
     if state != frame:
         warnings.append("nothing is simulated yet: the state of frame 0, seen from this frame's camera")
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")

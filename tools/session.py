@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..worlds.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
@@ -24,6 +24,9 @@ from ..worlds.spec import WorldSpec
 from .earlier import has_motion
 from .known_specs import KnownSpecs
 from .repair_rules import CAUSAL_CLASSES, UNDONE, causal_groups, cut_grounds, failed, judged_on, same_causes
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
 
 __all__ = ["Session", "no_revision"]
 
@@ -185,7 +188,7 @@ class Session:
             "stale": _shorten(stale),
             "rows_now_stale": len(lost),
             **({"undoes_revisions": [i["revision"] for i in undone]} if undone else {}),
-            **({"weakenings_recorded": weaker} if weaker and self.ledger.ever_failed() else {}),
+            **({"weakenings_recorded": weaker} if weaker and (self.ledger.ever_failed() or self.ledger.looks()) else {}),
         }
 
     def _undone(self, after: WorldSpec) -> list[dict[str, Any]]:
@@ -196,13 +199,47 @@ class Session:
             return []
         return untested if same_causes(WorldSpec.model_validate_json(recorded[0]), after) else []
 
+    def shown(self, candidate: Candidate, last: int) -> str:
+        """Record that frames up to `last` of a motion are shown; one without a verdict counts as evidence all the same.
+
+        Returns what to tell of it: nothing, where the motion was judged. Who watches the frames of a probe or a bake and cancels it before its rows are written knows what they would say.
+        """
+        if candidate.stage == "static":
+            return ""
+        root = (self.folder.root / candidate.artifact).parent
+        freeze = str(self.folder.read_json(root / "candidate.json")["freeze"])
+        if candidate.stage == "full":
+            known = self.ledger.bake(freeze)
+            judged = None if known is None else known["digest"]
+        else:
+            known = self.ledger.freeze(freeze)
+            judged = None if known is None else known["detail"].get("digest", candidate.digest)
+        if judged == candidate.digest:
+            return ""
+        self.ledger.add_look(freeze, candidate.stage, self.revision, last)
+        return "no check has judged this motion yet; it was looked at, so that it counts as evidence like a probe's rows, cancelled or not"
+
+    def _unjudged(self, *, untested: bool = False) -> str:
+        """What to tell of motions that were looked at and never judged; empty where there are none."""
+        looks = self.ledger.looks(untested=untested)
+        if not looks:
+            return ""
+        latest = looks[-1]
+        run = {"full": "bake"}.get(latest["stage"], latest["stage"])
+        return (
+            f"frames 0..{latest['last']} of the {run} {latest['freeze'][:16]} (revision {latest['revision']}) were looked at, and it was "
+            "never judged, so that they count as evidence"
+        )
+
     def _rules(
         self, failing: list[Row], groups: set[Any], causal: list[str], weaker: list[str], hypothesis: str, reason: str
     ) -> None:
         told: list[str] = []
-        if weaker and self.ledger.ever_failed() and len(reason.strip()) < 15:
+        unjudged = self._unjudged()
+        if weaker and (unjudged or self.ledger.ever_failed()) and len(reason.strip()) < 15:
             told.append(
-                "this edit makes the specification easier to satisfy after evidence against it: "
+                (f"{unjudged}: " if unjudged else "")
+                + "this edit makes the specification easier to satisfy after evidence against it: "
                 + "; ".join(weaker[:6])
                 + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
@@ -225,11 +262,15 @@ class Session:
                 f"Call {test} before the next change; or take it back: setting everything causal to what it was in revision "
                 f"{untested[0]['revision'] - 1} is allowed at once"
             )
-        if not failing:
+        unjudged = "" if failing else self._unjudged(untested=True)
+        if not failing and not unjudged:
             return told
+        if unjudged:
+            unjudged += " (while the settings are still these, run_checks(scope='probe') judges them)"
         if len(hypothesis.strip()) < 10:
+            why = unjudged or f"{len(failing)} rows fail ({', '.join(r.id for r in failing[:5])})"
             told.append(
-                f"{len(failing)} rows fail ({', '.join(r.id for r in failing[:5])}); an edit must now name its hypothesis: "
+                f"{why}; an edit must now name its hypothesis: "
                 "what you believe causes the failure and why this change cures it (>= 10 characters)"
             )
         if len(causal) > 1:
@@ -237,6 +278,8 @@ class Session:
                 f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next"
             )
+        if not failing:
+            return told
         wanted = {e for r in failing for e in r.evidence.get("edit_classes") or {c.edit_class for c in r.corrections}}
         edit = next(g.edit_class for g in groups if g.edit_class in CAUSAL_CLASSES)
         if wanted & set(CAUSAL_CLASSES) and edit not in wanted:

@@ -17,6 +17,9 @@ __all__ = ["Ledger"]
 _LATER_COLUMNS = {"iterations": ("changes", "before", "after")}
 """Columns that ledgers of older worlds lack; they are added at the first write that needs them."""
 
+_TESTED, _JUDGED = 1, 2
+"""What became of a motion that was looked at without a verdict: another was judged since; it was judged itself."""
+
 
 class Ledger(LedgerFile):
     """Outcomes of one world. Append-only but for the matrix, whose changes are kept in `history`."""
@@ -275,6 +278,29 @@ class Ledger(LedgerFile):
         with self._write() as db:
             db.execute("INSERT OR REPLACE INTO freezes VALUES (?,?,?,?,?)", (freeze, revision, int(passed), text, time.time()))
             put_seal(db, f"freeze:{freeze}", str(int(passed)), text)
+            db.execute("UPDATE looks SET settled=? WHERE settled<?", (_TESTED, _TESTED))
+            db.execute("UPDATE looks SET settled=? WHERE freeze=?", (_JUDGED, freeze))
+
+    def add_look(self, freeze: str, stage: str, revision: int, last: int) -> None:
+        """Record that frames 0 to `last` of a motion without a verdict were shown.
+
+        Args:
+            freeze: of the motion.
+            stage: `probe` or `full`.
+            revision: present one.
+            last: last frame that was shown.
+        """
+        with self._write() as db:
+            db.execute(
+                "INSERT INTO looks VALUES (?,?,?,?,?,0) ON CONFLICT (freeze, stage) DO UPDATE SET settled=0, last=MAX(last, excluded.last)",
+                (freeze, stage, revision, last, time.time()),
+            )
+
+    def looks(self, *, untested: bool = False) -> list[dict[str, Any]]:
+        """Motions that were looked at and never judged, oldest first; with `untested`, those since which no probe was judged."""
+        with self._open() as db:
+            below = _TESTED if untested else _JUDGED
+            return [dict(r) for r in db.execute("SELECT * FROM looks WHERE settled<? ORDER BY at", (below,)).fetchall()]
 
     def freeze(self, freeze: str) -> dict[str, Any] | None:
         """The probe's record for these settings."""
@@ -299,6 +325,7 @@ class Ledger(LedgerFile):
             put_seal(db, f"bake:{freeze}", digest, text)
             db.execute("UPDATE refuted SET settled=1 WHERE freeze=?", (freeze,))
             put_seal(db, f"refuted:{freeze}", *refuted_texts(db, freeze))
+            db.execute("UPDATE looks SET settled=? WHERE freeze=? AND stage='full'", (_JUDGED, freeze))
 
     def add_refuted(self, freeze: str, digest: str, intervals: Iterable[Mapping[str, Any]]) -> None:
         """Record that intervals of a bake, simulated again, did not give its bytes; it stays so until the next bake.

@@ -34,6 +34,9 @@ _TABLES = {
     "refuted": """
         n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, digest TEXT NOT NULL, detail TEXT NOT NULL, at REAL NOT NULL,
         settled INTEGER NOT NULL""",
+    "looks": """
+        freeze TEXT NOT NULL, stage TEXT NOT NULL, revision INTEGER NOT NULL, last INTEGER NOT NULL, at REAL NOT NULL,
+        settled INTEGER NOT NULL, PRIMARY KEY (freeze, stage)""",
     "acceptances": """
         n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL,
         verdict TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL""",

@@ -299,7 +299,7 @@ class Entity(SpecModel):
     )
     afloat: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
         default=None,
-        description="of static and kinematic things: why it hangs in the air with nothing that holds it; printed with the acceptance",
+        description="why nothing holds it up; printed",
     )
 
     @model_validator(mode="after")

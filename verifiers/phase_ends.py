@@ -1,8 +1,8 @@
 """What rightly goes on when a run ends: flights, slides, spins, splashes, and what a driver keeps moving (R77, S12).
 
-A motion goes on by physics when the mechanical energy of all matter does not grow without a source. Looked at are the last `SPAN`
-seconds: their largest energy is not above the largest before by more than `GROWTH` of the largest kinetic energy. Work of drivers
-on bodies is taken off as recorded; a driver that acts within that time on anything else is a source.
+A motion goes on by physics when the mechanical energy of all matter does not grow without a source. Looked at is the last third of
+the response, `SPAN` at least: its largest energy is not above the largest before by more than `GROWTH` of the largest kinetic
+energy. Work of drivers on bodies is taken off as recorded; a driver that acts within that time on anything else is a source.
 
 Energy is kinetic and of gravity, computed from poses and velocities; of springs, liquids, grains, cloth and elastic bodies as
 recorded. Without these records nothing is known, and nothing goes on.
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["GROWTH", "SPAN", "Ending", "ending"]
 
 SPAN = 0.25
-"""[s] Own choice: time at the end over which a motion must keep its energy."""
+"""[s] Own choice: least time at the end over which a motion must keep its energy."""
 GROWTH = 0.05
 """Own choice: share of the largest kinetic energy by which the energy may grow: frames show an impact or a turn unevenly."""
 TOLD = 0.05
@@ -48,7 +48,7 @@ class Ending(NamedTuple):
 
 
 def ending(candidate: Candidate, kinetic: F64, start: int) -> Ending | None:
-    """How the last `SPAN` seconds go; None where the run is too short after `start`, a beat is still to come, or energy is not known.
+    """How the last third goes, `SPAN` seconds at least; None where the run is too short after `start`, a beat is still to come, or energy is not known.
 
     Args:
         candidate: what was run.
@@ -61,14 +61,16 @@ def ending(candidate: Candidate, kinetic: F64, start: int) -> Ending | None:
     energy = _mechanical(candidate)
     if energy is None or not np.isfinite(energy).all():
         return None
-    gain = float(energy[last - span : last + 1].max() - energy[start : last - span + 1].max())
+    span = max(span, (last - start) // 3)
+    since, seconds = last - span, span / candidate.spec.simulation.fps
+    gain = float(energy[since : last + 1].max() - energy[start : since + 1].max())
     scale = float(kinetic[start : last + 1].max())
-    feeding = _feeding(candidate, last - span)
+    feeding = _feeding(candidate, since)
     if gain > GROWTH * scale and not feeding:
-        text = f"energy grows by {gain:.3g} J over the last {SPAN:g} s and no driver feeds it; {GROWTH * scale:.3g} J is allowed"
+        text = f"energy grows by {gain:.3g} J over the last {seconds:.3g} s and no driver feeds it; {GROWTH * scale:.3g} J is allowed"
         return Ending(False, text)
     told = _told(candidate, span, float(kinetic[last]), feeding)
-    change = f"energy {gain / scale:+.1%} of the largest kinetic energy over the last {SPAN:g} s" if scale > 0 else "at rest"
+    change = f"energy {gain / scale:+.1%} of the largest kinetic energy over the last {seconds:.3g} s" if scale > 0 else "at rest"
     return Ending(True, f"goes on at the end: {told}; {change}")
 
 
@@ -83,7 +85,7 @@ def _mechanical(candidate: Candidate) -> F64 | None:
     """Mechanical energy of all matter less the work of drivers [J], shape (frames,); None where a record is missing."""
     spec, frames = candidate.spec, candidate.frame_count
     total = np.zeros(frames)
-    stored = any(j.kind == "spring" for j in spec.simulation.joints.values())
+    stored = any(j.kind in ("spring", "rope") or getattr(j, "stiffness", 0.0) for j in spec.simulation.joints.values())
     for name, cache in candidate.caches.items():
         rigid = name in candidate.rigid_caches
         soft = rigid and any(b.split("/", 1)[0] in candidate.deforming for b in cache.index.bodies)

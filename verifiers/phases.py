@@ -250,6 +250,11 @@ def _settling(candidate: Candidate, energy: F64, response: tuple[int, int], note
     if notes["peak_response"].startswith("carried on"):
         notes["early_settling"] = notes["peak_response"]
         return last
+    goes = ending(candidate, energy, start)
+    if goes is not None and not goes.goes_on and not set(candidate.caches) - set(candidate.rigid_caches):
+        # A swing that grows is slow at its ends too. Of other matter not all that it exchanges is in these sums.
+        notes["early_settling"] = notes["grows"] = goes.text
+        return None
     quiet = np.flatnonzero(energy[peak:] <= SETTLED * energy[peak])
     if len(quiet):
         notes["early_settling"] = f"kinetic energy below {SETTLED:.0%} of its peak"
@@ -258,13 +263,9 @@ def _settling(candidate: Candidate, energy: F64, response: tuple[int, int], note
     if last - peak >= span and bool((np.diff(energy[last - span : last + 1]) <= 0).all()):
         notes["early_settling"] = f"kinetic energy has fallen for {FALLING:g} s"
         return last
-    goes = ending(candidate, energy, start)
     if goes is not None and goes.goes_on:
         notes["early_settling"] = goes.text
         return last
-    if goes is not None and not set(candidate.caches) - set(candidate.rigid_caches):
-        notes["early_settling"] = notes["grows"] = goes.text
-        return None
     end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=None)
     if end is not None and peak <= end <= last:
         notes["early_settling"] = f"the last beat ends at frame {end}"

@@ -30,6 +30,7 @@ CHECKS = (
     "support",
     "navigability",
     "causal",
+    "story",
     "category",
     "elastic",
     "liquid",
@@ -41,7 +42,8 @@ CHECKS = (
     "contact",
     "shots",
 )
-"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. Those of categories (elastic to fracture) are of the category check."""
+"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. Those of categories (elastic to fracture) are of the category
+check, that of the story is of the beat check."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""
 

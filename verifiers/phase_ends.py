@@ -1,8 +1,8 @@
 """What rightly goes on when a run ends: flights, slides, spins, splashes, and what a driver keeps moving (R77, S12).
 
 A motion goes on by physics when the mechanical energy of all matter does not grow without a source. Looked at is the last third of
-the response, `SPAN` at least: its largest energy is not above the largest before by more than `GROWTH` of the largest kinetic
-energy. Work of drivers on bodies is taken off as recorded; a driver that acts within that time on anything else is a source.
+the response, `SPAN` at least: its largest energy is not above the largest before by more than `GROWTH` of the run's largest
+kinetic energy. Work of drivers on bodies is taken off as recorded; a driver that acts within that time on anything else is a source.
 
 Energy is kinetic and of gravity, computed from poses and velocities; of springs, liquids, grains, cloth and elastic bodies as
 recorded. Without these records nothing is known, and nothing goes on.
@@ -64,7 +64,7 @@ def ending(candidate: Candidate, kinetic: F64, start: int) -> Ending | None:
     span = max(span, (last - start) // 3)
     since, seconds = last - span, span / candidate.spec.simulation.fps
     gain = float(energy[since : last + 1].max() - energy[start : since + 1].max())
-    scale = float(kinetic[start : last + 1].max())
+    scale = float(kinetic[: last + 1].max())
     feeding = _feeding(candidate, since)
     if gain > GROWTH * scale and not feeding:
         text = f"energy grows by {gain:.3g} J over the last {seconds:.3g} s and no driver feeds it; {GROWTH * scale:.3g} J is allowed"

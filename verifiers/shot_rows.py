@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..worlds.predicates import describe_predicate
+import numpy as np
+
+from ..worlds.predicates import atoms_of, describe_predicate, is_invariant
+from .predicates import beat_times
 from .verdicts import make_row
 
 if TYPE_CHECKING:
@@ -12,7 +15,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Row, Status
     from ..worlds.spec import Beat, Shot
 
-__all__ = ["CLAIMS", "MOMENT", "SCREEN_STEP", "around", "shot_row", "shots_at", "subjects_of", "unseen_text"]
+__all__ = ["CLAIMS", "MOMENT", "SCREEN_STEP", "outcome_frames", "shot_row", "shots_at", "subjects_of", "unseen_text"]
 
 SCREEN_STEP = 0.2
 """Own choice: a picture that moves by more than a fifth of its width per frame cannot be followed by eye."""
@@ -51,10 +54,24 @@ def shot_row(candidate: Candidate, row_id: str, status: Status, explanation: str
     )
 
 
-def around(candidate: Candidate, frame: int) -> tuple[int, int]:
-    """Frames within `MOMENT` of one."""
-    reach = round(MOMENT * candidate.spec.simulation.fps)
-    return max(0, frame - reach), min(candidate.spec.simulation.frames - 1, frame + reach)
+def outcome_frames(candidate: Candidate, beat_id: str) -> tuple[int, int] | None:
+    """First and last frame that count as those of a beat's outcome; None where it has none.
+
+    Within `MOMENT` of the frame at which it comes true; of what is asked for at the end, from where it is true for good to the end; of
+    a state that lasts, the whole interval.
+    """
+    beat, outcome = candidate.spec.story.beats[beat_id], beat_times(candidate).outcome(beat_id)
+    first, reach = outcome.first_true_frame, round(MOMENT * candidate.spec.simulation.fps)
+    if candidate.stage == "static" or first is None:
+        return None
+    if is_invariant(beat.predicate):
+        return beat.frames
+    last = first + reach
+    if any(getattr(a, "when", "") == "end" for a in atoms_of(beat.predicate)):
+        broken = [] if outcome.truth is None else np.flatnonzero(~outcome.truth).tolist()
+        first, last = (beat.frames[0] + broken[-1] + 1 if broken else first), beat.frames[1]
+        first = min(first, last)
+    return max(0, first - reach), min(candidate.last_frame, last)
 
 
 def shots_at(candidate: Candidate, frame: int) -> list[str]:

@@ -1,8 +1,8 @@
 """Shot plan (R24, R98, S9, S10): are all beats shown, is the camera where a camera can be, does it move sanely?
 
 - `shots:tiling`: shots follow each other from the first to the last planned frame without gap or overlap.
-- `shots:cover:<beat>`: a shot that covers an observed beat runs within `MOMENT` of the frame at which it comes true; where that is
-  not known yet, at a frame of its interval.
+- `shots:cover:<beat>`: a shot that covers an observed beat runs at frames of its outcome (`outcome_frames`: within `MOMENT` of the
+  frame at which it comes true); where these are not known yet, at a frame of its interval.
 - `shots:observed:story`: where a mandatory beat asks for no camera (`observe` false), another one is observed; all such are named.
 - `shots:visible:<beat>`: its subject fills `limits.visible_pixels` of the picture and shows `limits.visible_share`
   of itself at its best frame, is in view at `limits.beat_seen_frames` of the frames, and is seen within `MOMENT` of the
@@ -21,7 +21,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction
 from .camera_path import inside, moves
 from .predicates import beat_times
-from .shot_rows import SCREEN_STEP, around, shot_row, unseen_text
+from .shot_rows import SCREEN_STEP, outcome_frames, shot_row, unseen_text
 from .sight import Sight
 from .verdicts import correction
 from .views import framed, visible
@@ -119,11 +119,10 @@ def _overlap(shot: Shot, frames: tuple[int, int]) -> int:
 def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Row:
     shots = candidate.spec.shots
     named = [n for n, s in shots.items() if beat_id in s.covers]
-    first = None if candidate.stage == "static" else beat_times(candidate).first(beat_id)
-    frames = beat.frames
-    if first is not None:
-        low, high = around(candidate, first)
-        frames = max(low, frames[0]), min(high, frames[1])
+    own, frames = outcome_frames(candidate, beat_id), beat.frames
+    first = None if own is None else beat_times(candidate).first(beat_id)
+    if own is not None:
+        frames = max(own[0], frames[0]), min(own[1], frames[1])
     able = {n: _overlap(shots[n], frames) for n in (named or shots)}
     best = max(able, key=lambda n: able[n], default=None)
     shown = able[best] if best is not None else 0

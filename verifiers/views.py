@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..worlds.predicates import is_invariant
 from . import motion
 from .predicates import beat_times
 from .reframing import reframe
-from .shot_rows import MOMENT, around, shot_row, shots_at, subjects_of
+from .shot_rows import MOMENT, outcome_frames, shot_row, shots_at, subjects_of
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -79,13 +80,14 @@ def _looks(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: 
 def _moment(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: int | None) -> tuple[float, Seen | None]:
     """How much of the subject is unoccluded at best around the frame where the beat comes true, and that look.
 
-    1 where there is no such moment, because the beat never comes true.
+    1 where there is no such moment: the beat never comes true, or is a state that lasts, which is looked at as a whole.
     """
-    if first is None:
+    own = outcome_frames(candidate, beat_id)
+    if first is None or own is None or is_invariant(beat.predicate):
         return 1.0, None
-    limits, (low, high) = candidate.spec.simulation.limits, around(candidate, first)
+    limits = candidate.spec.simulation.limits
     # Nearest frames first: the first that shows it decides.
-    nearest = sorted(range(low, min(candidate.last_frame, high) + 1), key=lambda f: abs(f - first))
+    nearest = sorted(_samples(own, SAMPLES, first), key=lambda f: abs(f - first))
     best: Seen | None = None
     for frame in nearest:
         for look in _look(candidate, sight, beat_id, beat.subject, [frame]).seen:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from .liquid_frames import Liquid, Rows, Step
 
-__all__ = ["DRIFT", "LEDGER", "RECORD", "Books", "Identity"]
+__all__ = ["DRIFT", "LEDGER", "RECORD", "Books", "Identity", "declared_filling"]
 
 LEDGER = 1e-6
 """Relative: sums of single-precision volumes."""
@@ -163,21 +163,34 @@ class Books:
 
 def declared_volume(liquid: Liquid) -> float:
     """Volume of the members' parts at frame 0, less what solids and the space outside the domain take of it [m^3]."""
-    candidate, total = liquid.candidate, 0.0
-    pieces = pieces_of(candidate)
-    for member in liquid.members:
-        for part in candidate.entity(member).parts:
-            solid = Solid.from_mesh(part.render, closed=part.closed)
-            pose = candidate.pose(member, 0, part.body)
-            grid = spread(solid.lower, solid.upper, OVERLAP_POINTS)
-            points = pose.apply(grid[contains(solid, grid)])
-            taken = np.asarray(((points < liquid.lower) | (points > liquid.upper)).any(axis=1))
-            for found in deepest(pieces, points, 0, 0.0):
-                taken[found.rows] = True
-            for soft in soft_depths(candidate, liquid.solver, points, 0):
-                taken[soft.rows] = True
-            total += abs(solid.volume) * (1.0 - float(taken.mean()) if len(points) else 1.0)
-    return total
+    return sum(volume for volume, _ in declared_filling(liquid).values())
+
+
+def declared_filling(liquid: Liquid) -> dict[str, tuple[float, F64]]:
+    """The same of every member, and the middle of what is left, shape (3,) [m]; worked out once."""
+    store: dict[str, tuple[float, F64]] = vars(liquid).setdefault("_declared", {})
+    if not store:
+        store |= {member: _filling(liquid, member) for member in liquid.members}
+    return store
+
+
+def _filling(liquid: Liquid, member: str) -> tuple[float, F64]:
+    candidate, pieces = liquid.candidate, pieces_of(liquid.candidate)
+    total, moment = 0.0, np.zeros(3)
+    for part in candidate.entity(member).parts:
+        solid = Solid.from_mesh(part.render, closed=part.closed)
+        pose = candidate.pose(member, 0, part.body)
+        grid = spread(solid.lower, solid.upper, OVERLAP_POINTS)
+        points = pose.apply(grid[contains(solid, grid)])
+        taken = np.asarray(((points < liquid.lower) | (points > liquid.upper)).any(axis=1))
+        for found in deepest(pieces, points, 0, 0.0):
+            taken[found.rows] = True
+        for soft in soft_depths(candidate, liquid.solver, points, 0):
+            taken[soft.rows] = True
+        volume = abs(solid.volume) * (1.0 - float(taken.mean()) if len(points) else 1.0)
+        middle = points[~taken].mean(axis=0) if len(points) and not taken.all() else pose.apply(solid.center[None])[0]
+        total, moment = total + volume, moment + volume * middle
+    return total, moment / max(total, 1e-300)
 
 
 class Identity:

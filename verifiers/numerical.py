@@ -1,6 +1,6 @@
 """Numerical health of every solver instance, on probes and full sequences (R105, R106, S6).
 
-Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS`.
+Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS` or of `initial_state.CLAIMS`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.requirements import Correction, Row
-from . import cloth, liquid, motion, particles
+from . import cloth, initial_state, liquid, motion, particles
 from .exchanged import both_ways
 from .field_ledger import feels_fields
 from .findings import Finding, again, halve, separate
@@ -57,6 +57,7 @@ CLAIMS = {
     "events": "logged contacts name colliders that are there, at times of their frame, with impulses >= 0",
     "frozen": "no free body that moves repeats a pose to the last bit",
     "resting": "sleeping bodies stay within 1e-6 m per frame, and something touches or holds them",
+    **{name: initial_state.CLAIMS[name] for name in initial_state.FUNCTIONS["rigid"]},
 }
 CONTAINER = ("frames", "digest", "finite")
 """Claims about the cache itself, whatever it holds."""
@@ -80,10 +81,13 @@ def check(candidate: Candidate) -> list[Row]:
                 found = Finding("unverified", str(error))
             rows.append(_row(candidate, solver, name, claim, found))
     for solver in candidate.spec.simulation.liquid:
+        rows += _initial(candidate, solver, "liquid")
         rows += _container(candidate, solver) + liquid.numerical_rows(candidate, solver)
     for solver in candidate.spec.simulation.cloth:
+        rows += _initial(candidate, solver, "cloth")
         rows += _container(candidate, solver) + cloth.numerical_rows(candidate, solver)
     for solver in candidate.spec.simulation.particles:
+        rows += _initial(candidate, solver, "particles")
         rows += _container(candidate, solver) + particles.numerical_rows(candidate, solver)
     return rows
 
@@ -109,6 +113,20 @@ def _row(candidate: Candidate, solver: str, name: str, claim: str, found: Findin
         evidence={"solver": solver, **(found.evidence or {})},
         extra=candidate.spec.simulation.limits.model_dump(mode="json"),
     )
+
+
+def _initial(candidate: Candidate, solver: str, kind: str) -> list[Row]:
+    """Rows about frame 0 of an instance that is not rigid."""
+    cache, rows = candidate.caches.get(solver), []
+    for name, function in initial_state.FUNCTIONS[kind].items():
+        try:
+            if cache is None:
+                raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
+            found = function(candidate, solver, cache)
+        except EvidenceError as error:
+            found = Finding("unverified", str(error))
+        rows.append(_row(candidate, solver, name, initial_state.CLAIMS[name], found))
+    return rows
 
 
 def _container(candidate: Candidate, solver: str) -> list[Row]:
@@ -415,4 +433,5 @@ FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
     "events": events,
     "frozen": frozen,
     "resting": resting,
+    **initial_state.FUNCTIONS["rigid"],
 }

@@ -16,6 +16,7 @@ from .field_ledger import field_lines
 from .fracture_register import fracture_lines
 from .ground_stems import plant_lines
 from .held import afloat_lines
+from .initial_state import start_lines
 from .joined import anchor_lines
 from .particle_lines import particle_lines
 from .rigid_register import rigid_lines
@@ -142,7 +143,7 @@ def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
-    found = scene_lines(candidate) + _declared(spec) + rigid_lines(spec)
+    found = scene_lines(candidate) + _declared(spec) + rigid_lines(spec) + start_lines(candidate)
     found += _liquids(spec)
     found += cloth_lines(spec)
     found += fracture_lines(candidate)

@@ -37,7 +37,7 @@ from .shapes import Shapes
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
-__all__ = ["Gap", "PartSurface", "Surfaces", "Track", "surfaces_of"]
+__all__ = ["GAP_CAP", "Gap", "PartSurface", "Surfaces", "Track", "surfaces_of"]
 
 UNIT = 1e-6
 """A quaternion whose length differs from 1 by more than this is not an orientation."""

@@ -14,6 +14,7 @@ from ...worlds.spec import HingeJoint, Limits, RigidSettings
 from ..small_worlds import ball, box, ground, world
 from . import _scenes as scenes
 from ._films import Film, film_of, frame_of_walls, free_body, still
+from ._starts import START_MECHANISMS
 from ._step_travel import coarse_travel, past_the_pane, thin_and_slow, through_the_pane
 from .cases import Mechanism, Suite, World
 
@@ -478,5 +479,6 @@ SUITE = Suite(
         ),
         Mechanism("past_the_pane", "a ball flies past a pane, too fast to meet it", False, past_the_pane, 0.01, 3.0, "m"),
         Mechanism("thin_and_slow", "a card thinner than paper", False, thin_and_slow, 1.2e-4, 1e-3, "m"),
+        *START_MECHANISMS,
     ),
 )

@@ -22,7 +22,7 @@ from .flex_loads import SoftLoads
 from .impact_friction import stop_slides
 from .parts import Parts, carry_over, make_parts
 from .records import velocities
-from .relax import open_skins
+from .relax import fastened_pairs, open_skins
 
 __all__ = ["Stepper"]
 
@@ -77,7 +77,7 @@ class Stepper:
         self.drivers.set_model(start, free=True)
         self.drivers.plan_paths(start, self.settings.step, 0)
         self.drivers.follow_paths(self.data, 0, self.settings.step)
-        self.relaxation = open_skins(self.rigid, self.data, self.settings)
+        self.relaxation = open_skins(self.rigid, self.data, self.settings, fastened_pairs(self.spec))
         self.drivers.remember_poses(self.data)
         soft = None if self.flexes is None or not self._coupled else SoftLoads(self.flexes)
         self._exchange = Exchange(len(self.rigid.bodies), soft)

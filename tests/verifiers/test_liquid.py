@@ -32,7 +32,7 @@ def rows_of(candidate: Candidate) -> dict[str, Row]:
 
 def test_still_water_passes_every_row_that_has_a_case(tmp_path: Path) -> None:
     rows = rows_of(scenes.pool(rng()).candidate(tmp_path))
-    assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest"}
+    assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest", "placed", "started"}
     assert {n for n, r in rows.items() if r.status == "not_applicable"} == {
         *("source", "openings", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop", "wet"),
         *("waves_height", "waves_period", "fields"),
@@ -194,7 +194,7 @@ def test_a_frame_that_is_gone_leaves_all_rows_open_and_fails_the_container(tmp_p
     candidate.caches["water"].path(5).unlink()
     rows = rows_of(candidate)
     assert (rows["frames"].status, rows["frames"].first_failing_frame) == ("fail", 5)
-    assert {r.status for n, r in rows.items() if n not in ("frames", "digest")} == {"unverified"}
+    assert {r.status for n, r in rows.items() if n not in ("frames", "digest", "placed", "started")} == {"unverified"}
 
 
 @pytest.mark.parametrize("channel", ["particle/position", "particle/velocity", "exchange/impulse", "record/kinetic_energy"])

@@ -41,7 +41,7 @@ RECORDS = {
 def sliding(tmp_path: Path, *, records: dict[str, Any] | None = None, x: Any = None, **more: Any) -> Candidate:
     entities = {
         "floor": ground(),
-        "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1)),
+        "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1), velocity=(1.0, 0, 0)),
         "card": box(0.1, 0.1, 0.01, motion="dynamic", at=(0, 2, 0.005)),
     }
     spec = world(entities, frames=N, settings=more.pop("settings", None), limits=more.pop("limits", None))

@@ -239,7 +239,7 @@ class Interacts(_Edge):
 
 
 class Fastened(_Edge):
-    """`a` and `b` are meant to touch or overlap (embedded, glued, screwed): allowed down to `max_depth`."""
+    """`a` and `b` are meant to touch or overlap (embedded, glued): allowed down to `max_depth`. What moves of them needs a weld."""
 
     kind: Literal["fastened"] = "fastened"
     a: EntityRef

@@ -6,11 +6,15 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..worlds.cloth import exchange_of, grids_of, touching_distance
+from ..worlds.errors import EvidenceError
 from ..worlds.fields import fields_of
 from ..worlds.instances import cloth_of, coupled_groups, soft_met
 
 if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
     from ..worlds.spec import WorldSpec
 
 __all__ = ["cloth_lines"]
@@ -19,8 +23,13 @@ LOST = 0.05 * (2 * math.pi) ** 2
 """Of a swing of 1 Hz per second and second of step: the theta rule at 0.55 takes 0.05 w^2 h."""
 
 
-def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
+PUSHED = 0.1, 0.2
+"""Of an overlap of two contact shells, what a step takes back; and with which speed at most [m/s]."""
+
+
+def cloth_lines(candidate: Candidate) -> list[dict[str, str]]:
     """Lines of every cloth instance."""
+    spec = candidate.spec
     found: list[dict[str, str]] = []
     for name, instance in spec.simulation.cloth.items():
         for member in instance.members:
@@ -38,7 +47,7 @@ def cloth_lines(spec: WorldSpec) -> list[dict[str, str]]:
                 "effect": "swings between neighbouring vertices fade within some tens of swings, slower ones in proportion less",
             }
         )
-        found += [*_contacts(spec, name), *_grains(spec, name), *_steps(spec, name)]
+        found += [*_contacts(spec, name), *_grains(spec, name), *_steps(spec, name), *_forced(candidate, name)]
         coupled = {s for g in coupled_groups(spec) if name in g for s in g}
         for rigid, other in spec.simulation.rigid.items():
             if rigid not in coupled and any(spec.entities[m].motion == "dynamic" for m in other.members if m in spec.entities):
@@ -66,6 +75,34 @@ def _steps(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
             "what": f"where {name!r} touches something and moves slowly its steps are up to {step:.3g} s long",
             "effect": f"a swing of 1 Hz loses up to {10 * LOST * step:.1%} of its amplitude in a second",
         }
+
+
+def _forced(candidate: Candidate, name: str) -> Iterator[dict[str, str]]:
+    """What contacts do to places and speeds beside impulses."""
+    yield {
+        "what": f"ways of vertices of {name!r} are cut short where they would cross something",
+        "effect": f"momentum is lost there; {_cut(candidate, name)}",
+    }
+    share, fastest = PUSHED
+    yield {
+        "what": f"layers of {name!r} that are nearer than they touch are pushed apart by {share:.0%} of that in a step, at {fastest:g} m/s at most",
+        "effect": f"they stay too near for some ten steps, and part with up to {fastest:g} m/s that no impact gave",
+    }
+
+
+def _cut(candidate: Candidate, name: str) -> str:
+    """How much momentum was lost so, as recorded, in words."""
+    cache = candidate.cloth_caches.get(name)
+    if cache is None:
+        return "how much is known after a probe"
+    try:
+        lost = np.stack([cache.series(f"record/cut_impulse_{axis}") for axis in "xyz"], axis=1).astype(np.float64)
+        count = int(np.asarray(cache.series("record/cut_vertices")).sum())
+    except EvidenceError as error:
+        return f"how much is not known: {error}"
+    size = np.linalg.norm(lost, axis=1)
+    frame = int(size.argmax())
+    return f"{size[frame]:.2g} N s in all by frame {frame}, where it is most, at {count} vertices in all frames and exchanges"
 
 
 def _ignored(spec: WorldSpec, name: str) -> set[str]:

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from ..worlds.candidate import Candidate
-from ..worlds.capillarity import is_felt
-from ..worlds.instances import coupled_groups
-from ..worlds.liquids import spacing_of
-from ..worlds.spec import Fastened, LiquidPhysics, WorldSpec
+from ..worlds.spec import Fastened, WorldSpec
 from .apart import apart_lines
 from .cloth_register import cloth_lines
 from .elastic_register import elastic_lines
@@ -18,6 +13,7 @@ from .ground_stems import plant_lines
 from .held import afloat_lines
 from .initial_state import start_lines
 from .joined import anchor_lines
+from .liquid_register import liquid_lines
 from .particle_lines import particle_lines
 from .rigid_register import rigid_lines
 from .scene_register import scene_lines
@@ -51,101 +47,12 @@ def _declared(spec: WorldSpec) -> list[dict[str, str]]:
     return found
 
 
-def _liquids(spec: WorldSpec) -> list[dict[str, str]]:
-    """What liquids simplify: their resolution, and bodies that they do not push."""
-    found = []
-    for name, instance in spec.simulation.liquid.items():
-        spacing = spacing_of(spec, name)
-        kind = "particles" if instance.engine == "dfsph" else "cells"
-        found.append(
-            {
-                "what": f"{kind} of {spacing:g} m for the liquid {name!r}",
-                "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved; what lies closely on something is not lifted there",
-            }
-        )
-        found.append(
-            {
-                "what": f"the drawn surface of {name!r} is moved by up to {0.15 * spacing:g} m so that it holds the particles' volume",
-                "effect": "where particles lie unevenly the level is right and single ripples are not",
-            }
-        )
-        if instance.engine == "dfsph":
-            found += _particles(name, spacing)
-        found.append(_tension(spec, name, spacing))
-        for member in instance.members:
-            physics = spec.entities[member].physics
-            for key, current in physics.currents.items() if isinstance(physics, LiquidPhysics) else ():
-                found.append(
-                    {
-                        "what": f"current {key!r} of {member!r} runs at frame 0 with {min(current.speeds):.3g} to {max(current.speeds):.3g} m/s",
-                        "effect": "the same velocity all over each cross section, until bed and banks have slowed the liquid near them",
-                    }
-                )
-        drying = {spec.materials[spec.entities[m].material].appearance.drying for m in instance.members}
-        found.append(
-            {
-                "what": f"solids that {name!r} wetted dry by exp(-t / {', '.join(f'{d:g}' for d in sorted(drying))} s)",
-                "effect": "seen only: nothing evaporates, soaks in or runs off; films split in halves where surfaces meet, with places half a spacing apart",
-            }
-        )
-        coupled = {s for g in coupled_groups(spec) if name in g for s in g}
-        free = [r for r, s in spec.simulation.rigid.items() if any(spec.entities[m].motion == "dynamic" for m in s.members)]
-        for rigid in [r for r in free if r not in coupled]:
-            found.append(
-                {
-                    "what": f"the liquid {name!r} is pushed by bodies of {rigid!r} and does not push them",
-                    "effect": "omitted reaction: nothing floats or is carried",
-                }
-            )
-    return found
-
-
-def _particles(name: str, spacing: float) -> list[dict[str, str]]:
-    """What the particle engine adds and leaves out by its method."""
-    return [
-        {
-            "what": f"numerical dissipation of motion of {name!r} smaller than a particle's surroundings, about {2 * spacing:g} m",
-            "effect": f"eddies and ripples of that size die out; waves in water {10 * spacing:g} m deep lose some two fifths of their height in three periods",
-        },
-        {
-            "what": f"walls bear particles of {name!r} beside them along themselves too, at most 0.15 of the outermost ones' weight",
-            "effect": "floor and sides of one tank share its weight otherwise than they should; their sum is exact",
-        },
-    ]
-
-
-def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
-    """What becomes of the surface tension of a liquid."""
-    instance = spec.simulation.liquid[name]
-    if instance.engine == "flip":
-        return {
-            "what": f"surface tension of the liquid {name!r} not simulated",
-            "effect": "drops, menisci and films do not hold together",
-        }
-    gravity = math.hypot(*spec.simulation.gravity)
-    members = [spec.entities[m] for m in instance.members]
-    felt = any(
-        isinstance(m.physics, LiquidPhysics)
-        and is_felt(m.physics.surface_tension, spec.materials[m.material].density, gravity, spacing)
-        for m in members
-    )
-    if felt:
-        return {
-            "what": f"surface tension of the liquid {name!r} by attractions between its particles, over four spacings",
-            "effect": f"right within about 10 % for drops from {5 * spacing:.2g} m radius on; every wall is met at about 90 to 105 degrees",
-        }
-    return {
-        "what": f"surface tension of the liquid {name!r} not simulated: at {spacing:g} m gravity leaves nothing to it",
-        "effect": "drops, menisci and films do not hold together",
-    }
-
-
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
     found = scene_lines(candidate) + _declared(spec) + rigid_lines(spec) + start_lines(candidate)
-    found += _liquids(spec)
-    found += cloth_lines(spec)
+    found += liquid_lines(candidate)
+    found += cloth_lines(candidate)
     found += fracture_lines(candidate)
     found += elastic_lines(candidate)
     for name, terrain in spec.terrains.items():

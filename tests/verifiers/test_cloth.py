@@ -50,7 +50,7 @@ def test_a_strip_that_tears_passes_every_row(torn_strip: Candidate) -> None:
     rows = _rows(torn_strip)
     assert {n: r.status for n, r in rows.items() if r.status != "pass"} == {}
     assert rows["tears"].measured >= 1.0
-    assert any("lips" in line["effect"] for line in cloth_lines(torn_strip.spec))
+    assert any("lips" in line["effect"] for line in cloth_lines(torn_strip))
 
 
 def test_bodies_on_paths_alone_put_no_energy_in_but_forged_work_is_found(torn_strip: Candidate, tmp_path: Path) -> None:

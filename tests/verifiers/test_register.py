@@ -15,9 +15,10 @@ from worldagent.construction.build import build_entity
 from worldagent.simulation.fracture import breaking
 from worldagent.simulation.rigid import SolverRigid, contact_law
 from worldagent.simulation.rigid import model as rigid_model
+from worldagent.simulation.schedule import run_frames
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import STONE, bond
-from worldagent.verifiers import rigid_register
+from worldagent.verifiers import cloth_register, liquid_register, rigid_register
 from worldagent.verifiers.register import approximations
 from worldagent.worlds.bonds import WORLD
 from worldagent.worlds.candidate import Candidate
@@ -285,3 +286,64 @@ def test_bonds_that_break_together_are_told_with_how_many_they_can_be() -> None:
     assert 0 < max(around) < len(bonds)
     whole = {k: v for k, v in wall.items() if k != "breakable"}
     assert not _any(_rigid({"wall": whole}, materials=STONE), "break with it")
+
+
+def _simulated(folder: Path, data: dict[str, Any], prompt: str = "p") -> dict[str, str]:
+    """Lines of a world that is built and simulated for two frames."""
+    data = {**data, "clauses": {}, "story": {"beats": {}}, "shots": {}}
+    data["simulation"] = {**data["simulation"], "frames": 2}
+    spec = parse_spec({**data, "prompt": prompt})
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    caches = run_frames(spec, built, folder / "run", frames=2)
+    return {a["what"]: a["effect"] for a in approximations(Candidate(folder, spec, built, "full", caches))}
+
+
+def _effect(lines: dict[str, str], *words: str) -> str:
+    (found,) = [effect for what, effect in lines.items() if all(w in what for w in words)]
+    return found
+
+
+def test_what_the_particle_engine_does_to_places_is_told_with_what_is_left(tmp_path: Path) -> None:
+    lines = _simulated(tmp_path, tank_spec(spacing=0.04, crate_at=None))
+    assert _any(lines, "numerical dissipation", "about 0.08 m")
+    assert _any(lines, "second solve", "'water'", f"{liquid_register.MENDED:.0%}")
+    left = _effect(lines, "second solve")
+    assert "what is left is" in left
+    assert "at frame" in left
+    assert "0.9 to 1.02" in _effect(lines, "measured anew every 5 steps")
+    assert _any(lines, "are kept 0.01 m from surfaces")
+    assert "known after a probe" in _effect(_told(tank_spec(spacing=0.04, crate_at=None)), "second solve")
+
+
+def test_what_the_grid_engine_does_to_speeds_and_places_is_told(tmp_path: Path) -> None:
+    given = tank_spec(spacing=0.03, crate_at=None, engine="flip")
+    lines = _simulated(tmp_path, given)
+    assert "3.00%" in _effect(lines, "numerical dissipation")
+    assert "what is left is" in _effect(lines, "moved apart without speed, by 50%")
+    assert _any(lines, "stand in solids, or nearer than 0.0015 m")
+    assert not _any(lines, "second solve")
+    given["simulation"]["solvers"]["water"]["settings"] |= {"transfer": "apic", "volume_correction": 0.0}
+    told = _told(given)
+    assert "all its own motion" in _effect(told, "numerical dissipation")
+    assert not _any(told, "moved apart without speed")
+
+
+def test_ways_of_cloth_that_are_cut_and_layers_that_are_pushed_apart_are_told(tmp_path: Path) -> None:
+    lines = _simulated(tmp_path, drape_spec(resolution=0.1), DRAPE_PROMPT)
+    assert "N s in all by frame" in _effect(lines, "are cut short where they would cross")
+    assert "0.2 m/s" in _effect(lines, "pushed apart by 10%")
+    assert "known after a probe" in _effect(_told(drape_spec(), DRAPE_PROMPT), "are cut short")
+
+
+def test_the_register_names_the_sizes_that_the_engines_use() -> None:
+    """The judge shares no code with the engines, so its numbers are its own: here they are held against theirs."""
+    from worldagent.simulation.cloth import contact_kernels
+    from worldagent.simulation.liquid.dfsph import engine, keep_out_kernels, solve_kernels
+    from worldagent.simulation.liquid.flip import distance_kernels
+
+    assert float(solve_kernels.MOST_MENDED) == pytest.approx(liquid_register.MENDED)
+    assert engine.PACKING_EVERY == liquid_register.MEASURED_EVERY
+    assert engine.FULL_RANGE == liquid_register.FULL
+    assert float(keep_out_kernels.SHELL) == pytest.approx(liquid_register.KEPT_OUT)
+    assert float(distance_kernels.SKIN) == pytest.approx(liquid_register.SKIN)
+    assert (float(contact_kernels.PUSH), float(contact_kernels.FASTEST)) == pytest.approx(cloth_register.PUSHED)

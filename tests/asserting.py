@@ -94,7 +94,8 @@ class Module:
         for decorator in function.decorator_list:
             if not (isinstance(decorator, ast.Call) and _called(decorator.func) == "parametrize" and len(decorator.args) > 1):
                 continue
-            names = decorator.args[0].value.replace(" ", "").split(",") if isinstance(decorator.args[0], ast.Constant) else []
+            first = decorator.args[0]
+            names = str(first.value).replace(" ", "").split(",") if isinstance(first, ast.Constant) else []
             rows = decorator.args[1].elts if isinstance(decorator.args[1], ast.List | ast.Tuple) else []
             for index, name in enumerate(names):
                 cells = [r.elts[index] if len(names) > 1 and isinstance(r, ast.Tuple) else r for r in rows]

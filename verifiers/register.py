@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Fastened, WorldSpec
 from .apart import apart_lines

@@ -127,10 +127,10 @@ def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bo
         channels |= {"vertex/position", "vertex/velocity"}
     if any(tears(spec, n) for s in plan.cloth.values() for n in s.members):
         channels |= TEAR_CHANNELS
-    for name, beat in spec.story.beats.items():
-        missing = [c for k in kinds_of(beat.predicate) for c in PREDICATES[k].channels if c not in channels]
+    for place, predicate in _said(spec):
+        missing = [c for k in kinds_of(predicate) for c in PREDICATES[k].channels if c not in channels]
         if missing:
-            problems.append(Problem(f"/story/beats/{name}/predicate", f"no engine in use writes {sorted(set(missing))}"))
+            problems.append(Problem(place, f"no engine in use writes {sorted(set(missing))}"))
     return [*problems, *_without_bodies(spec), *_without_record(spec)]
 
 

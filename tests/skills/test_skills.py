@@ -25,7 +25,7 @@ from worldagent.worlds.predicates import PREDICATES
 from worldagent.worlds.requirements import Check
 from worldagent.worlds.spec import ElasticPhysics, Entity, LiquidPhysics, Material
 from worldagent.worlds.spec.shapes import Shape
-from worldagent.worlds.spec.simulation import Driver, Joint
+from worldagent.worlds.spec.simulation import Driver, Joint, SolverInstance
 from worldagent.worlds.spec.story import Relation
 
 BUILDING = SKILLS / "world-building"
@@ -274,3 +274,29 @@ def test_the_schema_is_as_long_as_its_readers_are_told() -> None:
     size = len(json.dumps(WorldSpec.model_json_schema(), separators=(",", ":"))) / 1000
     assert len(told) == 2
     assert all(int(n) < size < 1.25 * int(n) for n in told), size
+
+
+@pytest.mark.parametrize(
+    "instance", get_args(get_args(SolverInstance)[0]), ids=lambda i: get_args(i.model_fields["engine"].annotation)[0]
+)
+def test_every_engine_and_every_setting_of_it_is_told_by_a_skill(instance: Any) -> None:
+    """R55: which engine to take, and what its parameters do."""
+    (engine,) = get_args(instance.model_fields["engine"].annotation)
+    told = "\n".join(p.read_text() for p in SKILLS.rglob("*") if p.suffix in (".md", ".json") and "evals" not in p.parts)
+    settings = instance.model_fields["settings"].annotation.model_fields
+    assert len(settings) >= 3
+    assert [name for name in settings if not re.search(rf"\b{name}\b", told)] == []
+    assert [p.parent.name for p in SKILLS.glob("*/SKILL.md") if f"`{engine}`" in p.read_text()]
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_every_diagnosis_leads_from_a_symptom_through_evidence_to_an_action_and_a_test_of_it(name: str) -> None:
+    """R55, R75: symptom, evidence, a cause with what to do where, and the cheapest way to try it."""
+    entries = json.loads((SKILLS / name / "diagnosis.json").read_text())
+    assert entries
+    for entry in entries:
+        assert entry["symptom"], entry["id"]
+        assert entry["row_pattern"], entry["id"]
+        assert entry["cheapest_probe"], entry["id"]
+        assert all(c["action"] and c["group"] in GROUPS for c in entry["causes"]), entry["id"]
+    assert any(c.get("pointers") or c.get("patch") for e in entries for c in e["causes"])

@@ -7,6 +7,7 @@ from threading import Barrier, Thread
 from typing import Any
 
 import pytest
+from worldagent.tests.stories.small_run import small_spec
 from worldagent.worlds.ledger import Ledger
 
 
@@ -72,6 +73,26 @@ def test_one_mass_after_acceptance_goes_round_the_loop_again(accepted: Any) -> N
     after = accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]
     assert after["cache_digest"] != before["cache_digest"]
     assert len(list((accepted.workspace / "w" / "candidates").iterdir())) == 2
+
+
+def test_a_later_candidate_changes_no_file_of_an_earlier_one(accepted: Any) -> None:
+    """R129: another mass, probed; the accepted candidate and the files of another world stay as they are, byte for byte."""
+    root = accepted.workspace
+    (root / "notes.txt").write_text("mine")
+
+    def kept() -> dict[str, bytes]:
+        own = [p for p in (root / "w" / "candidates").rglob("*") if p.is_file() and p.name != "lock"]
+        return {str(p.relative_to(root)): p.read_bytes() for p in [*own, root / "notes.txt"]}
+
+    before = kept()
+    assert len(before) > 36, "frames of the bake"
+    accepted.edit(("/entities/b2/physics", {"category": "rigid", "mass": 0.05}))
+    assert accepted.call("probe_sim", world="w")["passed"]
+    after = kept()
+    assert {k: after.get(k) for k in before} == before
+    assert len({k.split("/")[2] for k in after if k.startswith("w/candidates/")}) == 2
+    text = accepted.refused("edit_spec", world="w", prompt="Another prompt.", spec=small_spec())
+    assert "prompt" in text
 
 
 @pytest.mark.slow

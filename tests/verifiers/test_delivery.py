@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import get_args
 
 from worldagent.bench.small_worlds import box, ground, make_candidate, world
+from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.delivery import check
+from worldagent.worlds.audit import audit
 from worldagent.worlds.cache import Cache, read_container, write_container
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.requirements import Row
+from worldagent.worlds.predicates.models import Speed
+from worldagent.worlds.requirements import Group, Row
+from worldagent.worlds.spec import Beat, CameraKey, Shot, Supports
 
 FRAMES = 6
+BEAT = Beat(text="it stays", owner="rigid", subject="a", frames=(0, 5), predicate=Speed(entity="a", max=0.1, when="always"))
+SHOT = Shot(frames=(0, FRAMES - 1), covers=["stays"], keys={"k": CameraKey(frame=0, position=(1, -1, 1), target=(0, 0, 0))})
 
 
 def baked(folder: Path) -> Candidate:
@@ -80,3 +87,17 @@ def test_links_inside_are_fine_and_links_out_are_named(tmp_path: Path) -> None:
     (tmp_path / "w" / "mesh.obj").symlink_to(tmp_path / "far.obj")
     row = rows(candidate)["delivery:independent"]
     assert (row.status, row.evidence["links"]) == ("fail", ["mesh.obj"])
+
+
+def test_every_one_of_the_five_groups_has_rows_and_each_row_is_of_one_of_them(tmp_path: Path) -> None:
+    """R84: a world with a beat and a shot, judged whole."""
+    spec = world(
+        {"ground": ground(), "a": box(0.1, 0.1, 0.1, at=(0, 0, 0.05), motion="dynamic")},
+        frames=FRAMES,
+        relations={"on": Supports(a="ground", b="a")},
+        beats={"stays": BEAT},
+        shots={"only": SHOT},
+    )
+    candidate = make_candidate(tmp_path, spec, tracks={}, stage="full")
+    found = {r.group for r in (*audit(spec).rows, *run_checks(candidate, reruns=False))}
+    assert found == set(get_args(Group))

@@ -20,6 +20,7 @@ from worldagent.worlds.spec import (
     Entity,
     Extrusion,
     Fastened,
+    Limits,
     Mesh,
     Part,
     Rope,
@@ -81,6 +82,21 @@ def test_a_sunk_box_fails_by_its_depth(tmp_path, depth):
     assert row.first_failing_frame == 0
     assert rows["interpenetration:scene"].status == "fail"
     assert row.corrections[0].edit_class == "scene"
+
+
+@pytest.mark.parametrize(("share", "status"), [(0.5, "pass"), (2.0, "fail")])
+def test_no_more_than_the_noise_of_the_query_is_allowed(tmp_path, share, status):
+    """R90: eps is rounding, below a thousandth of a millimetre here, and no tolerance of the world changes it."""
+    spec = world({"floor": ground(), "b": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1 - 1e-3))})
+    eps = -next(
+        r.bound for r in interpenetration.check(make_candidate(tmp_path / "a", spec)) if r.id == "interpenetration:floor:b"
+    )
+    assert 0 < eps < 1e-6
+    rows = rows_of(tmp_path / "b", {"floor": ground(), "b": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1 - share * eps))})
+    assert rows["interpenetration:floor:b"].status == status
+    lax = spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"limits": Limits(contact_gap=0.01)})})
+    again = next(r for r in interpenetration.check(make_candidate(tmp_path / "c", lax)) if r.id == "interpenetration:floor:b")
+    assert (again.status, again.bound) == ("fail", -eps)
 
 
 def test_the_suggested_patch_clears_the_pair(tmp_path):

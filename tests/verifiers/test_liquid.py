@@ -12,6 +12,7 @@ from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.defects import liquid as defects
 from worldagent.bench.liquid_worlds import DENSITY, Flow, pool_in_tank, stream, tank
 from worldagent.verifiers import category, numerical
+from worldagent.verifiers.diagnosis import diagnose
 from worldagent.verifiers.liquid import WATCHES
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
@@ -82,6 +83,17 @@ def test_a_breach_fails_the_rows_that_are_about_it(tmp_path: Path, name: str, ma
     failed = {n for n, r in rows.items() if r.status == "fail"}
     assert wanted <= failed, {n: rows[n].evidence["explanation"] for n in wanted}
     assert all(rows[n].corrections for n in wanted)
+
+
+def test_liquid_that_clings_to_a_wall_is_sent_to_what_the_wall_does_to_it(tmp_path: Path) -> None:
+    """R70: the first correction is of the boundary or of what flows along it, and never of the picture."""
+    world = defects.clinging(tmp_path, 12.0, rng())
+    row = diagnose(rows_of(world.candidate)["sticks"], world.candidate.spec)
+    assert row.status == "fail"
+    assert row.first_failing_entity == "tank"
+    assert any("wall_friction" in c.action or "wall_friction" in "".join(c.pointers) for c in row.corrections), row.corrections
+    assert {c.group for c in row.corrections} <= {"liquid", "resolution", "interval", "shape", "placement"}
+    assert not {c.edit_class for c in row.corrections} & {"shot", "text"}
 
 
 def test_a_leak_names_the_gap_the_part_and_the_first_frame(tmp_path: Path) -> None:

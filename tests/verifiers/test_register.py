@@ -347,3 +347,22 @@ def test_the_register_names_the_sizes_that_the_engines_use() -> None:
     assert float(keep_out_kernels.SHELL) == pytest.approx(liquid_register.KEPT_OUT)
     assert float(distance_kernels.SKIN) == pytest.approx(liquid_register.SKIN)
     assert (float(contact_kernels.PUSH), float(contact_kernels.FASTEST)) == pytest.approx(cloth_register.PUSHED)
+
+
+def test_every_one_way_coupling_and_every_omitted_reaction_is_told() -> None:
+    """R67: whether the specification declares it, leaves the coupling out, or moves a body along a path."""
+    both = tank_spec(spacing=0.05)
+    assert not _any(_told(both), "one-way coupling")
+    assert not _any(_told(both), "does not push them")
+    (name,) = both["simulation"]["couplings"]
+    one = deepcopy(both)
+    one["simulation"]["couplings"][name] |= {"direction": "one_way"}
+    source, target = (one["simulation"]["couplings"][name][k] for k in ("source", "target"))
+    assert _told(one)[f"one-way coupling {name!r}"] == f"no reaction of {target} on {source}"
+    none = deepcopy(both)
+    none["simulation"]["couplings"] = {}
+    (effect,) = (e for w, e in _told(none).items() if "does not push them" in w)
+    assert "omitted reaction" in effect
+    path = {"p": {"kind": "path", "entity": "b", "keys": {"a": {"time": 0, "pose": {}}, "b": {"time": 1, "pose": {}}}}}
+    moved = _rigid(_two_balls(motion="kinematic"), drivers=path)
+    assert "omitted reaction" in moved["'b' follows an authored path"]

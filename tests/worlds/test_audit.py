@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from worldagent.bench.small_grains import sand_spec
 from worldagent.bench.small_liquids import tank_spec
+from worldagent.simulation.runs import groups_of
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.audit import audit
 from worldagent.worlds.patch import apply_patch, parse_spec
@@ -81,6 +82,11 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an empty clause": ([("/clauses/c2", {})], "clauses", "is not mapped"),
     "a clause mapped to nothing": ([("/clauses/c2/met_by", ["/story/beats/ghost"])], "clauses", "leads nowhere"),
     "a clause the prompt does not have": ([("/clauses/c9", {"unmet": "x"})], "clauses", "no clause 'c9'"),
+    "a beat of what no engine in use writes": (
+        [("/story/beats/fall/predicate", {"kind": "broken", "entity": "b3", "min": 0.1})], "evidence", "no engine in use writes ['bond/broken'"),
+    "a requirement of what no engine in use writes": (
+        [("/story/requirements/whole", {"text": "it stays whole", "predicate": {"kind": "broken", "entity": "b3", "max": 0.0}})],
+        "evidence", "/story/requirements/whole/predicate: no engine in use writes"),
     "a shot beyond the end": ([("/shots/only/frames", [0, 50])], "shots", "end after the last frame"),
     "a key outside its shot": ([("/shots/only/keys/a/frame", 36)], "shots", "lies outside the shot"),
     "a shot of nothing": ([("/shots/more", {"frames": [0, 1], "keys": {"a": {"frame": 0, "position": [0, 0, 0], "target": [1, 0, 0]}}})], "shots", "covers no beat"),
@@ -174,6 +180,8 @@ def test_the_bake_order_is_declared_or_follows_from_one_way_couplings() -> None:
     assert order.index("b_late") < order.index("a_early")
     declared = apply_patch(spec, [{"op": "add", "path": "/simulation/order", "value": ["a_early", "b_late"]}])
     assert audit(declared).bake_order == ("a_early", "b_late", "rigid")
+    assert groups_of(declared) == [("a_early",), ("b_late",), ("rigid",)], "and the bake keeps it"
+    assert groups_of(spec).index(("b_late",)) < groups_of(spec).index(("a_early",))
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,52 @@ SLOW: tuple[Run, ...] = (
         "hydrostatics", "hydrostatics-boxes", "still-water", "still-water-boxes", "settling", "standing-wave", "martin-moyce", "martin-moyce-far",
         "martin-moyce-square", "ritter", "stoker",
     )),
+    # --- finer
+    *((name, "dfsph", 1) for name in ("couette-honey", "poiseuille-honey",)),
+    *((name, "flip", 1) for name in ("couette-water", "couette-oil", "couette-honey", "poiseuille-water", "poiseuille-oil", "poiseuille-honey", "draft-0.3", "neutral", "held-box", "held-sphere",)),
+    # --- end
 )  # fmt: skip
+LONG = "the finer level was not measured: 16 times the work of the coarse one and more, minutes to an hour of one core"
+UNREFINED: dict[Run, str] = {
+    **{
+        (name, "dfsph", 1): LONG
+        for name in (
+            "hydrostatics",
+            "hydrostatics-boxes",
+            "still-water",
+            "still-water-boxes",
+            "settling",
+            "martin-moyce",
+            "martin-moyce-far",
+            "martin-moyce-square",
+            "ritter",
+            "stoker",
+            "kleefsman",
+            "couette-water",
+            "couette-oil",
+            "poiseuille-water",
+            "poiseuille-oil",
+            "draft-0.3",
+            "draft-0.5",
+            "draft-0.8",
+            "neutral",
+            "held-box",
+            "held-sphere",
+            "released",
+            "ledgers",
+        )
+    },
+    **{
+        (name, "flip", 1): LONG
+        for name in (
+            "kleefsman",
+            "draft-0.5",
+            "draft-0.8",
+            "ledgers",
+        )
+    },
+}
+"""What no test runs, and why."""
 KEPT = "height after three periods / at first"
 REST, CALMER = "kinetic / potential energy at the end", "kinetic energy, end / start"
 WALL = "height at the wall, mean error / height at first"
@@ -49,10 +94,12 @@ SHALLOW = "six spacings of depth: 5.7 % (Ritter) and 5.1 % (Stoker) at twelve"
 SLIDES = "the column keeps standing at the wall; smooth sides and the particles' damping are suspected, not shown"
 RISING = "what a light body leaves below it fills too slowly: 0.85 of its acceleration at first, braked within 5 mm (simulation/liquid/README.md)"
 TIP = "5 cm between particles, more than the face of the gauge: it feels the blows of single particles of the tip"
-DISORDER = "the lowest layers read 2 % off once their lattice is gone (hydrostatics, on it: 4e-5), at smooth sides only: boxes 0.3 %"
+DISORDER = (
+    "the lowest layers read 2 % off once their lattice is gone (hydrostatics, on it: 4e-5), at smooth sides only: boxes 0.3 %"
+)
 COARSE_DAM = "11 cells of depth; no finer level was run"
 ROUGH_WALL = "FLIP is slow beside rough walls, 10 % at 4 cells and APIC 5 % (simulation/liquid/flip/README.md)"
-HALF_MENDED = "a step mends half of the compression (volume_correction), so a mean of some 1e-3 stays where liquid settles"
+UNEVEN = "not the correction (1.2e-3 with all of it in a step) nor the solve (1.4e-3 at pressure_error 1e-4): how markers lie, not shown"
 TRANSFER = "transfer between markers and grid at a free surface: APIC 0.7e-2, and without the correction of places 1.5e-2"
 SMOOTH_FLOOR = "within the gate at 8 cells; with a smooth floor 7 % at 8, 12 and 16: it does not converge to the experiment"
 MISSES: dict[tuple[Run, str], tuple[str, str]] = {
@@ -76,9 +123,12 @@ MISSES: dict[tuple[Run, str], tuple[str, str]] = {
     (("martin-moyce", "flip", 1), "front, largest error"): ("0.125", SMOOTH_FLOOR),
     (("ritter", "flip", 0), "depth, L1 error"): ("0.056", "six cells of depth: 4.3 % at twelve"),
     (("stoker", "flip", 0), "depth, L1 error"): ("0.061", "six cells of depth; within the gate at twelve"),
-    (("settling", "flip", 0), "mean density error"): ("1.5e-3", HALF_MENDED),
-    (("released", "flip", 0), "acceleration"): ("4.32 of 4.90 m/s^2", "four cells across: what the grid adds to the mass; within the gate at six"),
-    (("settling", "flip", 1), "mean density error"): ("1.3e-3", HALF_MENDED),
+    (("settling", "flip", 0), "mean density error"): ("1.5e-3", UNEVEN),
+    (("released", "flip", 0), "acceleration"): (
+        "4.32 of 4.90 m/s^2",
+        "four cells across: what the grid adds to the mass; within the gate at six",
+    ),
+    (("settling", "flip", 1), "mean density error"): ("1.3e-3", UNEVEN),
     (("kleefsman", "flip", 0), "arrival at P2"): ("0.495 s", COARSE_DAM),
     (("kleefsman", "flip", 0), "height H2, mean error / largest"): ("0.115", COARSE_DAM),
     (("ledgers", "flip", 0), "momentum, change / sum of |m v|"): ("1.2e-2", TRANSFER),
@@ -129,7 +179,9 @@ def test_every_figure_of_every_case_is_run_or_says_why_not() -> None:
     """All levels of all cases by all their engines; a figure that misses its gate is one of a case that is run, with its cause."""
     run = {*FAST, *SLOW}
     assert len(run) == len(FAST) + len(SLOW), "a case is run once"
-    everything = {(name, engine, level) for name, case in CASES.items() for engine in case.engines for level in range(len(case.cells))}
+    everything = {
+        (name, engine, level) for name, case in CASES.items() for engine in case.engines for level in range(len(case.cells))
+    }
     assert everything - run == set(UNREFINED)
     assert all(level == 1 and reason for (_, _, level), reason in UNREFINED.items()), "the coarse level of every case is run"
     assert {key[0] for key in MISSES} <= run

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from worldagent.bench.defects import _liquid_scenes as scenes
 from worldagent.bench.defects import liquid as defects
+from worldagent.bench.defects._liquid_resolution import clinging
 from worldagent.bench.liquid_worlds import DENSITY, Flow, pool_in_tank, stream, tank
 from worldagent.verifiers import category, numerical
 from worldagent.verifiers.diagnosis import diagnose
@@ -87,7 +88,7 @@ def test_a_breach_fails_the_rows_that_are_about_it(tmp_path: Path, name: str, ma
 
 def test_liquid_that_clings_to_a_wall_is_sent_to_what_the_wall_does_to_it(tmp_path: Path) -> None:
     """R70: the first correction is of the boundary or of what flows along it, and never of the picture."""
-    world = defects.clinging(tmp_path, 12.0, rng())
+    world = clinging(tmp_path, 12.0, rng())
     row = diagnose(rows_of(world.candidate)["sticks"], world.candidate.spec)
     assert row.status == "fail"
     assert row.first_failing_entity == "tank"

@@ -233,7 +233,7 @@ def test_the_larger_friction_and_the_smaller_restitution_are_told_with_the_mater
 def test_what_rests_sinks_as_far_into_its_skins_as_the_register_says() -> None:
     slide = {n: {"kind": "slide", "child": n, "anchor": (0, 0, 0), "axis": (0, 0, 1)} for n in ("b", "heavy")}
     heavy = {**_two_balls(), "heavy": rigid_world.ball(0.05, at=(0, 0, 0.152), mass=1000.0)}
-    more = {"settings": {"sleep": False, "refine": 0}, "seconds": 1.0}
+    more: dict[str, Any] = {"settings": {"sleep": False, "refine": 0}, "seconds": 1.0}
     (effect,) = (e for w, e in _rigid(heavy, joints=slide, **more).items() if "push back softly" in w)
     rests, most = float(effect.split("sinks ")[1].split(" ")[0]), float(effect.split("as much, ")[1].split(" ")[0])
     alone = rigid_world.Run(rigid_world.world(_two_balls(), **more))

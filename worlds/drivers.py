@@ -39,7 +39,7 @@ def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
     if isinstance(driver, ForceDriver | InflowDriver | EmitterDriver):
         return driver.start, (driver.entity,)
     if isinstance(driver, FieldDriver):
-        return driver.start, acting_on(spec, driver)
+        return max(0.0, driver.start), acting_on(spec, driver)
     if isinstance(driver, WavesDriver):
         return max(0.0, driver.start), (driver.entity,)
     if isinstance(driver, OutflowDriver):

@@ -7,6 +7,7 @@ import pytest
 from pydantic import ValidationError
 from worldagent.tests.physics.rigid_world import ball, floor, world
 from worldagent.worlds.audit import audit
+from worldagent.worlds.drivers import acts_from
 from worldagent.worlds.fields import Fields, area_vectors, projected_area
 from worldagent.worlds.spec import FieldDriver
 
@@ -124,3 +125,16 @@ def test_a_field_on_a_body_passes_the_audit_and_a_wrong_one_is_no_field():
     assert next(r for r in audit(spec).rows if r.id == "audit:fields").status == "pass"
     with pytest.raises(ValidationError, match="end must be > start"):
         fields(field={"kind": "drag"}, start=2.0, end=1.0)
+
+
+def test_a_field_that_starts_below_zero_acts_within_the_preroll():
+    still = fields(field={"kind": "drag"}, start=-2.0)
+    at = np.zeros((1, 3))
+    assert still.medium(at, -2.1).density.max() == 0
+    assert still.medium(at, -1.9).density.max() == still.medium(at, 1.0).density.max() > 0
+    assert fields(field={"kind": "drag"}).medium(at, -1.9).density.max() == 0
+    spec = world(
+        {"ground": floor(), "b": ball(0.1, at=(0, 0, 1))},
+        drivers={"w": {"kind": "field", "field": {"kind": "drag"}, "start": -2.0}},
+    )
+    assert acts_from(spec, "w")[0] == 0.0

@@ -131,7 +131,9 @@ class FieldDriver(SpecModel):
     entities: Annotated[list[EntityRef], Field(min_length=1, max_length=2000)] | None = Field(
         default=None, description="that it acts on; default: all that a solver moves"
     )
-    start: NonNegative = 0.0
+    start: float = Field(
+        default=0.0, ge=-60, le=1e5, description="[s]; negative: within the preroll, so that cloth hangs still in air at frame 0"
+    )
     rise: NonNegative = Field(default=0.0, description="time to full strength [s]")
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
     seed: int = Field(default=0, ge=0, lt=2**31, description="of gusts and eddies")

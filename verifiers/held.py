@@ -201,12 +201,12 @@ def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
 
 
 def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
-    for name, reason in surfaces.missing.items():
+    for name, lacking in surfaces.missing.items():
         if is_still(surfaces.candidate.spec, name):
             yield row(
                 surfaces.candidate,
                 status="unverified",
-                explanation=f"no evidence: {reason}",
+                explanation=f"no evidence: {lacking}",
                 entities=(name,),
                 **_common(surfaces, name),
             )

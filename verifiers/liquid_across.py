@@ -6,11 +6,14 @@ its depth. What is asked of where its particles are (volume in a place, arrival)
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from ..worlds.arrays import F64
+from ..worlds.coarsening import read_overrides
+from ..worlds.errors import EvidenceError
 from ..worlds.liquids import least_extent, spacing_of
 from ..worlds.predicates import atoms_of
 from .findings import Finding
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import SpecModel, WorldSpec
     from .liquid_frames import Liquid, Step
 
-__all__ = ["LEAST_ACROSS", "Across", "thin_lines"]
+__all__ = ["LEAST_ACROSS", "Across", "production_spacing", "thin_lines"]
 
 LEAST_ACROSS = 5.0
 """[spacings] Own choice: one layer at each face feels the surface alone, and three between them make an inside."""
@@ -41,6 +44,7 @@ class Across:
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
+        self.spacing = production_spacing(liquid)
         self.thick: dict[str, float] = {}
 
     def see(self, step: Step) -> None:
@@ -51,14 +55,15 @@ class Across:
             known = _declared(self.liquid.candidate.spec, member)
             points = step.now.position[step.now.fluid == number]
             if known is not None or len(points):
-                self.thick[member] = _measured(points, self.liquid.spacing) if known is None else known / self.liquid.spacing
+                extent = _measured(points, self.liquid.spacing) * self.liquid.spacing if known is None else known
+                self.thick[member] = extent / self.spacing
 
     def findings(self) -> dict[str, Finding]:
         """The thinnest member of which something is asked that its thickness decides; else the thinnest of all."""
         if not self.thick:
             return {"across": Finding("not_applicable", "no liquid is there at frame 0")}
         asked = {m: why for m in self.thick if (why := _asked(self.liquid.candidate.spec, self.liquid.solver, m))}
-        s = self.liquid.spacing
+        s = self.spacing
         name = min(self.thick, key=lambda m: (not (m in asked and _thin(self.thick[m])), self.thick[m]))
         value = self.thick[name]
         text = f"{name!r} is {value:.3g} spacings of {s:g} m across at frame 0"
@@ -72,6 +77,19 @@ class Across:
         hints = (coarse(self.liquid, "the liquid is too thin for its spacing", wanted),)
         evidence = {"asked": asked[name], "thickness_m": value * s, "spacing_m": s}
         return {"across": Finding("unverified", text, value, LEAST_ACROSS, "spacings", name, 0, hints, evidence, ">=")}
+
+
+def production_spacing(liquid: Liquid) -> float:
+    """Spacing of the world itself [m]: a probe may be coarser, and vouches for the motion, not for what its spacing resolves."""
+    candidate = liquid.candidate
+    where = candidate.folder / candidate.artifact
+    if candidate.stage != "probe" or not read_overrides(where):
+        return liquid.spacing
+    try:
+        entities = json.loads((where.parent / "candidate.json").read_text())["spec"]["entities"]
+        return min(liquid.spacing, *(float(entities[m]["physics"]["resolution"]) for m in liquid.members))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise EvidenceError(f"candidate.json of {where.parent.name!r} is damaged ({error}); call probe_sim again") from error
 
 
 def thin_lines(spec: WorldSpec) -> list[dict[str, str]]:

@@ -19,6 +19,7 @@ from ..geometry.launch import warp
 from ..worlds.arrays import F64
 from ..worlds.liquids import LEAST_SPACINGS
 from .findings import Finding
+from .liquid_across import production_spacing
 from .liquid_barriers import Barrier, barriers_of, still_barrier
 from .liquid_rows import coarse, longer_step, place
 from .liquid_slots import slots, touching
@@ -188,9 +189,10 @@ class Leaks:
         still = still_barrier(self.liquid)
         if still is None or self.visited is None or still not in (self.barriers or ()):
             return None
-        s, number = self.liquid.spacing, (self.barriers or []).index(still)
-        least = touching(self.liquid.candidate.spec)
-        found = slots(self.visited, still, s, least, lambda a, b: self._connected(number, still, a, b))
+        number, least = (self.barriers or []).index(still), touching(self.liquid.candidate.spec)
+        near = slots(self.visited, still, self.liquid.spacing, least, lambda a, b: self._connected(number, still, a, b))
+        s = production_spacing(self.liquid)
+        found = [x for x in near if x.width < s]
         if not found:
             return None
         slot, where = found[0], place(found[0].place)

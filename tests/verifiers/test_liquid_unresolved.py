@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,7 @@ from worldagent.verifiers import liquid
 from worldagent.verifiers.findings import Finding
 from worldagent.verifiers.liquid_across import Across, thin_lines
 from worldagent.verifiers.liquid_leaks import Leaks
+from worldagent.worlds.coarsening import write_overrides
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import LiquidLevelAt, LiquidVolumeIn, SubmergedFraction
 from worldagent.worlds.spec import Entity, Requirement, Story
@@ -179,3 +182,20 @@ def test_a_body_of_several_parts_is_measured_by_its_particles(monkeypatch: pytes
         two = pool.model_copy(update={"parts": {**pool.parts, "more": next(iter(pool.parts.values()))}})
         spec = flow.spec.model_copy(update={"entities": {**flow.spec.entities, "pool": two}})
         assert found(monkeypatch, flow.edited(spec=spec), tmp_path / str(layers))["across"].status == status
+
+
+def test_a_coarser_probe_is_judged_by_the_spacing_of_the_world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Its particles vouch for the motion; what the bake will resolve is not held against it, and what it will not is."""
+    for name, real, status in (("finer", 0.5 * S, "pass"), ("as_coarse", S, "unverified")):
+        flow = made.thin_pool(rng(), 4)
+        root = tmp_path / name
+        candidate = dataclasses.replace(flow.candidate(root), stage="probe", artifact="candidates/f/probe")
+        monkeypatch.setattr(liquid, "WATCHES", (Leaks, Across))
+        probe = root / "candidates/f/probe"
+        probe.mkdir(parents=True)
+        write_overrides(probe, {"/entities/pool/physics/resolution": S})
+        document = {"spec": {"entities": {"pool": {"physics": {"resolution": real}}}}}
+        (probe.parent / "candidate.json").write_text(json.dumps(document))
+        watches = liquid.findings_of(candidate, "water").values()
+        row = next(f for watch in watches for n, (_, f) in watch.items() if n == "across")
+        assert row.status == status, row.text

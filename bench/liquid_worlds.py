@@ -193,7 +193,7 @@ class Flow:
         step = 5e-4
         mass = sum(built[n].bodies[0].mass for n in moving)
         return {**total, "driver_work": 0.0, "mass": mass, "body_count": len(moving), "joint_error": 0.0, "step": step, "steps": 84,
-                "max_travel_per_step": np.asarray(total["max_speed"]) * step * 2, "iterations_capped": 0, "iterations_max": 3, "contacts_max": 0, "overflows": 0}  # fmt: skip
+                "max_travel_per_step": np.asarray(total["max_speed"]) * step * 2, "iterations_capped": 0, "iterations_max": 3, "contacts_max": 0, "contact_gain": 0, "overflows": 0}  # fmt: skip
 
     def _frame(self, k: int, given: F64) -> dict[str, Any]:
         p, v, n = self.position[k], self.velocity[k], len(self.position[k])

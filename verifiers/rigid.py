@@ -8,6 +8,8 @@
 - `category:rigid:escape:<solver>`: no body leaves a cube `ESCAPE` times the scene's largest extent, unless a
   predicate sends it there.
 
+- `category:rigid:impact_energy:<solver>`: no contact gives energy, in no step and no frame (`rigid_impacts.py`).
+
 Laws of motion on the instance's ledgers (`ledgers.py`): `rigid_laws.py`; of contact: `rigid_contacts.py`, `rigid_bounces.py`; the records against
 the ledgers: `rigid_books.py`. Friction and restitution are judged where frames decide them: a body that slides straight for a
 whole frame, a ball that hits once in one. Elsewhere impulses bound them, and what returns more than it got shows in the energy.
@@ -25,7 +27,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
 from ..worlds.requirements import Row
 from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
-from . import field_ledger, motion, rigid_books, rigid_bounces, rigid_contacts, rigid_laws
+from . import field_ledger, motion, rigid_books, rigid_bounces, rigid_contacts, rigid_impacts, rigid_laws
 from .elastic_exchange import outside_work
 from .elastic_ledger import elastic_energies
 from .ledgers import books_of
@@ -82,6 +84,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         "contacts": rigid_contacts.contacts,
         "friction": rigid_contacts.friction,
         "restitution": rigid_bounces.restitution,
+        "impact_energy": rigid_impacts.impact_energy,
         "fields": field_ledger.fields,
     }
     rows = []
@@ -115,6 +118,7 @@ PREDICATES = {
     **rigid_laws.PREDICATES,
     **rigid_contacts.PREDICATES,
     **rigid_bounces.PREDICATES,
+    **rigid_impacts.PREDICATES,
     **field_ledger.PREDICATES,
 }
 

@@ -54,6 +54,7 @@ _ALL = (
     Quantity("steps", "1", "solver steps taken in the frame", of=_BOTH),
     Quantity("step", "s", "time step used in the frame; of a liquid, their mean", of=_BOTH),
     Quantity("contacts_max", "1", "most contacts in one step of the frame; of cloth, near pairs", of=("rigid", "cloth")),
+    Quantity("contact_gain", "J", "most energy that contacts of bodies that touch gave in one step of the frame; none is sound"),
     Quantity("iterations_max", "1", "most solver iterations in one step of the frame"),
     Quantity("iterations_capped", "1", "steps that ended at the iteration cap", of=_MOVED),
     Quantity("overflows", "1", "engine warnings: full contact or constraint buffers, bad states"),

@@ -18,6 +18,7 @@ from ...worlds.arrays import F64, quaternion_product
 from ...worlds.spec import HingeJoint, SpringJoint, WorldSpec
 from . import _scenes as scenes
 from ._films import Film
+from ._impacts import IMPACTS
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -487,6 +488,7 @@ SUITE = Suite(
         _clean("cradle", "momentum travels through a row of balls within a frame", scenes.cradle),
         _clean("thrown_pair", "two bodies, up to 20 times unlike, bounce off each other in the air", scenes.thrown_pair),
         _clean("pile", "boxes fall on each other and keep nothing of their speed", scenes.pile),
+        *IMPACTS,
         Mechanism("almost_pushed", "velocities off by less than the bound", False, almost_pushed, 1e-6, 1.5e-3, "m/s"),
         Mechanism("other_sign", "quaternions flip their sign", False, other_sign, 1.0, 6.0, "variant", named=(1.0, 3.0)),
     ),

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .contact_gain import ContactGain
 from .holds import FIXED
 from .model import RigidModel
 from .sides import sides_of
@@ -64,6 +65,7 @@ class ContactMonitor:
     def __init__(self, rigid: RigidModel) -> None:
         self.rigid = rigid
         self.count = len(rigid.colliders)
+        self.gain = ContactGain(rigid.model)
         # Instances with elastic bodies do not sleep.
         trees = np.append(rigid.model.body_treeid[rigid.model.geom_bodyid], np.full(rigid.model.nflex, -1))
         self._trees: list[NDArray[np.int64]] = []
@@ -79,6 +81,7 @@ class ContactMonitor:
 
     def begin(self) -> None:
         """Start a frame."""
+        self.gain.begin()
         self._steps = _Steps.empty()
         self._events: list[_Event] = []
         self._total: dict[int, list[float]] = {}
@@ -116,6 +119,7 @@ class ContactMonitor:
             if any(abs(other.slept[t] - last) <= DEBOUNCE and other.woke[t] < other.slept[t] for t in trees):
                 self.seen[key] = time
         self._events, self._total = other._events, other._total
+        self.gain.take_over(other.gain)
         self.max_contacts, self.iterations, self.capped = other.max_contacts, other.iterations, other.capped
 
     def sleeping(self, data: Any, bodies: Any, since: float) -> NDArray[np.uint8]:
@@ -154,6 +158,7 @@ class ContactMonitor:
         if not data.ncon:
             return
         if data.nefc:
+            self.gain.watch(data)
             worst = int(data.solver_niter[: data.nisland or 1].max())
             if worst > self.iterations:
                 self.iterations = worst

@@ -230,6 +230,7 @@ class SolverRigid(Stepper):
             "steps": taken,
             "step": step,
             "contacts_max": self.monitor.max_contacts,
+            "contact_gain": self.monitor.gain.most,
             "iterations_max": self.monitor.iterations,
             "iterations_capped": self.monitor.capped,
             "overflows": self._overflows,

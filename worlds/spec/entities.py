@@ -188,9 +188,9 @@ class LiquidPhysics(SpecModel):
         description="[N/m]; felt by dfsph below spacings of about three capillary lengths (water 8.6 mm); flip leaves it out",
     )
     resolution: Positive = Field(description="particle spacing or cell size [m]")
-    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, or where a preroll begins [m/s]")
     currents: Annotated[dict[Id, Current], Field(max_length=64)] = Field(
-        default={}, description="streams that run at frame 0; liquid beside them has linear_velocity"
+        default={}, description="streams that run at frame 0, or where a preroll begins; liquid beside them has linear_velocity"
     )
     temperature: float = Field(default=293.15, gt=0, le=5000, description="at frame 0 [K]")
     conductivity: NonNegative = Field(default=0.0, le=1000, description="thermal [W/(m K)]; 0: heat is carried, not conducted")

@@ -38,51 +38,23 @@ SLOW: tuple[Run, ...] = (
         "hydrostatics", "hydrostatics-boxes", "still-water", "still-water-boxes", "settling", "standing-wave", "martin-moyce", "martin-moyce-far",
         "martin-moyce-square", "ritter", "stoker",
     )),
-    # --- finer
-    *((name, "dfsph", 1) for name in ("couette-honey", "poiseuille-honey",)),
-    *((name, "flip", 1) for name in ("couette-water", "couette-oil", "couette-honey", "poiseuille-water", "poiseuille-oil", "poiseuille-honey", "draft-0.3", "neutral", "held-box", "held-sphere",)),
-    # --- end
+    *((name, "dfsph", 1) for name in ("couette-honey", "poiseuille-honey", "neutral")),
+    *((name, "flip", 1) for name in (
+        "couette-water", "couette-oil", "couette-honey", "poiseuille-water", "poiseuille-oil", "poiseuille-honey", "draft-0.3", "draft-0.5",
+        "draft-0.8", "neutral", "held-box", "held-sphere", "ledgers",
+    )),
 )  # fmt: skip
-LONG = "the finer level was not measured: 16 times the work of the coarse one and more, minutes to an hour of one core"
+LONG = (
+    "some 16 times the work of the coarse level, which is run; what was measured of it once stands in simulation/liquid/README.md"
+)
 UNREFINED: dict[Run, str] = {
-    **{
-        (name, "dfsph", 1): LONG
-        for name in (
-            "hydrostatics",
-            "hydrostatics-boxes",
-            "still-water",
-            "still-water-boxes",
-            "settling",
-            "martin-moyce",
-            "martin-moyce-far",
-            "martin-moyce-square",
-            "ritter",
-            "stoker",
-            "kleefsman",
-            "couette-water",
-            "couette-oil",
-            "poiseuille-water",
-            "poiseuille-oil",
-            "draft-0.3",
-            "draft-0.5",
-            "draft-0.8",
-            "neutral",
-            "held-box",
-            "held-sphere",
-            "released",
-            "ledgers",
-        )
-    },
-    **{
-        (name, "flip", 1): LONG
-        for name in (
-            "kleefsman",
-            "draft-0.5",
-            "draft-0.8",
-            "ledgers",
-        )
-    },
-}
+    **{(name, "dfsph", 1): LONG for name in (
+        "hydrostatics", "hydrostatics-boxes", "still-water", "still-water-boxes", "settling", "martin-moyce", "martin-moyce-far",
+        "martin-moyce-square", "ritter", "stoker", "kleefsman", "couette-water", "couette-oil", "poiseuille-water", "poiseuille-oil",
+        "draft-0.3", "draft-0.5", "draft-0.8", "held-box", "held-sphere", "released", "ledgers",
+    )},
+    ("kleefsman", "flip", 1): LONG,
+}  # fmt: skip
 """What no test runs, and why."""
 KEPT = "height after three periods / at first"
 REST, CALMER = "kinetic / potential energy at the end", "kinetic energy, end / start"
@@ -133,6 +105,8 @@ MISSES: dict[tuple[Run, str], tuple[str, str]] = {
     (("kleefsman", "flip", 0), "height H2, mean error / largest"): ("0.115", COARSE_DAM),
     (("ledgers", "flip", 0), "momentum, change / sum of |m v|"): ("1.2e-2", TRANSFER),
     (("ledgers", "flip", 0), "angular momentum, change / sum of |m v| x 1 m"): ("1.9e-2", TRANSFER),
+    (("ledgers", "flip", 1), "momentum, change / sum of |m v|"): ("1.9e-2", TRANSFER),
+    (("ledgers", "flip", 1), "angular momentum, change / sum of |m v| x 1 m"): ("2.1e-2", TRANSFER),
 }
 """What was measured where the gate is not kept, and the cause as far as it is known."""
 

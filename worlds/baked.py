@@ -70,7 +70,8 @@ def _record(db: sqlite3.Connection, freeze: str) -> BakeRecord | None:
     if row is None:
         return None
     check_seal(db, f"bake:{freeze}", row["digest"], row["detail"])
-    places, texts = [f"bake:{freeze}"], ()
+    places = [f"bake:{freeze}"]
+    texts: tuple[str, ...] = ()
     if "refuted" in tables:
         texts = refuted_texts(db, freeze)
         check_seal(db, f"refuted:{freeze}", *texts)

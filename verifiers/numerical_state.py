@@ -9,6 +9,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
+from .contact_log import log_fault
 from .exchanged import exchange_steps
 from .findings import Finding, again, halve, separate
 from .ledgers import Books, books_of
@@ -106,7 +107,25 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
                 ]
                 entity = movers[0] if movers else entity
             return Finding("fail", f"{wrong} at frame {k}", 1.0, 0.0, "frames", entity, k, (again("the contact log was edited"),))
+    wrong_log = log_fault(
+        cache.ragged(*contact, *event), h, _sleepers(cache), candidate.spec.simulation.rigid[solver].settings.step
+    )
+    if wrong_log is not None:
+        colliders = [cache.index.colliders[i] for i in wrong_log.pair]
+        moving = [n for n in colliders if any(b.startswith(f"{n}/") for b in cache.index.bodies)]
+        text = f"{' and '.join(colliders)} at frame {wrong_log.frame}: {wrong_log.text}"
+        hints = (again("the contact log was edited"),)
+        where = (moving or colliders)[0], wrong_log.frame
+        return Finding("fail", text, wrong_log.measured, wrong_log.bound, "N s", *where, hints)
     return Finding("pass", f"{count} logged contacts and events", 0.0, 0.0, "frames")
+
+
+def _sleepers(cache: Cache) -> list[frozenset[int]]:
+    """Colliders that sleep at each frame, or have slept or woken within the frame before it."""
+    rank = {n: i for i, n in enumerate(cache.index.colliders)}
+    owners = [rank.get(b.split("/", 1)[0], -1) for b in cache.index.bodies]
+    # A row too many or too few is told by `numerical:finite`.
+    return [frozenset(o for o, s in zip(owners, row, strict=False) if s) for row in np.asarray(cache.series("asleep"))]
 
 
 def frozen(candidate: Candidate, solver: str, cache: Cache) -> Finding:

@@ -12,6 +12,7 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.spec import HingeJoint, Limits, RigidSettings
 from ..small_worlds import ball, box, ground, world
+from . import _contact_log as contact_log
 from . import _scenes as scenes
 from ._films import Film, film_of, frame_of_walls, free_body, still
 from ._starts import START_MECHANISMS
@@ -452,6 +453,7 @@ SUITE = Suite(
         _defect("sleeps_aloft", "a body sleeps in the air", sleeps_aloft, 3.1e-3, 0.5, "m", 3e-3),
         _defect("sleeps_over_a_bowl", "a body sleeps among walls it does not touch", sleeps_over_a_bowl, 3.2e-3, 0.2, "m", 3e-3),
         _defect("creeps", "a sleeping body creeps", creeps, 1.05e-6, 0.01, "m", 1e-6),
+        *contact_log.MECHANISMS,
         _clean("flight", "thrown bodies that tumble fast", scenes.flight),
         _clean("bounce", "bounces between two frames: fastest where no frame shows it", scenes.bounce),
         _clean("stack", "bodies that sleep, wake and sleep again", scenes.stack),

@@ -49,7 +49,7 @@ def judged(folder: WorldFolder, ledger: Ledger, *, seed: int | None = None) -> d
 
 def remember_refuted(ledger: Ledger, record: Mapping[str, Any]) -> None:
     """Keep what a replay found wrong: later judgements of the same cache draw other intervals, and it must not pass by that."""
-    replayed = next((r["evidence"] for r in record["rows"] if r["id"] == "delivery:replay"), {})
+    replayed: dict[str, Any] = next((r["evidence"] for r in record["rows"] if r["id"] == "delivery:replay"), {})
     known = replayed.get("earlier", [])
     bad = [i for i in replayed.get("intervals", []) if not i["identical"]]
     fresh = [i for i in bad if not any(k["solver"] == i["solver"] and k["frames"] == i["frames"] for k in known)]

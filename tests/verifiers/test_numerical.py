@@ -135,7 +135,7 @@ def test_engine_warnings_and_capped_iterations_fail(tmp_path: Path) -> None:
     assert failing(sliding(tmp_path / "b", records={"iterations_capped": 4.0})) == set()
 
 
-def test_travel_per_step_that_no_body_explains_is_held_against_the_thinnest_collider(tmp_path: Path) -> None:
+def test_travel_per_step_is_held_against_the_thinnest_collider(tmp_path: Path) -> None:
     records = {"max_travel_per_step": np.where(np.arange(N) == 8, 0.01, 1e-4)}
     row = rows_of(sliding(tmp_path, records=records, settings=RigidSettings(step=5e-4)))["step_travel"]
     assert (row.status, row.first_failing_frame, row.first_failing_entity) == ("fail", 8, "card")

@@ -187,7 +187,8 @@ class _Steps:
                     np.linalg.norm(self.velocity[frame, rows], axis=1) + np.linalg.norm(self.spin[frame, rows], axis=1) * reach
                 )
             time = self.duration if k else 0.0
-            chord = np.linalg.norm(ends[1] - ends[0], axis=1)
+            with np.errstate(invalid="ignore"):  # what is not finite is no number here either
+                chord = np.linalg.norm(ends[1] - ends[0], axis=1)
             # In free flight the speed is largest at an end of the frame; the way says more where something let go in between.
             own = np.maximum(np.maximum(*speeds), chord / self.duration)
             travel[moving] = np.minimum(own * self.step[k], self.record[k])

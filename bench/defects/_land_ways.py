@@ -30,7 +30,7 @@ class _Country:
         self.x, self.y = axes(side, side, self.cell)
         self.half = 0.5 * (side - 1) * self.cell
         self.far = 0.6 * self.half
-        self.limit = float(rng.uniform(0.4, 0.7))
+        self.limit = float(rng.uniform(0.4, 0.6))  # a walker's is 0.6
         self.width = float(rng.choice([0.6, 0.8, 1.2])) if self.cell > 1 else float(rng.uniform(0.6, 0.9))
         self.level = float(rng.uniform(-50, 400))
         gentle = math.tan(0.3 * self.limit)

@@ -418,7 +418,7 @@ def _low_sill(folder: Path, m: float, rng: RNG) -> World:
     hall.add("sill", block(0.0, float(rng.choice([0.002, 0.05, 0.2])), -hall.half, hall.half, 0.0, way.max_step - m))
     hall.add("rug", block(-1.2, -0.4, -0.5, 0.5, 0.0001, min(0.01, 0.5 * way.max_step), collides=False))
     hall.put("pebble", Sphere(radius=0.4 * way.max_step), (-0.7, 0.1, 0.4 * way.max_step), motion="dynamic")
-    hall.put("lamp", Sphere(radius=0.2), (0.5, 0.0, 1.9 + m))
+    hall.put("lamp", Sphere(radius=0.2), (0.5, 0.0, way.headroom + 0.2 + m))
     hall.ends()
     return hall.world(folder, way)
 

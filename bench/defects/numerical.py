@@ -100,7 +100,7 @@ def spike(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     peak[k] = magnitude * shown
     film.set_record("max_speed", peak)
     film.spec = film.spec.model_copy(
-        update={"simulation": film.spec.simulation.model_copy(update={"limits": Limits(max_speed=5e3)})}
+        update={"simulation": film.spec.simulation.model_copy(update={"limits": Limits(max_speed=1500.0)})}
     )
     return _judged(film, folder)
 

@@ -178,8 +178,13 @@ def _dribbles(folder: Path) -> Candidate:
     return liquid_resolution.tight_tap(folder, 2.0, np.random.default_rng(3)).candidate
 
 
+def _seeps(folder: Path) -> Candidate:
+    """A tank with a slot narrower than a spacing."""
+    return liquid_resolution.slot(folder, 0.004, np.random.default_rng(3)).candidate
+
+
 OWN = {
-    "category": [(_clings, category.check), (_dribbles, category.check)],
+    "category": [(_clings, category.check), (_dribbles, category.check), (_seeps, category.check)],
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check), (_motion, counterfactual.check)],
     "contact": [(_pressed, contact.check), (_squeezed, contact.check)],

@@ -1,4 +1,4 @@
-"""The tank bursts: gate, flood and floating crates are accepted, and without the gate's lift nothing floods."""
+"""The tank bursts: gate, flood and swept crates are accepted, and without the gate's lift nothing floods."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def test_the_flood_is_accepted(tmp_path: Path) -> None:
     with sqlite3.connect(tmp_path / "burst_tank" / "ledger.sqlite") as ledger:
         rows = dict(ledger.execute("select id, status from matrix").fetchall())
     for row in (
-        "causal:lifts:floats",
-        "causal:without:lifts:floats",
+        "causal:bursts:sweeps",
+        "causal:without:bursts:sweeps",
         "category:liquid:leak:water",
         "category:liquid:exchange:water",
     ):

@@ -1,7 +1,7 @@
-"""A stream carries leaves and a log, from its prompt to acceptance through a real client: `python -m worldagent.examples.stream`.
+"""A stream carries beams and a log, from its prompt to acceptance through a real client: `python -m worldagent.examples.stream`.
 
 The land is generated and the stream follows from it. The agent cuts the ground, has its water made a liquid, reads from the
-specification where the stream runs and how fast, asks the land for heights, and puts bridge, log and leaves there.
+specification where the stream runs and how fast, asks the land for heights, and puts bridge, log and beams there.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .domino_run import Agent
 
 __all__ = ["PROMPT", "land_spec", "main", "run"]
 
-PROMPT = "A stream carries leaves and a log under a footbridge."
+PROMPT = "A stream carries beams and a log under a footbridge."
 WAIT_SECONDS = 25.0
 EXTENT = (320.0, 128.0)
 """Of the landscape x, y [m]."""
@@ -44,11 +44,19 @@ GROUND_CELL = 0.55
 """Of the ground [m]: finer than the bed, and few enough corners of the water for the specification."""
 LOG = (0.3, 3.2)
 """Radius and length [m]."""
-LOG_DENSITY, LEAF_DENSITY = 600.0, 500.0
-LEAF = (0.8, 0.56, 0.12)
-"""A butterbur's: length, width, thickness [m]. Thinner ones fall through the water's cells."""
-LEAVES = ((2.6, 0.5), (3.4, -0.8), (-2.6, -1.0), (-3.2, 0.9), (4.4, 0.6), (-4.4, -0.2))
+LOG_DENSITY, BEAM_DENSITY = 600.0, 550.0
+"""Of air-dry beech and pine [kg/m^3]."""
+BEAM = (1.8, 0.3, 0.2)
+"""Length, width, thickness [m]: squared timber of 59 kg. It is as thick as the water's cells, which then bear it at its true draft (within
+a millimetre in still water); a board of 0.12 m sinks 4 cm too deep in them, and a real leaf is far thinner than both."""
+BEAMS = ((3.6, 0.5), (4.4, -1.6), (-3.4, -1.2), (-4.2, 1.4), (6.4, 0.6), (-6.6, -0.4))
 """Along and across the stream from the log [m]."""
+SPACING = 0.22
+"""Cell of the liquid [m]."""
+SECONDS = 8.0
+REACH = (44.0, 21.0)
+"""Of the ground with its stream x, y [m]."""
+CENTER = (24.0, 6.0)
 
 
 def _line() -> list[list[float]]:
@@ -94,7 +102,7 @@ def land_spec(seconds: float, fps: float) -> dict[str, Any]:
             "water": {"density": 1000, "substance": "water", "appearance": {"color": [0.72, 0.84, 0.80], "transmission": 1, "roughness": 0.04}},
             "stone": {"density": 2400, "substance": "stone", "friction": 0.6, "appearance": {"color": [0.38, 0.36, 0.33], "roughness": 0.8}},
             "wood": {"density": LOG_DENSITY, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.30, 0.19, 0.10], "pattern": "wood"}},
-            "leaf": {"density": LEAF_DENSITY, "substance": "other", "friction": 0.4, "appearance": {"color": [0.16, 0.30, 0.05], "roughness": 0.6}},
+            "pine": {"density": BEAM_DENSITY, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.62, 0.45, 0.26], "pattern": "wood"}},
         },
         "look": {"width": 1280, "height": 720, "sun_elevation_deg": 42, "sun_azimuth_deg": 200},
         "simulation": {"fps": fps, "frames": round(seconds * fps) + 1},
@@ -151,16 +159,6 @@ def _numbers(values: Sequence[float] | np.ndarray) -> list[float]:
     return [round(float(v), 5) for v in values]
 
 
-def _leaf_outline() -> list[list[float]]:
-    """A heart, its tip along +x."""
-    turn = np.linspace(0, 2 * np.pi, 22, endpoint=False)
-    heart = np.column_stack(
-        [np.cos(turn) * (1 - 0.25 * np.exp(-((turn - np.pi) ** 2) / 0.1)), np.sin(turn) * (1 - 0.25 * np.cos(turn))]
-    )
-    low, high = heart.min(axis=0), heart.max(axis=0)
-    return [_numbers(p) for p in ((heart - low) / (high - low) - 0.5) * LEAF[:2]]
-
-
 def _body(role: str, material: str, shape: dict[str, Any], size: Sequence[float], place: Any, turn: list[float], speed: Any, at: Any = None) -> dict[str, Any]:  # fmt: skip
     part = {"shape": shape, **({"pose": at} if at else {})}
     return {
@@ -180,6 +178,8 @@ class Ranger(Agent):
     """The agent of this world."""
 
     course: Course
+    rate: float
+    """Of what comes in [m^3/s]."""
 
     async def settle(self, options: argparse.Namespace) -> bool:
         """Declare the land, build it with its stream as a liquid, and put the things there."""
@@ -195,6 +195,7 @@ class Ranger(Agent):
             self.say(data["refused"])
             return False
         self.say(f"water: {json.dumps(data['water'])}")
+        self.rate = sum(g["rate_m3_s"] for g in data["water"]["inflows"])
         self.course = Course((await self.spec())["entities"]["river"])
         self.say(f"the stream runs {self.course.length:.0f} m through the ground, {self.course.width:.1f} m wide")
         patch = await self.things(options)
@@ -241,8 +242,8 @@ class Ranger(Agent):
             "pose": {"position": _numbers([place[0], place[1], under]), "quaternion": _turned(along)},
         }  # fmt: skip
 
-    def drifting(self, way: float, leaves: int) -> dict[str, Any]:
-        """The log and the leaves at their drafts, as fast as the stream."""
+    def drifting(self, way: float, beams: int) -> dict[str, Any]:
+        """The log and the beams at their drafts, as fast as the stream."""
         place, along, speed = self.course.at(way)
         height = _floating_height(LOG[0], LOG_DENSITY / 1000)
         lying = {"quaternion": [0.707106781, 0, 0.707106781, 0]}
@@ -250,25 +251,25 @@ class Ranger(Agent):
             "log": _body("log", "wood", {"kind": "cylinder", "radius": LOG[0], "height": LOG[1]}, (LOG[1], 2 * LOG[0], 2 * LOG[0]),
                          [*place[:2], place[2] + height], _turned(along, 0.3), speed * along, lying)
         }  # fmt: skip
-        shape = {"kind": "extrusion", "polygon": _leaf_outline(), "height": LEAF[2]}
-        for n, (ahead, aside) in enumerate(LEAVES[:leaves]):
+        for n, (ahead, aside) in enumerate(BEAMS[:beams]):
             place, along, speed = self.course.at(way + ahead, aside)
-            place[2] += (0.5 - LEAF_DENSITY / 1000) * LEAF[2]
-            found[f"leaf_{n}"] = _body("leaf on the stream", "leaf", shape, LEAF, place, _turned(along, 1.1 * n), speed * along)
+            place[2] += (0.5 - BEAM_DENSITY / 1000) * BEAM[2]
+            shape = {"kind": "box", "size": list(BEAM)}
+            found[f"beam_{n}"] = _body("beam on the stream", "pine", shape, BEAM, place, _turned(along, 1.1 * n), speed * along)
         return found
 
     async def things(self, options: argparse.Namespace) -> list[dict[str, Any]]:
-        """Operations for bridge, log, leaves, story, shots and coupling."""
+        """Operations for bridge, log, beams, story, shots and coupling."""
         last = round(options.told * options.fps)
         bridge = self.course.along_x(BRIDGE_AT)
         place, along, speed = self.course.at(bridge)
         drift = speed * options.told
         start = bridge - 0.5 * drift
-        floats = self.drifting(start, options.leaves)
-        leaves = [n for n in floats if n.startswith("leaf")]
+        floats = self.drifting(start, options.beams)
+        beams = [n for n in floats if n.startswith("beam")]
         moved = {"kind": "displacement", "entity": "each", "axis": [*_numbers(along), 0], "min": round(0.5 * drift, 2)}
         flux = {"kind": "liquid_flux_through", "entity": "river", "point": _numbers(place), "normal": [*_numbers(along), 0],
-                "size": [round(self.course.width + 2, 2), 4.0], "measure": "total", "min": round(DISCHARGE * options.told, 2)}  # fmt: skip
+                "size": [round(self.course.width + 2, 2), 4.0], "measure": "total", "min": round(0.25 * self.rate * options.told, 2)}  # fmt: skip
 
         def beat(text: str, owner: str, subject: str, predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
             return {"text": text, "owner": owner, "subject": subject, "frames": [0, last], "predicate": predicate, "causes": list(causes)}  # fmt: skip
@@ -278,16 +279,16 @@ class Ranger(Agent):
             "flows": beat("the stream flows under the bridge", "river", "river", flux),
             "log_passes": beat("the log passes under the footbridge", bodies, "log",
                                {"kind": "crosses", "entity": "log", "point": _numbers(place), "normal": [*_numbers(along), 0]}, "flows"),
-            "leaves_drift": beat("all leaves are carried on", bodies, leaves[0],
-                                 {"kind": "count", "entities": leaves, "predicate": moved, "min": len(leaves)}, "flows"),
+            "beams_drift": beat("all beams are carried on", bodies, beams[0],
+                                 {"kind": "count", "entities": beams, "predicate": moved, "min": len(beams)}, "flows"),
         }  # fmt: skip
-        back, _, _ = self.course.at(bridge + 7.5)
+        back, _, _ = self.course.at(bridge + 13.0)
         side = np.array([-along[1], along[0]])
         bank = _numbers((place[:2] + 5.0 * along + (0.5 * self.course.width + 4.0) * side).tolist())
         (ground,) = await self.heights([bank])
         shots = {
-            "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "leaf_0"], "covers": [*beats],
-                    "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 2.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
+            "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "beam_0"], "covers": [*beats],
+                    "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 3.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
         }  # fmt: skip
         self.say(f"bank at {bank}, {ground:.2f} m; the log starts {0.5 * drift:.1f} m above the bridge at {speed:.2f} m/s")
         relations: dict[str, dict[str, Any]] = {
@@ -347,7 +348,7 @@ async def _session(options: argparse.Namespace, workspace: Path) -> dict[str, An
         found: dict[str, Any] = {"accepted": accepted, "reach_m": round(agent.course.length, 1) if ready else None}
         if accepted and not options.no_render:
             agent.say("rendering the final sequence")
-            data, refused = await agent.call("render_shot", kind="final", wait_s=WAIT_SECONDS)
+            data, refused = await agent.call("render_shot", kind="final", wait_s=WAIT_SECONDS, samples=options.samples)
             found["final"] = data
             agent.say(data["refused"] if refused else f"film: {data['frames']} frames of {data['width']} x {data['height']}")
         return found | {
@@ -369,13 +370,14 @@ def options_of(argv: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line; `--full` is a reach of more than 200 m for 20 s."""
     parser = argparse.ArgumentParser(prog="stream", description=PROMPT)
     parser.add_argument("--out", default="demo-out", help="workspace of the world")
-    parser.add_argument("--full", action="store_true", help="230 m of the valley for 20 s instead of 16 m for 0.8 s")
-    parser.add_argument("--spacing", type=float, default=0.22, help="cell of the liquid [m]")
+    parser.add_argument("--full", action="store_true", help="230 m of the valley for 20 s instead of 44 m for 8 s")
+    parser.add_argument("--spacing", type=float, default=SPACING, help="cell of the liquid [m]")
+    parser.add_argument("--samples", type=int, default=32, help="of each pixel of the film")
     parser.add_argument("--no-render", action="store_true")
     options = parser.parse_args(argv)
-    options.fps = 12
-    options.size, options.center = ((230.0, 52.0), (0.0, 0.0)) if options.full else ((16.0, 13.0), (BRIDGE_AT, 7.2))
-    options.seconds, options.told, options.leaves = (20.0, 5.0, 6) if options.full else (10 / 12, 10 / 12, 3)
+    options.fps, options.beams = 12, len(BEAMS)
+    options.size, options.center = ((230.0, 52.0), (0.0, 0.0)) if options.full else (REACH, CENTER)
+    options.seconds, options.told = (20.0, 5.0) if options.full else (SECONDS, SECONDS)
     return options
 
 

@@ -1,7 +1,8 @@
-"""A stream of the landscape that carries leaves and a log: its reach, and that painted water does not count."""
+"""A stream of the landscape that carries beams and a log: its reach, that the grid bears them, and that painted water does not count."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,12 @@ from scipy import ndimage
 from worldagent.construction.build import build_entity
 from worldagent.construction.terrain.grid import Grid
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
-from worldagent.examples.stream import PROMPT, Course, land_spec
+from worldagent.examples.stream import BEAM, BEAM_DENSITY, LOG, PROMPT, Course, land_spec, options_of
+from worldagent.simulation.boundaries import Boundary
+from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.scene import build_scene
+from worldagent.tests.physics.test_flip import box_mesh, one_body
+from worldagent.tests.simulation.liquid.flip_setup import block, tank
 from worldagent.tools.waters import water_operations
 from worldagent.worlds.audit import audit
 from worldagent.worlds.folder import WorldFolder
@@ -22,14 +27,19 @@ SPACING = 0.8
 SIZE = (230.0, 52.0)
 
 
-def river_of(folder: WorldFolder) -> tuple[Any, Any, dict[str, Any]]:
+def river_of(
+    folder: WorldFolder,
+    *,
+    size: tuple[float, float] = SIZE,
+    center: tuple[float, float] = (0.0, 0.0),
+    spacing: float = SPACING,
+) -> tuple[Any, Any, dict[str, Any]]:
     """Specification with the long reach, the landscape, and the figures of the reply."""
-    spec = parse_spec({"prompt": PROMPT, **land_spec(20.0, 12)})
+    seconds = 20.0 if size == SIZE else options_of([]).seconds
+    spec = parse_spec({"prompt": PROMPT, **land_spec(seconds, 12)})
     land, _ = build_terrain_file(folder, spec, "valley")
-    patch = cut_patch(folder, "valley", land, center=(0.0, 0.0), size=SIZE, cells=230)
-    made, told = water_operations(
-        folder, spec, land, file=patch.file, center=(0.0, 0.0), size=SIZE, liquid="river", spacing=SPACING
-    )
+    patch = cut_patch(folder, "valley", land, center=center, size=size, cells=round(size[0]))
+    made, told = water_operations(folder, spec, land, file=patch.file, center=center, size=size, liquid="river", spacing=spacing)
     return apply_patch(spec, made), land, told
 
 
@@ -54,6 +64,52 @@ def test_the_long_reach_agrees_with_the_mask_of_hydrology_within_one_cell(tmp_pa
     speed = np.linalg.norm(setup.velocity, axis=1)
     assert (speed > 0.5).mean() > 0.995
     assert speed.max() < 2.5
+
+
+def test_the_shown_reach_is_forty_metres_long_and_runs_eight_seconds(tmp_path: Path) -> None:
+    """What the command line shows by default: the cut ground's stream, and frames for 8 s and as long a story."""
+    options = options_of([])
+    assert options.seconds >= 8.0
+    assert options.told == options.seconds
+    folder = WorldFolder.at(tmp_path)
+    spec, _, told = river_of(folder, size=options.size, center=options.center, spacing=options.spacing)
+    assert Course(spec.entities["river"].model_dump(mode="json")).length >= 40.0
+    assert spec.simulation.frames == round(options.seconds * options.fps) + 1
+    assert told["engine"] == "flip"
+
+
+def test_what_drifts_weighs_what_it_is_called_and_is_resolved() -> None:
+    """A squared timber of 0.2 x 0.3 x 1.8 m of air-dry pine; thickness and log are within a tenth of a cell of one cell, or thicker."""
+    mass = BEAM_DENSITY * float(np.prod(BEAM))
+    assert 450 <= BEAM_DENSITY <= 650
+    assert 50 <= mass <= 70
+    spacing = options_of([]).spacing
+    assert min(BEAM) >= 0.9 * spacing
+    assert 2 * LOG[0] >= 2 * spacing
+    assert "lea" not in PROMPT.replace("a log", "")
+
+
+def test_the_grid_bears_a_beam_at_its_draft() -> None:
+    """One beam in still water of the stream's depth and cells, for 4 s: the mean draft of the last two is its density's, within 5 %."""
+    cell, ratio = options_of([]).spacing, BEAM_DENSITY / 1000
+    depth, side = 3 * cell, 18 * cell
+    height = depth + (0.5 - ratio) * BEAM[2] + 0.005
+    at, speed, turn = np.array([side / 2, side / 2, height]), np.zeros(3), np.zeros(3)
+    water = block((0, 0, 0), (side, side, depth), cell / 2)
+    water = water[(np.abs(water - at) > np.array(BEAM) / 2).any(axis=1)]
+    body = Boundary("beam", box_mesh(BEAM), "dynamic")
+    engine = Flip(replace(tank((side, side, 3 * depth), water, cell / 2, boundaries=(body,)), spacing=cell))
+    heights = []
+    for _ in range(96):
+        state = one_body(at, mass=1000 * ratio * float(np.prod(BEAM)), size=BEAM, velocity=speed, spin=turn)
+        report = engine.step(1 / 24, state)
+        speed = speed + report.dt * state.acceleration[0] + report.impulse[0, :3] * state.inverse_mass[0]
+        turn = turn + state.inverse_inertia[0] @ report.impulse[0, 3:]
+        at = at + report.dt * speed
+        heights.append(at[2])
+    level = (engine.particles().volume.sum() + ratio * float(np.prod(BEAM))) / side**2
+    draft = level - (np.mean(heights[-48:]) - BEAM[2] / 2)
+    assert draft == pytest.approx(ratio * BEAM[2], abs=0.05 * BEAM[2])
 
 
 def test_the_course_bends_smoothly(tmp_path: Path) -> None:

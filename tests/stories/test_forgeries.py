@@ -196,7 +196,7 @@ def test_a_record_of_the_bake_without_its_seals_has_every_interval_simulated_aga
     assert [i["frames"] for i in row["evidence"]["intervals"]] == [[0, 0], [0, 12], [12, 24], [24, 35]]
     _times_fifty(copy)
     _name_what_is_there(copy, seals=False)
-    assert _open(judge(copy, seed=SEEDS[0], intervals=1)).keys() == {"delivery:cache", "delivery:replay"}
+    assert _open(judge(copy, seed=SEEDS[0], intervals=1)).keys() >= {"delivery:cache", "delivery:replay"}
 
 
 def test_a_folder_without_its_ledger_is_unverified_unless_all_of_it_is_simulated_again(copy: Path) -> None:

@@ -69,7 +69,7 @@ def test_records_are_told_of_every_category(kind: str, tmp_path: Path, monkeypat
     caches = run_frames(spec, built, tmp_path / "run", frames=FRAMES)
     candidate = Candidate(tmp_path, spec, built, "probe", caches, "run", cache_digest(caches))
     monkeypatch.setattr(measurements, "latest_candidate", lambda session: candidate)
-    session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec)
+    session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
     told = measurements.measured(session, "records", entities=None, frames=None, limit=50, offset=0)
     written = {n for c in caches.values() for n in c.read(FRAMES - 1) if n.startswith("record/")}
     beside = {
@@ -87,7 +87,7 @@ def test_one_record_that_an_older_run_lacks_does_not_take_the_others(tmp_path: P
     name = next(iter(caches))
     older = edited(base, tmp_path / "older", name, lambda _, data: data.pop("record/joint_error"))
     monkeypatch.setattr(measurements, "latest_candidate", lambda session: older)
-    session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec)
+    session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
     told = measurements.measured(session, "records", entities=None, frames=None, limit=50, offset=0)
     assert "joint_error" not in told["records"]
     assert "kinetic_energy" in told["records"]

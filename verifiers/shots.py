@@ -158,7 +158,7 @@ def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Row:
 
 
 def _unobserved(candidate: Candidate) -> list[Row]:
-    """A row where mandatory beats ask for no camera: not all of them may."""
+    """A row where mandatory beats ask for no camera: not all of them may. A probe tells it; physics is tried without cameras too."""
     mandatory = {n: b for n, b in candidate.spec.story.beats.items() if b.mandatory}
     unseen = {n: b for n, b in mandatory.items() if not b.observe}
     if not unseen:
@@ -180,6 +180,7 @@ def _unobserved(candidate: Candidate) -> list[Row]:
             entities=[b.subject for b in unseen.values()],
             first_failing_entity=unseen[first].subject if alone else None,
             first_failing_frame=unseen[first].frames[0] if alone else None,
+            mandatory=candidate.stage == "full",
             corrections=[
                 correction(
                     "no camera is asked to see anything that must happen",

@@ -49,7 +49,8 @@ def run_tests(tests: list[str], *, jobs: int, limit: float = LIMIT_SECONDS) -> R
         listed, report = Path(folder, "tests.txt"), Path(folder, "report.xml")
         listed.write_text("\n".join(tests) + "\n")
         command = [sys.executable, "-m", "pytest", "-q", "-m", "slow", f"--junitxml={report}", f"@{listed}"]
-        command += ["-n", str(jobs), "--dist", "loadfile"] if jobs > 1 else []
+        alone = len({test.partition("::")[0] for test in tests}) == 1
+        command += ["-n", str(jobs), "--dist", "load" if alone else "loadfile"] if jobs > 1 else []
         late = False
         try:
             code = subprocess.run(command, cwd=ROOT, timeout=limit, check=False).returncode

@@ -97,7 +97,8 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Row:
     """Row `friction`.
 
     All normals of a body that slides along without turning are perpendicular to its velocity, so that the momentum it loses
-    along its way is the friction of all its contacts: mu times the sum of their normal impulses, at least and at most.
+    along its way is the friction of all its contacts: mu times the sum of their normal impulses, at least and at most. A blow
+    that begins in the interval or the one before may brake it along a normal: no slide is judged there.
     """
     books = books_of(candidate, cache)
     found = books.contacts
@@ -121,7 +122,7 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Row:
     spin = np.linalg.norm(books.spin[:, books.first], axis=2) * books.reach
     turning = np.maximum(spin[:-1], spin[1:]) > ROLLS * np.minimum(*speeds)
     slides = (np.minimum(*speeds) > SLIDING) & straight & ~turning & ~moving & ~books.dozing & ~books.switching
-    judged = slides & books.lone & (total > 0) & (books.free_time > books.duration - 1e-9)
+    judged = slides & ~_struck(books) & books.lone & (total > 0) & (books.free_time > books.duration - 1e-9)
     along = v0 + v1
     along /= np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-12)
     lost = -np.sum(books.residual * along, axis=2)
@@ -151,6 +152,15 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Row:
         entities=books.entities,
         hints=hints,
     )
+
+
+def _struck(books: Books) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Whether a contact of an entity begins in an interval or in the one before, shape (F - 1, E)."""
+    began = np.zeros((books.frames, len(books.entities)), dtype=bool)
+    for frame, log in enumerate(books.ragged("event/pair")[1 : books.frames], start=1):
+        rows = books.collider_row[log["event/pair"].reshape(-1).astype(np.int64)]
+        began[frame, rows[rows >= 0]] = True
+    return np.asarray(began[:-1] | began[1:])
 
 
 def moves(

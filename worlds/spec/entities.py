@@ -125,7 +125,7 @@ class RigidPhysics(SpecModel):
     )
     hollow: bool = Field(
         default=False,
-        description="a closed shell around air: it may weigh less than its volume, at least a wall of 0.1 mm; listed as an approximation",
+        description="closed shell around air: may weigh as little as a wall of 0.1 mm; listed",
     )
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
     angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
@@ -290,12 +290,12 @@ class Entity(SpecModel):
     parts: Annotated[dict[Id, Part], Field(max_length=256)] = {}
     generator: Rope | None = None
     breakable: Breakable | None = Field(default=None, description="pieces and bonds of a rigid body that may break")
-    inputs: list[Text] = Field(default=[], description="what its solver reads: drivers, initial velocity, colliders")
+    inputs: list[Text] = Field(default=[], description="what its solver reads: drivers, velocity, colliders")
     outputs: list[Text] = Field(default=[], description="what its solver writes: motion, contacts")
     exchanges: dict[Id, StateChannel] = {}
     active: FrameInterval | None = Field(default=None, description="frames in which it exists; default all")
     nominal_diagonal: Positive | None = Field(
-        default=None, description="[m] real-world bounding-box diagonal of such an object, where the role implies one"
+        default=None, description="[m] bounding-box diagonal of such things in reality, if the role implies one"
     )
     afloat: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
         default=None,

@@ -32,7 +32,7 @@ Intervals: 95 %, Clopper and Pearson (1934).
 DATA = Path(__file__).with_name("accuracy.json")
 PAGE = Path(__file__).with_name("accuracy.md")
 KEPT = ("broken", "detected", "clean", "false_alarms", "median_ms", "mechanisms", "missed", "smallest_detected", "suite")
-"""What the data keep of each check's figures."""
+"""Figures of each check that the data keep."""
 
 
 def joined(runs: list[dict[str, Any]], earlier: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -46,7 +46,7 @@ class End(NamedTuple):
 
 
 class Missed(NamedTuple):
-    """How far an end is from the surface of its entity."""
+    """Distance of an end from the surface of its entity."""
 
     end: End
     distance: float

@@ -32,7 +32,7 @@ SKIN = 0.05
 
 
 def liquid_lines(candidate: Candidate) -> list[dict[str, str]]:
-    """What liquids simplify: their resolution, and bodies that they do not push."""
+    """Lines of every liquid: its resolution, and bodies that it does not push."""
     spec = candidate.spec
     found: list[dict[str, str]] = []
     for name, instance in spec.simulation.liquid.items():

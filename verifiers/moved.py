@@ -98,7 +98,7 @@ _recent: list[Moves] = []
 
 
 def moves_of(spec: WorldSpec) -> Moves:
-    """Of a specification; those of the last few are remembered."""
+    """Moves of a specification; the last four specifications are remembered."""
     for known in _recent:
         if known.spec is spec:
             return known

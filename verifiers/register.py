@@ -25,7 +25,7 @@ __all__ = ["approximations"]
 
 
 def _declared(spec: WorldSpec) -> list[dict[str, str]]:
-    """What the specification itself departs by: bodies made one, beats that no camera shows, overlaps; see `scene_register.py` for bounds."""
+    """Lines of what the specification declares: welds, beats that no camera shows, intended overlaps; bounds: `scene_register.py`."""
     found = []
     for name, joint in spec.simulation.joints.items():
         if joint.kind == "weld":

@@ -1,4 +1,4 @@
-"""What a ledger says of the bake of a candidate: its content, frame by frame, and the replays that found it wrong."""
+"""Reads a candidate's bake from a ledger: digest of every frame, and the replays that did not give them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class BakeRecord:
     """The record of the newest complete bake of a freeze."""
 
     digest: str
-    """Of the caches' content, as `cache_digest` gives it."""
+    """Digest of the caches' content, as `cache_digest` gives it."""
     frames: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Digest of every frame by solver instance; empty where an older version, or a bundle, told the whole only."""
     sealed: bool = True

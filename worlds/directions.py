@@ -21,7 +21,7 @@ Direction = Literal["harder_up", "harder_down", "either", "bound", "repair", "no
 
 
 class Way(NamedTuple):
-    """What changing a field does to what is asked."""
+    """Effect of changing a field on what is asked, with the reason."""
 
     direction: Direction
     why: str
@@ -135,5 +135,5 @@ _COMPILED = tuple((re.compile(pattern), Way(direction, why)) for pattern, direct
 
 
 def way_of(pointer: str) -> Way | None:
-    """What changing the field at a pointer does; None where no line of the table speaks of it."""
+    """Direction of the field at a JSON pointer; None where no line of the table names it."""
     return next((way for pattern, way in _COMPILED if pattern.fullmatch(pointer)), None)

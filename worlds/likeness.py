@@ -1,4 +1,4 @@
-"""How alike two prompts are: what a reader would call the same request, however its letters are written."""
+"""Likeness of two prompts: the share of words or letters that is the same, however they are written."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ ROUNDING = 0.01
 
 
 class Weights(NamedTuple):
-    """What a body may weigh [kg]."""
+    """Least and largest mass of a body [kg]."""
 
     least: float
     hollow: float
@@ -60,7 +60,7 @@ class Weights(NamedTuple):
 
 
 def allowed(pieces: Sequence[tuple[float, str]]) -> Weights:
-    """What a body of these volumes [m^3] and substances may weigh.
+    """Least and largest mass [kg] of a body of these volumes [m^3] and substances.
 
     Parts may lie in one another: the least is that of the heaviest part alone, the most that of all of them.
     """

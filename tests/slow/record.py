@@ -51,7 +51,7 @@ def read_slices(path: Path = SLICES) -> dict[str, list[str]]:
 
 
 def read_passes(path: Path = PASSES) -> dict[str, dict[str, Run]]:
-    """What `passes.json` records of every slice; nothing where there is no file."""
+    """Last pass and failure of every slice; empty where there is no file."""
     if not path.exists():
         return {}
     return {name: {kind: Run(**run) for kind, run in kinds.items()} for name, kinds in json.loads(path.read_text()).items()}

@@ -72,6 +72,7 @@ class Touch:
     a: str
     b: str
     impulse: float = 1.0
+    """Normal [N s], along Z: b is pushed up."""
     max_force: float = 1.0
     min_gap: float = 0.0
 
@@ -443,6 +444,9 @@ def _contacts(
     return {
         "contact/pair": np.array([pair(t.a, t.b) for t in touched], dtype=np.int32).reshape(-1, 2),
         "contact/impulse": np.array([t.impulse for t in touched], dtype=np.float64),
+        "contact/vector": np.array(
+            [(0.0, 0.0, math.copysign(t.impulse, colliders.index(t.b) - colliders.index(t.a))) for t in touched], dtype=np.float64
+        ).reshape(-1, 3),
         "contact/max_force": np.array([t.max_force for t in touched], dtype=np.float64),
         "contact/min_gap": np.array([t.min_gap for t in touched], dtype=np.float64),
         "event/time": np.array([e.time for e in begun], dtype=np.float64),

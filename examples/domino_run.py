@@ -125,7 +125,7 @@ class Agent:
             rows = [
                 r
                 for r in data["open_rows"]
-                if r["mandatory"] and (stage != "static" or (r["status"] == "fail" and r["check"] != "shots"))
+                if r.get("mandatory", True) and (stage != "static" or (r["status"] == "fail" and r["check"] != "shots"))
             ]
             self.say(f"{stage}: {data['counts']['fail']} rows fail, {data['counts']['unverified']} unverified")
             if not await self.mend(rows, stage):
@@ -146,7 +146,7 @@ class Agent:
                 self.say(f"probe: {data['counts']['pass']} rows pass, settings frozen as {data['freeze']}")
                 break
             self.say(f"probe: {data['counts']['fail']} rows fail, {data['counts']['unverified']} unverified")
-            if not await self.mend([r for r in data["open_rows"] if r["mandatory"]], "probe"):
+            if not await self.mend([r for r in data["open_rows"] if r.get("mandatory", True)], "probe"):
                 return False
         data, refused = await self.call("bake_sim", wait_s=WAIT_SECONDS)
         if refused or not data["passed"]:

@@ -19,7 +19,8 @@ __all__ = ["BodyBooks", "Flags"]
 
 Flags = NDArray[np.bool_]
 CHANNELS = (
-    *("position", "quaternion", "velocity", "angular_velocity", "asleep", "contact/pair", "contact/impulse"),
+    *("position", "quaternion", "velocity", "angular_velocity", "asleep"),
+    *("contact/pair", "contact/impulse", "contact/vector"),
     *("event/time", "event/pair", "event/point", "event/speed"),
     *(f"record/{n}" for n in ("kinetic_energy", "potential_energy", "momentum_x", "momentum_y", "momentum_z", "driver_work")),
     *(f"record/{n}" for n in ("max_speed", "max_travel_per_step", "step", "joint_error")),

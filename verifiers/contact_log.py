@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..worlds.arrays import F64
 
 __all__ = ["LOG", "Fault", "log_fault"]
 
 LOG = 1e-6
 """Relative: sums over the same steps in another order; measured 1e-15."""
+CONE = 1e-3
+"""Relative: to this the engine meets the cone of friction while a body slides."""
 PAUSE = 0.005
 """[s] A pair that has not touched for longer than this begins a new contact, as the solvers log it."""
 
@@ -24,15 +31,17 @@ class Fault(NamedTuple):
 
 
 def log_fault(
-    frames: Sequence[Mapping[str, Any]], duration: float, asleep: Sequence[frozenset[int]], step: float
+    frames: Sequence[Mapping[str, Any]], duration: float, asleep: Sequence[frozenset[int]], step: float, friction: F64
 ) -> Fault | None:
     """The first frame at which the log of contacts and events is none that any motion gives.
 
     Args:
-        frames: channels `contact/pair`, `contact/impulse`, `contact/max_force`, `event/pair` and `event/impulse` of every frame.
+        frames: channels `contact/pair`, `contact/impulse`, `contact/vector`, `contact/max_force`, `event/pair` and `event/impulse` of
+            every frame.
         duration: of a frame [s].
         asleep: colliders that sleep at each frame, or have within the frame before it; their contacts are not all listed.
         step: longest step [s].
+        friction: greatest coefficient between any two colliders, shape (n, n).
     """
     known: dict[tuple[int, int], float] | None = None
     for k, log in enumerate(frames):
@@ -43,7 +52,7 @@ def log_fault(
             begun.setdefault((int(a), int(b)), []).append(given)
         if k > 0:  # frame 0 is a state
             forces = dict(zip(pairs, log["contact/max_force"].tolist(), strict=True))
-            found = _impossible(k, impulse, forces, begun, duration)
+            found = _impossible(k, impulse, forces, begun, duration) or _outside_cone(k, log, friction)
             if found is None and known is not None and k > 1 and duration > PAUSE + 2.0 * step:
                 fresh = {p for p in impulse if p not in known and not {*p} & (asleep[k - 1] | asleep[k])}
                 found = _begins(k, impulse, begun, fresh)
@@ -72,6 +81,19 @@ def _impossible(
                 frame, pair, "an event gives more impulse than its contact in the whole frame", max(parts), impulse[pair]
             )
     return None
+
+
+def _outside_cone(frame: int, log: Mapping[str, Any], friction: F64) -> Fault | None:
+    """Coulomb: what a contact gives lies within the cone of friction about its normals."""
+    pairs = log["contact/pair"].astype(np.int64)
+    size = np.linalg.norm(log["contact/vector"], axis=1)
+    most = log["contact/impulse"] * np.sqrt(1.0 + friction[pairs[:, 0], pairs[:, 1]] ** 2)
+    wrong = np.flatnonzero(size > most * (1.0 + CONE))
+    if not len(wrong):
+        return None
+    row = int(wrong[0])
+    text = "it gives more than its normal impulse and friction allow"
+    return Fault(frame, (int(pairs[row, 0]), int(pairs[row, 1])), text, float(size[row]), float(most[row]))
 
 
 def _begins(

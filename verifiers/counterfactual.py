@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "row_ids"]
 
+MOVED = 4.0
+"""Own choice: what has come so many times as far as a resting body may creep has left its place."""
 LEAST_CHANGE = 0.05
 """Own choice: a value that changes by less than this share of what it was with the cause has not changed, whatever margin was
 declared: chaos alone moves numbers by a little."""
@@ -314,7 +316,10 @@ def _compare(candidate: Candidate, edge: tuple[str, str], option: _Try, run: _Ru
         frames=(option.start, run.candidate.last_frame),
         first=(effect.subject, without.first_true_frame) if status == "fail" else None,
         evidence=evidence,
-        corrections=_hints(cause_id, effect_id, effect, margin is not None),
+        corrections=[
+            *(_where_too(candidate, run.candidate, effect_id, effect) if came else ()),
+            *_hints(cause_id, effect_id, effect, margin is not None),
+        ],
         **measured,  # type: ignore[arg-type]
     )
 
@@ -361,6 +366,35 @@ def _changed(
     text = f"at frame {first} it measures {there:.4g} instead of {here:.4g} {unit}, {asked:g} is asked"
     measured = {"measured": change, "bound": asked, "comparison": ">=", "unit": unit}
     return ("pass" if change >= asked else "fail"), measured, text
+
+
+def _where_too(candidate: Candidate, variant: Candidate, effect_id: str, effect: Beat) -> list[Correction]:
+    """For an effect that is also true of a body that stays where it is, such as rest: ask where it is then, too."""
+    last = effect.frames[1]
+    try:
+        ways = [
+            float(np.linalg.norm(np.diff(motion.centers(c, effect.subject)[[0, last]], axis=0))) for c in (candidate, variant)
+        ]
+    except (EvidenceError, IndexError):
+        return []
+    if (
+        ways[1] > candidate.spec.simulation.limits.support_drift
+        or ways[0] < MOVED * candidate.spec.simulation.limits.support_drift
+    ):
+        return []
+    least = float(f"{0.5 * ways[0]:.2g}")
+    moved = {"kind": "displacement", "entity": effect.subject, "min": least, "when": "end"}
+    place = f"/story/beats/{effect_id}/predicate"
+    both = {"kind": "and", "of": [effect.predicate.model_dump(mode="json", exclude_none=True), moved]}
+    return [
+        correction(
+            f"{effect_id} is true of {effect.subject} wherever nothing moves it",
+            "story",
+            f"ask also how far it has come by then: it went {ways[0]:.3g} m",
+            pointers=(place,),
+            patch=({"op": "replace", "path": place, "value": both},),
+        )
+    ]
 
 
 def _hints(cause_id: str, effect_id: str, effect: Beat, has_margin: bool) -> list[Correction]:

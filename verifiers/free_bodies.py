@@ -12,11 +12,13 @@ from ..worlds.requirements import Correction
 from ..worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
 from . import motion
 from .afloat import afloat
+from .moved import spoken_of
 from .rows import pointer, row, translation_patch
 from .support_graph import beside, drop, gravity_direction
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
+    from ..worlds.spec import WorldSpec
     from .support_graph import SupportGraph
     from .surfaces import Surfaces
 
@@ -87,6 +89,7 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
         text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
         offset = along_up(surfaces, LEFT - fall[0])
         corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
+    text += _untold(surfaces.candidate.spec, entity)
     sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
     if sides:
         text += f"; it touches {', '.join(map(repr, sides))} beside or above it, where neither friction nor a joint holds it"
@@ -94,7 +97,8 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
         cause="it is meant to be dropped, thrown or hung",
         edit_class="solver",
         group="drivers",
-        action=f"Declare what holds {entity!r}: a `release` driver, a joint, or an initial velocity >= {LAUNCH_SPEED:g} m/s.",
+        action=f"Declare what holds {entity!r}: a joint, a `release` driver or an initial velocity >= {LAUNCH_SPEED:g} m/s, and for the "
+        "last two a beat that tells of its fall or flight.",
         pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
@@ -133,12 +137,13 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     liquids = [n for n, frames in afloat(surfaces.candidate, entity).items() if frames[0]]
     if liquids:
         return f"lies in {liquids[0]!r}, which acts on it", {"liquids": liquids}
+    released = [n for n, d in spec.simulation.drivers.items() if isinstance(d, ReleaseDriver) and d.entity == entity]
+    told = spoken_of(spec, entity)
+    if released and told:
+        return f"is let go by driver {released[0]!r}", {"driver": released[0]}
     if bool(graph.grounded(entity)[0]) and not _slips_through(graph, entity):
         chain = graph.chain(entity, 0)
         return f"is held up through {' -> '.join(chain)}", {"chain": chain}
-    released = [n for n, d in spec.simulation.drivers.items() if isinstance(d, ReleaseDriver) and d.entity == entity]
-    if released:
-        return f"is let go by driver {released[0]!r}", {"driver": released[0]}
     weight = motion.entity_mass(surfaces.candidate, entity) * np.array(spec.simulation.gravity)
     for name, driver in spec.simulation.drivers.items():
         if isinstance(driver, ForceDriver) and driver.entity == entity and driver.start <= 0.0:
@@ -158,9 +163,25 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     physics = spec.entities[entity].physics
     if isinstance(physics, RigidPhysics | ElasticPhysics):
         speed = float(np.linalg.norm(physics.linear_velocity))
-        if speed >= LAUNCH_SPEED:
+        drag = physics.linear_damping * speed if isinstance(physics, RigidPhysics) else 0.0
+        if speed >= LAUNCH_SPEED and told and drag < LIFT * float(np.linalg.norm(weight)):
             return f"is launched with {speed:.4g} m/s", {"speed_m_s": speed}
     return "", {}
+
+
+def _untold(spec: WorldSpec, entity: str) -> str:
+    """What would let it go or throw it and does not count, in words; empty where there is nothing."""
+    physics = spec.entities[entity].physics
+    if spoken_of(spec, entity):
+        if isinstance(physics, RigidPhysics) and physics.linear_damping > 0 and any(physics.linear_velocity):
+            return f"; a drag of {physics.linear_damping:g} N s/m holds it up, which no air does"
+        return ""
+    for name, driver in spec.simulation.drivers.items():
+        if isinstance(driver, ReleaseDriver) and driver.entity == entity:
+            return f"; driver {name!r} lets it go at {driver.time:g} s, and no beat tells of it"
+    if isinstance(physics, RigidPhysics | ElasticPhysics) and any(physics.linear_velocity):
+        return "; it starts with a velocity, and no beat tells of it"
+    return ""
 
 
 def _slips_through(graph: SupportGraph, entity: str) -> bool:
@@ -182,5 +203,6 @@ def _declared(surfaces: Surfaces, entity: str) -> Any:
     }
     joints = {n: j.model_dump(mode="json") for n, j in sorted(spec.simulation.joints.items()) if entity in (j.parent, j.child)}
     said = spec.entities[entity].afloat
-    found = [spec.entities[entity].physics.model_dump(mode="json"), drivers, joints, list(spec.simulation.gravity)]
+    found: list[Any] = [spec.entities[entity].physics.model_dump(mode="json"), drivers, joints, list(spec.simulation.gravity)]
+    found += [spoken_of(spec, entity)] if drivers or any(getattr(spec.entities[entity].physics, "linear_velocity", ())) else []
     return found if said is None else [*found, said]

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..geometry import apart, signed_clearance
+from ..geometry import signed_clearance
 from ..worlds.arrays import F64, RigidPose, pose_of
 from ..worlds.requirements import Correction
 from ..worlds.spec import HeightField, PathDriver, WorldSpec
 from .free_bodies import LEFT, along_up, placement
+from .one_piece import own_touches
 from .rows import guarded_rows, pointer, row
 from .support_graph import DROP_STEPS, NEAR, gravity_direction
 
@@ -121,28 +122,10 @@ class Held:
             for (i, j), gap in surfaces.at_start.items()
             if i in among and j in among and gap <= surfaces.contact_gap(surfaces.parts[i].entity, surfaces.parts[j].entity)
         ]
-        for i, j in [*met, *self._own_touches()]:
+        for i, j in [*met, *(pair for name in self.names for pair in own_touches(surfaces, surfaces.parts_of[name]))]:
             found[i].append(j)
             found[j].append(i)
         return found
-
-    def _own_touches(self) -> Iterator[tuple[int, int]]:
-        """Parts of one entity that touch each other."""
-        surfaces = self.surfaces
-        low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
-        for name in self.names:
-            own, gap = np.array(surfaces.parts_of[name]), surfaces.contact_gap(name, name)
-            if len(own) < 2:
-                continue
-            boxes = np.maximum(low[own][:, None] - high[own], low[own] - high[own][:, None]).max(axis=2)
-            for a, b in np.argwhere(boxes <= gap):
-                if a < b and not self._apart(int(own[a]), int(own[b]), gap):
-                    yield int(own[a]), int(own[b])
-
-    def _apart(self, i: int, j: int, gap: float) -> bool:
-        surfaces = self.surfaces
-        poses = [surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j)]
-        return apart(surfaces.shapes.solid(i, 0), poses[0], surfaces.shapes.solid(j, 0), poses[1], gap=gap)
 
     @cached_property
     def _toward(self) -> Mapping[int, int | None]:

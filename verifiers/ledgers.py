@@ -1,8 +1,8 @@
 """Ledgers of a rigid instance: momentum and energy per frame and entity, with their sources and sinks.
 
 Everything here is computed from poses, velocities and built mass properties; of the solver's own records only the
-contact impulses enter, as the most that contacts can have done (Coulomb: friction at most mu times the normal impulse).
-What is left of a change of momentum when gravity, drivers, drag, springs and that budget are taken off has no source.
+contact impulses enter: as what they gave, and as the most that they can have given (Coulomb: friction at most mu times the
+normal impulse). What is left of a change of momentum when gravity, drivers, drag, springs and contacts are taken off has no source.
 """
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ from .field_ledger import blown
 from .springs import Spring, springs_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
 
-__all__ = ["Books", "Contacts", "Flags", "books_of"]
+__all__ = ["Books", "Contacts", "Flags", "books_of", "frictions"]
 
 _SLACK = 1e-9
 """[s] Times this close are equal."""
@@ -51,6 +53,24 @@ def books_of(candidate: Candidate, cache: Cache) -> Books:
     return found
 
 
+def frictions(candidate: Candidate, colliders: Sequence[str]) -> tuple[F64, F64]:
+    """Least and greatest friction coefficient between any two of `colliders` (n entities), each shape (n, n)."""
+    spec, own = candidate.spec, []
+    for name in colliders:
+        found = [spec.materials[p.material].friction for p in candidate.entity(name).parts] or [0.0]
+        own.append((min(found), max(found)))
+    table = np.array(own).reshape(-1, 2)
+    # The larger of two materials' coefficients holds; a pair of its own overrides both.
+    low, high = (np.maximum.outer(column, column) for column in table.T)
+    rank = {n: i for i, n in enumerate(colliders)}
+    for pair in spec.simulation.contacts.values():
+        if pair.friction is not None and pair.a in rank and pair.b in rank:
+            i, j = rank[pair.a], rank[pair.b]
+            for side in (low, high):
+                side[i, j] = side[j, i] = pair.friction
+    return low, high
+
+
 @dataclass(frozen=True)
 class Contacts:
     """All logged contacts, one row per pair and frame; row i is of the interval that ends at `frame[i]`."""
@@ -61,6 +81,8 @@ class Contacts:
     b: NDArray[np.int64]
     impulse: F64
     """Normal impulse [N s]."""
+    given: F64
+    """What b was given, friction included [N s], shape (contacts, 3); a was given the opposite."""
 
 
 class Books(BodyBooks):
@@ -250,17 +272,19 @@ class Books(BodyBooks):
         Raises:
             EvidenceError: a channel is missing or its rows do not fit.
         """
-        frames = self.ragged("contact/pair", "contact/impulse")
+        frames = self.ragged("contact/pair", "contact/impulse", "contact/vector")
         counts = [len(f["contact/impulse"]) for f in frames]
-        if any(f["contact/pair"].shape != (n, 2) for f, n in zip(frames, counts, strict=True)):
-            raise EvidenceError("contact/pair and contact/impulse have different lengths; bake again")
+        for name, width in (("pair", 2), ("vector", 3)):
+            if any(f[f"contact/{name}"].shape != (n, width) for f, n in zip(frames, counts, strict=True)):
+                raise EvidenceError(f"contact/{name} and contact/impulse have different lengths; bake again")
         pairs = np.concatenate([f["contact/pair"] for f in frames]).astype(np.int64).reshape(-1, 2)
         impulse = np.concatenate([f["contact/impulse"] for f in frames]).astype(np.float64)
+        given = np.concatenate([f["contact/vector"] for f in frames]).astype(np.float64)
         if len(pairs) and not (pairs.min() >= 0 and pairs.max() < len(self.cache.index.colliders)):
             raise EvidenceError("contact/pair names colliders that the index does not have; bake again")
         frame = np.repeat(np.arange(len(frames)), counts)
         later = frame > 0
-        return Contacts(frame[later], pairs[later, 0], pairs[later, 1], impulse[later])
+        return Contacts(frame[later], pairs[later, 0], pairs[later, 1], impulse[later], given[later])
 
     @cached_property
     def collider_row(self) -> NDArray[np.int64]:
@@ -270,29 +294,23 @@ class Books(BodyBooks):
     @cached_property
     def friction(self) -> tuple[F64, F64]:
         """Least and greatest friction coefficient of every contact, each shape (contacts,)."""
-        spec = self.candidate.spec
-        own = []
-        for name in self.cache.index.colliders:
-            parts = self.candidate.entity(name).parts
-            found = [spec.materials[p.material].friction for p in parts] or [0.0]
-            own.append((min(found), max(found)))
-        table = np.array(own).reshape(-1, 2)
-        a, b = self.contacts.a, self.contacts.b
-        # The larger of two materials' coefficients holds; a pair of its own overrides both.
-        low, high = np.maximum(table[a, 0], table[b, 0]), np.maximum(table[a, 1], table[b, 1])
-        rank = {n: i for i, n in enumerate(self.cache.index.colliders)}
-        for pair in spec.simulation.contacts.values():
-            if pair.friction is not None and pair.a in rank and pair.b in rank:
-                mine = (np.minimum(a, b) == min(rank[pair.a], rank[pair.b])) & (
-                    np.maximum(a, b) == max(rank[pair.a], rank[pair.b])
-                )
-                low[mine] = high[mine] = pair.friction
-        return low, high
+        low, high = frictions(self.candidate, self.cache.index.colliders)
+        return low[self.contacts.a, self.contacts.b], high[self.contacts.a, self.contacts.b]
 
     @cached_property
     def contact_budget(self) -> F64:
         """Most that the logged contacts can have changed each entity's momentum [N s], shape (F - 1, E)."""
         return self._on_entities(np.abs(self.contacts.impulse) * np.sqrt(1.0 + self.friction[1] ** 2))
+
+    @cached_property
+    def contact_given(self) -> F64:
+        """What the logged contacts gave each entity, friction included [N s], shape (F - 1, E, 3)."""
+        found, result = self.contacts, np.zeros((self.frames - 1, len(self.entities), 3))
+        for side, sign in ((found.a, -1.0), (found.b, 1.0)):
+            rows = self.collider_row[side]
+            good = (rows >= 0) & (found.a != found.b)
+            np.add.at(result, (found.frame[good] - 1, rows[good]), sign * found.given[good])
+        return result
 
     @cached_property
     def logged_impulse(self) -> F64:
@@ -331,13 +349,25 @@ class Books(BodyBooks):
     def napping(self) -> Flags:
         """Whether the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and in contact
         for at least the steps that the engine waits before it puts a body to sleep."""
-        if not self.candidate.spec.simulation.rigid[self.cache.index.solver].settings.sleep:
-            return np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
-        speed = np.linalg.norm(self.velocities, axis=2)
-        slow = np.minimum(speed[:-1], speed[1:]) < NAP_SPEED
         known = np.linalg.norm(self.known_impulse, axis=2)
-        result: Flags = slow & (self.contact_budget >= NAP_STEPS * self.step / self.duration * known) & self.touched
+        long = self.contact_budget >= NAP_STEPS * self.step / self.duration * known
+        result: Flags = self._may_sleep & _slow(self.velocities) & long & self.touched
         return result
+
+    @cached_property
+    def napping_bodies(self) -> Flags:
+        """Bodies that may have slept and woken within the interval, shape (F - 1, n): slow at an end, and of an entity that touched
+        something, itself included."""
+        touched = self.touched.copy()
+        for side in (self.contacts.a, self.contacts.b):
+            rows = self.collider_row[side]
+            touched[self.contacts.frame[rows >= 0] - 1, rows[rows >= 0]] = True
+        result: Flags = self._may_sleep & _slow(self.velocity) & touched[:, self.owner]
+        return result
+
+    @property
+    def _may_sleep(self) -> bool:
+        return self.candidate.spec.simulation.rigid[self.cache.index.solver].settings.sleep
 
     # ---------------------------------------------------------------- joints
 
@@ -366,3 +396,9 @@ class Books(BodyBooks):
                     sprung[row] = True
         result: Flags = self.single & ~self.jointed & ~sprung & ~self.kinematic
         return result
+
+
+def _slow(velocity: F64) -> Flags:
+    """Whether what moves so [m/s], shape (F, n, 3), may have slept within an interval, shape (F - 1, n)."""
+    speed = np.linalg.norm(velocity, axis=2)
+    return np.asarray(np.minimum(speed[:-1], speed[1:]) < NAP_SPEED)

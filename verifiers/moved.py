@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from ..worlds.predicates import is_invariant
+from ..worlds.predicates import entities_of, is_invariant
 from ..worlds.spec import Rope, Supports
 
 if TYPE_CHECKING:
     from ..worlds.spec import Beat, WorldSpec
 
-__all__ = ["Moves", "atoms", "beat_moves", "moves_of", "support_interval"]
+__all__ = ["Moves", "atoms", "beat_moves", "moves_of", "spoken_of", "support_interval"]
 
 MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses"})
 """Predicates that say that an entity leaves its place."""
@@ -106,6 +106,12 @@ def moves_of(spec: WorldSpec) -> Moves:
     _recent.insert(0, made)
     del _recent[4:]
     return made
+
+
+def spoken_of(spec: WorldSpec, entity: str) -> bool:
+    """Whether a beat tells of an entity or moves what it hangs on or stands on: what lets it go or throws it is part of the story then."""
+    told = any(entity in (beat.subject, *entities_of(beat.predicate)) for beat in spec.story.beats.values())
+    return told or moves_of(spec).first(entity) is not None
 
 
 def support_interval(spec: WorldSpec, relation: Supports) -> tuple[int, int]:

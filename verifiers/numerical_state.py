@@ -12,7 +12,7 @@ from ..worlds.errors import EvidenceError
 from .contact_log import log_fault
 from .exchanged import exchange_steps
 from .findings import Finding, again, halve, separate
-from .ledgers import Books, books_of
+from .ledgers import Books, books_of, frictions
 from .surfaces import Surfaces, surfaces_of
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def counters(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Logged contacts and events have possible indices, times, impulses."""
-    contact = [f"contact/{n}" for n in ("pair", "impulse", "max_force", "min_gap")]
+    contact = [f"contact/{n}" for n in ("pair", "impulse", "vector", "max_force", "min_gap")]
     event = [f"event/{n}" for n in ("time", "pair", "point", "speed", "impulse")]
     h, size = 1.0 / cache.index.fps, len(cache.index.colliders)
     count = 0
@@ -89,7 +89,7 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             "event channels differ in length": any(len(log[n]) != begun for n in event),
             "a pair names a collider that is not there": bool(len(pairs)) and bool((pairs.min() < 0) or (pairs.max() >= size)),
             "a pair is not in order": bool((pairs[:, 0] > pairs[:, 1]).any()),
-            "an impulse or force is negative": any(bool((log[n] < 0).any()) for n in (contact[1], contact[2], event[4])),
+            "an impulse or force is negative": any(bool((log[n] < 0).any()) for n in (contact[1], contact[3], event[4])),
             "an event lies outside its frame": bool(begun)
             and not bool(((time > (k - 1) * h - TIME) & (time <= k * h + TIME)).all()),
             "events are not in order of time": bool((np.diff(time) < 0).any()),
@@ -107,9 +107,9 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
                 ]
                 entity = movers[0] if movers else entity
             return Finding("fail", f"{wrong} at frame {k}", 1.0, 0.0, "frames", entity, k, (again("the contact log was edited"),))
-    wrong_log = log_fault(
-        cache.ragged(*contact, *event), h, _sleepers(cache), candidate.spec.simulation.rigid[solver].settings.step
-    )
+    step = candidate.spec.simulation.rigid[solver].settings.step
+    rough = frictions(candidate, cache.index.colliders)[1]
+    wrong_log = log_fault(cache.ragged(*contact, *event), h, _sleepers(cache), step, rough)
     if wrong_log is not None:
         colliders = [cache.index.colliders[i] for i in wrong_log.pair]
         moving = [n for n in colliders if any(b.startswith(f"{n}/") for b in cache.index.bodies)]

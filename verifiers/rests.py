@@ -49,7 +49,7 @@ def _rests(books: Books) -> Rests:
         return Rests(np.zeros_like(books.known_impulse), np.zeros_like(known), whole)
     several = ~books.single[books.owner]
     still = several & books.asleep[:-1] & books.asleep[1:] & ~books.stirred[1:]
-    part = several & (books.asleep[:-1] | books.asleep[1:]) & ~still
+    part = several & (books.asleep[:-1] | books.asleep[1:] | books.napping_bodies) & ~still
     own = _on_bodies(books)
     held = -books.per_entity(np.where(still[:, :, None], own, 0.0))
     shared = books.per_entity(np.where(part, np.linalg.norm(own, axis=2), 0.0))

@@ -1,7 +1,7 @@
 """Laws of motion on the ledgers of a rigid instance: what moves has a reason, between every two frames.
 
-- `momentum`: linear momentum changes only by gravity, drivers, drag, springs, liquids and logged contacts (Newton's second law;
-  contacts by Coulomb at most sqrt(1 + mu^2) times their normal impulse). What touches only each other keeps its sum.
+- `momentum`: linear momentum changes by gravity, drivers, drag, springs, liquids and logged contacts, and by nothing else (Newton's
+  second law; what a contact gives one body it takes from the other, his third).
 - `motion`: centres of mass move by their velocities, and no faster than the fastest step that was recorded.
 - `spin`, `turning`: free bodies turn by Euler's equations; in contact, angular momentum changes by at most the logged
   impulses times the body's reach.
@@ -87,6 +87,8 @@ class _Groups(NamedTuple):
 
     mass: F64
     residual: F64
+    given: F64
+    """By contacts."""
     budget: F64
     doubt: F64
     open: Flags
@@ -95,14 +97,15 @@ class _Groups(NamedTuple):
 def _grouped(books: Books, label: Labels, opened: Flags) -> _Groups:
     count = int(label.max(initial=-1)) + 1
     mass, budget, doubt = np.zeros(count), np.zeros(count), np.zeros(count)
-    residual, closed = np.zeros((count, 3)), np.zeros(count, dtype=bool)
+    residual, given, closed = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, dtype=bool)
     np.add.at(mass, label, np.broadcast_to(books.mass, label.shape))
     rests = rests_of(books)
     np.add.at(residual, label, books.residual - rests.held)
+    np.add.at(given, label, books.contact_given)
     np.add.at(budget, label, books.contact_budget + rests.passed_on)
     np.add.at(doubt, label, books.spring_impulse[1] + books.let_go_doubt[0])
     np.logical_or.at(closed, label, opened)
-    return _Groups(mass, residual, budget, doubt, closed)
+    return _Groups(mass, residual, given, budget, doubt, closed)
 
 
 def _lag(books: Books, label: Labels) -> F64:
@@ -119,42 +122,16 @@ def _lag(books: Books, label: Labels) -> F64:
 
 
 def unexplained(books: Books) -> Unexplained:
-    """Velocity without a source, of every assembly, and of every group of bodies that touch nothing but each other."""
+    """Velocity without a source, of every assembly: what is left when all that is known to push it, and its contacts, are taken off."""
     label, anchored = books.assemblies
-    held = books.free_time <= 0
-    groups = _grouped(books, label, anchored | held)
+    groups = _grouped(books, label, anchored | (books.free_time <= 0))
     unlogged = np.zeros(len(groups.mass))
-    np.add.at(unlogged, label, rests_of(books).unlogged)
-    size = np.linalg.norm(groups.residual, axis=1)
-    excess = (size - (groups.budget + unlogged) * (1 + ROUNDING) - groups.doubt) / groups.mass
+    rests = rests_of(books)
+    np.add.at(unlogged, label, rests.unlogged + rests.passed_on)
+    size = np.linalg.norm(groups.residual - groups.given, axis=1)
+    excess = (size - unlogged * (1 + ROUNDING) - ROUNDING * groups.budget - groups.doubt) / groups.mass
     judged = ~groups.open & np.isfinite(groups.doubt)
-    alone = (excess - _lag(books, label))[label]
-    closed, ok = _closed(books, label, anchored | held)
-    both = np.maximum(np.where(judged[label], alone, -np.inf), np.where(ok, closed, -np.inf))
-    return Unexplained(both, judged[label] | ok)
-
-
-def _closed(books: Books, assembly: Labels, anchored: Flags) -> tuple[F64, Flags]:
-    """The same for groups joined by contacts, whose impulses cancel."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    found = books.contacts
-    a, b = books.collider_row[found.a], books.collider_row[found.b]
-    opened = anchored | books.dozing | books.napping
-    for side, other in ((a, b), (b, a)):
-        fixed = (side >= 0) & (other < 0)
-        opened[found.frame[fixed] - 1, side[fixed]] = True
-    both = (a >= 0) & (b >= 0)
-    start = found.frame[both] - 1
-    rows, cols = assembly[start, a[both]], assembly[start, b[both]]
-    size = int(assembly.max(initial=-1)) + 1
-    graph = coo_array((np.ones(len(rows)), (rows, cols)), shape=(size, size))
-    label = connected_components(graph, directed=False)[1].astype(np.int64)[assembly]
-    groups = _grouped(books, label, opened)
-    value = (np.linalg.norm(groups.residual, axis=1) - groups.doubt - ROUNDING * groups.budget) / groups.mass
-    # A pair that a body left out of the log would have closed is judged by the assembly's own budget.
-    return (value - _lag(books, label))[label], ~groups.open[label] & np.isfinite(groups.doubt)[label]
+    return Unexplained((excess - _lag(books, label))[label], judged[label])
 
 
 def momentum(candidate: Candidate, solver: str, cache: Cache) -> Row:

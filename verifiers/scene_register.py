@@ -17,9 +17,10 @@ from ..worlds.errors import EvidenceError
 from ..worlds.fracture import crumble_of
 from ..worlds.predicates import entities_of
 from ..worlds.references import references
-from ..worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics
+from ..worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics, SpringJoint
 from ..worlds.walkers import carrier_words, easier_than_a_person
 from .liquid_across import thin_lines
+from .motion import entity_mass
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
@@ -53,6 +54,8 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
             _carriers(spec),
             _pushers(candidate),
             _idle(candidate),
+            _springs(spec),
+            _dragged(candidate),
         )
         for what, effect in found
     ]
@@ -66,6 +69,28 @@ def _gravity(spec: WorldSpec) -> Iterator[tuple[str, str]]:
     angle = math.degrees(math.acos(float(np.clip(-pull[2] / strength, -1.0, 1.0)))) if strength > 0.0 else 0.0
     aslant = f", {angle:.3g} degrees off straight down" if angle > 0.1 else ""
     yield f"gravity of {strength:.4g} m/s^2{aslant}", f"not the {-EARTH[2]:g} m/s^2 straight down of the Earth"
+
+
+def _springs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    for name, joint in spec.simulation.joints.items():
+        if isinstance(joint, SpringJoint):
+            other = repr(joint.parent) if joint.parent is not None else "a fixed point of space"
+            length = float(np.linalg.norm(np.array(joint.child_point) - np.array(joint.parent_point)))
+            yield (
+                f"spring {name!r} between {joint.child!r} and {other} acts over {length:.3g} m at frame 0 and is not drawn",
+                "pictures show nothing there",
+            )
+
+
+def _dragged(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Viscous drag of single bodies, by the speed at which they would fall."""
+    spec = candidate.spec
+    strength = float(np.linalg.norm(np.array(spec.simulation.gravity)))
+    for name, entity in spec.entities.items():
+        drag = entity.physics.linear_damping if isinstance(entity.physics, RigidPhysics) else 0.0
+        if drag > 0.0:
+            fall = entity_mass(candidate, name) * strength / drag
+            yield f"a drag of {drag:g} N s/m on {name!r}", f"it falls no faster than {fall:.3g} m/s, whatever its shape"
 
 
 def _looser(place: str, value: float, usual: float) -> bool:

@@ -19,11 +19,12 @@ from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
 from .carried import carried_row
 from .free_bodies import DERIVED, LEFT, along_up, derived_row, placement
-from .held import held_rows
+from .held import held_rows, is_still
 from .joined import joined_rows
 from .kept import kept_rows
 from .landed import Ground, landed_rows
 from .moved import support_interval
+from .one_piece import one_piece_rows
 from .resting import rest_rows
 from .rows import Comparison, guarded, guarded_rows, only_seen, pointer, row
 from .stays import stays_rows
@@ -93,6 +94,7 @@ def check(candidate: Candidate) -> list[Row]:
     rows += [
         *held_rows(surfaces, ground),
         *joined_rows(surfaces),
+        *one_piece_rows(surfaces, frozenset(n for n in surfaces.entities if is_still(surfaces.candidate.spec, n))),
         *landed_rows(surfaces, ground),
         *stays_rows(surfaces),
         *kept_rows(surfaces),

@@ -17,6 +17,7 @@ from ..worlds.spec import ReleaseDriver
 from .afloat import afloat
 from .equilibrium import Balance, Group, group_of, solve, touching
 from .links import Link, links_of
+from .moved import spoken_of
 
 if TYPE_CHECKING:
     from .surfaces import Surfaces
@@ -72,14 +73,15 @@ class SupportGraph:
         return bool(self._pins(entity)) or any(entity in (link.a, link.b) and bool(link.holds[frame]) for link in self.links)
 
     def held(self, entity: str) -> NDArray[np.bool_]:
-        """At which frames the entity needs nothing beneath it: static, authored, not yet released, or fixed to the world."""
+        """At which frames the entity needs nothing beneath it: static, authored, fixed to the world, or not yet let go by a driver
+        whose letting go the story tells of."""
         spec = self.surfaces.candidate.spec
         if spec.entities[entity].motion != "dynamic":
             return np.ones(self.surfaces.frames, dtype=bool)
         time = np.arange(self.surfaces.frames) / spec.simulation.fps
         holds = np.zeros(self.surfaces.frames, dtype=bool)
         for driver in spec.simulation.drivers.values():
-            if isinstance(driver, ReleaseDriver) and driver.entity == entity:
+            if isinstance(driver, ReleaseDriver) and driver.entity == entity and spoken_of(spec, entity):
                 holds |= time <= driver.time
         for link in self.links:
             if link.a is None and link.b == entity:

@@ -15,6 +15,7 @@ Channels written by a rigid instance (n bodies in the order of `CacheIndex.bodie
 | `joint` | f8 (j,) | coordinate of hinge/slide joints in the order of `CacheIndex.joints` [rad or m] |
 | `contact/pair` | i4 (m, 2) | indices into `CacheIndex.colliders` of pairs that touched since the last frame, a < b |
 | `contact/impulse` | f8 (m,) | summed normal impulse over the frame [N s] |
+| `contact/vector` | f8 (m, 3) | what the contacts gave to collider b over the frame, friction included, world [N s]; a was given the opposite; 0 where a = b |
 | `contact/max_force` | f8 (m,) | largest normal force in the frame [N] |
 | `contact/min_gap` | f8 (m,) | smallest distance of collision shapes over the steps [m] |
 | `event/time` | f8 (e,) | contact begins, in order of time [s] |

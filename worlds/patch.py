@@ -197,7 +197,8 @@ def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str)
 
 
 def _frames_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """Whether other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more.
+    """Whether other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more, and what must
+    be so at the end is looked for from no later frame.
 
     An effect that is only looked for later is not asked whether it came before its cause.
     """
@@ -205,6 +206,8 @@ def _frames_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
     harder = interval_tightens(old["predicate"])
     if harder == "narrower":
         return bool(now < first or then > last or (now > first and old.get("causes")))
+    if harder == "end":
+        return bool(then != last or now > first)
     return harder == "either" or bool(now > first or then < last)
 
 

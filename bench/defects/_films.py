@@ -95,12 +95,15 @@ class Film:
                 for name in [n for n in frame if n.startswith(f"{kind}/")]:
                     frame[name] = frame[name][~mine]
 
-    def touch(self, frame: int, a: str, b: str, impulse: float) -> None:
-        """Log one more contact."""
+    def touch(self, frame: int, a: str, b: str, impulse: F64) -> None:
+        """Log one more contact that gives `a` this impulse [N s], shape (3,), along its normal."""
         data = self.frames[frame]
         pair = sorted((self.index.colliders.index(a), self.index.colliders.index(b)))
+        given = impulse if self.index.colliders.index(a) == pair[1] else -impulse
+        data["contact/vector"] = np.concatenate([data["contact/vector"], given[None]])
+        size = float(np.linalg.norm(impulse))
         data["contact/pair"] = np.concatenate([data["contact/pair"], np.array([pair], dtype=np.int32)])
-        for name, value in (("impulse", impulse), ("max_force", impulse / self.duration), ("min_gap", 5e-4)):
+        for name, value in (("impulse", size), ("max_force", size / self.duration), ("min_gap", 5e-4)):
             data[f"contact/{name}"] = np.append(data[f"contact/{name}"], value)
 
     def settle_records(self) -> None:

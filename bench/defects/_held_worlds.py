@@ -16,6 +16,7 @@ from ...worlds.spec import (
     Limits,
     Part,
     Pose,
+    ReleaseDriver,
     RigidPhysics,
     RigidSettings,
     Rope,
@@ -207,6 +208,8 @@ def _thrown(scene: Scene, hits: int) -> None:
     path = np.column_stack([np.where(np.arange(FRAMES) < hits, np.minimum(x, x[0] + 9), upper - 0.1501), 0 * x, 0 * x + 0.3])
     physics = RigidPhysics(linear_velocity=scene.way((0.05 * FPS, 0, 0)))
     scene.add("ball", Sphere(radius=0.05), at=path[0], motion="dynamic", path=path, physics=physics)
+    flies = Displacement(entity="ball", min=0.01)
+    scene.more["beats"] = {"flies": Beat(text="it flies", owner="rigid", subject="ball", frames=(0, hits), predicate=flies)}
 
 
 def _struck(folder: Path, m: float, rng: RNG) -> World:
@@ -237,6 +240,56 @@ def _with_its_post(folder: Path, m: float, rng: RNG) -> World:
     return scene.world(folder)
 
 
+def _let_go(scene: Scene, m: float) -> None:
+    """A ball in the air that a driver lets go after m of the film, or that is thrown at once."""
+    frames, height = np.arange(FRAMES), float(scene.rng.uniform(0.3, 2.0))
+    begin = round(m * (FRAMES - 1))
+    path = np.tile([0.0, 0.0, height], (FRAMES, 1))
+    path[:, 2] -= np.minimum(0.5 * 9.81 * (np.maximum(0, frames - begin) / FPS) ** 2, height - 0.1)
+    physics = RigidPhysics(linear_velocity=scene.way((0.3, 0, 0)))
+    thrown = begin == 0
+    scene.add("thing", Sphere(radius=0.1), at=path[0], motion="dynamic", path=path, physics=physics if thrown else RigidPhysics())
+    if not thrown:
+        scene.more["drivers"] = {"hold": ReleaseDriver(entity="thing", time=begin / FPS)}
+
+
+def _let_go_untold(folder: Path, m: float, rng: RNG) -> World:
+    scene = Scene(rng)
+    _let_go(scene, m)
+    return scene.world(folder, "thing", still=True)
+
+
+def _let_go_in_a_beat(folder: Path, m: float, rng: RNG) -> World:
+    scene = Scene(rng)
+    _let_go(scene, m)
+    falls = Displacement(entity="thing", min=0.01)
+    scene.more["beats"] = {
+        "falls": Beat(text="it falls", owner="rigid", subject="thing", frames=(1, FRAMES - 1), predicate=falls)
+    }
+    return scene.world(folder, still=True)
+
+
+def _plates(folder: Path, m: float, rng: RNG, *culprits: str) -> World:
+    """Two plates of one free body, m from each other."""
+    scene, (x, y, z) = Scene(rng), _size(rng)
+    order = rng.permutation(2)
+    parts = [
+        Part(shape=Box(size=(x, y, z)), pose=Pose(position=(0, 0, z / 2))),
+        Part(shape=Box(size=(x, y, z)), pose=Pose(position=(0, 0, 1.5 * z + m))),
+    ]
+    scene.add("thing", *(parts[i] for i in order), at=(0, 0, 1e-4), motion="dynamic")
+    scene.on("floor", "thing")
+    return scene.world(folder, *culprits, still=True)
+
+
+def _plates_apart(folder: Path, m: float, rng: RNG) -> World:
+    return _plates(folder, m, rng, "thing")
+
+
+def _plates_together(folder: Path, m: float, rng: RNG) -> World:
+    return _plates(folder, m, rng)
+
+
 HELD_MECHANISMS = (
     Mechanism("static-in-the-air", "static, and nothing touches it", True, _static_in_the_air, OVER * GAP, 1.0, "m", GAP),
     Mechanism("loose-part", "a part that touches no other", True, _loose_part, OVER * GAP, 0.5, "m", GAP),
@@ -246,11 +299,15 @@ HELD_MECHANISMS = (
     Mechanism("fastened-apart", "glued over a gap", True, _fastened_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("leaves-untold", "slides off, and nothing says so", True, _leaves_untold, OVER * DRIFT, 0.09, "m", DRIFT),
     Mechanism("leaves-too-early", "gone before it is hit", True, _leaves_too_early, 2, FRAMES - 5, "frames"),
+    Mechanism("let-go-untold", "hangs on a driver that no beat tells of", True, _let_go_untold, 0.02, 1.0, "film"),
+    Mechanism("plates-apart", "parts of a free body with nothing between", True, _plates_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * GAP, "m"),
     Mechanism("said-to-float", "it says why it hovers", False, _said_to_float, 0.01, 5.0, "m"),
     Mechanism("joint-that-reaches", "at its joint within the skins", False, _joint_that_reaches, 1e-6, UNDER * GAP, "m"),
     Mechanism("rope-that-reaches", "ends at its hook", False, _rope_that_reaches, 1e-6, UNDER * GAP, "m"),
     Mechanism("fastened-close", "glued within the tolerance", False, _fastened_close, 1e-6, UNDER * GAP, "m"),
+    Mechanism("let-go-in-a-beat", "a beat tells that it is let go", False, _let_go_in_a_beat, 0.02, 1.0, "film"),
+    Mechanism("plates-together", "parts of a free body that touch", False, _plates_together, 1e-6, UNDER * GAP, "m"),
     Mechanism("settles", "settles a little, untold", False, _settles, 1e-5, UNDER * DRIFT, "m"),
     Mechanism("struck", "slides off once it is hit", False, _struck, 3, FRAMES - 2, "frame"),
     Mechanism("with-its-post", "falls with what it hangs on", False, _with_its_post, 2, FRAMES - 2, "frame"),

@@ -1,4 +1,4 @@
-"""Mechanisms of the category check about impacts that give energy and springs on what sleeps."""
+"""Mechanisms of the category check about impacts: what they give, energy that they make, and springs on what sleeps."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _impact_scenes as scenes
+from ._contact_given import MECHANISMS as GIVEN
 from ._films import Film
 from .cases import Mechanism, World
 
@@ -27,6 +28,7 @@ def _clean(name: str, text: str, make: Callable[[int], Film]) -> Mechanism:
 
 
 IMPACTS = (
+    *GIVEN,
     Mechanism("old_law", "contacts that open give energy while an impact passes through", True, scenes.old_law, 1.0, 2.0, "law"),
     Mechanism(
         "forged_cradle",

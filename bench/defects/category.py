@@ -129,8 +129,9 @@ def forged_contact(folder: Path, magnitude: float, rng: np.random.Generator) -> 
     film = _pick(scenes.flight, rng)
     k = int(rng.integers(1, film.count - 2))
     body = film.built["small"].bodies[0]
-    film.push("small", k, magnitude * _direction(rng))
-    film.touch(k, "small", "floor", 1.1 * body.mass * magnitude)
+    change = magnitude * _direction(rng)
+    film.push("small", k, change)
+    film.touch(k, "small", "floor", body.mass * change)
     film.settle_records()
     return _broken(film, folder, "small")
 
@@ -139,7 +140,8 @@ def unlogged_hit(folder: Path, magnitude: float, rng: np.random.Generator) -> Wo
     """Two bodies meet in the air; the meeting is not in the log, or only a share of its impulse (magnitude: share missing)."""
     film = _pick(scenes.thrown_pair, rng)
     for frame in film.frames:
-        frame["contact/impulse"] = frame["contact/impulse"] * (1.0 - magnitude)
+        for name in ("contact/impulse", "contact/vector"):
+            frame[name] = frame[name] * (1.0 - magnitude)
         if magnitude == 1.0:
             film.drop_contacts("left")
     return _broken(film, folder, "left", "right")
@@ -184,10 +186,13 @@ def bounces_higher(folder: Path, magnitude: float, rng: np.random.Generator) -> 
     data = film.frames[hit]
     which = int(np.flatnonzero((data["event/pair"] == film.index.colliders.index("ball")).any(axis=1))[0])
     mine = (data["contact/pair"] == film.index.colliders.index("ball")).any(axis=1)
+    later = data["contact/pair"][:, 1] == film.index.colliders.index("ball")
     closing = float(data["event/speed"][which])
     declared = film.spec.materials["wood"].restitution
     more = max(magnitude - declared, 0.3) * closing
     data["contact/impulse"] = data["contact/impulse"] + mine * more * film.built["ball"].bodies[0].mass
+    upward = np.where(later, 1.0, -1.0) * mine * more * film.built["ball"].bodies[0].mass
+    data["contact/vector"] = data["contact/vector"] + upward[:, None] * np.array([0.0, 0.0, 1.0])
     late = np.clip(np.arange(film.count) / film.spec.simulation.fps - float(data["event/time"][which]), 0, None)
     film.add("velocity", "ball", (late > 0)[:, None] * np.array([0, 0, more]))
     film.add("position", "ball", late[:, None] * np.array([0, 0, more]))

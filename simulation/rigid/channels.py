@@ -16,6 +16,7 @@ CHANNELS = (
     Channel("joint", "f8", "rad or m", ("joints",), "joint"),
     Channel("contact/pair", "i4", "1", ("pairs", "2"), "pair"),
     Channel("contact/impulse", "f8", "N s", ("pairs",), "pair"),
+    Channel("contact/vector", "f8", "N s", ("pairs", "3"), "pair"),
     Channel("contact/max_force", "f8", "N", ("pairs",), "pair"),
     Channel("contact/min_gap", "f8", "m", ("pairs",), "pair"),
     Channel("event/time", "f8", "s", ("events",), "event"),

@@ -35,6 +35,7 @@ class _Steps:
     geoms: list[Any]
     gaps: list[Any]
     points: list[Any]
+    axes: list[Any]
     forces: list[Any]
     speeds: list[Any]
     times: list[float]
@@ -42,7 +43,7 @@ class _Steps:
 
     @classmethod
     def empty(cls) -> _Steps:
-        return cls([], [], [], [], [], [], [], [])
+        return cls([], [], [], [], [], [], [], [], [])
 
 
 @dataclass
@@ -85,6 +86,7 @@ class ContactMonitor:
         self._steps = _Steps.empty()
         self._events: list[_Event] = []
         self._total: dict[int, list[float]] = {}
+        """Normal impulse, largest force, smallest gap and impulse on the later collider of every pair."""
         self.max_contacts = 0
         self.iterations = 0
         self.capped = 0
@@ -169,7 +171,8 @@ class ContactMonitor:
             steps.geoms.append(sides_of(self.rigid.model, contact).copy())
             steps.gaps.append(contact.dist.copy())
             steps.points.append(contact.pos.copy())
-            steps.forces.append(data.efc_force[rows])
+            steps.axes.append(contact.frame.copy())
+            steps.forces.append(_components(data.efc_force, rows, contact.dim))
             steps.speeds.append(data.efc_vel[rows])
             steps.times.append(time)
             steps.lengths.append(dt)
@@ -210,12 +213,17 @@ class ContactMonitor:
         live = rows >= 0
         model = self.rigid.model
         fixed = (np.append(model.geom_contype, model.flex_contype)[geoms] == FIXED[0]).all(axis=1)
-        force = np.where(live & ~fixed, np.concatenate(steps.forces), 0.0)
+        parts = np.where((live & ~fixed)[:, None], np.concatenate(steps.forces), 0.0)
+        force = parts[:, 0]
         gaps = np.concatenate(steps.gaps)
         times, lengths = np.array(steps.times), np.array(steps.lengths)
         impulse = force * lengths[place]
+        # The frame's first axis leads from the first side to the second, which the force pushes.
+        pushed = np.einsum("ni,nij->nj", parts * lengths[place, None], np.concatenate(steps.axes).reshape(-1, 3, 3))
+        pushed *= np.sign(self.rigid.geom_collider[geoms[:, 1]] - self.rigid.geom_collider[geoms[:, 0]])[:, None]
         pairs, inverse = _among(keys, self.count**2)
         total = np.bincount(inverse, weights=impulse)
+        vector = np.stack([np.bincount(inverse, weights=pushed[:, i]) for i in range(3)], axis=1)
         nearest = np.full(len(pairs), np.inf)
         np.minimum.at(nearest, inverse, gaps)
         code, which = _among(inverse * len(sizes) + place, len(pairs) * len(sizes))
@@ -225,9 +233,10 @@ class ContactMonitor:
         given = dict(zip(pairs.tolist(), total.tolist(), strict=True))
         for event in self._events:
             event.impulse += given.get(event.key, 0.0)
-        for key, a, b, c in zip(pairs.tolist(), total.tolist(), strongest.tolist(), nearest.tolist(), strict=True):
-            old = self._total.get(key, [0.0, 0.0, np.inf])
-            self._total[key] = [old[0] + a, max(old[1], b), min(old[2], c)]
+        table = np.column_stack((total, strongest, nearest, vector)).tolist()
+        for key, (a, b, c, x, y, z) in zip(pairs.tolist(), table, strict=True):
+            old = self._total.get(key, [0.0, 0.0, np.inf, 0.0, 0.0, 0.0])
+            self._total[key] = [old[0] + a, max(old[1], b), min(old[2], c), old[3] + x, old[4] + y, old[5] + z]
         touching = np.bincount(which, weights=live) > 0
         self._find_events(steps, pairs, code[touching], len(sizes), times, lengths, keys, place, live, impulse)
 
@@ -274,10 +283,11 @@ class ContactMonitor:
         """Channels `contact/*` and `event/*` of the frame."""
         self._evaluate()
         events, pairs = self._events, np.array(sorted(self._total), dtype=np.int64)
-        totals = np.array([self._total[k] for k in pairs.tolist()]).reshape(-1, 3)
+        totals = np.array([self._total[k] for k in pairs.tolist()]).reshape(-1, 6)
         return {
             "contact/pair": np.stack([pairs // self.count, pairs % self.count], axis=-1).astype(np.int32),
             "contact/impulse": totals[:, 0].copy(),
+            "contact/vector": totals[:, 3:].copy(),
             "contact/max_force": totals[:, 1].copy(),
             "contact/min_gap": totals[:, 2].copy(),
             "event/time": np.array([e.time for e in events], dtype=np.float64),
@@ -286,6 +296,16 @@ class ContactMonitor:
             "event/speed": np.array([e.speed for e in events], dtype=np.float64),
             "event/impulse": np.array([e.impulse for e in events], dtype=np.float64),
         }
+
+
+def _components(forces: Any, rows: Any, sizes: Any) -> Any:
+    """Normal force and both of friction [N] of contacts whose first constraint is at `rows`, shape (n, 3)."""
+    found = np.zeros((len(rows), 3))
+    found[:, 0] = forces[rows]
+    sliding = np.flatnonzero((sizes >= 3) & (rows >= 0))
+    for k in (1, 2):
+        found[sliding, k] = forces[rows[sliding] + k]
+    return found
 
 
 def _among(values: NDArray[np.int64], count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -17,7 +17,6 @@ PROCESSOR_SECONDS = 240.0
 MOTIONS: dict[str, tuple[str, Any]] = {
     "a speed beyond light": ("/entities/ball/physics/linear_velocity", [1e9, 0, 0]),
     "a spin beyond all": ("/entities/ball/physics/angular_velocity", [0, 1e9, 0]),
-    "a mass of nothing": ("/entities/ball/physics/mass", 1e-300),
     "friction like glue": ("/materials/wood/friction", 4),
 }
 
@@ -28,7 +27,6 @@ def test_absurd_motion_ends_and_does_not_pass(name: str, tmp_path: Path, monkeyp
     run_jobs_inline(monkeypatch)
     pointer, value = MOTIONS[name]
     spec = small_spec()
-    spec["entities"]["ball"]["physics"].setdefault("mass", 0.26)
     with Agent(tmp_path) as agent:
         agent.call("edit_spec", world="w", prompt=PROMPT, spec=rewritten(spec, pointer, value))
         agent.call("place_object", world="w")

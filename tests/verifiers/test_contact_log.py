@@ -21,8 +21,14 @@ def _asleep(film: Any) -> list[frozenset[int]]:
     return [frozenset(o for o, s in zip(owners, f["asleep"], strict=True) if s) for f in film.frames]
 
 
+def _rough(film: Any) -> Any:
+    """All materials of these scenes rub alike."""
+    count = len(film.index.colliders)
+    return np.full((count, count), max(m.friction for m in film.spec.materials.values()))
+
+
 def _judged(film: Any) -> Fault | None:
-    return log_fault(film.frames, DURATION, _asleep(film), STEP)
+    return log_fault(film.frames, DURATION, _asleep(film), STEP, _rough(film))
 
 
 def _blow(film: Any) -> tuple[int, int]:
@@ -101,3 +107,15 @@ def test_a_log_with_something_taken_out_or_put_in_is_found(edit: Callable[[dict[
     assert found is not None
     assert found.frame == k
     assert text in found.text
+
+
+def test_what_a_contact_gives_lies_within_its_cone_of_friction() -> None:
+    film = _scenes.slide(0)
+    k = next(k for k in range(2, film.count) if len(film.frames[k]["contact/vector"]))
+    log = film.frames[k]
+    sideways = np.array(log["contact/vector"])
+    sideways[0, :2] *= 1.1  # it slides: the friction is on the cone
+    log["contact/vector"] = sideways
+    found = _judged(film)
+    assert found is not None
+    assert (found.frame, found.text) == (k, "it gives more than its normal impulse and friction allow")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from jsonpatch import apply_patch
 from worldagent.bench.simulated_worlds import SLICK, beat, simulate
 from worldagent.bench.small_worlds import ball, box, ground, make_candidate, world
 from worldagent.simulation.variants import run_variant
@@ -27,6 +28,7 @@ from worldagent.worlds.spec import (
     PathDriver,
     ReleaseDriver,
     WeldJoint,
+    WorldSpec,
 )
 
 
@@ -51,6 +53,21 @@ def test_coincident_independent_events_fail(tmp_path: Path) -> None:
     assert (row.status, row.first_failing_entity) == ("fail", "b")
     assert row.evidence["frame_without_cause"] == row.evidence["frame_with_cause"]
     assert {c.edit_class for c in row.corrections} == {"scene", "solver", "story"}
+
+
+def test_rest_is_an_effect_of_sliding_once_it_is_asked_where(tmp_path: Path) -> None:
+    """A block that is held is at rest too: the correction asks how far it had come, and then sliding is what brought it there."""
+    entities = {"floor": ground(), "a": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.051), velocity=(0.5, 0, 0))}
+    beats = {
+        "slide": beat("a", Displacement(entity="a", min=0.05), frames=(1, 10)),
+        "stop": beat("a", Speed(entity="a", max=0.01, when="end"), frames=(8, 24), causes=["slide"]),
+    }
+    spec = world(entities, beats=beats, frames=N, materials=SLICK)
+    row = only(simulate(tmp_path / "a", spec))
+    assert row.status == "fail", row.evidence
+    assert row.corrections[0].cause == "stop is true of a wherever nothing moves it"
+    mended = apply_patch(spec.model_dump(mode="json"), list(row.corrections[0].patch))
+    assert only(simulate(tmp_path / "b", WorldSpec.model_validate(mended))).status == "pass"
 
 
 def test_a_hidden_driver_that_does_it_anyway_fails(tmp_path: Path) -> None:

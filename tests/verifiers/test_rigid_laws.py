@@ -36,13 +36,14 @@ def test_what_the_engine_runs_keeps_every_law(name: str, tmp_path: Path) -> None
 
 
 def test_the_ledger_closes_to_rounding_in_flight_and_in_contact(tmp_path: Path) -> None:
-    """Law: change of momentum = gravity + contacts, and contacts give at most sqrt(1 + mu^2) of their normal impulse."""
+    """Laws: change of momentum = gravity + contacts, and contacts give at most sqrt(1 + mu^2) of their normal impulse."""
     flown = books(scenes.flight(0), tmp_path / "a")
     assert np.abs(flown.residual / flown.mass[:, None]).max() < 1e-12
     hit = books(scenes.bounce(4), tmp_path / "b")
     given = np.linalg.norm(hit.residual, axis=2)
     assert given.max() > 1.0  # the bounce itself
     assert (given <= hit.contact_budget * (1 + 1e-9) + 1e-12)[~hit.dozing].all()
+    assert np.abs(hit.residual - hit.contact_given)[~hit.dozing].max() < 1e-12
 
 
 def test_forces_of_a_step_in_which_a_body_falls_asleep_are_logged(tmp_path: Path) -> None:
@@ -74,6 +75,27 @@ def test_a_push_without_a_cause_names_body_and_frame(tmp_path: Path) -> None:
     assert (row.status, row.first_failing_entity, row.first_failing_frame) == ("fail", "small", 6)
     assert row.measured == pytest.approx(0.01, rel=1e-6)
     assert (row.bound, row.unit) == (2e-3, "m/s")
+
+
+def test_an_impulse_that_is_turned_or_raised_with_all_that_is_said_of_it_is_found(tmp_path: Path) -> None:
+    """Impulse, force and event agree with each other; the bodies did not take what they tell."""
+    for name, factor in (("turned", -1.0), ("raised", 1.2)):
+        film = scenes.thrown_pair(0)
+        k = next(k for k, f in enumerate(film.frames) if len(f["event/impulse"]) and f["contact/impulse"].max() > 0.01)
+        log = film.frames[k]
+        log["contact/vector"] = factor * log["contact/vector"]
+        for channel in ("contact/impulse", "contact/max_force", "event/impulse"):
+            log[channel] = abs(factor) * log[channel]
+        row = rows_of(film, tmp_path / name)["momentum"]
+        assert (row.status, row.first_failing_frame) == ("fail", k), name
+
+
+def test_a_touch_in_the_air_that_gave_nothing_cannot_be_invented(tmp_path: Path) -> None:
+    film = scenes.thrown_pair(0)
+    k = next(k for k in range(1, film.count) if not len(film.frames[k]["contact/pair"]))
+    film.touch(k, "left", "right", np.array([0.5, 0.0, 0.0]))
+    row = rows_of(film, tmp_path)["momentum"]
+    assert (row.status, row.first_failing_frame) == ("fail", k)
 
 
 def test_a_missing_contact_log_is_unverified_and_not_a_pass(tmp_path: Path) -> None:

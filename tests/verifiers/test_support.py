@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.bench.small_worlds import IDENTITY, ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers import support
-from worldagent.worlds.predicates import Count, Displacement, StaysIn, Topples
+from worldagent.worlds.predicates import Count, Displacement, Speed, StaysIn, Topples
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (
     BallJoint,
@@ -218,16 +218,63 @@ HOLDS = {
 }
 
 
+MOVES = {"moves": Beat(text="it moves", owner="rigid", subject="ball", frames=(1, 9), predicate=Speed(entity="ball", min=0.1))}
+
+
 @pytest.mark.parametrize("name", HOLDS)
 def test_a_declared_hold_explains_a_body_in_the_air(tmp_path, name):
     things = {"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(1, 0, 0.6))}
-    assert rows_of(tmp_path, things, **HOLDS[name])["support:derived:ball"].status == "pass"
+    assert rows_of(tmp_path, things, beats=MOVES, **HOLDS[name])["support:derived:ball"].status == "pass"
 
 
 @pytest.mark.parametrize(("speed", "status"), [(3.0, "pass"), (0.05, "fail")])
 def test_only_a_real_launch_explains_a_body_in_the_air(tmp_path, speed, status):
     things = {"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(1, 0, 0.6), velocity=(speed, 0, 0))}
-    assert rows_of(tmp_path, things)["support:derived:ball"].status == status
+    assert rows_of(tmp_path, things, beats=MOVES)["support:derived:ball"].status == status
+
+
+def test_what_no_beat_tells_of_is_neither_let_go_nor_launched(tmp_path):
+    """A ball that hangs over the floor until the film has ended: a driver holds it, and the story knows nothing of that."""
+    things = {"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(1, 0, 0.6))}
+    row = rows_of(tmp_path, things, **HOLDS["release"])["support:derived:ball"]
+    assert row.status == "fail"
+    assert "driver 'd' lets it go at 0.5 s, and no beat tells of it" in row.evidence["explanation"]
+    things["ball"] = ball(0.1, motion="dynamic", at=(1, 0, 0.6), velocity=(3, 0, 0))
+    row = rows_of(tmp_path, things)["support:derived:ball"]
+    assert row.status == "fail"
+    assert "it starts with a velocity, and no beat tells of it" in row.evidence["explanation"]
+
+
+def test_what_is_held_untold_holds_nothing_either(tmp_path):
+    things = {"floor": ground(), "lower": crate(1.0), "crate": crate(1.2001)}
+    hold = {"d": ReleaseDriver(entity="lower", time=0.5)}
+    rows = rows_of(tmp_path, things, drivers=hold)
+    assert rows["support:derived:lower"].status == rows["support:derived:crate"].status == "fail"
+    falls = Beat(text="it falls", owner="rigid", subject="lower", frames=(12, 15), predicate=Speed(entity="lower", min=0.1))
+    rows = rows_of(tmp_path, things, drivers=hold, beats={"falls": falls})
+    assert rows["support:derived:lower"].status == rows["support:derived:crate"].status == "pass"
+
+
+def test_no_drag_holds_a_body_up(tmp_path):
+    """Launched with 0.11 m/s in a drag of 1e6 N s/m a steel ball hangs still."""
+    things = {"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(1, 0, 0.6), velocity=(0.11, 0, 0))}
+    physics = things["ball"].physics.model_copy(update={"linear_damping": 1e6})
+    things["ball"] = things["ball"].model_copy(update={"physics": physics})
+    row = rows_of(tmp_path, things, beats=MOVES)["support:derived:ball"]
+    assert row.status == "fail"
+    assert "a drag of 1e+06 N s/m holds it up" in row.evidence["explanation"]
+
+
+@pytest.mark.parametrize(("gap", "status"), [(0.0, "pass"), (0.26, "fail")])
+def test_parts_of_what_moves_hang_together(tmp_path, gap, status):
+    """Two plates of a table with nothing between them."""
+    plates = [Part(shape=Box(size=(0.4, 0.4, 0.04)), pose=pose((0, 0, z))) for z in (0.02, 0.06 + gap)]
+    things = {"floor": ground(), "table": entity(*plates, motion="dynamic", at=(0, 0, 1e-4))}
+    row = rows_of(tmp_path, things)["support:piece:table"]
+    assert row.status == status
+    if status == "fail":
+        assert (row.measured, row.unit) == (2.0, "pieces")
+        assert row.corrections[0].pointers[0] in ("/entities/table/parts/p0/pose", "/entities/table/parts/p1/pose")
 
 
 def test_a_feeble_force_does_not(tmp_path):

@@ -274,7 +274,7 @@ HAPPENS = [SPEED, {"kind": "eventually", "predicate": SPEED}, {"kind": "crosses"
            {"kind": "or", "of": [SPEED, SPEED]}, {"kind": "not", "predicate": {**SPEED, "when": "always"}}]  # fmt: skip
 LASTS = [{**SPEED, "when": "always"}, {"kind": "supported", "entity": "b3"}, {"kind": "always", "predicate": SPEED},
          {"kind": "no_contact", "a": "ball", "b": "b3"}, {"kind": "not", "predicate": SPEED}]  # fmt: skip
-UNTOLD = [{**SPEED, "when": "end"}, {"kind": "topples", "entity": "b3"}, {"kind": "before", "beat": "strike", "predicate": SPEED},
+UNTOLD = [{"kind": "topples", "entity": "b3"}, {"kind": "before", "beat": "strike", "predicate": SPEED},
           {"kind": "and", "of": [SPEED, {**SPEED, "when": "always"}]}]  # fmt: skip
 
 
@@ -303,6 +303,15 @@ def test_where_it_cannot_be_told_other_frames_may_ask_for_less(predicate: dict[s
     wide, narrow = _over(predicate, [4, 30], []), _over(predicate, [4, 24], [])
     assert weakenings(narrow, wide)
     assert weakenings(wide, narrow)
+
+
+def test_what_must_be_so_at_the_end_may_be_looked_for_sooner_and_no_later() -> None:
+    """Only its last frame decides, and vacuity asks that it be looked for from where it came true."""
+    late, sooner = (_over({**SPEED, "when": "end"}, [first, 24], []) for first in (6, 3))
+    assert weakenings(late, sooner) == []
+    assert weakenings(sooner, late) == [f"{FALL}/frames [3, 24] -> [6, 24]"]
+    assert weakenings(late, _over({**SPEED, "when": "end"}, [6, 30], []))
+    assert weakenings(late, _over({**SPEED, "when": "end"}, [6, 20], []))
 
 
 def test_an_effect_looked_for_later_may_hide_that_it_came_before_its_cause() -> None:

@@ -13,6 +13,7 @@ from ...worlds.bonds import components
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Breach, Broken, Debris
 from ..fracture_frames import Frames
+from .kinematic import region_offset
 from .outcome import Comparison, Outcome, Series, band, judge
 
 if TYPE_CHECKING:
@@ -75,8 +76,8 @@ def broken(scope: Scope, predicate: SpecModel) -> Outcome:
 
 
 def debris(scope: Scope, predicate: SpecModel) -> Outcome:
-    """Measured: lumps of pieces still bonded, or single ones, that the world does not hold and whose centre of mass lies farther than
-    asked from where they were built."""
+    """Measured: lumps of pieces still bonded, or single ones, that the world does not hold, were built in the region, and whose centre
+    of mass lies farther than asked from where they were built, or along an axis of it."""
     p = _typed(predicate, Debris)
     frames = _frames(scope.candidate, p.entity)
     rest = frames.rest_points(np.array([b.pose.position for b in frames.built.bodies]))
@@ -87,18 +88,21 @@ def debris(scope: Scope, predicate: SpecModel) -> Outcome:
     for f in range(first, last + 1):
         position, _ = frames.poses(f)
         labels, fixed = components(len(rest), frames.bonds, ~frames.broken(f))
-        total = np.bincount(labels, weights=mass, minlength=len(fixed))
-        moved = np.stack([np.bincount(labels, weights=mass * d, minlength=len(fixed)) for d in (position - rest).T], axis=1)
-        off = np.linalg.norm(moved, axis=1) > p.min_distance * total
-        apart.append(np.sort((np.linalg.norm(moved, axis=1) / total)[~fixed])[::-1])
-        counts.append(float((off & ~fixed).sum()))
-        most.append(int((off & ~fixed)[labels].sum()))
+        built, moved = (_centers(labels, mass, x) for x in (rest, position - rest))
+        far = np.linalg.norm(moved, axis=1) if p.axis is None else moved @ np.array(p.axis) / np.linalg.norm(p.axis)
+        asked = ~fixed & _built_in(scope.candidate, p.region, built)
+        off = asked & (far > p.min_distance)
+        apart.append(np.sort(far[asked])[::-1])
+        counts.append(float(off.sum()))
+        most.append(int(off[labels].sum()))
     value = np.array(counts)
     margin, side = band(value, p.min, p.max)
 
     def tell(i: int) -> str:
         lumps = f"{value[i]:.0f} loose lumps of {p.entity} ({most[i]} of its {len(rest)} pieces)"
-        return f"{lumps} lay {p.min_distance:g} m off their place at frame {first + i}"
+        where = "" if p.region is None else f", built in {p.region},"
+        way = "off their place" if p.axis is None else f"along {list(p.axis)} of their place"
+        return f"{lumps}{where} lay {p.min_distance:g} m {way} at frame {first + i}"
 
     def detail(i: int) -> dict[str, Any]:
         """How many lumps are loose, and how far as many as asked for went from their places [m]: at any frame, where one decides."""
@@ -110,6 +114,23 @@ def debris(scope: Scope, predicate: SpecModel) -> Outcome:
         return {"lumps": len(apart[best]), "reached": far[best], "largest_frame": first + best}
 
     return judge(Series(scope.frames, value, margin, "1", p.entity, side, tell, detail), p.when)
+
+
+def _centers(labels: NDArray[np.int32], mass: F64, points: F64) -> F64:
+    """Mean of the pieces' points, weighted with their mass, per lump: shape (n, 3) -> (lumps, 3)."""
+    total = np.bincount(labels, weights=mass)
+    return np.stack([np.bincount(labels, weights=mass * c) for c in points.T], axis=1) / total[:, None]
+
+
+def _built_in(candidate: Candidate, name: str | None, centers: F64) -> NDArray[np.bool_]:
+    """Which lumps' centres lie in a region of the world; all where none is named."""
+    if name is None:
+        return np.ones(len(centers), dtype=bool)
+    region = candidate.spec.graph.regions.get(name)
+    if region is None or region.relative_to is not None:
+        known = [n for n, r in candidate.spec.graph.regions.items() if r.relative_to is None]
+        raise EvidenceError(f"debris is built in a region of the world; {name!r} is none of {known}: add it to graph.regions")
+    return np.asarray(region_offset(region, centers)[0] >= 0.0)
 
 
 def breach(scope: Scope, predicate: SpecModel) -> Outcome:

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ..vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
+from ..vocabulary import EntityRef, NonNegative, Positive, RegionRef, SpecModel, Vec3
 from .fields import Band, Subject, When
 
 __all__ = ["Breach", "Broken", "Debris"]
@@ -48,4 +48,18 @@ class Debris(Band):
     kind: Literal["debris"] = "debris"
     entity: Subject
     min_distance: NonNegative = Field(default=0.05, description="of the lump's centre of mass from where it was built [m]")
+    axis: Vec3 | None = Field(
+        default=None, description="measure the distance along this direction only, world; [0, 0, -1]: how far it fell"
+    )
+    region: RegionRef | None = Field(
+        default=None,
+        description="count only lumps whose centre of mass was built in it, so that others do not count, such as those that the "
+        "blow itself drives out; a region of the world, without relative_to",
+    )
     when: When = "eventually"
+
+    @model_validator(mode="after")
+    def _points_somewhere(self) -> Debris:
+        if self.axis is not None and sum(c * c for c in self.axis) < 1e-12:
+            raise ValueError("axis must have a length")
+        return self

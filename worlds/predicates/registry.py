@@ -21,8 +21,8 @@ __all__ = [
 ]
 
 Tightens = Literal["up", "down", "none"]
-Interval = Literal["narrower", "wider", "either"]
-"""Which change of its frames makes a predicate harder to meet; `either`: it cannot be told."""
+Interval = Literal["narrower", "wider", "end", "either"]
+"""Which change of its frames makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def is_invariant(predicate: SpecModel) -> bool:
 
 
 def _turned(interval: Interval) -> Interval:
-    return {"narrower": "wider", "wider": "narrower", "either": "either"}[interval]  # type: ignore[return-value]
+    return {"narrower": "wider", "wider": "narrower"}.get(interval, interval)  # type: ignore[return-value]
 
 
 def interval_tightens(predicate: Mapping[str, Any]) -> Interval:
@@ -179,7 +179,7 @@ def interval_tightens(predicate: Mapping[str, Any]) -> Interval:
         mine: Interval = "wider" if kind == "always" else "narrower"
         return mine if predicate.get("frames") is None else "either"
     if info.frames == "when":
-        by_when: dict[str, Interval] = {"eventually": "narrower", "always": "wider"}
+        by_when: dict[str, Interval] = {"eventually": "narrower", "always": "wider", "end": "end"}
         return by_when.get(str(predicate.get("when")), "either")
     return info.frames
 

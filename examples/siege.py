@@ -19,10 +19,16 @@ FPS = 24
 WALL = (3.6, 0.25, 2.0)
 STONE = (0.39, 0.25, 0.19)
 JOINT = 0.01
-BALL = 0.16
-SPEED = 40.0
-AIM = 0.9
+BALL = 0.25
+"""Radius of the ball [m]: of a bombard, 471 kg of iron."""
+BARREL = 0.36
+SPEED = 30.0
+AIM = 0.7
 """Height at which the ball meets the wall [m], about."""
+OVER = AIM + BALL + STONE[2]
+"""Stones that are built higher [m] the ball does not reach: they come down when those beneath are gone."""
+FALLEN = {"min": 4, "min_distance": 0.4}
+"""The breach collapses: so many of them fall so far [m]."""
 MUZZLE = -5.0
 """y of the ball before it is fired [m]."""
 FIRED, BURN = 0.25, 0.02
@@ -77,8 +83,8 @@ def _cannon() -> dict[str, Any]:
     """A barrel on its carriage; the frame's origin is the middle of the barrel."""
     along = [math.sqrt(0.5), math.sqrt(0.5), 0, 0]
     return {
-        "barrel": _part("cylinder", turn=along, radius=0.24, height=1.4),
-        "carriage": _part("box", (0, -0.15, -(AIM + 0.24) / 2), size=[0.4, 1.0, AIM - 0.24]),
+        "barrel": _part("cylinder", turn=along, radius=BARREL, height=1.4),
+        "carriage": _part("box", (0, -0.15, -(AIM + BARREL) / 2), size=[0.5, 1.0, AIM - BARREL]),
     }
 
 
@@ -127,7 +133,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             "tower_west": _entity("tower", "static", "ashlar", TOWER, (-side, 0, 0), parts=_tower()),
             "tower_east": _entity("tower with the flag", "static", "ashlar", TOWER, (side, 0, 0), parts=_tower()),
             "cannon": _entity(
-                "cannon", "static", "iron", (0.48, 1.4, AIM + 0.24), (0, MUZZLE - BALL - 0.01 - 0.7, AIM), parts=_cannon()
+                "cannon", "static", "iron", (2 * BARREL, 1.4, AIM + BARREL), (0, MUZZLE - BALL - 0.01 - 0.7, AIM), parts=_cannon()
             ),
             "ball": _entity("cannonball", "dynamic", "iron", (2 * BALL,) * 3, (0, MUZZLE, AIM), parts={"body": _part("sphere", radius=BALL)}),
             "pole": _entity("flagpole", "static", "wood", (2 * POLE[0], 2 * POLE[0], POLE[1]), pole_at, parts={"body": _part("cylinder", radius=POLE[0], height=POLE[1])}),
@@ -137,6 +143,11 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
                 "parts": {"body": {"shape": {"kind": "sheet", "size": list(FLAG), "resolution": edge}}},
                 "physics": {"category": "cloth", "area_density": 0.12, "thickness": 0.0005, "stretch_stiffness": 6000,
                             "bend_stiffness": 1e-5, "damping": 3e-5, "max_stretch": 0.08, "pins": {"hoist": {"edge": "-x"}}},
+            },
+        },
+        "graph": {
+            "regions": {
+                "over_the_ball": {"kind": "box", "min": [-WALL[0] / 2, -WALL[1], round(OVER, 4)], "max": [WALL[0] / 2, WALL[1], WALL[2] + 0.1]},
             },
         },
         "story": {
@@ -149,7 +160,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
                 "breaches": beat("the ball breaks the wall", "stones", "wall", [fired, fired + 12],
                                  {"kind": "broken", "entity": "wall", "by": "ball", "min": 0.02}, "strikes"),
                 "collapses": beat("the breach collapses", "stones", "wall", [fired + 2, last],
-                                  {"kind": "debris", "entity": "wall", "min_distance": 0.3, "min": 5}, "breaches"),
+                                  {"kind": "debris", "entity": "wall", "axis": [0, 0, -1], "region": "over_the_ball", **FALLEN}, "breaches"),
                 "blows": beat("the gust lifts the flag", "gust", "flag", [gust, out + 6],
                               {"kind": "displacement", "entity": "flag", "axis": [0, 0, 1], "min": RISEN}),
                 "whips": beat("the flag whips in the gust", "silk", "flag", [out, last], {"kind": "flutters", "entity": "flag", **WHIP}, "blows"),

@@ -39,6 +39,8 @@ UNITS = {"contact_gap": " m", "max_speed": " m/s", "support_drift": " m"}
 TURNED = 0.02
 """[rad] Own choice: what turns by less has not been moved by anything; as `support_drift` for positions."""
 MOST_NAMED = 12
+STARTED = 1e-3
+"""[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
 
 
 def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
@@ -55,6 +57,8 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
             _pushers(candidate),
             _idle(candidate),
             _springs(spec),
+            _starts(spec),
+            _margins(spec),
             _dragged(candidate),
         )
         for what, effect in found
@@ -79,6 +83,30 @@ def _springs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
             yield (
                 f"spring {name!r} between {joint.child!r} and {other} acts over {length:.3g} m at frame 0 and is not drawn",
                 "pictures show nothing there",
+            )
+
+
+def _starts(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    moving = {}
+    for name, entity in spec.entities.items():
+        if isinstance(entity.physics, RigidPhysics | ElasticPhysics):
+            speed = math.hypot(*entity.physics.linear_velocity)
+            spin = math.hypot(*getattr(entity.physics, "angular_velocity", (0.0,)))
+            if speed >= STARTED or spin >= STARTED:
+                moving[name] = f"{name!r} {speed:.3g} m/s" + (f" and {spin:.3g} rad/s" if spin >= STARTED else "")
+    if moving:
+        shown = ", ".join(list(moving.values())[:MOST_NAMED])
+        more = f" and {len(moving) - MOST_NAMED} more" if len(moving) > MOST_NAMED else ""
+        yield f"bodies start with a velocity: {shown}{more}", "what set them going is not simulated"
+
+
+def _margins(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    for name, beat in spec.story.beats.items():
+        for cause, margin in beat.margins.items():
+            least = f"{margin.frames} frames" if margin.frames is not None else f"{margin.value:g}"
+            yield (
+                f"beat {name!r} comes without its cause {cause!r} too: only a difference of {least} is asked for",
+                "the cause hastens or strengthens it, and does not bring it about",
             )
 
 

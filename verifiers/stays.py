@@ -1,7 +1,7 @@
 """Free bodies stay in their places until something that moves them reaches them, whatever relations are declared (R92, R154).
 
-What may move is what the story moves or a driver does: subjects of beats and what they are asked to do, launched, released,
-pushed and blown bodies, authored paths, matter that deforms or flows. From there motion spreads: to what is touched by
+What may move is what the story moves, or a driver of what it speaks of: subjects of beats and what they are asked to do, launched,
+released and pushed bodies that a beat names, blown ones, authored paths, matter that deforms or flows. From there motion spreads: to what is touched by
 something that has left its place, from that frame on. A body that nobody reaches and that leaves its place fell or slid by
 itself, and nothing says that it should.
 """
@@ -23,7 +23,7 @@ from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, ReleaseDriver,
 from . import motion
 from .exchanged import CHANNEL
 from .held import is_still
-from .moved import moves_of, support_interval
+from .moved import moves_of, spoken_of, support_interval
 from .rows import guarded_rows, pointer, row
 from .support_graph import gravity_direction
 
@@ -88,9 +88,13 @@ class Reached:
         still = isinstance(physics, RigidPhysics) and not any(
             abs(c) >= STARTED for c in (*physics.linear_velocity, *physics.angular_velocity)
         )
-        if entity.motion == "kinematic" or not still or name in self.hung or moves_of(spec).first(name) is not None:
+        if entity.motion == "kinematic" or name in self.hung or moves_of(spec).first(name) is not None:
             return 0
         if entity.generator is not None or bool(fields_of(spec, name)):
+            return 0
+        if not spoken_of(spec, name):
+            return None
+        if not still:
             return 0
         for driver in spec.simulation.drivers.values():
             if isinstance(driver, ReleaseDriver) and driver.entity == name:
@@ -284,6 +288,6 @@ def _corrections(surfaces: Surfaces, name: str) -> Iterator[Correction]:
         cause="it is meant to be let go or pushed",
         edit_class="solver",
         group="drivers",
-        action=f"Declare a `release` or `force` driver of {name!r}, or give it an initial velocity.",
+        action=f"Declare a `release` or `force` driver of {name!r} or give it an initial velocity, and add a beat that tells of it.",
         pointers=("/simulation/drivers", pointer("entities", name, "physics", "linear_velocity")),
     )

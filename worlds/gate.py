@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from .drivers import behind
 from .liquid_words import missing_liquid
 from .predicates import atoms_of, entities_of, is_invariant
 from .references import kinds_of
@@ -222,8 +223,11 @@ def _actors(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[st
         alike = _called(spec, word, moving=True)
         if alike and word not in known:
             yield Problem(place, f"{tells}, but no beat in met_by is about {word!r} ({', '.join(alike[:3])}); name one; {ESCAPE}")
-        for name, beat in good.items():
-            if beat.subject in alike and not beat.causes:
+        mine = {n: b for n, b in good.items() if b.subject in alike}
+        for name, beat in mine.items():
+            # Of several that are called so the one may act and the other be acted on.
+            acts = any(beat.subject != b.subject and name in behind(spec, n) for n, b in mine.items())
+            if not beat.causes and not acts:
                 yield Problem(
                     place,
                     f"{tells} that something does to {word!r}, but beat {name!r} names no causes; say what brings it about; {ESCAPE}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,10 +14,12 @@ from .gate import Problem, replaced
 from .liquids import declares_heat
 from .predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, entities_of
 from .references import cycle_in, kinds_of, mentions_joint
-from .spec import FieldDriver, SpecModel, Supports, WorldSpec
+from .spec import ElasticPhysics, FieldDriver, RigidPhysics, SpecModel, Supports, WorldSpec
 
 __all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
 
+STARTED = 1e-3
+"""[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
 TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
 """Evidence of cloth that can tear."""
 BODILY = frozenset(
@@ -63,6 +66,7 @@ def story_problems(spec: WorldSpec) -> list[Problem]:
                 text = f"the margin names {cause!r}, which is not among the causes"
                 problems.append(Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"}))
         problems += _unsaid(spec, name)
+        problems += _own_start(spec, name)
         if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
             problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
     cycle = cycle_in({n: list(b.causes) for n, b in beats.items()})
@@ -90,6 +94,23 @@ def _unsaid(spec: WorldSpec, name: str) -> list[Problem]:
     owns, field = ("no beat that leads to it is owned by", "causes") if beat.causes else ("no beat is owned by", "owner")
     text = f"{deed(spec, helper, beat.subject)}, before {name} can come true, and {owns} {helper}"
     return [Problem(f"/story/beats/{name}/{field}", f"{text}: {to_declare(spec, helper, name)}")]
+
+
+def _own_start(spec: WorldSpec, name: str) -> list[Problem]:
+    """An effect whose subject starts with a velocity of its own, of which no beat without causes tells: it would move without them."""
+    beat = spec.story.beats[name]
+    physics = spec.entities[beat.subject].physics if beat.subject in spec.entities else None
+    if not beat.causes or not beat.mandatory or not isinstance(physics, RigidPhysics | ElasticPhysics):
+        return []
+    speeds = math.hypot(*physics.linear_velocity), math.hypot(*getattr(physics, "angular_velocity", (0.0,)))
+    first = [b for b in spec.story.beats.values() if not b.causes]
+    if max(speeds) < STARTED or any(beat.subject in (b.subject, *entities_of(b.predicate)) for b in first):
+        return []
+    text = (
+        f"{beat.subject} starts with {speeds[0]:g} m/s and {speeds[1]:g} rad/s of its own, so that it moves without {', '.join(beat.causes)}: "
+        f"give that start a beat without causes about {beat.subject}, or take the velocity away"
+    )
+    return [Problem(f"/entities/{beat.subject}/physics", text)]
 
 
 def uncaused(spec: WorldSpec) -> str | None:

@@ -18,6 +18,7 @@ from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.spec import (
     Beat,
     BoxRegion,
+    CausalMargin,
     Connects,
     Dimensions,
     ElasticPhysics,
@@ -26,6 +27,7 @@ from worldagent.worlds.spec import (
     PathDriver,
     RigidPhysics,
     Shot,
+    SpringJoint,
     Supports,
 )
 
@@ -221,3 +223,27 @@ def test_a_body_that_something_speaks_of_is_not_idle(tmp_path: Path, where: str)
 def test_a_body_that_moves_is_not_idle(tmp_path: Path) -> None:
     entities = {"floor": ground(), "crate": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.05))}
     assert not _about(_lines(tmp_path, entities, moved={"crate": (WAY, (1, 0, 0, 0))}), "that nothing moves")
+
+
+# ---------------------------------------------------------------- springs, drag, starts, margins
+
+
+def test_what_pictures_do_not_show_and_what_starts_by_itself_is_told(tmp_path: Path) -> None:
+    """A ball on an undrawn spring, held back by a drag and started with a speed; an effect that its cause only hastens."""
+    crate = CRATE["crate"].model_copy(update={"physics": RigidPhysics(linear_velocity=(1.6, 0, 0), linear_damping=2.0)})
+    spring = SpringJoint(child="crate", parent="floor", parent_point=(0, 0, 0), child_point=(0, 0, 0.95), stiffness=50.0)
+    beats = {
+        name: Beat(
+            text="", owner="rigid", subject="crate", frames=(0, 9), predicate=Displacement(entity="crate", min=least), **more
+        )
+        for name, least, more in (
+            ("goes", 0.1, {}),
+            ("on", 0.2, {"causes": ["goes"], "margins": {"goes": CausalMargin(value=0.001)}}),
+        )
+    }
+    lines = _lines(tmp_path, {**CRATE, "crate": crate}, joints={"coil": spring}, beats=beats)
+    assert _about(lines, "coil") == ["spring 'coil' between 'crate' and 'floor' acts over 0.95 m at frame 0 and is not drawn"]
+    assert _about(lines, "velocity") == ["bodies start with a velocity: 'crate' 1.6 m/s"]
+    assert lines["a drag of 2 N s/m on 'crate'"] == "it falls no faster than 2.94 m/s, whatever its shape"
+    assert _about(lines, "margin") == [] and len(_about(lines, "only a difference of 0.001 is asked for")) == 1
+    assert not _about(_lines(tmp_path / "plain", CRATE), "drag")

@@ -36,6 +36,10 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an unknown cause": ([("/story/beats/fall/causes", ["bang"])], "references", "unknown beat 'bang'"),
     "a release that no beat tells": (
         [("/simulation/drivers/go", {"kind": "release", "entity": "b3", "time": 0.1})], "story", "release go lets b3 go at 0.1 s, before fall can"),
+    "an effect that starts by itself": (
+        [("/entities/b3/physics/linear_velocity", [1.6, 0, 0])], "story", "b3 starts with 1.6 m/s and 0 rad/s of its own"),
+    "a material called steel that is other": (
+        [("/materials/steel/substance", "other"), ("/materials/steel/density", 90)], "masses", "called steel and declared as 'other'"),
     "a margin of no cause": ([("/story/beats/fall/margins", {"roll": {"frames": 2}})], "story", "the margin names 'roll'"),
     "an unknown beat of a robustness item": (
         [("/story/robustness", {"r": {"kind": "refined", "beats": ["bang"]}})], "references", "unknown beat 'bang'"),

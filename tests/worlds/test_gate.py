@@ -148,6 +148,15 @@ def test_there_are_as_many_as_the_clause_says() -> None:
     assert "asks for 5 'block', the specification has 3 (b1, b2, b3)" in text
 
 
+def test_of_two_that_are_called_alike_the_one_may_act_on_the_other() -> None:
+    """A ball of steel strikes a ball of wood: what starts the event names no causes, and is not what is struck."""
+    spec = small_spec()
+    spec["entities"]["b1"]["role"] = "wooden ball"
+    prompt = "A steel ball rolls and strikes a wooden ball."
+    spec["clauses"] = {"c1": {"met_by": ["/story/beats/roll", "/story/beats/strike"]}}
+    assert _problems(spec, prompt) == ""
+
+
 def test_what_is_acted_on_takes_part_in_a_beat_that_has_a_cause() -> None:
     prompt = "A steel ball rolls into a row. It pushes the block off."
     spec = small_spec()

@@ -22,7 +22,7 @@ JOINT = 0.01
 BALL = 0.25
 """Radius of the ball [m]: of a bombard, 471 kg of iron."""
 BARREL = 0.36
-SPEED = 30.0
+SPEED = 25.0
 AIM = 0.7
 """Height at which the ball meets the wall [m], about."""
 OVER = AIM + BALL + STONE[2]

@@ -52,13 +52,13 @@ def _fields(model: type[SpecModel]) -> tuple[tuple[str, str | None], ...]:
 
 
 def kinds_of(predicate: SpecModel) -> set[str]:
-    """Predicate kinds in a predicate and below it."""
-    found = {str(getattr(predicate, "kind", ""))}
+    """Predicate kinds in a predicate and below it; of an `or` those that all of its branches have, for any one of them may hold."""
+    kind = str(getattr(predicate, "kind", ""))
+    found = {kind}
     for name in type(predicate).model_fields:
         value = getattr(predicate, name)
-        for item in value if isinstance(value, list) else [value]:
-            if isinstance(item, SpecModel):
-                found |= kinds_of(item)
+        below = [kinds_of(item) for item in (value if isinstance(value, list) else [value]) if isinstance(item, SpecModel)]
+        found |= (set.intersection if kind == "or" else set.union)(*below) if below else set()
     return found & set(PREDICATES)
 
 

@@ -9,7 +9,7 @@ Rows `numerical:<what>:<solver>`, one instance of any kind each:
 - `started`: velocities are the declared ones.
 
 A preroll lets things settle: what is free in it is told with the way it took, and bounded where a `supports` relation says that it
-rests. What is held meanwhile, by a release or because it starts with a velocity, is judged as without one. No frame holds the state
+rests or where it was declared in contact with what lies beneath. What is held meanwhile, by a release or because it starts with a velocity, is judged as without one. No frame holds the state
 before the preroll.
 """
 
@@ -24,6 +24,7 @@ from ..worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ..worlds.cloth import release_time
 from ..worlds.errors import EvidenceError
 from ..worlds.spec import PathDriver, ReleaseDriver, Supports
+from .declared import Declared
 from .findings import Finding, separate
 from .initial_matter import amounts, grains_started, liquid_placed, liquid_started
 from .instance_rows import baked_again
@@ -185,6 +186,7 @@ def opened(candidate: Candidate, solver: str, cache: Cache) -> list[Opened]:
         for moves in (True, False)
     )
     prerolled, pathed, found = spec.simulation.preroll > 0, _pathed(candidate), []
+    put = Declared(candidate)
     for entity in dict.fromkeys(n.split("/", 1)[0] for n in (*cache.index.bodies, *cache.index.deformables)):
         if entity not in spec.entities or entity in pathed:
             continue  # what follows a path is judged by `category:rigid:driven`
@@ -196,7 +198,8 @@ def opened(candidate: Candidate, solver: str, cache: Cache) -> list[Opened]:
         for moved, turned, thin, size in own:
             most = bound / max(thin, ROUNDING)
             if settled:
-                bound, most = (max(bound, SETTLED * size) if _rests(candidate, entity) else np.inf), np.inf
+                rests = _rests(candidate, entity) or put.stands(entity)
+                bound, most = (max(bound, SETTLED * size) if rests else np.inf), np.inf
             found.append(Opened(entity, moved, bound, turned, most, settled))
     return found
 

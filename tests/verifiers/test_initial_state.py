@@ -100,3 +100,16 @@ def test_a_preroll_that_moves_a_body_is_told_and_one_that_drops_what_is_said_to_
     row = rows_of(simulate(tmp_path / "b", world(things, frames=2, preroll=0.6, relations=resting), stage="full"))["placed"]
     assert (row.status, row.first_failing_entity) == ("fail", "crate")
     assert row.measured == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize(("shift", "status"), [(0.0, "pass"), (0.13, "fail")])
+def test_a_tower_that_falls_in_the_preroll_is_no_tower(shift: float, status: str, tmp_path: Path) -> None:
+    """Two bricks, the upper one over the edge of the lower or not; no relation says that it rests."""
+    things = {
+        "floor": ground(),
+        "lower": box(0.2, 0.2, 0.2, at=(0, 0, 0.1001), motion="dynamic"),
+        "upper": box(0.2, 0.2, 0.2, at=(shift, 0, 0.3002), motion="dynamic"),
+    }
+    row = rows_of(simulate(tmp_path, world(things, frames=2, preroll=1.0), stage="full"))["placed"]
+    assert row.status == status
+    assert status == "pass" or row.first_failing_entity == "upper"

@@ -51,6 +51,8 @@ BEAM = (1.8, 0.3, 0.2)
 a millimetre in still water); a board of 0.12 m sinks 4 cm too deep in them, and a real leaf is far thinner than both."""
 BEAMS = ((3.6, 0.5), (4.4, -1.6), (-3.4, -1.2), (-4.2, 1.4), (6.4, 0.6), (-6.6, -0.4))
 """Along and across the stream from the log [m]."""
+CARRIED = 0.3
+"""What floats lies at rest at first, and goes at least this share of the water's way: the stream has to take it along."""
 SPACING = 0.22
 """Cell of the liquid [m]."""
 SECONDS = 8.0
@@ -159,12 +161,11 @@ def _numbers(values: Sequence[float] | np.ndarray) -> list[float]:
     return [round(float(v), 5) for v in values]
 
 
-def _body(role: str, material: str, shape: dict[str, Any], size: Sequence[float], place: Any, turn: list[float], speed: Any, at: Any = None) -> dict[str, Any]:  # fmt: skip
+def _body(role: str, material: str, shape: dict[str, Any], size: Sequence[float], place: Any, turn: list[float], at: Any = None) -> dict[str, Any]:  # fmt: skip
     part = {"shape": shape, **({"pose": at} if at else {})}
     return {
         "role": role, "motion": "dynamic", "material": material, "dimensions": {"size": list(size)}, "parts": {"body": part},
         "pose": {"position": _numbers(place), "quaternion": turn},
-        "physics": {"category": "rigid", "linear_velocity": _numbers([*speed, 0.0])},
     }  # fmt: skip
 
 
@@ -243,19 +244,19 @@ class Ranger(Agent):
         }  # fmt: skip
 
     def drifting(self, way: float, beams: int) -> dict[str, Any]:
-        """The log and the beams at their drafts, as fast as the stream."""
-        place, along, speed = self.course.at(way)
+        """The log and the beams at their drafts, at rest: the stream takes them along."""
+        place, along, _ = self.course.at(way)
         height = _floating_height(LOG[0], LOG_DENSITY / 1000)
         lying = {"quaternion": [0.707106781, 0, 0.707106781, 0]}
         found = {
             "log": _body("log", "wood", {"kind": "cylinder", "radius": LOG[0], "height": LOG[1]}, (LOG[1], 2 * LOG[0], 2 * LOG[0]),
-                         [*place[:2], place[2] + height], _turned(along, 0.3), speed * along, lying)
+                         [*place[:2], place[2] + height], _turned(along, 0.3), lying)
         }  # fmt: skip
         for n, (ahead, aside) in enumerate(BEAMS[:beams]):
-            place, along, speed = self.course.at(way + ahead, aside)
+            place, along, _ = self.course.at(way + ahead, aside)
             place[2] += (0.5 - BEAM_DENSITY / 1000) * BEAM[2]
             shape = {"kind": "box", "size": list(BEAM)}
-            found[f"beam_{n}"] = _body("beam on the stream", "pine", shape, BEAM, place, _turned(along, 1.1 * n), speed * along)
+            found[f"beam_{n}"] = _body("beam on the stream", "pine", shape, BEAM, place, _turned(along, 1.1 * n))
         return found
 
     async def things(self, options: argparse.Namespace) -> list[dict[str, Any]]:
@@ -264,10 +265,10 @@ class Ranger(Agent):
         bridge = self.course.along_x(BRIDGE_AT)
         place, along, speed = self.course.at(bridge)
         drift = speed * options.told
-        start = bridge - 0.5 * drift
+        start = bridge - CARRIED * drift
         floats = self.drifting(start, options.beams)
         beams = [n for n in floats if n.startswith("beam")]
-        moved = {"kind": "displacement", "entity": "each", "axis": [*_numbers(along), 0], "min": round(0.5 * drift, 2)}
+        moved = {"kind": "displacement", "entity": "each", "axis": [*_numbers(along), 0], "min": round(CARRIED * drift, 2)}
         flux = {"kind": "liquid_flux_through", "entity": "river", "point": _numbers(place), "normal": [*_numbers(along), 0],
                 "size": [round(self.course.width + 2, 2), 4.0], "measure": "total", "min": round(0.25 * self.rate * options.told, 2)}  # fmt: skip
 
@@ -275,8 +276,10 @@ class Ranger(Agent):
             return {"text": text, "owner": owner, "subject": subject, "frames": [0, last], "predicate": predicate, "causes": list(causes)}  # fmt: skip
 
         bodies = await self.rigid_instance()
+        drivers = (await self.spec())["simulation"]["drivers"]
+        source = next(n for n, d in drivers.items() if d["kind"] == "inflow")
         beats = {
-            "flows": beat("the stream flows under the bridge", "river", "river", flux),
+            "flows": beat("the stream flows under the bridge", source, "river", flux),
             "log_passes": beat("the log passes under the footbridge", bodies, "log",
                                {"kind": "crosses", "entity": "log", "point": _numbers(place), "normal": [*_numbers(along), 0]}, "flows"),
             "beams_drift": beat("all beams are carried on", bodies, beams[0],
@@ -290,7 +293,7 @@ class Ranger(Agent):
             "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "beam_0"], "covers": [*beats],
                     "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 3.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
         }  # fmt: skip
-        self.say(f"bank at {bank}, {ground:.2f} m; the log starts {0.5 * drift:.1f} m above the bridge at {speed:.2f} m/s")
+        self.say(f"bank at {bank}, {ground:.2f} m; the log lies {CARRIED * drift:.1f} m above the bridge in a stream of {speed:.2f} m/s")
         relations: dict[str, dict[str, Any]] = {
             f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats
         }

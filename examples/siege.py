@@ -19,15 +19,15 @@ FPS = 24
 WALL = (3.6, 0.25, 2.0)
 STONE = (0.39, 0.25, 0.19)
 JOINT = 0.01
-BALL = 0.25
-"""Radius of the ball [m]: of a bombard, 471 kg of iron."""
-BARREL = 0.36
-SPEED = 25.0
-AIM = 0.7
+BALL = 0.3
+"""Radius of the ball [m]: of a great bombard, 814 kg of iron."""
+BARREL = 0.42
+SPEED = 22.0
+AIM = 0.75
 """Height at which the ball meets the wall [m], about."""
-OVER = AIM + BALL + STONE[2]
+OVER = AIM + BALL + 0.02
 """Stones that are built higher [m] the ball does not reach: they come down when those beneath are gone."""
-FALLEN = {"min": 4, "min_distance": 0.4}
+FALLEN = {"min": 5, "min_distance": 0.4}
 """The breach collapses: so many of them fall so far [m]."""
 MUZZLE = -5.0
 """y of the ball before it is fired [m]."""

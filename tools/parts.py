@@ -153,9 +153,11 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
 
 def _coming(session: Session) -> str:
     """The next stage of the loop, by what has been judged."""
-    stages = set(session.ledger.stages().values())
-    tool = "place_object" if not stages & {"static", "probe", "full"} else "probe_sim" if "full" not in stages else "bake_sim"
-    return call(tool, world=session.folder.id)
+    stages, world = set(session.ledger.stages().values()), session.folder.id
+    if "full" in stages:
+        return call("run_checks", world=world, scope="acceptance")
+    tool = "bake_sim" if "probe" in stages else "probe_sim" if "static" in stages else "place_object"
+    return call(tool, world=world)
 
 
 def spec(session: Session, pointer: str, *, offset: int, limit: int) -> dict[str, Any]:

@@ -180,7 +180,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             "preroll": HANGING,
             "solvers": {
                 "stones": {"engine": "mujoco", "members": ["ground", "wall", "tower_west", "tower_east", "cannon", "ball", "pole"],
-                           "settings": {"step": 5e-4, "refine": 2, "impratio": 1.0, "tolerance": 1e-5}},
+                           "settings": {"step": 2.5e-4, "refine": 2, "impratio": 1.0, "tolerance": 1e-5}},
                 "silk": {"engine": "shell", "members": ["flag"]},
             },
             "drivers": {

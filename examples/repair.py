@@ -45,18 +45,18 @@ def _evidence(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _clause(spec: dict[str, Any], row: dict[str, Any], clauses: dict[str, str]) -> Edit | None:
-    """Map forgotten clauses to the beats whose words they share most."""
+    """Map forgotten clauses to the beats that share most of their words, and to those that share half as many."""
     patch = []
     for key, text in clauses.items():
         if spec.get("clauses", {}).get(key, {}).get("met_by"):
             continue
         words = {w.strip(",.").lower() for w in text.split() if len(w) > 3}
         scores = {k: len(words & {w.strip(",.").lower() for w in b["text"].split()}) for k, b in spec["story"]["beats"].items()}
-        best = [k for k, v in scores.items() if v and v == max(scores.values())]
+        best = [k for k, v in scores.items() if v and 2 * v >= max(scores.values())]
         patch.append(
             {"op": "add", "path": f"/clauses/{key}", "value": {"met_by": [f"/story/beats/{k}" for k in best or list(scores)[:1]]}}
         )
-    return Edit(row["id"], "the clause was forgotten; the beat with its words meets it", patch, "text") if patch else None
+    return Edit(row["id"], "the clause was forgotten; the beats with its words meet it", patch, "text") if patch else None
 
 
 def missed_carrier(spec: dict[str, Any], row: dict[str, Any]) -> tuple[str, str] | None:

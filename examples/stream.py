@@ -293,7 +293,9 @@ class Ranger(Agent):
             "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "beam_0"], "covers": [*beats],
                     "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 3.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
         }  # fmt: skip
-        self.say(f"bank at {bank}, {ground:.2f} m; the log lies {CARRIED * drift:.1f} m above the bridge in a stream of {speed:.2f} m/s")
+        self.say(
+            f"bank at {bank}, {ground:.2f} m; the log lies {CARRIED * drift:.1f} m above the bridge in a stream of {speed:.2f} m/s"
+        )
         relations: dict[str, dict[str, Any]] = {
             f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats
         }

@@ -25,6 +25,7 @@ from .kept import kept_rows
 from .landed import Ground, landed_rows
 from .moved import support_interval
 from .one_piece import one_piece_rows
+from .pinned import pinned_rows
 from .resting import rest_rows
 from .rows import Comparison, guarded, guarded_rows, only_seen, pointer, row
 from .stays import stays_rows
@@ -94,6 +95,7 @@ def check(candidate: Candidate) -> list[Row]:
     rows += [
         *held_rows(surfaces, ground),
         *joined_rows(surfaces),
+        *pinned_rows(surfaces),
         *one_piece_rows(surfaces, frozenset(n for n in surfaces.entities if is_still(surfaces.candidate.spec, n))),
         *landed_rows(surfaces, ground),
         *stays_rows(surfaces),

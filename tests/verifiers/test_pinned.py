@@ -16,12 +16,23 @@ EDGE = 0.1
 def _flag(folder: Path, gap: float) -> Row:
     """A flag 0.6 m long whose left edge is `gap` beside its pole."""
     physics = ClothPhysics(
-        area_density=0.2, thickness=0.001, stretch_stiffness=100, bend_stiffness=1e-5, pins={"hoist": ClothPin(edge="-x", to="pole")}
+        area_density=0.2,
+        thickness=0.001,
+        stretch_stiffness=100,
+        bend_stiffness=1e-5,
+        pins={"hoist": ClothPin(edge="-x", to="pole")},
     )
     things = {
         "floor": ground(),
         "pole": box(0.06, 0.06, 2.0, at=(0, 0, 1.0)),
-        "flag": entity(Sheet(size=(0.6, 0.4), resolution=EDGE), motion="dynamic", at=(0.03 + gap + 0.3, 0, 1.5), euler=(1.5708, 0, 0), size=(0.6, 0.4, 0.001), physics=physics),
+        "flag": entity(
+            Sheet(size=(0.6, 0.4), resolution=EDGE),
+            motion="dynamic",
+            at=(0.03 + gap + 0.3, 0, 1.5),
+            euler=(1.5708, 0, 0),
+            size=(0.6, 0.4, 0.001),
+            physics=physics,
+        ),
     }
     rows = {r.id: r for r in support.check(make_candidate(folder, world(things, frames=4)))}
     return rows["support:pin:flag:hoist"]

@@ -1,0 +1,47 @@
+"""Golden rows tell every row that is gone, new or other, and forgive rounding."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from worldagent.bench import golden
+
+ROW = ["scale:cube", "pass", 0.25, 0.5, "m", None, None]
+
+
+def test_equal_rows_differ_in_nothing() -> None:
+    close = [["scale:cube", "pass", 0.25 * (1 + 1e-9), 0.5, "m", None, None]]
+    assert list(golden.differences({"w": [ROW]}, {"w": close})) == []
+
+
+@pytest.mark.parametrize(
+    ("now", "told"),
+    [
+        ({}, ["w: gone"]),
+        ({"v": [], "w": [ROW]}, ["v: new"]),
+        ({"w": []}, ["w: scale:cube is gone"]),
+        ({"w": [["scale:ball", *ROW[1:]], ROW]}, ["w: scale:ball is new"]),
+        ({"w": [["scale:cube", "fail", *ROW[2:]]]}, ["w: scale:cube: status was 'pass', is 'fail'"]),
+        ({"w": [[*ROW[:2], 0.2501, *ROW[3:]]]}, ["w: scale:cube: measured was 0.25, is 0.2501"]),
+        ({"w": [[*ROW[:5], "cube", 3]]}, ["first_failing_entity was None, is 'cube'", "first_failing_frame was None, is 3"]),
+    ],
+)
+def test_what_differs_is_told(now: dict[str, golden.World], told: list[str]) -> None:
+    found = list(golden.differences({"w": [ROW]}, now))
+    assert len(found) == len(told)
+    assert all(text in line for text, line in zip(told, found, strict=True))
+
+
+def test_rows_of_a_suite_are_recorded_and_compared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(golden, "GOLDEN", tmp_path)
+    found = golden.rows_of_suite("scale")
+    assert golden.compare("scale", found) == ["scale: nothing is recorded; run `python -m worldagent.bench.golden record`"]
+    golden.write("scale", found)
+    assert golden.compare("scale", found) == []
+    kept = json.loads((tmp_path / "scale.json").read_text())
+    world = next(iter(kept))
+    kept[world][0][1] = "unverified"
+    (tmp_path / "scale.json").write_text(json.dumps(kept))
+    assert len(golden.compare("scale", found)) == 1

@@ -19,6 +19,8 @@ PAIRS = 400_000
 """Point-triangle pairs per chunk."""
 BRUTE_FACES = 200
 """Own choice, measured: below this many triangles a full sweep beats the k-d tree."""
+BOXED_FACES = 40
+"""Own choice, measured: from so many triangles on their boxes are looked at first, which is 2 to 6 times as fast as all triangles from 80 on."""
 GRID_FACES = 500
 """Own choice: above this many triangles points are classified by counting crossings."""
 GRID_PAIRS = 100_000
@@ -90,11 +92,8 @@ def nearest_faces(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.intp]
     if len(solid.faces) <= BRUTE_FACES:
         step = max(1, PAIRS // len(solid.faces))
         for i in range(0, len(points), step):
-            d, q = nearest_on_triangles(points[i : i + step, None], solid.triangles[None])
-            k = d.argmin(axis=1)
-            rows = np.arange(len(k))
-            distance[i : i + step], nearest[i : i + step] = d[rows, k], q[rows, k]
-            face[i : i + step] = k
+            block = slice(i, i + step)
+            distance[block], nearest[block], face[block] = _nearest_of_few(solid, points[block])
         return distance, nearest, face
     center = solid.centroids
     bound = solid.vertex_tree.query(points)[0] * (1.0 + 1e-12) + 1e-12 * solid.size
@@ -125,6 +124,23 @@ def nearest_faces(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.intp]
         distance[i : i + step], nearest[i : i + step] = d[first], q[first]
         face[i : i + step] = columns[first]
     return distance, nearest, face
+
+
+def _nearest_of_few(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.intp]]:
+    """The same for few triangles: those whose box is no farther than the nearest vertex are compared, all of them where that saves little."""
+    count = np.arange(len(points))
+    if len(solid.faces) < BOXED_FACES:
+        d, q = nearest_on_triangles(points[:, None], solid.triangles[None])
+        k = d.argmin(axis=1)
+        return d[count, k], q[count, k], k
+    reached = solid.vertex_tree.query(points)[0] * (1.0 + 1e-12) + 1e-12 * solid.size
+    low, high = solid.face_bounds
+    gap = np.maximum(np.maximum(low - points[:, None], points[:, None] - high), 0.0)
+    rows, columns = np.nonzero(np.einsum("nmi,nmi->nm", gap, gap) <= np.square(reached)[:, None])
+    d, q = _pairwise(points, solid.triangles, rows, columns)
+    order = np.lexsort((d, rows))
+    first = order[np.searchsorted(rows[order], count)]
+    return d[first], q[first], columns[first]
 
 
 def _box_gap(low: F64, high: F64, other_low: F64, other_high: F64) -> F64:

@@ -1,4 +1,4 @@
-"""The worlds that skills record, to their acceptance: a wall is breached, planks splinter, a flag flutters, a jelly wobbles, sand
+"""The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
 topples a tile, dust falls."""
 
 from __future__ import annotations
@@ -22,6 +22,10 @@ JUDGED: dict[str, tuple[str, ...]] = {
         "contact:jelly:table",
     ),
     "fracture/breach": ("causal:strikes:breaks", "causal:breaks:opens", "causal:breaks:rubble", *BROKEN),
+    "fracture/pot": (
+        *("causal:falls:strikes", "causal:strikes:shatters", "causal:shatters:scatter", "contact:pot:pot"),
+        *(f"category:fracture:{n}:pot" for n in ("bonded", "events", "cause", "pieces")),
+    ),
     "fracture/splinters": (
         *(
             f"causal:{a}:{b}"

@@ -62,6 +62,7 @@ def test_the_wall_is_breached_and_accepted(tmp_path: Path) -> None:
         "beat:whips",
         "causal:without:blows:whips",
         "causal:without:strikes:breaches",
+        "causal:without:breaches:collapses",
         "contact:wall:wall",
         "category:cloth:energy:silk",
     ):

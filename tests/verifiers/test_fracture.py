@@ -27,7 +27,7 @@ from worldagent.worlds.fracture_audit import crumble_limit, fracture_problems
 from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.predicates import Breach, Broken, Debris
 from worldagent.worlds.requirements import Correction, Row
-from worldagent.worlds.spec import WorldSpec
+from worldagent.worlds.spec import BoxRegion, WorldSpec
 
 Channels = dict[str, Any]
 
@@ -239,6 +239,42 @@ def test_pieces_that_still_hold_together_are_one_lump_of_debris(run: Candidate, 
     assert (lump.status, lump.value) == ("fail", 1.0)
     assert "1 loose lumps of wall (2 of its" in lump.explanation
     assert evaluate(two, asked, (1, 1)).status == "pass"
+
+
+def test_debris_counts_what_fell_from_where_it_is_asked_for(run: Candidate, tmp_path: Path) -> None:
+    """One loose piece of the upper half is put 1 m lower, one of the lower half 1 m forward."""
+    frames = Frames(run, "main", "wall")
+    rest = frames.rest_points(np.array([b.pose.position for b in frames.built.bodies]))
+    middle = float(np.median(rest[:, 2]))
+    upper, lower = int(rest[:, 2].argmax()), int(np.argmin(np.abs(rest[:, 2] - 0.5 * middle)))
+
+    def change(frame: int, data: Channels) -> None:
+        if frame == 1:
+            data["bond/broken"] = np.isin(frames.bonds.pieces, [upper, lower]).any(axis=1)
+            data["position"][frames.rows[upper], 2] -= 1.0
+            data["position"][frames.rows[lower], 1] += 1.0
+
+    moved = changed(run, tmp_path, change, range(2))
+    high = BoxRegion(min=(-9, -9, middle), max=(9, 9, 9))
+    graph = run.spec.graph.model_copy(
+        update={"regions": {"high": high, "on": BoxRegion(relative_to="ball", min=(0, 0, 0), max=(1, 1, 1))}}
+    )
+    moved = dataclasses.replace(moved, spec=moved.spec.model_copy(update={"graph": graph}))
+    asked: dict[str, Any] = {"entity": "wall", "min_distance": 0.9, "min": 1, "when": "end"}
+    found = {
+        name: evaluate(moved, Debris(**asked, **more), (1, 1)).value
+        for name, more in (
+            ("all", {}),
+            ("fell", {"axis": (0, 0, -2)}),
+            ("forward", {"axis": (0, 1, 0)}),
+            ("high", {"region": "high"}),
+            ("high, forward", {"region": "high", "axis": (0, 1, 0)}),
+        )
+    }
+    assert found == {"all": 2.0, "fell": 1.0, "forward": 1.0, "high": 1.0, "high, forward": 0.0}
+    lost = evaluate(moved, Debris(**asked, region="on"), (1, 1))
+    assert lost.status == "unverified"
+    assert "is none of ['high']" in lost.explanation
 
 
 @pytest.mark.parametrize("fps", [24, 240])

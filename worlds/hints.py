@@ -12,6 +12,8 @@ from .errors import InputError
 __all__ = ["did_you_mean", "patch_problem", "spec_problem"]
 
 OPERATIONS = ("add", "remove", "replace", "move", "copy", "test")
+_TAGS = ("kind", "category", "engine")
+"""Members by which unions are told apart."""
 _NAMED = 20
 _CHARACTERS = 300
 
@@ -54,12 +56,17 @@ def spec_problem(document: Any, item: Mapping[str, Any]) -> tuple[str, str]:
 def _place(document: Any, item: Mapping[str, Any]) -> str:
     """The pointer of a problem."""
     steps: list[str] = []
-    node = document
+    node, entered = document, True
     loc = item["loc"]
     for number, token in enumerate(loc):
+        # A driver of kind `field` has a member of that name, too: right after the driver itself comes its kind.
+        tagged = entered and isinstance(node, Mapping) and token in (node.get(t) for t in _TAGS)
+        entered = False
+        if tagged and number < len(loc) - 1:
+            continue
         here = isinstance(node, Mapping) and token in node
         if here or (isinstance(node, list) and isinstance(token, int) and token < len(node)):
-            node = node[token]
+            node, entered = node[token], True
             steps.append(str(token))
         elif number == len(loc) - 1 and item["type"] == "missing":
             steps.append(str(token))
@@ -85,7 +92,8 @@ def _fields(document: Any, pointer: str) -> dict[str, str]:
         otherwise = "rigid" if part["union"] == "Physics" else ""
         part = part["options"].get(str(node.get("kind", node.get("category", node.get("engine", otherwise)))), {})
     found: dict[str, str] = part.get("fields", {})
-    return found
+    # A union that the schema does not name is told by what holds it: its fields are not those asked for.
+    return {} if pointer.rpartition("/")[2] in found else found
 
 
 def _union(pointer: str) -> str:

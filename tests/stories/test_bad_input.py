@@ -23,6 +23,13 @@ TEXTS: dict[str, tuple[tuple[str, Any], list[str]]] = {
     "a zero radius": ((f"{BALL}/parts/body/shape/radius", 0), ["greater than 0", "got 0"]),
     "a wrong type": ((f"{BALL}/parts/body/shape/radius", "thick"), ["valid number", "'thick'"]),
     "a boolean for a vector": ((f"{BALL}/pose/position", True), ["tuple", "True"]),
+    "an unknown field of what is called like its kind": (
+        (
+            "/simulation/drivers/wind",
+            {"kind": "field", "field": {"kind": "wind", "velocity": [1, 0, 0]}, "region": {"kind": "box", "center": 1}},
+        ),
+        ["/simulation/drivers/wind/region/center", "there is no field 'center'"],
+    ),
     "an unknown field": ((f"{BALL}/colour", "red"), ["/entities/ball/colour", "there is no field", "material"]),
     "an unknown shape": (("/entities/b1/parts/body/shape", {"kind": "torus"}), ["torus", "no kind of Shape", "box"]),
     "an id with a path in it": (("/entities/..~1..~1etc", small_spec()["entities"]["b1"]), ["pattern", "../../etc"]),

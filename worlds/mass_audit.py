@@ -94,7 +94,7 @@ def _declared(spec: WorldSpec, entity: Entity) -> Weights | None:
 
 
 def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
-    """Declared masses outside of what substances allow, of bodies and of sheets; materials called like a substance that they are not."""
+    """Declared masses outside of what substances allow, of bodies and of sheets; materials that are called like a substance and weigh otherwise."""
     yield from _called_otherwise(spec)
     for name, entity in spec.entities.items():
         physics = entity.physics
@@ -124,19 +124,15 @@ def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
 
 
 def _called_otherwise(spec: WorldSpec) -> Iterator[Problem]:
-    """`steel` and `polished_steel` are steel: as `other` they could weigh what they liked."""
+    """`steel` and `polished_steel` weigh what steel does: with the substance `other` they could weigh what they liked."""
     for name, material in spec.materials.items():
         word = name.replace("-", "_").rstrip("0123456789_").rsplit("_", 1)[-1]
-        if word in DENSITY_RANGES and word not in ("other", material.substance):
-            low, high = DENSITY_RANGES[word]
-            place = f"/materials/{name}/substance"
-            fits = low <= material.density <= high
-            weight = f"its {material.density:g} kg/m^3 " + ("fit" if fits else f"are none: {low:g} to {high:g} kg/m^3")
+        low, high = DENSITY_RANGES.get(word, (0.0, math.inf))
+        if word != "other" and not low <= material.density <= high:
             yield Problem(
-                place,
-                f"material {name!r} is called {word} and declared as {material.substance!r}; {weight}; declare the substance {word!r} "
-                f"or call the material what it is",
-                {"op": "replace", "path": place, "value": word} if fits else None,
+                f"/materials/{name}/density",
+                f"material {name!r} is called {word} and weighs {material.density:g} kg/m^3, {word} {low:g} to {high:g}; give it a density of "
+                f"{word}, or call the material what it is",
             )
 
 

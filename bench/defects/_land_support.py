@@ -164,7 +164,9 @@ def _caught(folder: Path, m: float, rng: RNG) -> World:
     deep = float(rng.uniform(-40, -8))
     things["below"] = box(12 + 4 * m, 6, 0.2, at=(0, 0, deep))
     things["pillar"] = box(0.2, 0.2, -deep, at=(0, 0, deep / 2 - 0.05))
-    return World(make_candidate(folder, world(things, frames=FRAMES, fps=FPS), tracks=tracks), ())
+    rolls = Displacement(entity="ball", min=0.5)
+    beats = {"rolls": Beat(text="the ball rolls", owner="rigid", subject="ball", frames=(0, FRAMES - 1), predicate=rolls)}
+    return World(make_candidate(folder, world(things, frames=FRAMES, fps=FPS, beats=beats), tracks=tracks), ())
 
 
 LAND_MECHANISMS = (

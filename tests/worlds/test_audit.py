@@ -39,7 +39,7 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an effect that starts by itself": (
         [("/entities/b3/physics/linear_velocity", [1.6, 0, 0])], "story", "b3 starts with 1.6 m/s and 0 rad/s of its own"),
     "a material called steel that is other": (
-        [("/materials/steel/substance", "other"), ("/materials/steel/density", 90)], "masses", "called steel and declared as 'other'"),
+        [("/materials/steel/substance", "other"), ("/materials/steel/density", 90)], "masses", "called steel and weighs 90 kg/m^3, steel 7700 to 8100"),
     "a margin of no cause": ([("/story/beats/fall/margins", {"roll": {"frames": 2}})], "story", "the margin names 'roll'"),
     "an unknown beat of a robustness item": (
         [("/story/robustness", {"r": {"kind": "refined", "beats": ["bang"]}})], "references", "unknown beat 'bang'"),

@@ -102,7 +102,7 @@ def page(figures: dict[str, Any]) -> str:
     if kept:
         lines += [
             "",
-            f"Accepted worlds (`bench/defects/accepted/`), built, baked and judged anew: {kept['worlds']} worlds, {kept['checks']} checks of "
+            f"Accepted worlds (`bench/defects/accepted.py`), built, baked and judged anew: {kept['worlds']} worlds, {kept['checks']} checks of "
             f"them, {kept['false_alarms']} refused.",
         ]
     missed = [(name, m) for name, f in figures["checks"].items() for m in f["missed"]]

@@ -1,7 +1,8 @@
 """Accepted worlds as the clean set: every world that was accepted once must pass every check again.
 
-They are the specifications in `accepted/` and the whole worlds that the skills record; a run builds, probes and bakes them anew and
-counts each check that leaves a mandatory row open as a false alarm.
+They are the specifications in `accepted/`, the whole worlds that the skills record, and the showcases of `examples/` that are written
+without looking at what was built; a run builds, probes and bakes them anew and counts each check that leaves a mandatory row open as a
+false alarm.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
 
-__all__ = ["KEPT", "Rejudged", "adopt", "recorded", "rejudge", "specifications"]
+__all__ = ["KEPT", "Rejudged", "adopt", "recorded", "rejudge", "showcases", "specifications"]
 
 FOLDER = "accepted"
 SKILLS = Path(__file__).parents[2] / "skills"
@@ -67,6 +68,20 @@ def recorded() -> Iterator[tuple[str, WorldSpec]]:
         document = json.loads(path.read_text(encoding="utf-8"))
         if isinstance(document, dict) and {"prompt", "entities"} <= set(document):
             yield f"{path.parent.name}/{path.stem}", parse_spec(document)
+
+
+def showcases() -> Iterator[tuple[str, WorldSpec]]:
+    """Name (`examples/file`) and specification of the showcases that no answer of the server shapes."""
+    from ...examples import burst_tank, jelly_hammock, siege, water_hammock
+
+    made = (
+        ("siege", siege.PROMPT, siege.siege_spec()),
+        ("burst_tank", burst_tank.PROMPT, burst_tank.flood_spec(0.05)),
+        ("jelly_hammock", jelly_hammock.PROMPT, jelly_hammock.jelly_spec()),
+        ("water_hammock", water_hammock.PROMPT, water_hammock.held_spec()),
+    )
+    for name, prompt, spec in made:
+        yield f"examples/{name}", parse_spec({"prompt": prompt, **spec})
 
 
 def rejudge(world: str, spec: WorldSpec) -> Rejudged:

@@ -97,10 +97,10 @@ def run(
 
 def _rejudged() -> dict[str, Any]:
     """Accepted worlds judged anew: a check that leaves a mandatory row open raises a false alarm."""
-    from .accepted import recorded, rejudge, specifications
+    from .accepted import recorded, rejudge, showcases, specifications
 
     figures: dict[str, Any] = {"worlds": 0, "checks": 0, "false_alarms": 0, "open_rows": {}}
-    for name, spec in [*specifications(), *recorded()]:
+    for name, spec in [*specifications(), *recorded(), *showcases()]:
         found = rejudge(name, spec)
         alarmed = {r.check for r in found.alarms}
         figures["worlds"] += 1

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from worldagent.bench.defects.accepted import adopt, recorded, rejudge, specifications
+from worldagent.bench.defects.accepted import adopt, recorded, rejudge, showcases, specifications
 from worldagent.tests.stories.test_recorded_worlds import JUDGED
+from worldagent.worlds.audit import audit
 from worldagent.worlds.errors import WorldAgentError
 from worldagent.worlds.patch import parse_spec
 
@@ -30,3 +31,11 @@ def test_kept_worlds_are_specifications_of_this_version() -> None:
 
 def test_every_world_that_a_skill_records_is_taken_to_acceptance() -> None:
     assert {name for name, _ in recorded()} == set(JUDGED)
+
+
+def test_showcases_are_in_the_clean_set_and_pass_the_audit() -> None:
+    found = dict(showcases())
+    assert len(found) == 4
+    for name, spec in found.items():
+        report = audit(spec)
+        assert report.passed, (name, [r.evidence for r in report.rows if r.status == "fail"])

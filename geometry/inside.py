@@ -92,8 +92,8 @@ def nearest_faces(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.intp]
     if len(solid.faces) <= BRUTE_FACES:
         step = max(1, PAIRS // len(solid.faces))
         for i in range(0, len(points), step):
-            block = slice(i, i + step)
-            distance[block], nearest[block], face[block] = _nearest_of_few(solid, points[block])
+            few = slice(i, i + step)
+            distance[few], nearest[few], face[few] = _nearest_of_few(solid, points[few])
         return distance, nearest, face
     center = solid.centroids
     bound = solid.vertex_tree.query(points)[0] * (1.0 + 1e-12) + 1e-12 * solid.size

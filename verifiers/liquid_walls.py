@@ -29,6 +29,8 @@ __all__ = ["DEPTH_SHARE", "Walls", "opening_points"]
 
 DEPTH_SHARE = 0.5
 """[spacings] A particle whose middle is deeper than this is inside for more than a blurred surface."""
+ROUNDING = 1e-6
+"""[m] Own choice: openings that end in a side of the domain end there within rounding."""
 BEYOND = 0.5
 """[spacings] by which particles may stand out of a closed side."""
 
@@ -100,7 +102,7 @@ class Walls:
                     float(worst.value.max()),
                     place(points[worst.rows[int(np.argmax(worst.value))]]),
                 )
-            elif (outside > 0).any():
+            elif (outside > ROUNDING).any():
                 self.blocked = (index, name, "", float(outside.max()), place(points[int(np.argmax(outside))]))
 
     def findings(self) -> dict[str, Finding]:

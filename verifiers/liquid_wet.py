@@ -17,7 +17,7 @@ from ..worlds.errors import EvidenceError
 from ..worlds.liquid_wet import Texels, WetMap
 from .findings import Finding
 from .instance_rows import baked_again
-from .liquid_rows import place
+from .liquid_rows import coarse, place
 from .liquid_samples import scattered
 from .liquid_solids import Piece, pieces_of
 from .liquid_tracks import Carried
@@ -213,7 +213,10 @@ class Wetted:
             (self.flat, SHALLOW, f"share of wet places that are said to lie {DEEP:g} spacings less deep than they do"),
             (self.track, 0.0, "film of a track that no wet surface near it can have left"),
         )
-        hint = baked_again("the wet map is not that of the particles")
+        hints = (
+            coarse(self.liquid, "the edge of what is wet lies within what a spacing tells"),
+            baked_again("the wet map is not that of the particles"),
+        )
         for worst, bound, what in checks:
             if worst.value > bound:
                 where, on = list(worst.where), f" on {worst.entity}" if worst.entity else ""
@@ -221,7 +224,7 @@ class Wetted:
                 unit = "m" if worst is off else "1"
                 return {
                     "wet": Finding(
-                        "fail", text, worst.value, bound, unit, worst.entity or None, worst.frame, (hint,), {"place": where}
+                        "fail", text, worst.value, bound, unit, worst.entity or None, worst.frame, hints, {"place": where}
                     )
                 }
         text = f"wet maps differ from the particles on {self.area.value:.2g} of the wet area at most ({self.looked} frames looked at)"

@@ -79,7 +79,7 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     event = [f"event/{n}" for n in ("time", "pair", "point", "speed", "impulse")]
     h, size = 1.0 / cache.index.fps, len(cache.index.colliders)
     count = 0
-    for k, log in enumerate(cache.ragged(*contact, *event)):
+    for k, log in enumerate(cache.ragged(*contact, *event, raw=True)):
         contacts, begun = len(log["contact/impulse"]), len(log["event/time"])
         count += contacts + begun
         pairs = np.concatenate([log["contact/pair"].reshape(-1, 2), log["event/pair"].reshape(-1, 2)])

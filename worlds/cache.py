@@ -138,6 +138,8 @@ HEADER_BYTES = 512
 """Longest head of an array in a container; those of the channels have 128."""
 _LOCAL = struct.Struct("<4s22xHH")
 """What stands before a member: signature, length of the name, length of what else there is."""
+PAIRS = ("contact/pair", "event/pair")
+"""Channels of indices into `CacheIndex.colliders`."""
 KEPT_BYTES = 256_000_000
 """Caches up to this size are kept in memory while a verification reads them."""
 
@@ -358,9 +360,23 @@ class Cache:
         return self.read(frame)
 
     @lru_cache(maxsize=8)  # noqa: B019
-    def ragged(self, *names: str) -> list[dict[str, Any]]:
-        """Channels of varying length, one dict per frame."""
-        return [{n: self._channel(k, n) for n in names} for k in range(self.index.frames)]
+    def ragged(self, *names: str, raw: bool = False) -> list[dict[str, Any]]:
+        """Channels of varying length, one dict per frame.
+
+        Args:
+            names: of the channels.
+            raw: pairs may name colliders that the index does not have, for who looks for that.
+
+        Raises:
+            EvidenceError: a channel is missing or damaged, or a pair names a collider that the index does not have.
+        """
+        found = [{n: self._channel(k, n) for n in names} for k in range(self.index.frames)]
+        for name in () if raw else (n for n in names if n in PAIRS):
+            for k, frame in enumerate(found):
+                pairs = np.asarray(frame[name])
+                if pairs.size and (pairs.min() < 0 or pairs.max() >= len(self.index.colliders)):
+                    raise EvidenceError(f"{name} of frame {k} names a collider that the index does not have; see numerical:events")
+        return found
 
     def body_row(self, entity: str, body: str = "body") -> int | None:
         """Row of a body in the pose channels; None when the instance does not move it."""

@@ -11,12 +11,12 @@ import pytest
 from worldagent.bench.defects import _scenes as scenes
 from worldagent.bench.defects._films import film_of
 from worldagent.bench.simulated_worlds import simulate
-from worldagent.bench.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
+from worldagent.bench.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.numerical import CLAIMS, check
 from worldagent.verifiers.step_travel import thickness
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex
-from worldagent.worlds.cache import write_container
+from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Limits, ReleaseDriver, RigidSettings, WorldSpec
@@ -140,6 +140,17 @@ def test_travel_per_step_is_held_against_the_thinnest_collider(tmp_path: Path) -
     row = rows_of(sliding(tmp_path, records=records, settings=RigidSettings(step=5e-4)))["step_travel"]
     assert (row.status, row.first_failing_frame, row.first_failing_entity) == ("fail", 8, "card")
     assert row.corrections[0].patch[0]["value"] == pytest.approx(0.9 * 5e-4 * 0.005 / 0.01, rel=0.05)
+
+
+def test_a_pair_that_names_no_collider_is_told_once_and_stops_no_check(tmp_path: Path) -> None:
+    candidate = sliding(tmp_path, touches=[Touch(4, "card", "floor")])
+    cache = candidate.caches["rigid"]
+    log = cache.read(4)
+    write_container(cache.path(4), log | {"contact/pair": log["contact/pair"] + 90})
+    rows = rows_of(dataclasses.replace(candidate, caches={"rigid": Cache(cache.folder)}))
+    assert rows["events"].status == "fail"
+    assert "a collider that is not there" in rows["events"].evidence["explanation"]
+    assert rows["step_travel"].status == "unverified"
 
 
 @pytest.mark.parametrize(("beside", "status"), [(0.0, "fail"), (0.13, "pass"), (3.0, "pass")])

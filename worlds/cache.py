@@ -375,7 +375,9 @@ class Cache:
             for k, frame in enumerate(found):
                 pairs = np.asarray(frame[name])
                 if pairs.size and (pairs.min() < 0 or pairs.max() >= len(self.index.colliders)):
-                    raise EvidenceError(f"{name} of frame {k} names a collider that the index does not have; see numerical:events")
+                    raise EvidenceError(
+                        f"{name} of frame {k} names a collider that the index does not have; see numerical:events"
+                    )
         return found
 
     def body_row(self, entity: str, body: str = "body") -> int | None:

@@ -40,7 +40,7 @@ World = list[list[Any]]
 
 
 def data_of(rows: Iterable[Row]) -> World:
-    """What of rows is kept."""
+    """The kept fields of rows, sorted by id."""
     return sorted(([getattr(row, name) for name in FIELDS] for row in rows), key=lambda r: str(r[0]))
 
 
@@ -78,7 +78,7 @@ def differences(before: dict[str, World], now: dict[str, World]) -> Iterator[str
 
 
 def compare(name: str, now: dict[str, World]) -> list[str]:
-    """What differs from the rows kept under a name."""
+    """Lines about rows that differ from those kept under a name; none where all are equal."""
     path = GOLDEN / f"{name}.json"
     if not path.exists():
         return [f"{name}: nothing is recorded; run `python -m worldagent.bench.golden record`"]

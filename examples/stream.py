@@ -52,7 +52,7 @@ a millimetre in still water); a board of 0.12 m sinks 4 cm too deep in them, and
 BEAMS = ((3.6, 0.5), (4.4, -1.6), (-3.4, -1.2), (-4.2, 1.4), (6.4, 0.6), (-6.6, -0.4))
 """Along and across the stream from the log [m]."""
 CARRIED = 0.3
-"""What floats lies at rest at first, and goes at least this share of the water's way: the stream has to take it along."""
+"""Least way of the floating bodies, which lie at rest at first, in parts of the water's: the stream has to take them along."""
 SPACING = 0.22
 """Cell of the liquid [m]."""
 SECONDS = 8.0

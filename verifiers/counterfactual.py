@@ -369,7 +369,7 @@ def _changed(
 
 
 def _where_too(candidate: Candidate, variant: Candidate, effect_id: str, effect: Beat) -> list[Correction]:
-    """For an effect that is also true of a body that stays where it is, such as rest: ask where it is then, too."""
+    """Correction for an effect that is also true of a body that nothing moves, such as rest: ask for its displacement, too."""
     last = effect.frames[1]
     try:
         ways = [
@@ -377,10 +377,8 @@ def _where_too(candidate: Candidate, variant: Candidate, effect_id: str, effect:
         ]
     except (EvidenceError, IndexError):
         return []
-    if (
-        ways[1] > candidate.spec.simulation.limits.support_drift
-        or ways[0] < MOVED * candidate.spec.simulation.limits.support_drift
-    ):
+    drift = candidate.spec.simulation.limits.support_drift
+    if ways[1] > drift or ways[0] < MOVED * drift:
         return []
     least = float(f"{0.5 * ways[0]:.2g}")
     moved = {"kind": "displacement", "entity": effect.subject, "min": least, "when": "end"}

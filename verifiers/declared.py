@@ -1,4 +1,4 @@
-"""What stands on something at its declared place, before any preroll: a tower that was built, not a heap that was dropped."""
+"""Contacts of entities at their declared places, before any preroll: they tell a tower that was built from a heap that was dropped."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Declared:
         return np.asarray(0.5 * (low.min(axis=0) + high.max(axis=0)))
 
     def stands(self, name: str) -> bool:
-        """Whether an entity touches another one whose middle lies lower, as declared."""
+        """True where an entity, as declared, touches another one whose middle lies lower."""
         plan = self.candidate.spec.simulation
         gravity, gap = np.array(plan.gravity), plan.limits.contact_gap
         if name not in self._parts or not gravity.any():

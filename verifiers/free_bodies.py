@@ -89,7 +89,7 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
         text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
         offset = along_up(surfaces, LEFT - fall[0])
         corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
-    text += _untold(surfaces.candidate.spec, entity)
+    text += _no_excuse(surfaces, entity)
     sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
     if sides:
         text += f"; it touches {', '.join(map(repr, sides))} beside or above it, where neither friction nor a joint holds it"
@@ -163,17 +163,26 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     physics = spec.entities[entity].physics
     if isinstance(physics, RigidPhysics | ElasticPhysics):
         speed = float(np.linalg.norm(physics.linear_velocity))
-        drag = physics.linear_damping * speed if isinstance(physics, RigidPhysics) else 0.0
-        if speed >= LAUNCH_SPEED and told and drag < LIFT * float(np.linalg.norm(weight)):
+        if speed >= LAUNCH_SPEED and told and not _dragged(surfaces, entity):
             return f"is launched with {speed:.4g} m/s", {"speed_m_s": speed}
     return "", {}
 
 
-def _untold(spec: WorldSpec, entity: str) -> str:
-    """What would let it go or throw it and does not count, in words; empty where there is nothing."""
+def _dragged(surfaces: Surfaces, entity: str) -> bool:
+    """True where viscous drag at the start velocity is nearly the weight: the body hangs in it."""
+    physics = surfaces.candidate.spec.entities[entity].physics
+    if not isinstance(physics, RigidPhysics):
+        return False
+    weight = motion.entity_mass(surfaces.candidate, entity) * float(np.linalg.norm(surfaces.candidate.spec.simulation.gravity))
+    return physics.linear_damping * float(np.linalg.norm(physics.linear_velocity)) >= LIFT * weight
+
+
+def _no_excuse(surfaces: Surfaces, entity: str) -> str:
+    """Words about a release, a start velocity or a drag that does not explain a body in the air; empty where it has none of them."""
+    spec: WorldSpec = surfaces.candidate.spec
     physics = spec.entities[entity].physics
     if spoken_of(spec, entity):
-        if isinstance(physics, RigidPhysics) and physics.linear_damping > 0 and any(physics.linear_velocity):
+        if isinstance(physics, RigidPhysics) and _dragged(surfaces, entity):
             return f"; a drag of {physics.linear_damping:g} N s/m holds it up, which no air does"
         return ""
     for name, driver in spec.simulation.drivers.items():

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..worlds.spec.simulation import Joint
     from .surfaces import Surfaces
 
-__all__ = ["anchor_lines", "joined_rows"]
+__all__ = ["anchor_lines", "joined_rows", "way_to"]
 
 STEPS = 400
 """Steps along the axis of a hinge; each is as long as what is nearest to it allows, and no shorter than the tolerance."""
@@ -61,19 +61,34 @@ def _start(surfaces: Surfaces, part: int) -> RigidPose:
     return compose(pose_of(candidate.spec.entities[own.entity].pose), candidate.body(own.entity, own.body).pose)
 
 
+def way_to(surfaces: Surfaces, entity: str, points: F64) -> tuple[float, F64, F64]:
+    """Least distance of some points from the visible surface of an entity as declared [m], 0 inside; that point and its nearest one.
+
+    Args:
+        surfaces: of the candidate.
+        entity: whose surface.
+        points: [m], shape (n, 3).
+    """
+    best = (np.inf, points[0], points[0])
+    for i in surfaces.parts_of[entity]:
+        pose, solid = _start(surfaces, i), surfaces.shapes.solid(i, 0)
+        local = pose.inverse().apply(points)
+        inside = contains(solid, local)
+        if inside.any():
+            point = points[int(np.argmax(inside))]
+            return 0.0, point, point
+        distance, nearest = distance_to_surface(solid, local)
+        k = int(np.argmin(distance))
+        if distance[k] < best[0]:
+            best = (float(distance[k]), points[k], pose.apply(nearest[k][None])[0])
+    return best
+
+
 def missed(surfaces: Surfaces, end: End) -> Missed:
     """Distance of an end from the visible surface of its entity."""
     surfaces.require(end.entity)
-    best = Missed(end, np.inf, end.point)
-    for i in surfaces.parts_of[end.entity]:
-        pose, solid = _start(surfaces, i), surfaces.shapes.solid(i, 0)
-        local = pose.inverse().apply(end.point[None])
-        if contains(solid, local)[0]:
-            return Missed(end, 0.0, end.point)
-        distance, nearest = distance_to_surface(solid, local)
-        if distance[0] < best.distance:
-            best = Missed(end, float(distance[0]), pose.apply(nearest)[0])
-    return best
+    distance, _, nearest = way_to(surfaces, end.entity, end.point[None])
+    return Missed(end, distance, nearest)
 
 
 def joined_rows(surfaces: Surfaces) -> list[Row]:

@@ -82,7 +82,7 @@ class Contacts:
     impulse: F64
     """Normal impulse [N s]."""
     given: F64
-    """What b was given, friction included [N s], shape (contacts, 3); a was given the opposite."""
+    """Impulse on b, friction included [N s], shape (contacts, 3); the opposite acts on a."""
 
 
 class Books(BodyBooks):
@@ -280,8 +280,6 @@ class Books(BodyBooks):
         pairs = np.concatenate([f["contact/pair"] for f in frames]).astype(np.int64).reshape(-1, 2)
         impulse = np.concatenate([f["contact/impulse"] for f in frames]).astype(np.float64)
         given = np.concatenate([f["contact/vector"] for f in frames]).astype(np.float64)
-        if len(pairs) and not (pairs.min() >= 0 and pairs.max() < len(self.cache.index.colliders)):
-            raise EvidenceError("contact/pair names colliders that the index does not have; bake again")
         frame = np.repeat(np.arange(len(frames)), counts)
         later = frame > 0
         return Contacts(frame[later], pairs[later, 0], pairs[later, 1], impulse[later], given[later])
@@ -304,7 +302,7 @@ class Books(BodyBooks):
 
     @cached_property
     def contact_given(self) -> F64:
-        """What the logged contacts gave each entity, friction included [N s], shape (F - 1, E, 3)."""
+        """Impulse of the logged contacts on each entity, friction included [N s], shape (F - 1, E, 3)."""
         found, result = self.contacts, np.zeros((self.frames - 1, len(self.entities), 3))
         for side, sign in ((found.a, -1.0), (found.b, 1.0)):
             rows = self.collider_row[side]
@@ -399,6 +397,6 @@ class Books(BodyBooks):
 
 
 def _slow(velocity: F64) -> Flags:
-    """Whether what moves so [m/s], shape (F, n, 3), may have slept within an interval, shape (F - 1, n)."""
+    """True where a speed [m/s], of velocities of shape (F, n, 3), is below `NAP_SPEED` at either end of an interval, shape (F - 1, n)."""
     speed = np.linalg.norm(velocity, axis=2)
     return np.asarray(np.minimum(speed[:-1], speed[1:]) < NAP_SPEED)

@@ -109,7 +109,7 @@ def moves_of(spec: WorldSpec) -> Moves:
 
 
 def spoken_of(spec: WorldSpec, entity: str) -> bool:
-    """Whether a beat tells of an entity or moves what it hangs on or stands on: what lets it go or throws it is part of the story then."""
+    """True where a beat names an entity, or moves what it hangs on or stands on: its release or throw is part of the story then."""
     told = any(entity in (beat.subject, *entities_of(beat.predicate)) for beat in spec.story.beats.values())
     return told or moves_of(spec).first(entity) is not None
 

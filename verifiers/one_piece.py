@@ -1,4 +1,4 @@
-"""Whether what moves as one body hangs together: plates with nothing between them are no table (R92, R154).
+"""Rows about moving bodies of several parts: the parts touch each other, for plates with nothing between are no table (R92, R154).
 
 Of static things this is asked part by part (`held.py`): each needs something that holds it. Parts of one moving body keep their
 places whatever is between them, so that the same is asked of their surfaces here.

@@ -1,4 +1,4 @@
-"""Whether pins of cloth and of elastic bodies reach the bodies that carry them, on the visible surfaces (R92, R154)."""
+"""Rows about pins of cloth and of elastic bodies: they reach the visible surfaces of the bodies that carry them (R92, R154)."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import contains, distance_to_surface
-from ..worlds.arrays import F64, compose, pose_of
+from ..worlds.arrays import F64, pose_of
 from ..worlds.cloth import grids_of, held_by
 from ..worlds.requirements import Correction
 from ..worlds.spec import ClothPhysics, ElasticPhysics
+from .joined import way_to
 from .rows import guarded_rows, pointer, row, translation_patch
 
 if TYPE_CHECKING:
@@ -77,7 +77,8 @@ def _row(surfaces: Surfaces, name: str, key: str, carrier: str) -> Row:
         "frames": (0, 0),
         "entities": (name, carrier),
     }
-    distance, way = _to(surfaces, carrier, held)
+    distance, point, nearest = way_to(surfaces, carrier, held)
+    way = nearest - point
     bound = _bound(surfaces, name, carrier)
     if distance <= bound:
         text = f"what pin {key!r} of {name!r} holds is {distance:.3g} m from {carrier!r}"
@@ -114,19 +115,3 @@ def _row(surfaces: Surfaces, name: str, key: str, carrier: str) -> Row:
         ],
         **common,
     )
-
-
-def _to(surfaces: Surfaces, carrier: str, points: F64) -> tuple[float, F64]:
-    """Least distance of points from the carrier's visible surface as declared [m], and the way there, shape (3,)."""
-    candidate, best, way = surfaces.candidate, np.inf, np.zeros(3)
-    start = pose_of(candidate.spec.entities[carrier].pose)
-    for i in surfaces.parts_of[carrier]:
-        pose = compose(start, candidate.body(carrier, surfaces.parts[i].body).pose)
-        solid, local = surfaces.shapes.solid(i, 0), pose.inverse().apply(points)
-        if contains(solid, local).any():
-            return 0.0, np.zeros(3)
-        distance, nearest = distance_to_surface(solid, local)
-        k = int(np.argmin(distance))
-        if distance[k] < best:
-            best, way = float(distance[k]), pose.apply(nearest[k][None])[0] - points[k]
-    return best, way

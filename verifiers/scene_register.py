@@ -18,6 +18,7 @@ from ..worlds.fracture import crumble_of
 from ..worlds.predicates import entities_of
 from ..worlds.references import references
 from ..worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics, SpringJoint
+from ..worlds.story_audit import STARTED
 from ..worlds.walkers import carrier_words, easier_than_a_person
 from .liquid_across import thin_lines
 from .motion import entity_mass
@@ -39,8 +40,6 @@ UNITS = {"contact_gap": " m", "max_speed": " m/s", "support_drift": " m"}
 TURNED = 0.02
 """[rad] Own choice: what turns by less has not been moved by anything; as `support_drift` for positions."""
 MOST_NAMED = 12
-STARTED = 1e-3
-"""[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
 
 
 def scene_lines(candidate: Candidate) -> list[dict[str, str]]:

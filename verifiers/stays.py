@@ -20,6 +20,7 @@ from ..worlds.arrays import F64
 from ..worlds.fields import fields_of
 from ..worlds.requirements import Correction
 from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, ReleaseDriver, RigidPhysics, Rope, Supports
+from ..worlds.story_audit import STARTED
 from . import motion
 from .exchanged import CHANNEL
 from .held import is_still
@@ -35,8 +36,6 @@ __all__ = ["Reached", "stays_rows"]
 
 STIRRED = 2e-4
 """[m] Own choice: what has not left its place by this much passes no motion on; bodies settle into their skins by less."""
-STARTED = 1e-3
-"""[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
 NEVER = np.iinfo(np.int64).max
 Frames = NDArray[np.int64]
 

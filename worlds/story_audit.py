@@ -16,7 +16,7 @@ from .predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, ent
 from .references import cycle_in, kinds_of, mentions_joint
 from .spec import ElasticPhysics, FieldDriver, RigidPhysics, SpecModel, Supports, WorldSpec
 
-__all__ = ["coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
+__all__ = ["STARTED", "coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
 
 STARTED = 1e-3
 """[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""

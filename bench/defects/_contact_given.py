@@ -24,7 +24,7 @@ def _judged(film: Film, folder: Path) -> World:
 
 
 def turned(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """What a blow gave is turned by `magnitude` about an axis across it."""
+    """The impulse of a blow is turned by `magnitude` [rad] about an axis across it."""
     film, k = _blow(rng)
     given = np.array(film.frames[k]["contact/vector"])
     size = np.linalg.norm(given, axis=1, keepdims=True)

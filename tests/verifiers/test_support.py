@@ -265,6 +265,15 @@ def test_no_drag_holds_a_body_up(tmp_path):
     assert "a drag of 1e+06 N s/m holds it up" in row.evidence["explanation"]
 
 
+def test_a_slight_drag_is_not_blamed_for_a_throw_that_is_too_slow(tmp_path):
+    things = {"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(1, 0, 0.6), velocity=(0.05, 0, 0))}
+    physics = things["ball"].physics.model_copy(update={"linear_damping": 0.01})
+    things["ball"] = things["ball"].model_copy(update={"physics": physics})
+    row = rows_of(tmp_path, things, beats=MOVES)["support:derived:ball"]
+    assert row.status == "fail"
+    assert "drag" not in row.evidence["explanation"]
+
+
 @pytest.mark.parametrize(("gap", "status"), [(0.0, "pass"), (0.26, "fail")])
 def test_parts_of_what_moves_hang_together(tmp_path, gap, status):
     """Two plates of a table with nothing between them."""

@@ -28,37 +28,37 @@ PROMPT = "A stream carries beams and a log under a footbridge."
 WAIT_SECONDS = 25.0
 EXTENT = (320.0, 128.0)
 """Of the landscape x, y [m]."""
-DISCHARGE = 1.2
-"""Of the stream where it comes in, mean [m^3/s]."""
+DISCHARGE = 5.0
+"""Of the stream where it comes in, mean over the year [m^3/s]; it runs bankfull, at five times that."""
 BRIDGE_AT = 26.0
 """Where the bridge stands along x [m]: the stream runs straight there."""
-CLEARANCE = 0.8
-"""Of the bridge over the water [m]."""
-DECK = (2.0, 0.35)
+CLEARANCE = 1.4
+"""Of the bridge over the water [m]; over the banks at its feet three cells are left for water to pass."""
+DECK = (2.2, 0.35)
 """Width and thickness of the bridge's deck [m]."""
 WALL = 0.3
 """Thickness of its parapets [m]: walls that the water's cells see."""
-PARAPET = 0.4
-"""Their height [m]: the air of the water's domain goes on over them."""
+PARAPET = 1.0
+"""Their height [m]: they are its girders. The air of the water's domain goes on over them."""
 GROUND_CELL = 0.55
 """Of the ground [m]: finer than the bed, and few enough corners of the water for the specification."""
 LOG = (0.3, 3.2)
 """Radius and length [m]."""
 LOG_DENSITY, BEAM_DENSITY = 600.0, 550.0
 """Of air-dry beech and pine [kg/m^3]."""
-BEAM = (1.8, 0.3, 0.2)
-"""Length, width, thickness [m]: squared timber of 59 kg. It is as thick as the water's cells, which then bear it at its true draft (within
+BEAM = (2.4, 0.3, 0.3)
+"""Length, width, thickness [m]: squared timber of 119 kg. It is as thick as the water's cells, which then bear it at its true draft (within
 a millimetre in still water); a board of 0.12 m sinks 4 cm too deep in them, and a real leaf is far thinner than both."""
-BEAMS = ((3.6, 0.5), (4.4, -1.6), (-3.4, -1.2), (-4.2, 1.4), (6.4, 0.6), (-6.6, -0.4))
+BEAMS = ((4.5, 0.5), (5.5, -3.0), (-4.2, -1.6), (-5.5, 2.4), (8.0, 1.6), (-8.5, -1.0))
 """Along and across the stream from the log [m]."""
 CARRIED = 0.3
 """Least way of the floating bodies, which lie at rest at first, in parts of the water's: the stream has to take them along."""
-SPACING = 0.22
-"""Cell of the liquid [m]."""
+SPACING = 0.3
+"""Cell of the liquid [m]: the deepest water is five cells across, as buoyancy asks."""
 SECONDS = 8.0
-REACH = (44.0, 21.0)
+REACH = (44.0, 30.0)
 """Of the ground with its stream x, y [m]."""
-CENTER = (24.0, 6.0)
+CENTER = (24.0, 4.0)
 
 
 def _line() -> list[list[float]]:
@@ -102,7 +102,7 @@ def land_spec(seconds: float, fps: float) -> dict[str, Any]:
             "meadow": {"density": 1400, "substance": "other", "friction": 0.7, "appearance": {"color": [0.075, 0.11, 0.03], "roughness": 0.9}},
             "gravel": {"density": 1900, "substance": "stone", "friction": 0.7, "appearance": {"color": [0.20, 0.17, 0.13], "roughness": 0.9}},
             "water": {"density": 1000, "substance": "water", "appearance": {"color": [0.72, 0.84, 0.80], "transmission": 1, "roughness": 0.04}},
-            "stone": {"density": 2400, "substance": "stone", "friction": 0.6, "appearance": {"color": [0.38, 0.36, 0.33], "roughness": 0.8}},
+            "larch": {"density": 590, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.36, 0.25, 0.15], "pattern": "wood"}},
             "wood": {"density": LOG_DENSITY, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.30, 0.19, 0.10], "pattern": "wood"}},
             "pine": {"density": BEAM_DENSITY, "substance": "wood", "friction": 0.5, "appearance": {"color": [0.62, 0.45, 0.26], "pattern": "wood"}},
         },
@@ -214,7 +214,7 @@ class Ranger(Agent):
         return [float(p["height"]) for p in told["places"]]
 
     async def bridge(self, way: float) -> dict[str, Any]:
-        """A deck with parapets across the stream, on two feet in the banks."""
+        """A deck between two girders across the stream, on two feet in the banks."""
         place, along, _ = self.course.at(way)
         across = np.array([-along[1], along[0]])
         half = 0.5 * self.course.width + 2.2
@@ -238,7 +238,7 @@ class Ranger(Agent):
         high = max(p["pose"]["position"][2] + 0.5 * p["shape"]["size"][2] for p in parts.values())
         low = min(p["pose"]["position"][2] - 0.5 * p["shape"]["size"][2] for p in parts.values())
         return {
-            "role": "footbridge", "motion": "static", "material": "stone", "parts": parts,
+            "role": "footbridge", "motion": "static", "material": "larch", "parts": parts,
             "dimensions": {"size": _numbers([DECK[0], 2 * half, high - low])},
             "pose": {"position": _numbers([place[0], place[1], under]), "quaternion": _turned(along)},
         }  # fmt: skip
@@ -286,16 +286,11 @@ class Ranger(Agent):
                                  {"kind": "count", "entities": beams, "predicate": moved, "min": len(beams)}, "flows"),
         }  # fmt: skip
         back, _, _ = self.course.at(bridge + 13.0)
-        side = np.array([-along[1], along[0]])
-        bank = _numbers((place[:2] + 5.0 * along + (0.5 * self.course.width + 4.0) * side).tolist())
-        (ground,) = await self.heights([bank])
         shots = {
             "low": {"frames": [0, round(options.seconds * options.fps)], "subjects": ["log", "beam_0"], "covers": [*beats],
                     "keys": {"a": {"frame": 0, "position": _numbers([*back[:2], back[2] + 3.6]), "target": _numbers([*place[:2], place[2] + 0.2]), "fov_deg": 55}}},
         }  # fmt: skip
-        self.say(
-            f"bank at {bank}, {ground:.2f} m; the log lies {CARRIED * drift:.1f} m above the bridge in a stream of {speed:.2f} m/s"
-        )
+        self.say(f"the log lies {CARRIED * drift:.1f} m upstream of the bridge in a stream of {speed:.2f} m/s")
         relations: dict[str, dict[str, Any]] = {
             f"carries_{n}": {"kind": "supports", "a": "river", "b": n, "frames": [0, last]} for n in floats
         }

@@ -116,7 +116,9 @@ def _reachable(setup: LiquidSetup, points: F64) -> NDArray[np.bool_]:
     up = -setup.gravity / strength
     speed = float(np.linalg.norm(setup.velocity, axis=1).max(initial=0.0))
     tops = [float((setup.position @ up).max(initial=-np.inf)) + 0.5 * setup.spacing + speed**2 / (2 * strength)]
-    tops += [float(i.center @ up) + max(i.half_size) + i.speed**2 / (2 * strength) for i in setup.inflows]
+    for i in setup.inflows:
+        rise = float(np.abs(up @ i.rotation[:, :2]) @ np.array(i.half_size))
+        tops.append(float(i.center @ up) + rise + i.speed**2 / (2 * strength))
     return np.asarray(points @ up <= max(tops))
 
 

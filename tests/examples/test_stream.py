@@ -79,12 +79,12 @@ def test_the_shown_reach_is_forty_metres_long_and_runs_eight_seconds(tmp_path: P
 
 
 def test_what_drifts_weighs_what_it_is_called_and_is_resolved() -> None:
-    """A squared timber of 0.2 x 0.3 x 1.8 m of air-dry pine; thickness and log are within a tenth of a cell of one cell, or thicker."""
+    """A squared timber of 0.3 x 0.3 x 2.4 m of air-dry pine; it is at least a cell thick, the log two cells."""
     mass = BEAM_DENSITY * float(np.prod(BEAM))
     assert 450 <= BEAM_DENSITY <= 650
-    assert 50 <= mass <= 70
+    assert 95 <= mass <= 140
     spacing = options_of([]).spacing
-    assert min(BEAM) >= 0.9 * spacing
+    assert min(BEAM) >= spacing
     assert 2 * LOG[0] >= 2 * spacing
     assert "lea" not in PROMPT.replace("a log", "")
 

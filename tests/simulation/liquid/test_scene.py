@@ -139,6 +139,19 @@ def test_a_passage_that_is_wide_enough_is_taken() -> None:
     assert len(made.setup.position)
 
 
+@pytest.mark.parametrize(("size", "reaches"), [([0.3, 0.04], False), ([0.04, 0.27], True)])
+def test_a_slit_counts_where_an_inflow_can_lift_the_liquid_to_it(size: list[float], reaches: bool) -> None:
+    """A slit 4 cm over water at rest: a wide and low inflow below it does not reach it, a narrow and high one does."""
+    gate = {n: {"shape": {"kind": "box", "size": [0.03, 0.4, h]}, "pose": {"position": [0, 0, z]}} for n, h, z in (("low", 0.24, 0.12), ("high", 0.06, 0.31))}  # fmt: skip
+    tap = {"kind": "inflow", "entity": "water", "pose": {"position": [-0.15, 0, 0.14], "quaternion": [0.5, 0.5, 0.5, 0.5]}, "size": size, "speed": 0.1}  # fmt: skip
+    changes = [*solid("gate", [0.03, 0.4, 0.34], [0, 0, 0], parts=gate), *HALF_FULL, ("/simulation/drivers/tap", tap)]
+    if reaches:
+        with pytest.raises(InputError, match="passage at .* liquid would not pass"):
+            scene(*changes, crate_at=None)
+    else:
+        assert len(scene(*changes, crate_at=None).setup.inflows) == 1
+
+
 def test_a_closed_gate_is_no_passage() -> None:
     made = scene(*solid("gate", [0.03, 0.4, 0.3], [0, 0, 0.15]), *HALF_FULL, crate_at=None)
     assert (made.setup.position[:, 0] < 0).all()

@@ -47,6 +47,8 @@ class SurfaceSettings:
     support: float = surface_mesh.SUPPORT
     """Smoothing length of the colour field in particle radii."""
     threshold: float = surface_mesh.THRESHOLD
+    cell: float = surface_mesh.CELL
+    """Side of a marching cube."""
     lower: tuple[float, float, float] | None = None
     """Domain [m], for its closed sides."""
     upper: tuple[float, float, float] | None = None
@@ -61,7 +63,7 @@ def default_settings(
     upper: Sequence[float] | None = None,
     closed: Sequence[bool] = (False,) * 6,
 ) -> SurfaceSettings:
-    """Settings for a cache: markers of a grid (`flip`) lie less evenly than particles, so they get a wider kernel.
+    """Settings for a cache: markers of a grid (`flip`) lie less evenly than particles, so they get a kernel and cubes half as wide again.
 
     Args:
         cache: of a liquid instance.
@@ -78,7 +80,7 @@ def default_settings(
     if volume is None:
         raise InputError(f"liquid {cache.index.solver!r} has no particle in any frame; give it a volume or an inflow")
     spacing = float(np.cbrt(np.median(volume["particle/volume"])))
-    wide = {"support": 3.0, "threshold": 0.64} if cache.index.engine == "flip" else {}
+    wide = {"support": 3.0, "threshold": 0.64, "cell": 1.5 * surface_mesh.CELL} if cache.index.engine == "flip" else {}
     corners = {k: tuple(float(x) for x in v) for k, v in (("lower", lower), ("upper", upper)) if v is not None}
     return SurfaceSettings(spacing, **wide, **corners, closed=tuple(bool(c) for c in closed))  # type: ignore[arg-type]
 
@@ -150,14 +152,14 @@ def _meshes(
 ) -> tuple[dict[str, Any], dict[str, float]]:
     """Surface channels of all liquids, relative to the origin, and what is recorded of them."""
     spacing, origin = settings.spacing, np.asarray(data["origin"], dtype=np.float64)
-    heat = data.get("particle/temperature", np.zeros(len(position)))
+    heat = data.get("particle/temperature")
     parts: list[tuple[int, surface_mesh.SurfaceMesh]] = []
     records = {"surface_volume": 0.0, "surface_area": 0.0, "surface_components": 0.0}
     for fluid in np.unique(data["particle/fluid"]):
         own = liquid & (data["particle/fluid"] == fluid)
         mesh = surface_mesh.reconstruct(
-            position[own], data["particle/velocity"][own], heat[own], spacing,
-            support=settings.support, threshold=settings.threshold,
+            position[own], data["particle/velocity"][own], None if heat is None else heat[own], spacing,
+            support=settings.support, threshold=settings.threshold, cell=settings.cell,
         )  # fmt: skip
         mesh, pieces = _pieces(mesh, SMALLEST * spacing**3)
         if not len(mesh.faces):

@@ -25,9 +25,9 @@ THRESHOLD = 0.585
 SUPPORT = 2.0
 """Smoothing length in particle radii; the kernel reaches twice as far."""
 SMOOTHING = 25
-"""Passes of smoothing."""
+"""Passes of smoothing over cubes of `CELL`: how far they reach grows with their number's root, so coarser cubes need fewer."""
 SPREAD = 12
-"""Passes that spread what smoothing took away before it is given back; about 2 spacings."""
+"""Passes that spread what smoothing took away before it is given back, over cubes of `CELL`; about 2 spacings."""
 BLOCK = 64
 """The corner of the grid is a multiple of this many cubes, so that cubes stay where they are when particles move."""
 
@@ -96,16 +96,16 @@ def _average(count: int, faces: I32) -> Any:
     return diags(1 / np.maximum(np.asarray(near.sum(1)).reshape(-1), 1)) @ near
 
 
-def _smooth(vertices: F64, faces: I32, weight: F64) -> F64:
+def _smooth(vertices: F64, faces: I32, weight: F64, cell: float) -> F64:
     """Weighted Laplacian smoothing; what it took along the normal, spread over some spacings, is given back."""
     mean = _average(len(vertices), faces)
-    found = vertices.copy()
-    for _ in range(SMOOTHING):
+    found, fewer = vertices.copy(), (CELL / cell) ** 2
+    for _ in range(round(SMOOTHING * fewer)):
         found += weight[:, None] * (mean @ found - found)
     normal, share = vertex_normals(found, faces)
     share = np.maximum(share, 1e-3 * share.mean())
     lost = ((vertices - found) * normal).sum(1) * share
-    for _ in range(SPREAD):
+    for _ in range(round(SPREAD * fewer)):
         # The transpose moves volume between neighbours, so that none is lost.
         lost = 0.5 * lost + 0.5 * (mean.T @ lost)
         share = 0.5 * share + 0.5 * (mean.T @ share)
@@ -113,33 +113,39 @@ def _smooth(vertices: F64, faces: I32, weight: F64) -> F64:
 
 
 def reconstruct(
-    position: F64, velocity: F64, temperature: F64, spacing: float, *, support: float = SUPPORT, threshold: float = THRESHOLD
+    position: F64,
+    velocity: F64,
+    temperature: F64 | None,
+    spacing: float,
+    *,
+    support: float = SUPPORT,
+    threshold: float = THRESHOLD,
+    cell: float = CELL,
 ) -> SurfaceMesh:
     """Surface of particles of equal volume `spacing`^3.
 
     Args:
         position: (n, 3) [m], relative to an origin that stays where it is over frames.
         velocity: (n, 3) [m/s].
-        temperature: (n,) [K].
+        temperature: (n,) [K]; the surface's is 0 where there is none.
         spacing: distance of particles at rest [m].
         support: smoothing length in particle radii.
         threshold: of the colour field.
+        cell: side of a marching cube in spacings.
     """
     if len(position) == 0:
         return SurfaceMesh(np.empty((0, 3)), np.empty((0, 3), np.int32), np.empty((0, 3)), np.empty(0))
     import pysplashsurf
 
-    block = BLOCK * CELL * spacing
+    block = BLOCK * cell * spacing
+    carried = {"velocity": velocity} | ({} if temperature is None else {"temperature": temperature})
     mesh, _ = pysplashsurf.reconstruction_pipeline(
         # In units of the spacing: the library drops triangles by absolute size.
         np.ascontiguousarray(position / spacing, dtype=np.float32),
-        attributes_to_interpolate={
-            "velocity": np.ascontiguousarray(velocity, dtype=np.float32),
-            "temperature": np.ascontiguousarray(temperature, dtype=np.float32),
-        },
+        attributes_to_interpolate={k: np.ascontiguousarray(v, dtype=np.float32) for k, v in carried.items()},
         particle_radius=0.5,
         smoothing_length=support,
-        cube_size=2 * CELL,
+        cube_size=2 * cell,
         iso_surface_threshold=threshold,
         subdomain_grid_auto_disable=False,  # without its blocks, sums depend on threads
         mesh_smoothing_iters=0,
@@ -151,4 +157,5 @@ def reconstruct(
     raw = np.asarray(mesh.mesh.vertices, dtype=np.float64) * spacing
     order, faces = _canonical(raw, np.asarray(mesh.mesh.triangles).astype(np.int64))
     data = {k: np.asarray(v, dtype=np.float64)[order] for k, v in mesh.point_attributes.items()}
-    return SurfaceMesh(_smooth(raw[order], faces, np.clip(data["sw"], 0, 1)), faces, data["velocity"], data["temperature"])
+    vertices = _smooth(raw[order], faces, np.clip(data["sw"], 0, 1), cell)
+    return SurfaceMesh(vertices, faces, data["velocity"], data.get("temperature", np.zeros(len(vertices))))

@@ -150,7 +150,7 @@ def _clauses(record: Mapping[str, Any], spec: WorldSpec) -> str:
 
     def judged(pointer: str) -> str:
         name = pointer.rpartition("/")[2]
-        concerned = [r for r in rows if name in str(r["id"]).split(":") or name in (r.get("entities") or ())]
+        concerned = [r for r in rows if name in (r.get("subject") or ()) or name in (r.get("entities") or ())]
         words = {s: sum(r["status"] == s for r in concerned) for s in ORDER}
         found = " ".join(_tag("span", _e(f"{n} {s.replace('_', ' ')}"), class_=s) for s, n in words.items() if n)
         return _tag("li", _tag("code", _e(pointer)) + " " + (found or _tag("span", "no row names it", class_="dim")))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..worlds.requirements import Row
+from ..verifiers.verdicts import make_row
+from ..worlds.requirements import Row, RowId
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -51,18 +52,17 @@ def promise_row(candidate: Candidate, promised: Events, found: Events, overrides
     """
     different = broken_promises(promised, found, coarse=bool(overrides))
     about = f"within {LATE:.0%} of the time and in the order" if overrides else "at the frames"
-    return Row(
-        id="numerical:promise",
-        check="numerical",
+    return make_row(
+        candidate,
+        RowId("numerical:promise"),
         group="temporal",
         predicate=f"beats come true {about} that the probe of these settings promised",
         status="fail" if different else "pass",
-        artifact=candidate.artifact,
-        frames=(0, candidate.last_frame),
+        explanation=f"{', '.join(different)} came otherwise" if different else f"{len(promised)} beats came as promised",
         measured=float(len(different)),
         bound=0.0,
         comparison="<=",
         unit="beat",
         evidence={"promised": promised, "found": found, **({"different": different, "probe_overrides": overrides} if overrides else {})},
-        recipe=candidate.recipe("numerical", extra=promised),
+        extra=promised,
     )  # fmt: skip

@@ -25,12 +25,13 @@ from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
-from ..worlds.requirements import Check, Correction, Row
+from ..worlds.requirements import Check, Row, RowId
 from ..worlds.spec import WorldSpec, prompt_digest
 from ..worlds.story_audit import uncaused
 from .binding import ALL_INTERVALS, cache_row, replay_row, standing
 from .bundle import event_list
 from .register import approximations
+from .verdicts import correction, make_row
 
 __all__ = ["acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
@@ -202,55 +203,46 @@ def _unjudged(candidate: Candidate, check: Check) -> Row:
     spec = candidate.spec
     lacking = uncaused(spec)
     if check == "causal" and lacking is None:
-        return Row(
-            id="causal:none",
-            check=check,
-            group="temporal",
+        return make_row(
+            candidate,
+            RowId("causal:none"),
             predicate="events have their causes",
             status="not_applicable",
-            artifact=candidate.artifact,
-            evidence={"explanation": "every entity is static, and there is no driver and no beat: nothing happens"},
-            recipe=candidate.recipe(check, extra="none"),
+            explanation="every entity is static, and there is no driver and no beat: nothing happens",
         )
     pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
     text = (lacking if check == "causal" else None) or f"nothing for {check} to judge"
-    return Row(
-        id=f"{check}:none",
-        check=check,
-        group="temporal" if check in ("causal", "beat") else "physical",
+    return make_row(
+        candidate,
+        RowId(f"{check}:none"),
         predicate=f"{check} has judged at least one requirement",
         status="unverified",
-        artifact=candidate.artifact,
-        corrections=(Correction(cause=text, edit_class="story", group="story", action=text, pointers=(pointer,)),),
-        recipe=candidate.recipe(check, extra="none"),
+        explanation=text,
+        corrections=[correction(text, "story", text, pointers=(pointer,))],
     )
 
 
 def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
     same = recorded == present
-    return Row(
-        id="delivery:freeze",
-        check="delivery",
-        group="delivery",
+    return make_row(
+        candidate,
+        RowId("delivery:freeze"),
         predicate="settings, geometry, solver source and engine versions hash to the recorded freeze",
         status="pass" if same else "fail",
+        explanation="the freeze is the recorded one" if same else f"recorded {recorded[:16]}, present {present[:16]}",
         artifact=f"candidates/{recorded[:16]}/candidate.json",
         measured=0.0 if same else 1.0,
         bound=0.0,
         comparison="<=",
         unit="1",
         evidence={} if same else {"recorded": recorded, "present": present},
-        corrections=()
-        if same
-        else (
-            Correction(
-                cause="another program version, or an edited record",
-                edit_class="solver",
-                group="interval",
-                action="probe and bake again with this version (worldagent recompute FOLDER)",
-            ),
-        ),
-        recipe=candidate.recipe("delivery", extra="freeze"),
+        corrections=[
+            correction(
+                "another program version, or an edited record",
+                "interval",
+                "probe and bake again with this version (worldagent recompute FOLDER)",
+            )
+        ],
     )
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..worlds.candidate import Candidate
 from ..worlds.predicates import atoms_of, describe_predicate, entities_of, is_invariant
-from ..worlds.requirements import Group, Row
+from ..worlds.requirements import Group, Row, RowId
 from .beat_corrections import corrections_of, happens_at
 from .driven import check_driven
 from .predicates import Outcome, beat_times, evaluate
@@ -47,7 +47,7 @@ def check(candidate: Candidate) -> list[Row]:
     for beat_id, beat in candidate.spec.story.beats.items():
         outcome = _decided_early(candidate, beat.predicate, times.outcome(beat_id))
         hints = corrections_of(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
-        rows.append(_row(candidate, f"beat:{beat_id}", "temporal", beat, outcome, hints, (beat.subject,)))
+        rows.append(_row(candidate, RowId("beat", beat_id), None, beat, outcome, hints, (beat.subject,)))
         rows += check_vacuity(candidate, beat_id)
         rows += check_driven(candidate, beat_id)
     for name, requirement in candidate.spec.story.requirements.items():
@@ -55,7 +55,7 @@ def check(candidate: Candidate) -> list[Row]:
         outcome = _decided_early(candidate, requirement.predicate, evaluate(candidate, requirement.predicate, frames))
         hints = corrections_of(candidate, requirement.predicate, outcome, f"/story/requirements/{name}", frames)
         group: Group = "spatial" if requirement.predicate.kind in SPATIAL else "physical"
-        rows.append(_row(candidate, f"requirement:{name}", group, requirement, outcome, hints, ()))
+        rows.append(_row(candidate, RowId("requirement", name), group, requirement, outcome, hints, ()))
     return rows
 
 
@@ -72,8 +72,8 @@ def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome)
 
 def _row(
     candidate: Candidate,
-    row_id: str,
-    group: Group,
+    row_id: RowId,
+    group: Group | None,
     declared: Beat | Requirement,
     outcome: Outcome,
     hints: list[Correction],
@@ -86,7 +86,6 @@ def _row(
     return make_row(
         candidate,
         row_id,
-        check="beat",
         group=group,
         predicate=describe_predicate(declared.predicate),
         mandatory=declared.mandatory,

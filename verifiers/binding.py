@@ -10,7 +10,8 @@ from ..worlds.baked import BakeRecord
 from ..worlds.cache import Cache
 from ..worlds.candidate import Candidate, cache_digest
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction, Row, Status
+from ..worlds.requirements import Correction, Row, RowId, Status
+from .verdicts import correction, make_row
 
 __all__ = ["ALL_INTERVALS", "cache_row", "replay_row", "standing"]
 
@@ -53,22 +54,19 @@ def cache_row(candidate: Candidate, record: BakeRecord | None, *, replayed: bool
             else "the record of this bake lacks the seals that it was written with"
         )
         status, evidence = "unverified", {"explanation": f"{why}, so that nothing says which frames were baked"}
-    return Row(
-        id="delivery:cache",
-        check="delivery",
-        group="delivery",
+    return make_row(
+        candidate,
+        RowId("delivery:cache"),
         predicate="the frames on disk have the content that the ledger recorded when they were baked",
         status=status,
-        artifact=candidate.artifact,
-        frames=(0, candidate.last_frame),
+        explanation=str(evidence.get("explanation", f"{candidate.frame_count} frames are those of the record")),
         measured={"pass": 0.0, "fail": 1.0}.get(status),
         bound=0.0,
         comparison="<=",
         unit="1",
-        first_failing_frame=frame if status == "fail" else None,
+        first_failing_frame=frame,
         evidence=evidence,
         corrections=_corrections(status),
-        recipe=candidate.recipe("delivery", extra="cache"),
     )
 
 
@@ -115,7 +113,7 @@ def _corrections(status: Status) -> tuple[Correction, ...]:
     if status == "unverified":
         cause = "nothing that can be trusted says which frames were baked"
         action = "call bake_sim; or, without a server, worldagent recompute FOLDER, or worldagent verify FOLDER --replay --intervals all"
-    return (Correction(cause=cause, edit_class="solver", group="interval", action=action),)
+    return (correction(cause, "interval", action),)
 
 
 def replay_row(
@@ -138,31 +136,28 @@ def replay_row(
         results = replay(candidate, intervals=intervals, seed=seed, also=also, progress=progress)
     bad = [r for r in results if not r["identical"]]
     counted = bad or [dict(r) for r in earlier]
-    row = Row(
-        id="delivery:replay",
-        check="delivery",
-        group="delivery",
+    row = make_row(
+        candidate,
+        RowId("delivery:replay"),
         predicate="the start and randomly chosen checkpoint intervals, simulated again, give the cached bytes",
         status="fail" if counted or not results else "pass",
-        artifact=candidate.artifact,
+        explanation=f"{len(results) - len(bad)} of {len(results)} intervals gave the cached bytes",
         measured=float(len(counted)),
         bound=0.0,
         comparison="<=",
         unit="1",
         first_failing_frame=min(int(str(r["first_different_frame"])) for r in counted) if counted else None,
         evidence={"intervals": results, "seed": seed, **({"earlier": [dict(r) for r in earlier]} if earlier else {})},
-        corrections=(
-            Correction(
-                cause="the cache is not what these settings give"
+        corrections=[
+            correction(
+                "the cache is not what these settings give"
                 if bad
                 else "an earlier replay of this very cache did not give its bytes, which counts until it is baked again",
-                edit_class="solver",
-                group="interval",
-                action=BAKE_AGAIN,
-            ),
-        )
+                "interval",
+                BAKE_AGAIN,
+            )
+        ]
         if counted
         else (),
-        recipe=candidate.recipe("delivery", extra="replay"),
     )
     return row, bool(results) and not counted and intervals >= ALL_INTERVALS

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..geometry import Camera, contains, distance_to_surface
 from ..worlds.arrays import F64, rotation_matrix
+from ..worlds.requirements import RowId
 from . import motion
 from .shot_rows import SCREEN_STEP, shot_row, subjects_of
 from .surfaces import surfaces_of
@@ -51,7 +52,7 @@ def _cameras(candidate: Candidate, sight: Sight, shot: Shot, shot_id: str, last:
 def inside(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
     """Whether the camera stays out of every body, at and between all frames, as seen from that body."""
     last = min(shot.frames[1], candidate.last_frame)
-    row_id = f"shots:inside:{shot_id}"
+    row_id = RowId("shots:inside", shot_id)
     if last >= shot.frames[0]:
         cameras = _cameras(candidate, sight, shot, shot_id, last)
         found = [bad for part in surfaces_of(candidate).parts if (bad := _meets(candidate, part, cameras)) is not None]
@@ -164,7 +165,7 @@ def _steps(frame: int, one: Camera, two: Camera) -> list[_Step]:
 
 def moves(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
     """Whether the picture, and the subjects on it, move slowly enough to be followed."""
-    row_id = f"shots:motion:{shot_id}"
+    row_id = RowId("shots:motion", shot_id)
     last = shot.frames[1] if shot.follow is None else min(shot.frames[1], candidate.last_frame)
     if last < shot.frames[0]:
         return shot_row(candidate, row_id, "unverified", f"{shot.follow} is not simulated in its frames", frames=shot.frames)

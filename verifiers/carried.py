@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from .afloat import LIFT, afloat, carriers, lift
-from .rows import pointer, row
+from .rows import pointer
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -34,8 +35,7 @@ def carried_row(graph: SupportGraph, name: str, relation: Supports, frames: tupl
             f"{b!r} is a liquid: say that {a!r} contains it (`contains`), or ask for a level or volume in a region"
         )
     common: dict[str, Any] = {
-        "id": f"support:{name}:{b}",
-        "check": "support",
+        "row_id": RowId("support", name, b),
         "predicate": f"{a} carries {b} over frames {frames[0]}..{frames[1]}: it bears at least {MOST:g} of its weight",
         "frames": frames,
         "entities": (b, a),
@@ -51,7 +51,9 @@ def carried_row(graph: SupportGraph, name: str, relation: Supports, frames: tupl
             pointers=("/simulation/couplings",),
         )
         text = f"no two-way coupling lets {a!r} push {b!r}"
-        return row(candidate, status="fail", explanation=text, first_failing_frame=frames[0], corrections=(couple,), **common)
+        return make_row(
+            candidate, status="fail", explanation=text, first_failing_frame=frames[0], corrections=(couple,), **common
+        )
     lower = Correction(
         cause=f"{b!r} is not in {a!r}, too heavy for it, or held by something else",
         edit_class="scene",
@@ -63,12 +65,12 @@ def carried_row(graph: SupportGraph, name: str, relation: Supports, frames: tupl
         inside = a in afloat(candidate, b)
         text = f"{b!r} {'touches' if inside else 'does not touch'} the initial volume of {a!r}"
         corrections = () if inside else (lower,)
-        return row(candidate, status="pass" if inside else "fail", explanation=text, corrections=corrections, **common)
+        return make_row(candidate, status="pass" if inside else "fail", explanation=text, corrections=corrections, **common)
     share = lift(candidate, b, solver)[frames[0] : frames[1] + 1]
     mean = float(share.mean())
     ok = mean >= MOST
     dry = np.flatnonzero(share < LIFT)
-    return row(
+    return make_row(
         candidate,
         status="pass" if ok else "fail",
         explanation=f"{a!r} bears {mean:.3g} of the weight of {b!r} over {len(share)} frames, {len(dry)} of them hardly",

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..worlds.requirements import Row
+from ..worlds.requirements import Row, RowId
 from . import cloth, elastic, fracture, liquid, particles, rigid
 from .verdicts import correction, make_row
 
@@ -44,9 +44,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows.append(
             make_row(
                 candidate,
-                f"category:{name}",
-                check="category",
-                group="physical",
+                RowId("category", name),
                 predicate=f"{name} behaves as {category}",
                 status="unverified",
                 explanation=f"{name} is {category}, and {missing}, so there is nothing to inspect",

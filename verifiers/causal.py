@@ -19,7 +19,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact
-from ..worlds.requirements import Correction, Row, Status
+from ..worlds.requirements import Correction, Row, RowId, Status
 from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
 from .predicates import Outcome, beat_times, evaluate
 from .sheet_links import sheet_of
@@ -419,9 +419,7 @@ def _row(
     subjects = [b.subject for b in (cause, effect) if b is not None]
     return make_row(
         candidate,
-        f"causal:{cause_id}:{effect_id}",
-        check="causal",
-        group="temporal",
+        RowId("causal", cause_id, effect_id),
         predicate=f"{cause_id} comes no later than {effect_id}, and an impulse chain leads from its subject to {effect.subject}",
         mandatory=effect.mandatory,
         status=status,

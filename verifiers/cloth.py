@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from ..worlds.errors import EvidenceError
 from .cloth_crossing import apart, free_of_itself
 from .cloth_frames import ClothRun, cloth_run
 from .cloth_ledger import energy, kept_mass, kept_records, momentum, uncut
 from .cloth_numerical import finite, slow
 from .cloth_shape import pinned, shaped, stretched
 from .cloth_tears import held_strength, torn_with_cause
-from .findings import Finding
+from .findings import Finding, judged
 from .instance_rows import instance_row
 
 if TYPE_CHECKING:
@@ -46,19 +45,26 @@ NUMBERS: dict[str, tuple[str, Judge]] = {
 }
 
 
-def _row(candidate: Candidate, solver: str, name: str, predicate: str, judge: Judge, check: Check, family: str) -> Row:
-    try:
-        found = judge(cloth_run(candidate, solver))
-    except EvidenceError as error:
-        found = Finding("unverified", str(error))
-    return instance_row(candidate, solver, name, predicate, found, check=check, family=family)
+def _rows(candidate: Candidate, solver: str, claims: dict[str, tuple[str, Judge]], check: Check, family: str) -> list[Row]:
+    return [
+        instance_row(
+            candidate,
+            solver,
+            name,
+            text,
+            judged(lambda j=judge: j(cloth_run(candidate, solver))),
+            check=check,
+            family=family,
+        )
+        for name, (text, judge) in claims.items()
+    ]
 
 
 def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of the category check of one instance."""
-    return [_row(candidate, solver, n, text, judge, "category", "cloth:") for n, (text, judge) in CLAIMS.items()]
+    return _rows(candidate, solver, CLAIMS, "category", "cloth:")
 
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of its numbers."""
-    return [_row(candidate, solver, n, text, judge, "numerical", "") for n, (text, judge) in NUMBERS.items()]
+    return _rows(candidate, solver, NUMBERS, "numerical", "")

@@ -17,11 +17,12 @@ from ..worlds.elastic_audit import elastic_problems
 from ..worlds.errors import EvidenceError
 from ..worlds.fracture import crumble_of
 from ..worlds.fracture_audit import crumble_limit, fracture_problems
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from .own_bodies import own_gap, own_pairs
 from .passages import find_passages
-from .rows import guarded, guarded_rows, pointer, row
+from .rows import guarded, guarded_rows, pointer
 from .surfaces import surfaces_of
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -53,7 +54,7 @@ Pair = tuple[str, str]
 OVERLAP = "visible surfaces do not overlap on any written frame"
 
 
-@guarded("contact", OVERLAP, group="physical")
+@guarded("contact", OVERLAP)
 def check(candidate: Candidate) -> list[Row]:
     """One row per pair that ever comes within twice the contact tolerance, one per passage, and one for the scene."""
     if candidate.stage == "static":
@@ -67,21 +68,17 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             lambda a=a, b=b, series=series, pairs=pairs: [_pair(surfaces, a, b, series, peaks, pairs)],  # type: ignore[misc]
-            id=f"contact:{a}:{b}",
-            check="contact",
-            group="physical",
+            row_id=RowId("contact", a, b),
             predicate=_predicate(surfaces, a, b),
             entities=(a, b),
         )
-    scene, *through = guarded_rows(
-        candidate, lambda: _between(surfaces, rows), id="contact:scene", check="contact", group="physical", predicate=OVERLAP
-    )
+    scene, *through = guarded_rows(candidate, lambda: _between(surfaces, rows), row_id=RowId("contact:scene"), predicate=OVERLAP)
     return [scene, *rows, *through]
 
 
 def _between(surfaces: Surfaces, rows: list[Row]) -> list[Row]:
     """The row of the scene and one for each passage between frames."""
-    passages = find_passages(surfaces, known={(r.id.split(":")[1], r.id.split(":")[2]) for r in rows if r.status == "fail"})
+    passages = find_passages(surfaces, known={(r.subject[0], r.subject[1]) for r in rows if r.status == "fail"})
     through = [_through(surfaces, passage) for passage in passages.found]
     return [_scene(surfaces, rows, through, passages.inspected), *through]
 
@@ -156,11 +153,9 @@ def _pair(
         )
     else:
         text = f"{a!r} and {b!r} come within {series[worst] * 1e3:.4g} mm at frame {worst} and never overlap beyond the bound"
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"contact:{a}:{b}",
-        check="contact",
-        group="physical",
+        row_id=RowId("contact", a, b),
         predicate=_predicate(surfaces, a, b),
         status="fail" if len(bad) else "pass",
         explanation=text,
@@ -341,11 +336,9 @@ def _through(surfaces: Surfaces, passage: Passage) -> Row:
     parts = ((passage.entity, passage.parts[0]), (passage.through, passage.parts[1]))
     felt = "although the engine felt a contact" if passage.felt else "and the engine felt no contact of the two"
     resolution = _resolution(surfaces, solver, passage.depth, tunnel=True) if solver else []
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"contact:through:{passage.entity}:{passage.through}",
-        check="contact",
-        group="physical",
+        row_id=RowId("contact:through", passage.entity, passage.through),
         predicate=f"{passage.entity} does not pass through {passage.through} between two frames: overlap on every path that "
         f"the states allow <= {TUNNEL_SHARE:g} of the thinner wall",
         status="fail",
@@ -391,11 +384,9 @@ def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: i
             f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves of pairs tested for passages"
         )
     failing = [*broken, *(r.first_failing_entity for r in bad if r.first_failing_entity)]
-    return row(
+    return make_row(
         candidate,
-        id="contact:scene",
-        check="contact",
-        group="physical",
+        row_id=RowId("contact:scene"),
         predicate="every pair that can touch is inspected at every frame and none overlaps",
         status="fail" if bad or broken else "unverified" if unverified else "pass",
         explanation=text,

@@ -33,7 +33,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact, entities_of
-from ..worlds.requirements import Correction, Row, Status
+from ..worlds.requirements import Correction, Row, RowId, Status
 from . import motion
 from .causal import onset_of, wrong_cause
 from .chains import Chains
@@ -95,8 +95,8 @@ def row_ids(spec: WorldSpec) -> frozenset[str]:
     return frozenset(_row_id(c, e) for e, beat in spec.story.beats.items() for c in beat.causes if c in spec.story.beats)
 
 
-def _row_id(cause_id: str, effect_id: str) -> str:
-    return f"causal:without:{cause_id}:{effect_id}"
+def _row_id(cause_id: str, effect_id: str) -> RowId:
+    return RowId("causal:without", cause_id, effect_id)
 
 
 def check(
@@ -438,8 +438,6 @@ def _row(
     return make_row(
         candidate,
         _row_id(cause_id, effect_id),
-        check="causal",
-        group="temporal",
         predicate=f"without {cause_id}, {effect_id} {asked}",
         mandatory=effect.mandatory,
         status=status,

@@ -7,7 +7,9 @@ from pathlib import Path
 from ..worlds.cache import Cache
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction, Row
+from ..worlds.requirements import Row, RowId
+from .instance_rows import baked_again
+from .verdicts import correction, make_row
 
 __all__ = ["check"]
 
@@ -29,38 +31,31 @@ def _first_altered(cache: Cache) -> tuple[int | None, str]:
 def _complete(candidate: Candidate, name: str, cache: Cache) -> Row:
     wanted = candidate.spec.simulation.frames
     have = cache.index.frames
-    return Row(
-        id=f"delivery:complete:{name}",
-        check="delivery",
-        group="delivery",
+    return make_row(
+        candidate,
+        RowId("delivery:complete", name),
         predicate=f"the cache of {name!r} holds all {wanted} requested frames",
         status="pass" if have == wanted else "fail",
+        explanation=f"{have} of {wanted} frames are there",
         artifact=f"{candidate.artifact}/{name}",
         frames=(0, wanted - 1),
         measured=float(have),
         bound=float(wanted),
         comparison="==",
         unit="frame",
-        first_failing_frame=None if have == wanted else have,
-        corrections=()
-        if have == wanted
-        else (
-            Correction(
-                cause="the bake stopped early", edit_class="solver", group="interval", action="call bake_sim to resume it"
-            ),
-        ),
-        recipe=candidate.recipe("delivery", extra=name),
+        first_failing_frame=have,
+        corrections=(correction("the bake stopped early", "interval", "call bake_sim to resume it"),),
     )
 
 
 def _untouched(candidate: Candidate, name: str, cache: Cache) -> Row:
     bad, why = _first_altered(cache)
-    return Row(
-        id=f"delivery:digests:{name}",
-        check="delivery",
-        group="delivery",
+    return make_row(
+        candidate,
+        RowId("delivery:digests", name),
         predicate=f"every frame of {name!r} has the content recorded when it was baked",
         status="pass" if bad is None else "fail",
+        explanation=f"{cache.index.frames} frames are as baked" if bad is None else f"frame {bad}: {why}",
         artifact=f"{candidate.artifact}/{name}",
         frames=(0, cache.index.frames - 1),
         measured=0.0 if bad is None else 1.0,
@@ -69,14 +64,7 @@ def _untouched(candidate: Candidate, name: str, cache: Cache) -> Row:
         unit="1",
         first_failing_frame=bad,
         evidence={} if bad is None else {"reason": why},
-        corrections=()
-        if bad is None
-        else (
-            Correction(
-                cause=f"frame {bad}: {why}", edit_class="solver", group="interval", action="bake again; never edit cache files"
-            ),
-        ),
-        recipe=candidate.recipe("delivery", extra=name),
+        corrections=(baked_again(f"frame {bad}: {why}"),),
     )
 
 
@@ -86,29 +74,21 @@ def _independent(candidate: Candidate) -> Row:
     outside = sorted(
         str(p.relative_to(root)) for p in Path(root).rglob("*") if p.is_symlink() and root not in p.resolve().parents
     )
-    return Row(
-        id="delivery:independent",
-        check="delivery",
-        group="delivery",
+    return make_row(
+        candidate,
+        RowId("delivery:independent"),
         predicate="the world folder holds everything it refers to",
         status="fail" if outside else "pass",
+        explanation=f"{len(outside)} links lead out of the folder",
         artifact="world.json",
         measured=float(len(outside)),
         bound=0.0,
         comparison="<=",
         unit="1",
         evidence={"links": outside[:10]} if outside else {},
-        corrections=(
-            Correction(
-                cause=f"{outside[0]!r} is a link out of the folder",
-                edit_class="scene",
-                group="shape",
-                action="put the file itself into assets/",
-            ),
-        )
-        if outside
-        else (),
-        recipe=candidate.recipe("delivery", extra="independent"),
+        corrections=[
+            correction(f"{n!r} is a link out of the folder", "shape", "put the file itself into assets/") for n in outside[:1]
+        ],
     )
 
 

@@ -27,7 +27,7 @@ def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
     """What the placeholders of a table stand for in this row; those that it does not tell are left out."""
     named = list(row.entities) or ([row.first_failing_entity] if row.first_failing_entity else [])
     frame = row.first_failing_frame
-    tail = row.id.rsplit(":", 1)[-1]
+    tail = row.subject[-1] if row.subject else None
     found: dict[str, Any] = {
         "row": row.id,
         "follows": row.evidence.get("follows"),
@@ -57,7 +57,7 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     striking = [n for n in thrown if n in concerned]
     found["striker"] = striking[0] if len(striking) == 1 else None
     if row.check in ("beat", "causal"):
-        found["driver"] = _driver(spec, row.id.split(":")[-2] if row.check == "causal" else found["beat"])
+        found["driver"] = _driver(spec, row.subject[0] if row.check == "causal" and row.subject else found["beat"])
     acting = [n for n, d in plan.drivers.items() if getattr(d, "entity", None) in row.entities]
     found["driver"] = found.get("driver") or (acting[0] if len(acting) == 1 else None)
     tip = row.evidence.get("tip")
@@ -118,7 +118,7 @@ def _concerned(row: Row, spec: WorldSpec, beat: str | None) -> set[str]:
     """The row's own entities, and those of the beats that lead to what it judges."""
     beats = spec.story.beats
     own = set(row.entities) | ({row.first_failing_entity} if row.first_failing_entity else set())
-    named = [p for p in (beat, *row.id.split(":")[1:]) if p in beats]
+    named = [p for p in (beat, *row.subject) if p in beats]
     start = named or [n for n, b in beats.items() if own & {b.subject, *entities_of(b.predicate)}]
     for name in _upstream(spec, start):
         own |= {beats[name].subject, *entities_of(beats[name].predicate)}

@@ -21,7 +21,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.drivers import acts_from, deed, to_declare, undeclared
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import atoms_of, entities_of, is_invariant
-from ..worlds.requirements import Correction, Row, Status
+from ..worlds.requirements import Correction, Row, RowId, Status
 from ..worlds.spec import PathDriver
 from .chains import PAUSE, not_still
 from .predicates import beat_times
@@ -57,9 +57,7 @@ def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
     return [
         make_row(
             candidate,
-            f"beat:driven:{beat_id}",
-            check="beat",
-            group="temporal",
+            RowId("beat:driven", beat_id),
             predicate=f"a solver brings {beat_id} about, and the story owns what starts it",
             mandatory=beat.mandatory,
             status=found.status,

@@ -27,6 +27,7 @@ from ..worlds.errors import EvidenceError, InputError
 from ..worlds.spec import ElasticPhysics
 from . import elastic_books, elastic_holds
 from .elastic_rows import elastic_row, physics_of
+from .findings import Finding, judged
 from .rows import pointer
 from .strains import require_deforming, strains_of
 from .verdicts import correction
@@ -46,7 +47,7 @@ VOLUME_NOISE = 0.01
 
 def check_entity(candidate: Candidate, entity: str) -> list[Row]:
     """Rows of one elastic body; `unverified` where evidence is missing."""
-    checks: dict[str, Callable[[Candidate, str], Row]] = {
+    checks: dict[str, Callable[[Candidate, str], Finding]] = {
         "shape": _shape,
         "strain": _strain,
         "self": _self,
@@ -56,13 +57,7 @@ def check_entity(candidate: Candidate, entity: str) -> list[Row]:
         "pins": elastic_holds.pins,
         "flight": elastic_holds.flight,
     }
-    rows = []
-    for name, function in checks.items():
-        try:
-            rows.append(function(candidate, entity))
-        except EvidenceError as error:
-            rows.append(elastic_row(candidate, name, entity, "unverified", str(error)))
-    return rows
+    return [elastic_row(candidate, name, entity, judged(function, candidate, entity)) for name, function in checks.items()]
 
 
 def check_instance(candidate: Candidate, solver: str) -> list[Row]:
@@ -73,7 +68,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     return [*rows, *elastic_books.check(candidate, solver)] if soft else []
 
 
-def _shape(candidate: Candidate, entity: str) -> Row:
+def _shape(candidate: Candidate, entity: str) -> Finding:
     found = strains_of(require_deforming(candidate, entity), candidate.frame_count)
     lost = ~np.isfinite(found.volume)
     wrong = lost | (found.inverted > 0)
@@ -84,10 +79,7 @@ def _shape(candidate: Candidate, entity: str) -> Row:
     if frame is not None:
         what = "a vertex is not finite" if lost[frame] else f"{found.inverted[frame]} tetrahedra are inverted"
         text = f"{what} at frame {frame}"
-    return elastic_row(
-        candidate,
-        "shape",
-        entity,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=least if frame is None or not lost[frame] else None,
@@ -95,12 +87,12 @@ def _shape(candidate: Candidate, entity: str) -> Row:
         comparison=">=",
         unit="1",
         frame=frame,
-        corrections=(_shorter(candidate, entity), _finer(candidate, entity)),
+        hints=(_shorter(candidate, entity), _finer(candidate, entity)),
         evidence={"inverted": int(found.inverted.max())},
     )
 
 
-def _strain(candidate: Candidate, entity: str) -> Row:
+def _strain(candidate: Candidate, entity: str) -> Finding:
     found = strains_of(require_deforming(candidate, entity), candidate.frame_count)
     bound = physics_of(candidate, entity).max_strain
     wrong = ~(found.largest <= bound)
@@ -114,22 +106,19 @@ def _strain(candidate: Candidate, entity: str) -> Row:
         f"raise young_modulus about {1.0 if worst is None else worst / bound:.2g} times",
         pointers=(pointer("entities", entity, "physics", "young_modulus"),),
     )
-    return elastic_row(
-        candidate,
-        "strain",
-        entity,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst,
         bound=bound,
         unit="1",
         frame=frame,
-        corrections=(stiffer, _finer(candidate, entity), _shorter(candidate, entity)),
+        hints=(stiffer, _finer(candidate, entity), _shorter(candidate, entity)),
         evidence={"place": np.nan_to_num(found.place[at]).tolist(), "worst_frame": at},
     )
 
 
-def _self(candidate: Candidate, entity: str) -> Row:
+def _self(candidate: Candidate, entity: str) -> Finding:
     """The surface at every frame against itself; frames whose vertices repeat are searched once."""
     built, known = candidate.entity(entity), dict[bytes, tuple[int, float]]()
     require_deforming(candidate, entity)
@@ -146,17 +135,14 @@ def _self(candidate: Candidate, entity: str) -> Row:
     text = f"{candidate.frame_count} frames searched, {'none' if frame_of is None else int((pairs > 0).sum())} with crossings"
     if frame_of is not None:
         text += f"; {pairs[frame_of]} pairs of triangles first at frame {frame_of}, by up to {reach.max() * 1e3:.3g} mm"
-    return elastic_row(
-        candidate,
-        "self",
-        entity,
+    return Finding(
         "pass" if frame_of is None else "fail",
         text,
         measured=float(pairs.max()),
         bound=0.0,
         unit="1",
         frame=frame_of,
-        corrections=(_finer(candidate, entity), _shorter(candidate, entity)),
+        hints=(_finer(candidate, entity), _shorter(candidate, entity)),
         evidence={"reach_m": float(reach.max())},
     )
 
@@ -170,7 +156,7 @@ def _crossings(vertices: F64, faces: object) -> tuple[int, float]:
     return len(found.pairs), float(found.reach.max(initial=0.0))
 
 
-def _volume(candidate: Candidate, entity: str) -> Row:
+def _volume(candidate: Candidate, entity: str) -> Finding:
     found, physics = strains_of(require_deforming(candidate, entity), candidate.frame_count), physics_of(candidate, entity)
     change = np.abs(found.volume / found.rest - 1.0)
     bound = max(VOLUME_NOISE, 3.0 * (1.0 - 2.0 * physics.poisson_ratio) * physics.max_strain)
@@ -184,22 +170,19 @@ def _volume(candidate: Candidate, entity: str) -> Row:
         "raise poisson_ratio, at most 0.49",
         pointers=(pointer("entities", entity, "physics", "poisson_ratio"),),
     )
-    return elastic_row(
-        candidate,
-        "volume",
-        entity,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst,
         bound=bound,
         unit="1",
         frame=frame,
-        corrections=(poisson, _shorter(candidate, entity)),
+        hints=(poisson, _shorter(candidate, entity)),
         evidence={"rest_m3": found.rest},
     )
 
 
-def _step(candidate: Candidate, entity: str) -> Row:
+def _step(candidate: Candidate, entity: str) -> Finding:
     soft = require_deforming(candidate, entity)
     travel: F64 = soft.cache.series("record/elastic_travel_per_step")
     edges = [_shortest(m.vertices, m.faces) for m in soft.meshes.values()]
@@ -208,17 +191,14 @@ def _step(candidate: Candidate, entity: str) -> Row:
     frame = int(np.argmax(wrong)) if wrong.any() else None
     worst = float(travel.max()) if np.isfinite(travel).all() else None
     text = f"a node travels {'not finite' if worst is None else f'{worst:.3g} m'} in a step at most; {bound:.3g} m are allowed"
-    return elastic_row(
-        candidate,
-        "step",
-        entity,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst,
         bound=bound,
         unit="m",
         frame=frame,
-        corrections=(_shorter(candidate, entity),),
+        hints=(_shorter(candidate, entity),),
         evidence={"shortest_edge_m": min(edges), "skin_m": _settings(candidate, entity).skin},
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from .elastic_exchange import exchange, outside_work, together
 from .elastic_fields import fields
 from .elastic_ledger import elastic_energies, vertex_books
 from .elastic_rows import elastic_row
+from .findings import Finding, judged
 from .strains import require_deforming, strains_of
 from .verdicts import correction
 
@@ -36,7 +38,7 @@ REST_HEIGHT = 1e-3
 
 def check(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of one instance."""
-    checks: dict[str, Callable[[Candidate, str, Cache], Row]] = {
+    checks: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
         "energy": _energy,
         "solve": _solve,
         "records": _records,
@@ -45,16 +47,18 @@ def check(candidate: Candidate, solver: str) -> list[Row]:
         "fields": lambda candidate, solver, cache: fields(candidate, solver, cache, _members(candidate, solver)),
         "together": lambda candidate, solver, cache: together(candidate, solver, cache, _members(candidate, solver)),
     }
-    rows = []
-    for name, function in checks.items():
-        try:
-            cache = candidate.rigid_caches.get(solver)
-            if cache is None or not cache.index.deformables:
-                raise EvidenceError(f"instance {solver!r} has no cache of elastic members yet; probe or bake it")
-            rows.append(function(candidate, solver, cache))
-        except EvidenceError as error:
-            rows.append(elastic_row(candidate, name, solver, "unverified", str(error), entities=_members(candidate, solver)))
-    return rows
+    return [
+        elastic_row(candidate, name, solver, replace(found, entities=found.entities or _members(candidate, solver)))
+        for name, function in checks.items()
+        for found in [judged(_ask, function, candidate, solver)]
+    ]
+
+
+def _ask(function: Callable[[Candidate, str, Cache], Finding], candidate: Candidate, solver: str) -> Finding:
+    cache = candidate.rigid_caches.get(solver)
+    if cache is None or not cache.index.deformables:
+        raise EvidenceError(f"instance {solver!r} has no cache of elastic members yet; probe or bake it")
+    return function(candidate, solver, cache)
 
 
 def _members(candidate: Candidate, solver: str) -> tuple[str, ...]:
@@ -62,7 +66,7 @@ def _members(candidate: Candidate, solver: str) -> tuple[str, ...]:
     return tuple(m for m in members if candidate.spec.entities[m].physics.category == "elastic") or (solver,)
 
 
-def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     names = _members(candidate, solver)
     moving, stored = elastic_energies(cache)
     rigid_moving, rigid_stored, work = (
@@ -77,16 +81,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     if not np.isfinite(energy).all():
         frame = int(np.argmax(~np.isfinite(energy)))
         hint = correction("the solver diverged", "step", "halve the step", pointers=(step,))
-        return elastic_row(
-            candidate,
-            "energy",
-            solver,
-            "fail",
-            f"energy is not finite at frame {frame}",
-            frame=frame,
-            entities=names,
-            corrections=(hint,),
-        )
+        return Finding("fail", f"energy is not finite at frame {frame}", frame=frame, entities=names, hints=(hint,))
     scale = max(float(kinetic.max()) + float(np.ptp(potential)), weight * REST_HEIGHT, 1e-12)
     growth = energy - np.minimum.accumulate(energy)
     over = growth > bound * scale
@@ -100,10 +95,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         "move them apart by two skins",
         pointers=(f"/entities/{names[0]}/pose",),
     )
-    return elastic_row(
-        candidate,
-        "energy",
-        solver,
+    return Finding(
         "pass" if frame_of is None else "fail",
         text,
         measured=float(growth.max() / scale),
@@ -111,7 +103,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         unit="1",
         frame=frame_of,
         entities=names,
-        corrections=(hint, skins),
+        hints=(hint, skins),
         evidence={
             "scale_J": scale,
             "start_J": float(energy[0]),
@@ -121,7 +113,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     )
 
 
-def _solve(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _solve(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     names = _members(candidate, solver)
     residual: F64 = np.asarray(cache.series("record/solve_residual"))
     wrong = ~(residual <= RESIDUAL)
@@ -143,10 +135,7 @@ def _solve(candidate: Candidate, solver: str, cache: Cache) -> Row:
         "lower physics.damping",
         pointers=tuple(f"/entities/{n}/physics/damping" for n in names),
     )
-    return elastic_row(
-        candidate,
-        "solve",
-        solver,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst,
@@ -154,11 +143,11 @@ def _solve(candidate: Candidate, solver: str, cache: Cache) -> Row:
         unit="1",
         frame=frame,
         entities=names,
-        corrections=(shorter, weaker, coarser),
+        hints=(shorter, weaker, coarser),
     )
 
 
-def _records(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     names = _members(candidate, solver)
     books = vertex_books(candidate, names)
     kinetic, _ = elastic_energies(cache)
@@ -180,10 +169,7 @@ def _records(candidate: Candidate, solver: str, cache: Cache) -> Row:
     quantity = list(deviations)[int(worst[0])]
     text = f"{quantity} is off the vertices by {largest:.2%} of what is in play, at frame {int(worst[1])}"
     again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return elastic_row(
-        candidate,
-        "records",
-        solver,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=largest if np.isfinite(largest) else None,
@@ -191,12 +177,12 @@ def _records(candidate: Candidate, solver: str, cache: Cache) -> Row:
         unit="1",
         frame=frame,
         entities=names,
-        corrections=(again,),
+        hints=(again,),
         evidence={"quantity": quantity, "scale_J": energy},
     )
 
 
-def _mass(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _mass(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     names = _members(candidate, solver)
     worst, culprit = 0.0, names[0]
     for name in names:
@@ -212,10 +198,7 @@ def _mass(candidate: Candidate, solver: str, cache: Cache) -> Row:
         "lower physics.resolution",
         pointers=(f"/entities/{culprit}/physics/resolution",),
     )
-    return elastic_row(
-        candidate,
-        "mass",
-        solver,
+    return Finding(
         "pass" if ok else "fail",
         text,
         measured=worst,
@@ -224,5 +207,5 @@ def _mass(candidate: Candidate, solver: str, cache: Cache) -> Row:
         frame=None if ok else 0,
         entity=culprit,
         entities=names,
-        corrections=(finer,),
+        hints=(finer,),
     )

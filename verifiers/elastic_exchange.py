@@ -17,16 +17,15 @@ from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .elastic_fields import field_work
 from .elastic_ledger import elastic_energies
-from .elastic_rows import elastic_row
 from .exchanged import partners
 from .field_ledger import blown
+from .findings import Finding
 from .ledgers import books_of
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
 
 __all__ = ["Outside", "exchange", "outside_work", "soft_impulses", "soft_work", "together"]
 
@@ -78,11 +77,11 @@ def outside_work(candidate: Candidate, cache: Cache) -> Outside:
     return Outside(soft_work(candidate, cache) + field_work(candidate, cache) + rigid.work, rigid.doubt)
 
 
-def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Row:
+def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Finding:
     """Row `exchange`."""
     others = partners(candidate.spec, solver)
     if not others:
-        return elastic_row(candidate, "exchange", solver, "not_applicable", "nobody is coupled both ways with it", entities=names)
+        return Finding("not_applicable", "nobody is coupled both ways with it", entities=names)
     received = soft_impulses(candidate, cache)[:, :, :3]
     owners = [name.split("/", 1)[0] for name in cache.index.deformables]
     given, count = np.zeros_like(received), min(len(received), candidate.frame_count)
@@ -103,10 +102,7 @@ def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
     culprit = owners[int(worst[1])]
     text = f"what {culprit} received and what it was given differ by {share.max():.2g} of the largest impulse, {size:.3g} N s"
     again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return elastic_row(
-        candidate,
-        "exchange",
-        solver,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=float(share.max()),
@@ -115,19 +111,19 @@ def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
         frame=frame,
         entity=culprit,
         entities=names,
-        corrections=(again,),
+        hints=(again,),
         evidence={"largest_Ns": size, "partners": list(others)},
     )
 
 
-def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Row:
+def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Finding:
     """Row `together`."""
     plan = candidate.spec.simulation
     others = partners(candidate.spec, solver)
     cloth = [n for n in others if n in plan.cloth]
     if not cloth or len(cloth) < len(others):
         text = "no cloth is coupled with it" if not cloth else "energy also passes to liquids or grains, whose own rows judge it"
-        return elastic_row(candidate, "together", solver, "not_applicable", text, entities=names)
+        return Finding("not_applicable", text, entities=names)
     moving, stored = elastic_energies(cache)
     records = [np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")]
     # What cloth gives to rigid members stays among those that are judged together; what fields give to them does not.
@@ -155,10 +151,7 @@ def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
     text += f"{growth.max() / scale:.2%} of the {scale:.3g} J in play"
     places = tuple(f"/simulation/solvers/{n}/settings/exchange" for n in cloth)
     sooner = correction("bodies are taken as they were for too long", "step", "halve exchange of the cloth", pointers=places)
-    return elastic_row(
-        candidate,
-        "together",
-        solver,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=float(growth.max() / scale),
@@ -166,6 +159,6 @@ def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
         unit="1",
         frame=frame,
         entities=names,
-        corrections=(sooner,),
+        hints=(sooner,),
         evidence={"scale_J": scale, "start_J": float(energy[0]), "end_J": float(energy[-1])},
     )

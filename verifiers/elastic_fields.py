@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from ..worlds.fields import Fields, face_drag, fields_of
-from .elastic_rows import elastic_row, physics_of
+from .elastic_rows import physics_of
+from .findings import Finding
 from .strains import require_deforming
 from .verdicts import correction
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
     from ..worlds.deforming import Deforming
-    from ..worlds.requirements import Row
     from ..worlds.spec import ElasticPhysics
 
 __all__ = ["FIELD", "field_impulses", "field_work", "fields"]
@@ -59,12 +59,10 @@ def field_work(candidate: Candidate, cache: Cache) -> F64:
     return np.cumsum(np.asarray(cache.series("record/soft_field_work"), dtype=np.float64))
 
 
-def fields(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Row:
+def fields(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Finding:
     """Row `fields`."""
     if not feels_fields(candidate, cache):
-        return elastic_row(
-            candidate, "fields", solver, "not_applicable", "no force field acts on an elastic body of it", entities=names
-        )
+        return Finding("not_applicable", "no force field acts on an elastic body of it", entities=names)
     given, owners = field_impulses(candidate, cache), [n.split("/", 1)[0] for n in cache.index.deformables]
     worst, culprit, frame, size = -1.0, owners[0], None, 0.0
     for row, name in enumerate(owners):
@@ -77,10 +75,7 @@ def fields(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ..
         f"what fields gave to {culprit} differs from the declared fields' by {worst:.2g} of the largest impulse, {size:.3g} N s"
     )
     again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return elastic_row(
-        candidate,
-        "fields",
-        solver,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst,
@@ -89,7 +84,7 @@ def fields(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ..
         frame=frame,
         entity=culprit,
         entities=names,
-        corrections=(again,),
+        hints=(again,),
         evidence={"largest_Ns": size},
     )
 

@@ -11,7 +11,8 @@ from ..worlds.arrays import F64, pose_of
 from ..worlds.errors import EvidenceError
 from .elastic_exchange import soft_impulses
 from .elastic_fields import field_impulses
-from .elastic_rows import elastic_row, physics_of
+from .elastic_rows import physics_of
+from .findings import Finding
 from .rows import pointer
 from .strains import deflections, require_deforming, strains_of
 from .verdicts import correction
@@ -19,7 +20,6 @@ from .verdicts import correction
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.deforming import Deforming
-    from ..worlds.requirements import Row
 
 __all__ = ["flight", "pins", "recovery"]
 
@@ -37,22 +37,20 @@ FLIGHT_SPEED = 2e-4
 """[m/s] Single precision of cached velocities, with room."""
 
 
-def recovery(candidate: Candidate, entity: str) -> Row:
+def recovery(candidate: Candidate, entity: str) -> Finding:
     """Row `recovery`."""
     soft, physics = require_deforming(candidate, entity), physics_of(candidate, entity)
     away = deflections(candidate, entity)
     if physics.yield_strain > 0:
         text = f"the contract lets {entity} keep another shape from a strain of {physics.yield_strain:g} on"
-        return elastic_row(candidate, "recovery", entity, "not_applicable", text)
+        return Finding("not_applicable", text)
     last = candidate.last_frame
     speeds = np.array([np.linalg.norm(soft.velocities(k), axis=1).max() for k in range(max(0, last - REST_FRAMES + 1), last + 1)])
     if not np.isfinite(away).all() or not np.isfinite(speeds).all():
-        return elastic_row(
-            candidate, "recovery", entity, "fail", "vertices are not finite", frame=int(np.argmax(~np.isfinite(away)))
-        )
+        return Finding("fail", "vertices are not finite", frame=int(np.argmax(~np.isfinite(away))))
     if (speeds > REST_SPEED).any():
         text = f"{entity} still moves at {speeds.max():.3g} m/s in the last {len(speeds)} frames: there is no rest to judge"
-        return elastic_row(candidate, "recovery", entity, "not_applicable", text, evidence={"deflection_m": float(away[last])})
+        return Finding("not_applicable", text, evidence={"deflection_m": float(away[last])})
     size = float(np.linalg.norm(np.ptp(soft.rest, axis=0)))
     load = _load(candidate, soft, entity)
     bound = physics.recovery * size + load
@@ -71,17 +69,14 @@ def recovery(candidate: Candidate, entity: str) -> Row:
         "raise young_modulus",
         pointers=(pointer("entities", entity, "physics", "young_modulus"),),
     )
-    return elastic_row(
-        candidate,
-        "recovery",
-        entity,
+    return Finding(
         "pass" if ok else "fail",
         text,
         measured=float(away[last]),
         bound=bound,
         unit="m",
         frame=None if ok else last,
-        corrections=(stuck, stiffer),
+        hints=(stuck, stiffer),
         evidence={"peak_m": float(away.max()), "peak_frame": int(away.argmax()), "load_m": load, "size_m": size},
     )
 
@@ -110,11 +105,11 @@ def _given(candidate: Candidate, soft: Deforming) -> F64:
     return np.asarray(soft_impulses(candidate, soft.cache)[:, row, :3] + field_impulses(candidate, soft.cache)[:, row])
 
 
-def pins(candidate: Candidate, entity: str) -> Row:
+def pins(candidate: Candidate, entity: str) -> Finding:
     """Row `pins`: what a pin holds, against where its carrier has it."""
     soft, physics = require_deforming(candidate, entity), physics_of(candidate, entity)
     if not physics.pins:
-        return elastic_row(candidate, "pins", entity, "not_applicable", f"{entity} has no pins")
+        return Finding("not_applicable", f"{entity} has no pins")
     start = pose_of(candidate.spec.entities[entity].pose)
     worst, bound, culprit, frame = -1.0, 0.0, "", None
     for key, pin in sorted(physics.pins.items()):
@@ -138,17 +133,14 @@ def pins(candidate: Candidate, entity: str) -> Row:
         f"make the box of pin {culprit!r} larger",
         pointers=(pointer("entities", entity, "physics", "pins", culprit),),
     )
-    return elastic_row(
-        candidate,
-        "pins",
-        entity,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst if np.isfinite(worst) else None,
         bound=bound,
         unit="m",
         frame=frame,
-        corrections=(larger,),
+        hints=(larger,),
         evidence={"pin": culprit},
     )
 
@@ -169,7 +161,7 @@ def _slip(candidate: Candidate, soft: Deforming, placed: F64, held: NDArray[np.b
     return float(np.linalg.norm(soft.positions(frame)[held].mean(axis=0) - wanted))
 
 
-def flight(candidate: Candidate, entity: str) -> Row:
+def flight(candidate: Candidate, entity: str) -> Finding:
     """Row `flight`: Newton's second law of the whole body over intervals in which gravity alone acts."""
     soft, physics, plan = require_deforming(candidate, entity), physics_of(candidate, entity), candidate.spec.simulation
     count = candidate.frame_count
@@ -183,9 +175,7 @@ def flight(candidate: Candidate, entity: str) -> Row:
     if physics.pins or any(d.kind == "field" for d in plan.drivers.values()):
         alone[:] = False
     if not alone.any():
-        return elastic_row(
-            candidate, "flight", entity, "not_applicable", f"something touches, holds or blows {entity} in every interval"
-        )
+        return Finding("not_applicable", f"something touches, holds or blows {entity} in every interval")
     fall = np.array(plan.gravity) / plan.fps
     off = np.linalg.norm(np.diff(speeds, axis=0) - fall, axis=1)
     bound = FLIGHT * float(np.linalg.norm(fall)) + FLIGHT_SPEED
@@ -196,16 +186,13 @@ def flight(candidate: Candidate, entity: str) -> Row:
         f"velocity of the centre of mass is off free fall by {worst:.3g} m/s per frame at most, over {int(alone.sum())} intervals"
     )
     again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return elastic_row(
-        candidate,
-        "flight",
-        entity,
+    return Finding(
         "pass" if frame is None else "fail",
         text,
         measured=worst if np.isfinite(worst) else None,
         bound=bound,
         unit="m/s",
         frame=frame,
-        corrections=(again,),
+        hints=(again,),
         evidence={"intervals": int(alone.sum())},
     )

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
+from ..worlds.requirements import RowId
 from ..worlds.spec import ElasticPhysics
-from .verdicts import make_row
+from .findings import Finding, answered
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Correction, Row, Status
+    from ..worlds.requirements import Row
 
 __all__ = ["PREDICATES", "elastic_row", "physics_of"]
 
@@ -42,42 +41,10 @@ def physics_of(candidate: Candidate, entity: str) -> ElasticPhysics:
     return physics
 
 
-def elastic_row(
-    candidate: Candidate,
-    name: str,
-    owner: str,
-    status: Status,
-    explanation: str,
-    *,
-    measured: float | None = None,
-    bound: float | None = None,
-    comparison: Literal["<=", ">="] = "<=",
-    unit: str = "",
-    frame: int | None = None,
-    entity: str | None = None,
-    entities: tuple[str, ...] = (),
-    corrections: tuple[Correction, ...] = (),
-    evidence: Mapping[str, object] | None = None,
-) -> Row:
-    """Row `category:elastic:<name>:<owner>` about an entity, or a solver instance and its `entities`."""
-    named = entities or (owner,)
-    return make_row(
-        candidate,
-        f"category:elastic:{name}:{owner}",
-        check="category",
-        group="physical",
-        predicate=PREDICATES[name],
-        status=status,
-        explanation=explanation,
-        frames=(0, candidate.last_frame),
-        measured=measured,
-        bound=bound,
-        comparison=comparison if measured is not None else "",
-        unit=unit,
-        entities=named,
-        first_failing_entity=(entity or named[0]) if status == "fail" else None,
-        first_failing_frame=frame,
-        corrections=corrections if status == "fail" else (),
-        evidence=evidence,
-        extra=[candidate.spec.simulation.limits.energy_growth],
+def elastic_row(candidate: Candidate, name: str, owner: str, found: Finding) -> Row:
+    """Row `category:elastic:<name>:<owner>` about an entity, or an instance and the entities that the answer names."""
+    entities = () if found.entities else (owner,)
+    growth = candidate.spec.simulation.limits.energy_growth
+    return answered(
+        candidate, RowId(f"category:elastic:{name}", owner), PREDICATES[name], found, entities=entities, extra=[growth]
     )

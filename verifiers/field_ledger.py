@@ -15,13 +15,13 @@ from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.errors import EvidenceError
 from ..worlds.fields import Fields, acting_on, area_vectors, drag_force, field_drivers, fields_of, projected_area
 from .exchanged import Exchanged, account, nothing
-from .rigid_rows import largest, law_row
+from .findings import Finding
+from .rigid_rows import judged_law, largest
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
     from ..worlds.spec import WorldSpec
     from .ledgers import Books
 
@@ -80,7 +80,7 @@ def blown_at(candidate: Candidate, entity: str, frame: int) -> dict[str, float]:
     return {}
 
 
-def fields(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `fields`."""
     from .ledgers import books_of
 
@@ -97,11 +97,9 @@ def fields(candidate: Candidate, solver: str, cache: Cache) -> Row:
                 excess[:, body] = np.where(np.abs(given[:, body]).any(axis=1), np.inf, -np.inf)
     names = tuple(books.entities[o] for o in books.owner)
     again = correction("the record of the fields was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "fields",
-        PREDICATES["fields"],
         largest(excess, np.isfinite(excess) | (excess > 0), names, FIELD),
         bound=FIELD,
         unit="1",

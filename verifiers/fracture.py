@@ -17,7 +17,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,12 +26,13 @@ from ..geometry.solids import Solid
 from ..worlds.bonds import WORLD, components
 from ..worlds.errors import EvidenceError
 from ..worlds.fracture import middle_size
+from ..worlds.requirements import RowId
+from .findings import Finding, answered, judged
 from .fracture_budget import Budget
 from .fracture_flight import free_flight
 from .fracture_frames import Broken, Frames
 from .fracture_network import Loaded
 from .rigid_laws import IMPULSE, PLACE
-from .rigid_rows import rigid_row
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -71,23 +73,13 @@ PREDICATES = {
 }
 
 
-class _Verdict(NamedTuple):
-    ok: bool
-    text: str
-    measured: float
-    bound: float
-    unit: str = "1"
-    frame: int | None = None
-    group: str = "bonds"
-
-
 def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of all breakable members of one rigid instance; `unverified` where evidence is missing."""
     members = candidate.spec.simulation.solvers[solver].members
     names = [
         m for m in dict.fromkeys(members) if m in candidate.spec.entities and candidate.spec.entities[m].breakable is not None
     ]
-    checks: dict[str, Callable[[Frames], _Verdict | None]] = {
+    checks: dict[str, Callable[[Frames], Finding]] = {
         "pieces": _pieces,
         "bonded": _bonded,
         "events": _events,
@@ -95,41 +87,27 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         "flight": _flight,
         "standing": _standing,
     }
+    growth = candidate.spec.simulation.limits.energy_growth
     rows = []
     for entity in names:
         for name, function in checks.items():
-            row_id = f"category:fracture:{name}:{entity}"
-            try:
-                found = function(Frames(candidate, solver, entity))
-            except EvidenceError as error:
-                rows.append(rigid_row(candidate, row_id, "unverified", PREDICATES[name], str(error), entities=(entity,)))
-                continue
-            if found is None:
-                text = (
-                    f"no bond of {entity!r} broke in these frames" if name != "flight" else f"no piece of {entity!r} flies alone"
-                )
-                rows.append(rigid_row(candidate, row_id, "not_applicable", PREDICATES[name], text, entities=(entity,)))
-                continue
-            rows.append(
-                rigid_row(
-                    candidate,
-                    row_id,
-                    "pass" if found.ok else "fail",
-                    PREDICATES[name],
-                    found.text,
-                    measured=found.measured,
-                    bound=found.bound,
-                    unit=found.unit,
-                    entities=(entity,),
-                    entity=None if found.ok else entity,
-                    frame=None if found.ok else found.frame or 0,
-                    corrections=() if found.ok else (_hint(entity, name, found.group),),
-                )
-            )
+            found = judged(lambda f=function, e=entity: f(Frames(candidate, solver, e)))
+            if found.status == "fail":
+                found = replace(found, frame=found.frame or 0, hints=(_hint(entity, name),))
+            row_id = RowId(f"category:fracture:{name}", entity)
+            rows.append(answered(candidate, row_id, PREDICATES[name], found, entities=(entity,), extra=[growth]))
     return rows
 
 
-def _hint(entity: str, name: str, group: str) -> Correction:
+def _verdict(ok: bool, text: str, measured: float, bound: float, unit: str = "1", frame: int | None = None) -> Finding:
+    return Finding("pass" if ok else "fail", text, measured, bound, unit, frame=None if ok else frame)
+
+
+def _unbroken(frames: Frames) -> Finding:
+    return Finding("not_applicable", f"no bond of {frames.entity!r} broke in these frames")
+
+
+def _hint(entity: str, name: str) -> Correction:
     texts = {
         "pieces": ("the pieces are not the body", f"place {entity!r} again", "shape"),
         "bonded": ("the cache does not move bonded pieces as one", "bake again", "step"),
@@ -146,7 +124,7 @@ def _hint(entity: str, name: str, group: str) -> Correction:
     }
     cause, action, own = texts[name]
     place = "/simulation/solvers" if own == "step" else f"/entities/{entity}/breakable"
-    return correction(cause, own or group, action, pointers=(place,))
+    return correction(cause, own, action, pointers=(place,))
 
 
 def _specified_volume(part: Part) -> tuple[float, float] | None:
@@ -178,13 +156,13 @@ def _specified_volume(part: Part) -> tuple[float, float] | None:
     return None
 
 
-def _pieces(frames: Frames) -> _Verdict:
+def _pieces(frames: Frames) -> Finding:
     candidate, entity = frames.candidate, frames.entity
     built, contract = frames.built, candidate.spec.entities[entity]
     solids = [Solid.from_mesh(p.render, closed=True) for p in built.parts]
     leaky = [p.part for p, s in zip(built.parts, solids, strict=True) if not s.is_watertight or s.volume <= 0]
     if leaky:
-        return _Verdict(False, f"piece {leaky[0]!r} of {entity!r} is not closed", 1.0, 0.0)
+        return _verdict(False, f"piece {leaky[0]!r} of {entity!r} is not closed", 1.0, 0.0)
     wanted = [_specified_volume(p) for p in contract.parts.values()]
     if any(w is None for w in wanted):
         raise EvidenceError(f"a part of {entity!r} has no formula for its volume; its pieces are compared with nothing")
@@ -200,14 +178,14 @@ def _pieces(frames: Frames) -> _Verdict:
     place = {p.body: k for k, p in enumerate(built.parts)}
     bare = [b.name for b in built.bodies if b.name not in place]
     if bare:
-        return _Verdict(False, f"piece {bare[0]!r} of {entity!r} has no surface", float(len(bare)), 0.0)
+        return _verdict(False, f"piece {bare[0]!r} of {entity!r} has no surface", float(len(bare)), 0.0)
     order = [place[b.name] for b in built.bodies]
     astray = float(np.abs(bodies - scale * mass[order]).max() / bodies.max())
     text = f"{len(built.bodies)} pieces hold {found:.6g} m^3 of {volume:.6g} m^3, masses are off by at most {astray:.2g}"
-    return _Verdict(off <= bound and astray <= VOLUME, text, max(off, astray), bound)
+    return _verdict(off <= bound and astray <= VOLUME, text, max(off, astray), bound)
 
 
-def _bonded(frames: Frames) -> _Verdict:
+def _bonded(frames: Frames) -> Finding:
     bonds, built = frames.bonds, frames.built
     size = middle_size(built)
     rest = np.array([b.pose.position for b in built.bodies])
@@ -231,10 +209,10 @@ def _bonded(frames: Frames) -> _Verdict:
     a, b = bonds.pieces[pair].tolist() if len(bonds) else (0, 0)
     text = f"pieces {a} and {'the world' if b == WORLD else b} are {worst:.3g} m apart at frame {at} where their bond holds"
     ok = worst <= APART * size
-    return _Verdict(ok, "bonded pieces move as one" if ok else text, worst, APART * size, "m", at)
+    return _verdict(ok, "bonded pieces move as one" if ok else text, worst, APART * size, "m", at)
 
 
-def _events(frames: Frames) -> _Verdict | None:
+def _events(frames: Frames) -> Finding:
     wrong, first = [], None
     total, last = 0.0, frames.broken(0)
     size = middle_size(frames.built)
@@ -271,18 +249,18 @@ def _events(frames: Frames) -> _Verdict | None:
     if off > 1e-6 * max(1.0, float(recorded[-1])):
         wrong.append(f"the record of energy is {recorded[-1]:.6g} J, events have {total + others:.6g} J")
     if not wrong and not last.any():
-        return None
+        return _unbroken(frames)
     text = wrong[0] + f" at frame {first}" if wrong else f"{int(last.sum())} bonds broke, each with its event"
-    return _Verdict(not wrong, text, float(len(wrong)), 0.0, "1", first)
+    return _verdict(not wrong, text, float(len(wrong)), 0.0, "1", first)
 
 
-def _cause(frames: Frames) -> _Verdict | None:
+def _cause(frames: Frames) -> Finding:
     breakable = frames.candidate.spec.entities[frames.entity].breakable
     assert breakable is not None
     loaded = Loaded(frames.built, breakable.bond)
     events = [(f, e) for f in range(1, frames.count) for e in frames.breaks(f)]
     if not events:
-        return None
+        return _unbroken(frames)
     cases: dict[tuple[int, int], list[Broken]] = {}
     for frame, event in events:
         cases.setdefault((frame, event.case), []).append(event)
@@ -294,23 +272,23 @@ def _cause(frames: Frames) -> _Verdict | None:
         if off > astray:
             astray, most = off, frame
     if lowest <= 1.0 - RATIO:
-        return _Verdict(False, f"bonds broke at frame {least} under {lowest:.3g} of their strength", lowest, 1.0, "1", least)
+        return _verdict(False, f"bonds broke at frame {least} under {lowest:.3g} of their strength", lowest, 1.0, "1", least)
     if astray > RATIO:
         text = f"a bond broke at frame {most} under another stress than its event tells, by {astray:.3g} of it"
-        return _Verdict(False, text, astray, RATIO, "1", most)
+        return _verdict(False, text, astray, RATIO, "1", most)
     unfounded = [(f, e) for f, e in events if not frames.pushed(e, f)]
     if unfounded:
         frame, event = unfounded[0]
         name = frames.collider(event.cause)
         text = f"bond {event.bond} broke at frame {frame} because of {name!r}, which did not touch {frames.entity!r} then"
-        return _Verdict(False, text, float(len(unfounded)), 0.0, "1", frame)
+        return _verdict(False, text, float(len(unfounded)), 0.0, "1", frame)
     budget = Budget(frames, frames.solver, breakable.bond.contact_time)
     for frame, event in events:
         beyond = budget.excess(event, frame, frames.case(frame, event.case)[0])
         if beyond > 1.0:
             text = f"bond {event.bond} broke at frame {frame} under {beyond:.3g} times what {frames.collider(event.cause)!r} can have given"
-            return _Verdict(False, text, beyond, 1.0, "1", frame)
-    return _Verdict(True, f"{len(events)} bonds broke in {len(cases)} cases, each under its load", float(len(unfounded)), 0.0)
+            return _verdict(False, text, beyond, 1.0, "1", frame)
+    return _verdict(True, f"{len(events)} bonds broke in {len(cases)} cases, each under its load", float(len(unfounded)), 0.0)
 
 
 def _chosen(cases: dict[tuple[int, int], list[Broken]], bonds: int) -> list[tuple[tuple[int, int], list[Broken]]]:
@@ -344,10 +322,10 @@ def _again(frames: Frames, loaded: Loaded, frame: int, case: int, broken: list[B
     return float(ratio.max(initial=0.0)), off
 
 
-def _flight(frames: Frames) -> _Verdict | None:
+def _flight(frames: Frames) -> Finding:
     found = free_flight(frames, IMPULSE, PLACE)
     if not found.cases:
-        return None
+        return Finding("not_applicable", f"no piece of {frames.entity!r} flies alone")
     ok = found.speed <= IMPULSE and found.place <= PLACE
     if found.speed / IMPULSE >= found.place / PLACE:
         measured, bound, unit, what = found.speed, IMPULSE, "m/s", "changes its velocity"
@@ -355,10 +333,10 @@ def _flight(frames: Frames) -> _Verdict | None:
         measured, bound, unit, what = found.place, PLACE, "m", "is displaced"
     text = f"piece {found.piece} of {frames.entity!r} {what} by {measured:.3g} {unit} more than gravity explains, with nothing near it"
     good = f"{found.cases} flights of loose pieces follow gravity"
-    return _Verdict(ok, good if ok else text, measured, bound, unit, found.frame)
+    return _verdict(ok, good if ok else text, measured, bound, unit, found.frame)
 
 
-def _standing(frames: Frames) -> _Verdict:
+def _standing(frames: Frames) -> Finding:
     breakable = frames.candidate.spec.entities[frames.entity].breakable
     assert breakable is not None
     loaded = Loaded(frames.built, breakable.bond)
@@ -377,4 +355,4 @@ def _standing(frames: Frames) -> _Verdict:
             if ratio.max(initial=0.0) > worst:
                 worst, at = float(ratio.max()), frame
     text = f"bonds of {frames.entity!r} carry at most {worst:.3g} of their strength, at frame {at}"
-    return _Verdict(worst <= OVERLOAD, text, worst, OVERLOAD, "1", at)
+    return _verdict(worst <= OVERLOAD, text, worst, OVERLOAD, "1", at)

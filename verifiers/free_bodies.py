@@ -8,13 +8,14 @@ import numpy as np
 
 from ..worlds.arrays import F64, pose_of
 from ..worlds.fields import fields_of
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
 from . import motion
 from .afloat import afloat
 from .moved import spoken_of
-from .rows import pointer, row, translation_patch
+from .rows import pointer, translation_patch
 from .support_graph import beside, drop, gravity_direction
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -65,10 +66,10 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
     reason, evidence = _excuse(graph, entity)
     if entity in surfaces.broken and surfaces.broken[entity] == 0:
         reason = ""
-    common: dict[str, Any] = {"id": f"support:derived:{entity}", "check": "support", "predicate": DERIVED, "frames": (0, 0)}
+    common: dict[str, Any] = {"row_id": RowId("support:derived", entity), "predicate": DERIVED, "frames": (0, 0)}
     gap = surfaces.candidate.spec.simulation.limits.contact_gap
     if reason:
-        return row(
+        return make_row(
             surfaces.candidate,
             status="pass",
             explanation=f"{entity!r} {reason}",
@@ -104,7 +105,7 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
     hangs = fall is not None and fall[0] > _size(surfaces, entity)
     corrections = [held, *corrections] if hangs else [*corrections, held]
-    return row(
+    return make_row(
         surfaces.candidate,
         status="fail",
         explanation=text,

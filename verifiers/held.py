@@ -17,12 +17,13 @@ import numpy as np
 
 from ..geometry import signed_clearance
 from ..worlds.arrays import F64, RigidPose, pose_of
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import HeightField, PathDriver, WorldSpec
 from .free_bodies import LEFT, along_up, placement
 from .one_piece import own_touches
-from .rows import guarded_rows, pointer, row
+from .rows import guarded_rows, pointer
 from .support_graph import DROP_STEPS, NEAR, gravity_direction
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -177,8 +178,7 @@ def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
     return guarded_rows(
         surfaces.candidate,
         lambda: list(_rows(surfaces, ground)),
-        id="support:held",
-        check="support",
+        row_id=RowId("support:held"),
         predicate=PREDICATE,
     )
 
@@ -186,7 +186,7 @@ def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
 def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
     for name, lacking in surfaces.missing.items():
         if is_still(surfaces.candidate.spec, name):
-            yield row(
+            yield make_row(
                 surfaces.candidate,
                 status="unverified",
                 explanation=f"no evidence: {lacking}",
@@ -209,7 +209,7 @@ def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
             if not loose
             else f"{name!r} is said to float in the air: {reason}"
         )
-        yield row(
+        yield make_row(
             surfaces.candidate,
             status="pass",
             explanation=text,
@@ -222,8 +222,7 @@ def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
 def _common(surfaces: Surfaces, name: str) -> dict[str, Any]:
     entity = surfaces.candidate.spec.entities[name]
     return {
-        "id": f"support:derived:{name}",
-        "check": "support",
+        "row_id": RowId("support:derived", name),
         "predicate": PREDICATE,
         "frames": (0, 0),
         "extra": [entity.motion, entity.afloat],
@@ -250,7 +249,7 @@ def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> R
         corrections.insert(0, _move(held, name, loose, near, f"bring it to {near.to!r}"))
     corrections += _others(name, what)
     nearest = min((w.distance for w in (fall, near) if w is not None and w.distance > gap), default=None)
-    return row(
+    return make_row(
         surfaces.candidate,
         status="fail",
         explanation=text,

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .verdicts import correction, make_row
+from ..worlds.requirements import RowId
+from .findings import answered
+from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -38,27 +41,15 @@ def instance_row(
     instance = candidate.spec.simulation.solvers[solver]
     category = instance.moves[0]
     family = f"{category}:" if family is None else family
-    failed = found.status == "fail"
-    members = tuple(instance.members)
-    named = tuple(dict.fromkeys(n for n in (found.entity, *members) if n))
-    return make_row(
+    if found.status == "fail" and found.frame is None:
+        found = replace(found, frame=0)
+    return answered(
         candidate,
-        f"{check}:{family}{name}:{solver}",
-        check=check,
-        group="physical",
-        predicate=predicate,
-        status=found.status,
-        explanation=found.text,
-        frames=(0, candidate.last_frame),
-        measured=found.measured,
-        bound=found.bound,
-        comparison=found.comparison if found.measured is not None and found.bound is not None else "",
-        unit=found.unit,
-        entities=named,
-        first_failing_entity=(found.entity or named[0]) if failed else None,
-        first_failing_frame=(0 if found.frame is None else found.frame) if failed else None,
-        corrections=found.hints,
-        evidence={"solver": solver, "category": category, **(found.evidence or {})},
+        RowId(f"{check}:{family}{name}", solver),
+        predicate,
+        found,
+        entities=instance.members,
+        evidence={"solver": solver, "category": category},
         extra=candidate.spec.simulation.limits.model_dump(mode="json"),
     )
 

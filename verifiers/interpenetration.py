@@ -13,11 +13,12 @@ import numpy as np
 
 from ..geometry import apart
 from ..worlds.arrays import F64, RigidPose
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from .own_bodies import own_gap, own_pairs
-from .rows import guarded, guarded_rows, pointer, row, translation_patch
+from .rows import guarded, guarded_rows, pointer, translation_patch
 from .self_crossing import self_rows
 from .surfaces import surfaces_of
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -48,8 +49,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             lambda a=a, b=b, n=failed: [_pair(surfaces, a, b, detailed=n < DETAILED)],  # type: ignore[misc]
-            id=f"interpenetration:{a}:{b}",
-            check="interpenetration",
+            row_id=RowId("interpenetration", a, b),
             predicate=_predicate(surfaces, a, b),
             entities=(a, b),
         )
@@ -78,10 +78,9 @@ def _own(surfaces: Surfaces, entity: str, pairs: list[OwnPair]) -> Row:
         action=f"Lay {entity}/{gap.part_a} and {entity}/{gap.part_b} at least {-gap.distance * 1e3:.4g} mm farther apart.",
         pointers=(pointer("entities", entity, "generator", "points"),),
     )
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"interpenetration:{entity}:{entity}",
-        check="interpenetration",
+        row_id=RowId("interpenetration", entity, entity),
         predicate=f"clearance between bodies of {entity} that are not joined >= -eps at frame 0, eps = query noise {noise:.2g} m",
         status="pass" if ok else "fail",
         explanation=f"{entity}/{gap.part_a} and {entity}/{gap.part_b} have a clearance of {gap.distance * 1e3:.4g} mm",
@@ -117,10 +116,9 @@ def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
     else:
         pairs = len(names) * (len(names) - 1) // 2
         text = f"{pairs} pairs of {len(names)} entities searched, {len(rows)} within {surfaces.reach:g} m, {len(bad)} overlap"
-    return row(
+    return make_row(
         surfaces.candidate,
-        id="interpenetration:scene",
-        check="interpenetration",
+        row_id=RowId("interpenetration:scene"),
         predicate="every pair of entities is inspected and none overlaps at frame 0",
         status="fail" if failed else "unverified" if unverified else "not_applicable" if liquid_only else "pass",
         explanation=text,
@@ -153,10 +151,9 @@ def _pair(surfaces: Surfaces, a: str, b: str, *, detailed: bool) -> Row:
     else:
         text = f"{a}/{gap.part_a} and {b}/{gap.part_b} overlap by {-gap.distance * 1e3:.4g} mm"
         text += f", allowed {allowed * 1e3:.4g} mm" if allowed else ", which no relation declares"
-    return row(
+    return make_row(
         candidate,
-        id=f"interpenetration:{a}:{b}",
-        check="interpenetration",
+        row_id=RowId("interpenetration", a, b),
         predicate=_predicate(surfaces, a, b),
         status="pass" if ok else "fail",
         explanation=text,

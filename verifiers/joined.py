@@ -15,13 +15,14 @@ import numpy as np
 from ..geometry import contains, distance_to_surface
 from ..worlds.arrays import F64, RigidPose, compose, pose_of
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import Fastened, HingeJoint, Rope, SlideJoint, SpringJoint, WeldJoint
 from .free_bodies import LEFT
 from .grounds import lands
 from .interpenetration import correction_order
-from .rows import guarded_rows, pointer, row, translation_patch
+from .rows import guarded_rows, pointer, translation_patch
 from .surfaces import surfaces_of
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -99,8 +100,7 @@ def joined_rows(surfaces: Surfaces) -> list[Row]:
         found += guarded_rows(
             candidate,
             lambda n=name, j=joint: [_joint(surfaces, n, j)],  # type: ignore[misc]
-            id=f"support:joint:{name}",
-            check="support",
+            row_id=RowId("support:joint", name),
             predicate=f"{joint.kind} {name} reaches what it joins",
             entities=tuple(e for e in (joint.child, joint.parent) if e is not None),
         )
@@ -109,8 +109,7 @@ def joined_rows(surfaces: Surfaces) -> list[Row]:
             found += guarded_rows(
                 candidate,
                 lambda n=name, g=entity.generator: list(_rope(surfaces, n, g)),  # type: ignore[misc]
-                id=f"support:rope:{name}",
-                check="support",
+                row_id=RowId("support:rope", name),
                 predicate=f"the ends of rope {name} reach what they are attached to",
                 entities=(name,),
             )
@@ -119,8 +118,7 @@ def joined_rows(surfaces: Surfaces) -> list[Row]:
             found += guarded_rows(
                 candidate,
                 lambda n=name, r=relation: [_fastened(surfaces, n, r)],  # type: ignore[misc]
-                id=f"support:fastened:{name}",
-                check="support",
+                row_id=RowId("support:fastened", name),
                 predicate=f"{relation.a} and {relation.b} touch, as what is fastened does",
                 entities=(relation.a, relation.b),
             )
@@ -159,7 +157,7 @@ def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Row:
         worst = Missed(worst.end, 0.0, worst.nearest)
     what = f"{joint.kind} {name!r}"
     corrections = [] if worst.distance <= bound else list(_joint_corrections(surfaces, what, joint, worst))
-    return _row(surfaces, f"support:joint:{name}", what, worst, bound, bodies, corrections)
+    return _row(surfaces, RowId("support:joint", name), what, worst, bound, bodies, corrections)
 
 
 def _touch(surfaces: Surfaces, a: str, b: str) -> bool:
@@ -242,7 +240,7 @@ def _text(way: F64) -> str:
 
 def _row(
     surfaces: Surfaces,
-    row_id: str,
+    row_id: RowId,
     what: str,
     worst: Missed,
     bound: float,
@@ -257,10 +255,9 @@ def _row(
             f"{what} acts at ({place}), {worst.distance * 1e3:.4g} mm away from the surface of {target!r}, "
             f"at most {bound * 1e3:.4g} mm are allowed: it acts over a gap"
         )
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=row_id,
-        check="support",
+        row_id,
         predicate=f"{what} reaches the visible surface of what it joins within {bound:g} m",
         status="pass" if ok else "fail",
         explanation=text,
@@ -303,7 +300,7 @@ def _rope(surfaces: Surfaces, name: str, rope: Rope) -> Iterator[Row]:
                     patch=({"op": "replace", "path": path, "value": [round(float(c), 5) for c in local]},),
                 )
             )
-        yield _row(surfaces, f"support:rope:{name}:{side}", what, worst, bound, (to, name), corrections)
+        yield _row(surfaces, RowId("support:rope", name, side), what, worst, bound, (to, name), corrections)
 
 
 def _fastened(surfaces: Surfaces, name: str, relation: Fastened) -> Row:
@@ -326,10 +323,9 @@ def _fastened(surfaces: Surfaces, name: str, relation: Fastened) -> Row:
                 patch=translation_patch(surfaces.candidate, a, way),
             )
         )
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"support:fastened:{name}",
-        check="support",
+        row_id=RowId("support:fastened", name),
         predicate=f"clearance({a}, {b}) <= {bound:g} m at frame 0, as they are fastened",
         status="pass" if ok else "fail",
         explanation=text,

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..worlds.arrays import F64
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import BoxRegion
 from . import motion
 from .moved import atoms
-from .rows import guarded_rows, pointer, row
+from .rows import guarded_rows, pointer
 from .support_graph import gravity_direction
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -44,8 +45,7 @@ def kept_rows(surfaces: Surfaces) -> list[Row]:
     return guarded_rows(
         candidate,
         lambda: [_row(surfaces, free, fixed)],
-        id="support:kept",
-        check="support",
+        row_id=RowId("support:kept"),
         predicate="no body leaves the ground for good",
         entities=(),
     )
@@ -73,10 +73,9 @@ def _row(surfaces: Surfaces, free: list[str], fixed: list[str]) -> Row:
     if lost:
         name, frame, place = lost[0]
         text = f"{len(lost)} bodies leave the ground and fall: {name!r} from frame {frame} on, last at ({', '.join(f'{c:.2f}' for c in place)})"
-    return row(
+    return make_row(
         candidate,
-        id="support:kept",
-        check="support",
+        row_id=RowId("support:kept"),
         predicate="at the last frame no body falls beside all ground, with nothing static beneath it, unless a beat sends it there",
         status="fail" if lost else "pass",
         explanation=text,

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from .columns import heights_of
 from .free_bodies import LEFT, along_up, placement
 from .grounds import Land, Patch, lands, patches
-from .rows import guarded_rows, pointer, row
+from .rows import guarded_rows, pointer
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -138,8 +139,7 @@ def landed_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
     return guarded_rows(
         candidate,
         partial(_rows, surfaces, ground),
-        id="support:ground",
-        check="support",
+        row_id=RowId("support:ground"),
         predicate="static things stand on the ground",
         entities=(),
     )
@@ -347,10 +347,9 @@ def _row(
     corrections: tuple[Correction, ...],
     place: F64,
 ) -> Row:
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"support:ground:{one.entity}",
-        check="support",
+        row_id=RowId("support:ground", one.entity),
         predicate=f"{one.entity} stands on the ground: within {HANGING:g} m under its base, at most as deep in it as declared",
         status=status,
         explanation=text,

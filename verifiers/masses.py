@@ -11,9 +11,10 @@ import numpy as np
 
 from ..worlds.errors import EvidenceError
 from ..worlds.mass_audit import LEAST_WALL, ROUNDING, allowed
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import RigidPhysics
-from .rows import pointer, row
+from .rows import pointer
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.built import TriangleMesh
@@ -59,10 +60,9 @@ def mass_row(candidate: Candidate, name: str) -> Row:
     volume, substances = sum(v for v, _ in pieces), " and ".join(dict.fromkeys(k for _, k in pieces))
     place = pointer("entities", name, "physics", "mass")
     shell = f", hollow with a wall of at least {LEAST_WALL:g} m" if physics.hollow else ""
-    return row(
+    return make_row(
         candidate,
-        id=f"scale:mass:{name}",
-        check="scale",
+        row_id=RowId("scale:mass", name),
         predicate=PREDICATE,
         status="fail" if heavy or light else "pass",
         explanation=f"{name!r} weighs {physics.mass:g} kg; {volume:.4g} m^3 of {substances}{shell} weighs {least:.4g} to {weights.most:.4g} kg",

@@ -16,14 +16,15 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import Connects
 from ..worlds.walkers import PERSON, carrier_words, easier_than_a_person
 from .conduits import find_conduit
 from .route_motion import disturbances, travellers
 from .route_search import PITCH, RASTER_NOISE, Finding, find_route
-from .rows import guarded, guarded_rows, pointer, row
+from .rows import guarded, guarded_rows, pointer
 from .surfaces import surfaces_of
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -40,10 +41,9 @@ def check(candidate: Candidate) -> list[Row]:
     relations = {n: r for n, r in candidate.spec.graph.relations.items() if isinstance(r, Connects)}
     if not relations:
         return [
-            row(
+            make_row(
                 candidate,
-                id="navigability:scene",
-                check="navigability",
+                row_id=RowId("navigability:scene"),
                 predicate="declared connections are traversable routes",
                 status="not_applicable",
                 explanation="the scene graph declares no connection",
@@ -56,8 +56,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             partial(_relation, surfaces, name, relation),
-            id=f"navigability:{name}",
-            check="navigability",
+            row_id=RowId("navigability", name),
             predicate=_predicate(relation),
         )
     return rows
@@ -91,10 +90,9 @@ def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
     frame = failed[0] if failed else min(found, key=lambda k: found[k].measured)
     one = found[frame]
     return [
-        row(
+        make_row(
             candidate,
-            id=f"navigability:{name}",
-            check="navigability",
+            row_id=RowId("navigability", name),
             predicate=_predicate(relation),
             status="fail" if failed else "pass",
             explanation=one.text,
@@ -117,10 +115,9 @@ def _no_person(candidate: Candidate, name: str, relation: Connects) -> Row:
     worst, *_ = fields = easier_than_a_person(relation)
     value, person = getattr(relation, worst), PERSON[worst]
     told = ", ".join(f"{f} {getattr(relation, f):g} {PERSON[f].unit}, a person's is {PERSON[f].value:g}" for f in fields)
-    return row(
+    return make_row(
         candidate,
-        id=f"navigability:{name}",
-        check="navigability",
+        row_id=RowId("navigability", name),
         predicate=_predicate(relation),
         status="fail",
         explanation=f"the walker is {carrier_words(relation)}: {told} {person.unit}",

@@ -13,16 +13,16 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction, Row
+from ..worlds.requirements import Correction, Row, RowId
 from . import cloth, initial_state, liquid, motion, particles
 from .exchanged import both_ways
 from .field_ledger import feels_fields
-from .findings import Finding, again, halve, separate
+from .findings import Finding, again, answered, cache_of, halve, judged, separate
 from .ledgers import books_of
 from .numerical_state import SPIKE, counters, events, frozen, resting, spike
 from .rigid import energy_scale, moves_nothing
 from .step_travel import step_travel
-from .verdicts import correction, make_row
+from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
@@ -66,81 +66,40 @@ BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asle
 
 def check(candidate: Candidate) -> list[Row]:
     """Rows per instance; all `unverified` for an instance without a cache."""
-    rows = []
-    for solver in candidate.spec.simulation.rigid:
-        cache = candidate.rigid_caches.get(solver)
-        for name, claim in CLAIMS.items():
-            try:
-                if cache is None:
-                    raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-                if name not in CONTAINER and moves_nothing(candidate, solver, cache):
-                    found = Finding("not_applicable", f"no member of {solver!r} moves")
-                else:
-                    found = FUNCTIONS[name](candidate, solver, cache)
-            except EvidenceError as error:
-                found = Finding("unverified", str(error))
-            rows.append(_row(candidate, solver, name, claim, found))
-    for solver in candidate.spec.simulation.liquid:
-        rows += _initial(candidate, solver, "liquid")
-        rows += _container(candidate, solver) + liquid.numerical_rows(candidate, solver)
-    for solver in candidate.spec.simulation.cloth:
-        rows += _initial(candidate, solver, "cloth")
-        rows += _container(candidate, solver) + cloth.numerical_rows(candidate, solver)
-    for solver in candidate.spec.simulation.particles:
-        rows += _initial(candidate, solver, "particles")
-        rows += _container(candidate, solver) + particles.numerical_rows(candidate, solver)
+    plan = candidate.spec.simulation
+    rows = [
+        _row(candidate, solver, name, claim, judged(_rigid, name, candidate, solver))
+        for solver in plan.rigid
+        for name, claim in CLAIMS.items()
+    ]
+    kinds = (("liquid", plan.liquid, liquid), ("cloth", plan.cloth, cloth), ("particles", plan.particles, particles))
+    for kind, solvers, module in kinds:
+        for solver in solvers:
+            rows += [*_common(candidate, solver, kind), *module.numerical_rows(candidate, solver)]
     return rows
+
+
+def _rigid(name: str, candidate: Candidate, solver: str) -> Finding:
+    cache = cache_of(candidate, solver)
+    if name not in CONTAINER and moves_nothing(candidate, solver, cache):
+        return Finding("not_applicable", f"no member of {solver!r} moves")
+    return FUNCTIONS[name](candidate, solver, cache)
 
 
 def _row(candidate: Candidate, solver: str, name: str, claim: str, found: Finding) -> Row:
-    return make_row(
-        candidate,
-        f"numerical:{name}:{solver}",
-        check="numerical",
-        group="physical",
-        predicate=claim,
-        status=found.status,
-        explanation=found.text,
-        frames=(0, candidate.last_frame),
-        measured=found.measured,
-        bound=found.bound,
-        comparison=found.comparison if found.measured is not None else "",
-        unit=found.unit,
-        entities=(found.entity,) if found.entity else (),
-        first_failing_entity=found.entity if found.status == "fail" else None,
-        first_failing_frame=found.frame if found.status == "fail" else None,
-        corrections=found.hints,
-        evidence={"solver": solver, **(found.evidence or {})},
-        extra=candidate.spec.simulation.limits.model_dump(mode="json"),
-    )
+    limits = candidate.spec.simulation.limits.model_dump(mode="json")
+    return answered(candidate, RowId(f"numerical:{name}", solver), claim, found, evidence={"solver": solver}, extra=limits)
 
 
-def _initial(candidate: Candidate, solver: str, kind: str) -> list[Row]:
-    """Rows about frame 0 of an instance that is not rigid."""
-    cache, rows = candidate.caches.get(solver), []
-    for name, function in initial_state.FUNCTIONS[kind].items():
-        try:
-            if cache is None:
-                raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-            found = function(candidate, solver, cache)
-        except EvidenceError as error:
-            found = Finding("unverified", str(error))
-        rows.append(_row(candidate, solver, name, initial_state.CLAIMS[name], found))
-    return rows
+def _common(candidate: Candidate, solver: str, kind: str) -> list[Row]:
+    """Rows about frame 0 and the cache of an instance that is not rigid, judged as any other's."""
+    functions = {**initial_state.FUNCTIONS[kind], **{name: FUNCTIONS[name] for name in ("frames", "digest")}}
+    claims = {**initial_state.CLAIMS, **CLAIMS}
 
+    def ask(name: str) -> Finding:
+        return functions[name](candidate, solver, cache_of(candidate, solver))
 
-def _container(candidate: Candidate, solver: str) -> list[Row]:
-    """Rows about the cache of an instance of another kind, judged as any other's; the rest in modules of its own."""
-    cache, rows = candidate.caches.get(solver), []
-    for name in ("frames", "digest"):
-        try:
-            if cache is None:
-                raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-            found = FUNCTIONS[name](candidate, solver, cache)
-        except EvidenceError as error:
-            found = Finding("unverified", str(error))
-        rows.append(_row(candidate, solver, name, CLAIMS[name], found))
-    return rows
+    return [_row(candidate, solver, name, claims[name], judged(ask, name)) for name in functions]
 
 
 def _owner(cache: Cache, row: int) -> str:

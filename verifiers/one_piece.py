@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..geometry import apart
-from ..worlds.requirements import Correction
-from .rows import guarded_rows, pointer, row
+from ..worlds.requirements import Correction, RowId
+from .rows import guarded_rows, pointer
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -61,8 +62,7 @@ def one_piece_rows(surfaces: Surfaces, still: frozenset[str]) -> list[Row]:
             found += guarded_rows(
                 surfaces.candidate,
                 lambda n=name, b=bodies: [_row(surfaces, n, b)],  # type: ignore[misc]
-                id=f"support:piece:{name}",
-                check="support",
+                row_id=RowId("support:piece", name),
                 predicate=PREDICATE,
                 entities=(name,),
             )
@@ -84,8 +84,7 @@ def _pieces(surfaces: Surfaces, parts: Sequence[int]) -> list[list[int]]:
 def _row(surfaces: Surfaces, name: str, bodies: dict[str, list[int]]) -> Row:
     reason = surfaces.candidate.spec.entities[name].afloat
     common: dict[str, Any] = {
-        "id": f"support:piece:{name}",
-        "check": "support",
+        "row_id": RowId("support:piece", name),
         "predicate": PREDICATE,
         "frames": (0, 0),
         "entities": (name,),
@@ -95,9 +94,9 @@ def _row(surfaces: Surfaces, name: str, bodies: dict[str, list[int]]) -> Row:
     off = [piece for groups in found.values() for piece in groups[1:]]
     if not off or reason is not None:
         text = f"{name!r} hangs together" if not off else f"parts of {name!r} float beside it: {reason}"
-        return row(surfaces.candidate, status="pass", explanation=text, **common)
+        return make_row(surfaces.candidate, status="pass", explanation=text, **common)
     parts = [surfaces.parts[i].part for i in off[0]]
-    return row(
+    return make_row(
         surfaces.candidate,
         status="fail",
         explanation=f"{', '.join(map(repr, parts))} of {name!r} touches none of its other parts: nothing is between them",

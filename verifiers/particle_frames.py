@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
-from ..worlds.errors import EvidenceError
+from ..worlds.errors import EvidenceError, NotFiniteError
 from ..worlds.particles import particle_box
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ class Swarm:
             if found.shape != ((n, width) if width else (n,)):
                 raise EvidenceError(f"particle/{name} of frame {index} of {self.solver!r} has shape {found.shape}; bake again")
             if found.dtype.kind == "f" and not np.isfinite(found).all():
-                raise EvidenceError(f"particle/{name} is not finite at frame {index}; see numerical:finite")
+                raise NotFiniteError(f"particle/{name} is not finite at frame {index}; see numerical:finite")
         member = data["particle/member"].astype(np.int32)
         if n and not (member.min() >= 0 and member.max() < len(self.members)):
             raise EvidenceError(

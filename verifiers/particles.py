@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ..worlds.errors import EvidenceError, NotFiniteError
 from .findings import Finding
 from .particle_contacts import Contacts
 from .particle_flight import Flight
@@ -98,9 +99,9 @@ WATCHES: tuple[type[SwarmWatch], ...] = (Numbers, Identity, Books, Contacts, Wal
 """All families, in the order of their rows. `Books` and `Contacts` share what they find of a frame's contacts."""
 
 
-def _unread(kind: type[SwarmWatch], name: str, error: str) -> Status:
+def _unread(kind: type[SwarmWatch], name: str, error: EvidenceError) -> Status:
     """Frames that hold numbers that are not finite cannot be read: that alone is a failure, of `finite`."""
-    return "fail" if kind is Numbers and name == "finite" and "not finite" in error else "unverified"
+    return "fail" if kind is Numbers and name == "finite" and isinstance(error, NotFiniteError) else "unverified"
 
 
 _WATCHING = Watching(WATCHES, Numbers, swarm_of, lambda swarm: swarm.steps(), _unread)

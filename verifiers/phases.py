@@ -28,7 +28,7 @@ from ..worlds.arrays import F64
 from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import is_invariant
-from ..worlds.requirements import Correction, Row
+from ..worlds.requirements import Correction, Row, RowId
 from . import motion
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .phase_ends import ending
@@ -278,22 +278,21 @@ def _settling(candidate: Candidate, energy: F64, response: tuple[int, int], note
 def check(candidate: Candidate) -> list[Row]:
     """Row `probe:phases`: all five phases lie within the simulated frames."""
     predicate = "the run covers preroll, activation, first contact, peak response and early settling"
-    common = {"check": "beat", "group": "temporal", "predicate": predicate}
     try:
         phases = find_phases(candidate)
     except EvidenceError as error:
-        return [make_row(candidate, "probe:phases", status="unverified", explanation=str(error), **common)]  # type: ignore[arg-type]
+        return [make_row(candidate, RowId("probe:phases"), status="unverified", explanation=str(error), predicate=predicate)]
     if phases.activation is None and _meant_to_rest(candidate):
         text = f"nothing is driven or thrown, every beat asks for rest, and no body exceeds {phases.start_speed:.3g} m/s: no phase to cover"
         return [
             make_row(
                 candidate,
-                "probe:phases",
+                RowId("probe:phases"),
                 status="not_applicable",
                 explanation=text,
                 frames=(0, phases.last_frame),
                 evidence={"start_speed": phases.start_speed, "notes": phases.notes},
-                **common,  # type: ignore[arg-type]
+                predicate=predicate,
             )
         ]
     missing = phases.missing()
@@ -312,7 +311,7 @@ def check(candidate: Candidate) -> list[Row]:
     return [
         make_row(
             candidate,
-            "probe:phases",
+            RowId("probe:phases"),
             status="fail" if missing else "pass",
             explanation=text,
             frames=(0, phases.last_frame),
@@ -329,7 +328,7 @@ def check(candidate: Candidate) -> list[Row]:
                 **({"missing": list(missing), "more_frames": more, "grows": int("grows" in phases.notes)} if missing else {}),
             },
             extra=candidate.spec.simulation.frames,
-            **common,  # type: ignore[arg-type]
+            predicate=predicate,
         )
     ]
 

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, pose_of
 from ..worlds.cloth import grids_of, held_by
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import ClothPhysics, ElasticPhysics
 from .joined import way_to
-from .rows import guarded_rows, pointer, row, translation_patch
+from .rows import guarded_rows, pointer, translation_patch
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -33,8 +34,7 @@ def pinned_rows(surfaces: Surfaces) -> list[Row]:
                 found += guarded_rows(
                     candidate,
                     lambda n=name, k=key, c=pin.to: [_row(surfaces, n, k, c)],  # type: ignore[misc]
-                    id=f"support:pin:{name}:{key}",
-                    check="support",
+                    row_id=RowId("support:pin", name, key),
                     predicate=_predicate(name, key, pin.to),
                     entities=(name, pin.to),
                 )
@@ -71,8 +71,7 @@ def _row(surfaces: Surfaces, name: str, key: str, carrier: str) -> Row:
     rest = [p.simulation.vertices for p in candidate.entity(name).parts if p.simulation is not None]
     held = pose_of(entity.pose).apply(_held(entity, key, np.concatenate(rest)))
     common: dict[str, Any] = {
-        "id": f"support:pin:{name}:{key}",
-        "check": "support",
+        "row_id": RowId("support:pin", name, key),
         "predicate": _predicate(name, key, carrier),
         "frames": (0, 0),
         "entities": (name, carrier),
@@ -82,12 +81,12 @@ def _row(surfaces: Surfaces, name: str, key: str, carrier: str) -> Row:
     bound = _bound(surfaces, name, carrier)
     if distance <= bound:
         text = f"what pin {key!r} of {name!r} holds is {distance:.3g} m from {carrier!r}"
-        return row(
+        return make_row(
             candidate, status="pass", explanation=text, measured=distance, bound=bound, comparison="<=", unit="m", **common
         )
     move = ", ".join(f"{c:+.4g}" for c in way)
     place = pointer("entities", name, "physics", "pins", key)
-    return row(
+    return make_row(
         candidate,
         status="fail",
         explanation=f"pin {key!r} holds {name!r} to {carrier!r} over {distance:.4g} m of nothing",

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..worlds.candidate import Candidate
 from ..worlds.predicates import Reaches
-from ..worlds.requirements import Row
+from ..worlds.requirements import Row, RowId
 from ..worlds.spec import Adjacent, Contains
 from .predicates import evaluate
-from .rows import guarded_rows, only_seen, pointer, row
+from .rows import guarded_rows, only_seen, pointer
 from .surfaces import surfaces_of
-from .verdicts import correction
+from .verdicts import correction, make_row
 
 __all__ = ["check"]
 
@@ -33,8 +33,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             partial(_listed, judge),
-            id=f"relations:{name}",
-            check="relations",
+            row_id=RowId("relations", name),
             predicate="the relation holds in the measured geometry",
             entities=(relation.b,),
         )
@@ -62,10 +61,9 @@ def _contains(candidate: Candidate, name: str, relation: Contains) -> Row:
         f"put {relation.b!r} inside {relation.a!r}",
         pointers=(pointer("graph", "relations", name), pointer("entities", relation.b, "pose")),
     )
-    found = row(
+    found = make_row(
         candidate,
-        id=f"relations:{name}",
-        check="relations",
+        row_id=RowId("relations", name),
         predicate=f"the centre of {relation.b!r} stays inside {relation.a!r}",
         status="pass" if when is None else "fail",
         explanation=f"{relation.b!r} is {max(worst, 0.0):.4g} m outside {relation.a!r} at worst",
@@ -96,10 +94,9 @@ def _adjacent(candidate: Candidate, name: str, relation: Adjacent) -> Row:
     distance = surfaces_of(candidate).gap(relation.a, relation.b, 0).distance
     ok = distance <= relation.gap
     move = f"bring them {distance - relation.gap:.4g} m closer"
-    return row(
+    return make_row(
         candidate,
-        id=f"relations:{name}",
-        check="relations",
+        row_id=RowId("relations", name),
         predicate=f"{relation.a!r} and {relation.b!r} stand at most {relation.gap:g} m apart at frame 0",
         status="pass" if ok else "fail",
         explanation=f"their visible surfaces are {distance:.4g} m apart",

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..worlds.arrays import F64
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from .equilibrium import Balance, Group, group_of, solve
-from .rows import pointer, row, translation_patch
+from .rows import pointer, translation_patch
 from .support_graph import MISSING, OUTSIDE, rolling
 from .touching import hull_corners
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -42,14 +43,14 @@ def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[
     touched = [c[1] if c[0] == entity else c[0] for c in group.contacts if entity in c[:2] and len(c[2].points)]
     if not touched:
         return []  # the relation's own row says that nothing carries it
-    common: dict[str, Any] = {"check": "support", "frames": (0, 0), "entities": (entity, *touched), "comparison": "<="}
+    common: dict[str, Any] = {"frames": (0, 0), "entities": (entity, *touched), "comparison": "<="}
     evidence = {"carriers": touched, "group": list(group.members)[:20]}
     bound = OUTSIDE + max(rolling(surfaces, n) for n in (entity, *touched))
     ok = balance.shift <= bound
     where = f"{abs(balance.shift) * 1e3:.4g} mm {'outside' if balance.shift > 0 else 'inside'}"
-    tips = row(
+    tips = make_row(
         surfaces.candidate,
-        id=f"support:balance:{entity}",
+        row_id=RowId("support:balance", entity),
         predicate=f"the centre of mass of {entity}, seen along gravity, lies within {bound:g} m of where its contacts can hold it",
         status="pass" if ok else "fail",
         explanation=f"the centre of mass of {entity!r} lies {where} of where contact with {', '.join(touched)} can hold it",
@@ -75,9 +76,9 @@ def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[
 def _grip(surfaces: Surfaces, entity: str, missing: float, common: dict[str, Any], evidence: dict[str, Any]) -> Row:
     spec = surfaces.candidate.spec
     materials = dict.fromkeys(spec.entities[n].material for n in common["entities"])
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"support:grip:{entity}",
+        row_id=RowId("support:grip", entity),
         predicate=f"contact forces within friction bear {entity} at rest: at most {MISSING:g} of its weight is missing",
         status="pass" if missing <= MISSING else "fail",
         explanation=f"contact and friction lack {missing:.2%} of the weight of {entity!r}",

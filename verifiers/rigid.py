@@ -23,16 +23,15 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
-from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
-from ..worlds.requirements import Row
+from ..worlds.requirements import Row, RowId
 from ..worlds.spec import BoxRegion, CylinderRegion, SphereRegion
 from . import field_ledger, motion, rigid_books, rigid_bounces, rigid_contacts, rigid_impacts, rigid_laws
 from .elastic_exchange import outside_work
 from .elastic_ledger import elastic_energies
+from .findings import Finding, answered, cache_of, judged
 from .ledgers import books_of
 from .rigid_joints import openings
-from .rigid_rows import rigid_row
 from .verdicts import correction
 
 if TYPE_CHECKING:
@@ -67,8 +66,7 @@ REST_HEIGHT = 1e-3
 
 def check_instance(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of one instance; `unverified` where a record is missing."""
-    cache = candidate.rigid_caches.get(solver)
-    checks: dict[str, Callable[[Candidate, str, Cache], Row]] = {
+    checks: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
         "bodies": _bodies,
         "mass": _mass,
         "joints": _joints,
@@ -87,19 +85,23 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         "impact_energy": rigid_impacts.impact_energy,
         "fields": field_ledger.fields,
     }
-    rows = []
-    for name, function in checks.items():
-        try:
-            if cache is None:
-                raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-            if moves_nothing(candidate, solver, cache):
-                text = f"no rigid member of {solver!r} moves"
-                rows.append(rigid_row(candidate, f"category:rigid:{name}:{solver}", "not_applicable", PREDICATES[name], text))
-                continue
-            rows.append(function(candidate, solver, cache))
-        except EvidenceError as error:
-            rows.append(rigid_row(candidate, f"category:rigid:{name}:{solver}", "unverified", PREDICATES[name], str(error)))
-    return rows
+    return [
+        answered(
+            candidate,
+            RowId(f"category:rigid:{name}", solver),
+            PREDICATES[name],
+            judged(_ask, function, candidate, solver),
+            extra=[candidate.spec.simulation.limits.energy_growth],
+        )
+        for name, function in checks.items()
+    ]
+
+
+def _ask(function: Callable[[Candidate, str, Cache], Finding], candidate: Candidate, solver: str) -> Finding:
+    cache = cache_of(candidate, solver)
+    if moves_nothing(candidate, solver, cache):
+        return Finding("not_applicable", f"no rigid member of {solver!r} moves")
+    return function(candidate, solver, cache)
 
 
 def moves_nothing(candidate: Candidate, solver: str, cache: Cache) -> bool:
@@ -139,34 +141,23 @@ def _free(candidate: Candidate, cache: Cache) -> list[str]:
     return [b for b in cache.index.bodies if b.split("/", 1)[0] not in kinematic]
 
 
-def _bodies(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _bodies(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     still = [n for n in _owners(cache) if n not in candidate.spec.entities or candidate.spec.entities[n].motion == "static"]
     if still:
         text = f"the cache moves {still[0]}, which is declared static or not at all"
         again = correction("the cache is of another specification", "interval", "bake again", pointers=("/simulation/frames",))
-        row_id = f"category:rigid:bodies:{solver}"
-        return rigid_row(
-            candidate,
-            row_id,
-            "fail",
-            PREDICATES["bodies"],
-            text,
-            entities=(still[0],),
-            entity=still[0],
-            frame=0,
-            corrections=(again,),
-        )
+        return Finding("fail", text, entities=(still[0],), entity=still[0], frame=0, hints=(again,))
     return _constant(candidate, solver, cache, "bodies", "body_count", float(len(cache.index.bodies)), 0.0, "1")
 
 
-def _mass(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _mass(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     built = sum(candidate.body(*b.split("/", 1)).mass for b in _free(candidate, cache))
     return _constant(candidate, solver, cache, "mass", "mass", built, MASS_NOISE * max(built, 1e-12), "kg")
 
 
 def _constant(
     candidate: Candidate, solver: str, cache: Cache, name: str, record: str, expected: float, noise: float, unit: str
-) -> Row:
+) -> Finding:
     series: F64 = cache.series(f"record/{record}")
     frame = _deviating(series, expected, noise)
     worst = float(np.abs(series - expected).max()) if frame is not None and np.isfinite(series).all() else 0.0
@@ -182,11 +173,8 @@ def _constant(
             pointers=(f"/simulation/solvers/{solver}/settings/step",),
         ),
     )
-    return rigid_row(
-        candidate,
-        f"category:rigid:{name}:{solver}",
+    return Finding(
         "pass" if frame is None else "fail",
-        PREDICATES[name],
         text,
         measured=worst if frame is None or np.isfinite(series).all() else None,
         bound=noise,
@@ -194,20 +182,19 @@ def _constant(
         entities=tuple(dict.fromkeys(_owners(cache))),
         frame=frame,
         entity=_owners(cache)[0] if frame is not None and cache.index.bodies else None,
-        corrections=hints,
+        hints=hints,
         evidence={"expected": expected, "record": f"record/{record}"},
     )
 
 
-def _joints(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _joints(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     plan = candidate.spec.simulation
     members = set(cache.index.colliders) | set(_owners(cache))
     jointed = {n: j for n, j in plan.joints.items() if j.kind != "spring" and j.child in members}
     ropes = [n for n, e in candidate.spec.entities.items() if e.generator is not None and n in members]
-    row_id = f"category:rigid:joints:{solver}"
     if not jointed and not ropes:
         text = "the plan has no hinge, slide, ball or weld and no rope in this instance"
-        return rigid_row(candidate, row_id, "not_applicable", PREDICATES["joints"], text)
+        return Finding("not_applicable", text)
     books = books_of(candidate, cache)
     sizes: dict[str, float] = {}
     for name in [*(j.child for j in jointed.values()), *ropes]:
@@ -234,11 +221,8 @@ def _joints(candidate: Candidate, solver: str, cache: Cache) -> Row:
         correction("joints give way under the load", "step", "halve the step, or raise the iterations", pointers=(step,)),
         correction("the load is too large for the jointed masses", "mass", "bring the masses of jointed bodies closer together"),
     )
-    return rigid_row(
-        candidate,
-        row_id,
+    return Finding(
         "fail" if frame is not None else "pass",
-        PREDICATES["joints"],
         text + (f", first over it at frame {frame}" if frame is not None else ""),
         measured=largest_gap,
         bound=bound,
@@ -246,7 +230,7 @@ def _joints(candidate: Candidate, solver: str, cache: Cache) -> Row:
         entities=tuple(sizes),
         entity=culprit if frame is not None else None,
         frame=frame,
-        corrections=hints,
+        hints=hints,
         evidence={"joints": list(jointed), "ropes": ropes, "smallest_body": sizes[smallest]},
     )
 
@@ -268,7 +252,7 @@ def largest_growth(energy: F64) -> tuple[float, int, int]:
     return float(rise[end]), int(np.argmin(energy[: end + 1])), end
 
 
-def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
     # Elastic members and rigid ones give energy to each other: both count.
     moving, stored = elastic_energies(cache)
@@ -281,7 +265,6 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
     noise = rigid_books.authored_noise(books_of(candidate, cache))
     scale = max(energy_scale(kinetic, potential, weight), noise)
     bound = plan.limits.energy_growth
-    row_id = f"category:rigid:energy:{solver}"
     broken = ~np.isfinite(energy)
     frame: int | None
     step = f"/simulation/solvers/{solver}/settings/step"
@@ -289,7 +272,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         frame = int(np.argmax(broken))
         hint = correction("the solver diverged", "step", "halve the step", pointers=(step,))
         text = f"energy is not finite at frame {frame}"
-        return rigid_row(candidate, row_id, "fail", PREDICATES["energy"], text, frame=frame, corrections=(hint,))
+        return Finding("fail", text, frame=frame, hints=(hint,))
     own_kinetic, own_potential = rigid_books.energies(books_of(candidate, cache))
     own_kinetic, own_potential = own_kinetic + moving, own_potential + stored
     own = own_kinetic + own_potential - given
@@ -327,11 +310,8 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
             "contacts are too stiff for the step", "contact", "raise contact_steps", pointers=(step[:-4] + "contact_steps",)
         ),
     )
-    return rigid_row(
-        candidate,
-        row_id,
+    return Finding(
         "fail" if frame is not None else "pass",
-        PREDICATES["energy"],
         text,
         measured=growth / scale,
         bound=bound,
@@ -339,7 +319,7 @@ def _energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
         entities=tuple(dict.fromkeys(_owners(cache))),
         entity=entity,
         frame=frame,
-        corrections=hints if frame is not None else (),
+        hints=hints if frame is not None else (),
         evidence={
             "growth_J": growth,
             "scale_J": scale,
@@ -357,7 +337,7 @@ def _gainer(candidate: Candidate, cache: Cache, frame: int) -> str:
     return _owners(cache)[int(np.nanargmax(gain))] if len(gain) and np.isfinite(gain).any() else "?"
 
 
-def _escape(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def _escape(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     low, high = motion.scene_box(candidate)
     middle, extent = (low + high) / 2, float((high - low).max())
     bound = ESCAPE * extent / 2
@@ -384,11 +364,8 @@ def _escape(candidate: Candidate, solver: str, cache: Cache) -> Row:
         ),
         correction("nothing holds it", "placement", f"put a support under {culprit}", pointers=(f"/entities/{culprit}/pose",)),
     )
-    return rigid_row(
-        candidate,
-        f"category:rigid:escape:{solver}",
+    return Finding(
         "fail" if culprit is not None else "pass",
-        PREDICATES["escape"],
         text,
         measured=worst,
         bound=bound,
@@ -396,7 +373,7 @@ def _escape(candidate: Candidate, solver: str, cache: Cache) -> Row:
         entities=tuple(checked),
         entity=culprit,
         frame=at,
-        corrections=hints if culprit is not None else (),
+        hints=hints if culprit is not None else (),
         evidence={"middle": middle, "extent": extent, "sent_away": sorted(sent)},
     )
 

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.spec import ForceDriver, MotorDriver, SpringJoint
+from .findings import Finding
 from .ledgers import Books, books_of
 from .rigid_joints import stored
-from .rigid_rows import largest, law_row
+from .rigid_rows import judged_law, largest
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
 
 __all__ = ["PREDICATES", "RECORDS", "WORK", "authored_noise", "energies", "records", "work"]
 
@@ -55,7 +56,7 @@ def _scale(books: Books, kinetic: F64, potential: F64) -> float:
     return max(moved, weight * REST_HEIGHT, authored_noise(books), 1e-12)
 
 
-def records(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `records`."""
     books = books_of(candidate, cache)
     free = ~books.kinematic
@@ -71,11 +72,9 @@ def records(candidate: Candidate, solver: str, cache: Cache) -> Row:
     table = np.stack([np.abs(books.record(n) - v) / s for n, (v, s) in own.items()], axis=1)
     table = np.where(np.isfinite(table), table, np.inf)
     found = largest(table, np.ones(table.shape, dtype=bool), names, RECORDS, shift=0)
-    row = law_row(
+    deviation = judged_law(
         candidate,
         solver,
-        "records",
-        PREDICATES["records"],
         found,
         bound=RECORDS,
         unit="1",
@@ -85,13 +84,13 @@ def records(candidate: Candidate, solver: str, cache: Cache) -> Row:
         evidence={"scale_J": scale, "scale_Ns": flow},
     )
     if not found.over:
-        return row
+        return deviation
     # The worst column is a quantity, not an entity: name whose share is the largest then.
     culprit = books.entities[int(np.argmax(books.kinetic[found.frame]))]
-    return row.model_copy(update={"first_failing_entity": culprit, "evidence": {**row.evidence, "quantity": found.entity}})
+    return replace(deviation, entity=culprit, evidence={**(deviation.evidence or {}), "quantity": found.entity})
 
 
-def work(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def work(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `work`: the bound needs no knowledge of what drivers did, only of what they could do at the fastest recorded speed."""
     books = books_of(candidate, cache)
     kinetic, potential = energies(books)
@@ -103,11 +102,9 @@ def work(candidate: Candidate, solver: str, cache: Cache) -> Row:
     drivers = tuple(candidate.spec.simulation.drivers)
     found = largest(value[:, None], np.isfinite(most)[:, None], (books.entities[0],), WORK)
     hints = (correction("the record of work was edited", "interval", "bake again", pointers=("/simulation/frames",)),)
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "work",
-        PREDICATES["work"],
         found,
         bound=WORK,
         unit="1",

@@ -17,16 +17,16 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.spec import HeightField
+from .findings import Finding
 from .ledgers import Books, books_of
 from .rigid_contacts import moves
-from .rigid_rows import largest, law_row
+from .rigid_rows import judged_law, largest
 from .uneven import even_ground
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
 
 __all__ = ["BOUNCE", "PREDICATES", "restitution"]
 
@@ -63,7 +63,7 @@ class _Event(NamedTuple):
     """At which the two closed [m/s]."""
 
 
-def restitution(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def restitution(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `restitution`.
 
     Where the ball stays in contact, gravity may or may not have acted on it until the frame's end: an interval.
@@ -94,11 +94,9 @@ def restitution(candidate: Candidate, solver: str, cache: Cache) -> Row:
             pointers=("/materials",),
         ),
     )
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "restitution",
-        PREDICATES["restitution"],
         worst,
         bound=BOUNCE,
         unit="1",

@@ -12,14 +12,14 @@ import numpy as np
 
 from ..geometry import aabb_of
 from ..worlds.arrays import F64
+from .findings import Finding
 from .ledgers import Books, books_of
-from .rigid_rows import largest, law_row
+from .rigid_rows import judged_law, largest
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
 
 __all__ = ["FRICTION", "PREDICATES", "REACH", "contacts", "friction", "moves"]
 
@@ -58,7 +58,7 @@ def _boxes(books: Books) -> tuple[F64, F64]:
     return low, high
 
 
-def contacts(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def contacts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `contacts`: boxes swept over the interval, grown by the way that the fastest step of it could have led."""
     books = books_of(candidate, cache)
     found = books.contacts
@@ -76,11 +76,9 @@ def contacts(candidate: Candidate, solver: str, cache: Cache) -> Row:
         row = books.collider_row[side]
         np.maximum.at(table, (k[row >= 0] - 1, row[row >= 0]), excess[row >= 0])
     worst = largest(table, np.isfinite(table), books.entities, REACH)
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "contacts",
-        PREDICATES["contacts"],
         worst,
         bound=REACH,
         unit="m",
@@ -93,7 +91,7 @@ def contacts(candidate: Candidate, solver: str, cache: Cache) -> Row:
 # ---------------------------------------------------------------- friction
 
 
-def friction(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `friction`.
 
     All normals of a body that slides along without turning are perpendicular to its velocity, so that the momentum it loses
@@ -139,11 +137,9 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Row:
             pointers=("/materials",),
         ),
     )
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "friction",
-        PREDICATES["friction"],
         worst,
         bound=FRICTION,
         unit="1",

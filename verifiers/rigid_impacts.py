@@ -24,14 +24,14 @@ from ..worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
 from .elastic_ledger import elastic_energies
 from .exchanged import both_ways
 from .field_ledger import feels_fields
+from .findings import Finding, halve
 from .ledgers import Books, Flags, books_of
-from .rigid_rows import largest, law_row, step_hint
+from .rigid_rows import judged_law, largest
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
 
 __all__ = ["GAIN", "PREDICATES", "RECORD", "impact_energy"]
 
@@ -149,7 +149,7 @@ def _groups(books: Books, cache: Cache) -> list[_Groups]:
     return result
 
 
-def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `impact_energy`."""
     books = books_of(candidate, cache)
     record: F64 = np.asarray(cache.series(f"record/{RECORD}"), dtype=np.float64)
@@ -175,13 +175,11 @@ def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Row:
             "leave a gap of a few tenths of a millimetre more than the two skins between bodies that are to pass an impact on",
             pointers=(f"/entities/{worst.entity}/pose",),
         ),
-        step_hint(candidate, solver, "the step is too long for the impact"),
+        halve(candidate, solver, "the step is too long for the impact"),
     )
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "impact_energy",
-        PREDICATES["impact_energy"],
         worst,
         bound=GAIN,
         unit="1",

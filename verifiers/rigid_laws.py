@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, pose_of, rotation_matrix
 from ..worlds.spec import PathDriver
+from .findings import Finding
 from .ledgers import Books, Flags, books_of
 from .rests import rests_of, strangest
-from .rigid_rows import Excess, largest, law_row
+from .rigid_rows import Excess, judged_law, largest
 from .tumbling import tumble
 from .verdicts import correction
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row
 
 __all__ = [
     "HELD",
@@ -134,7 +134,7 @@ def unexplained(books: Books) -> Unexplained:
     return Unexplained((excess - _lag(books, label))[label], judged[label])
 
 
-def momentum(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def momentum(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `momentum`."""
     books = books_of(candidate, cache)
     found = unexplained(books)
@@ -147,11 +147,9 @@ def momentum(candidate: Candidate, solver: str, cache: Cache) -> Row:
             pointers=("/simulation/drivers",),
         ),
     )
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "momentum",
-        PREDICATES["momentum"],
         worst,
         bound=IMPULSE,
         unit="m/s",
@@ -203,7 +201,7 @@ def _uneven(books: Books) -> F64:
     return result
 
 
-def motion(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def motion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `motion`."""
     books = books_of(candidate, cache)
     value, judged = _drift(books)
@@ -214,11 +212,9 @@ def motion(candidate: Candidate, solver: str, cache: Cache) -> Row:
         fast[:, owner] = np.maximum(fast[:, owner], way[:, body])
     both = np.maximum(np.where(judged, value, -np.inf), fast)
     worst = largest(both, np.isfinite(both), books.entities, PLACE)
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "motion",
-        PREDICATES["motion"],
         worst,
         bound=PLACE,
         unit="m",
@@ -284,7 +280,7 @@ def _tumbled(books: Books) -> _Turned:
     return _Turned(spin_off, turn_off, judged)
 
 
-def spin(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def spin(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `spin`."""
     books = books_of(candidate, cache)
     flown, (touched, other) = _tumbled(books), _in_contact(books)
@@ -298,11 +294,9 @@ def spin(candidate: Candidate, solver: str, cache: Cache) -> Row:
             pointers=("/simulation/drivers",),
         ),
     )
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "spin",
-        PREDICATES["spin"],
         worst,
         bound=SPIN,
         unit="rad/s",
@@ -313,7 +307,7 @@ def spin(candidate: Candidate, solver: str, cache: Cache) -> Row:
     )
 
 
-def turning(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def turning(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `turning`."""
     books = books_of(candidate, cache)
     flown = _tumbled(books)
@@ -326,11 +320,9 @@ def turning(candidate: Candidate, solver: str, cache: Cache) -> Row:
     for body, owner in enumerate(books.owner):
         fast[:, owner] = np.maximum(fast[:, owner], turned[:, body])
     both = np.maximum(np.where(flown.judged, flown.turn, -np.inf), fast)
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "turning",
-        PREDICATES["turning"],
         largest(both, np.isfinite(both), books.entities, TURN),
         bound=TURN,
         unit="rad",
@@ -357,7 +349,7 @@ def _path(driver: PathDriver, times: F64) -> tuple[F64, F64]:
     return position, turns.as_quat()[:, [3, 0, 1, 2]]
 
 
-def driven(candidate: Candidate, solver: str, cache: Cache) -> Row:
+def driven(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Row `driven`."""
     books = books_of(candidate, cache)
     paths = {d.entity: d for d in candidate.spec.simulation.drivers.values() if isinstance(d, PathDriver)}
@@ -380,11 +372,9 @@ def driven(candidate: Candidate, solver: str, cache: Cache) -> Row:
         value = apart + twist * (books.body_reach[body] + float(np.linalg.norm(books.offset[body])))
         off[:, owner] = np.maximum(off[:, owner], np.where(fixed, value, -np.inf))
     found: Excess = largest(off, np.isfinite(off), books.entities, HELD, shift=0)
-    return law_row(
+    return judged_law(
         candidate,
         solver,
-        "driven",
-        PREDICATES["driven"],
         found,
         bound=HELD,
         unit="m",

@@ -1,4 +1,4 @@
-"""How a check of rigid bodies states its verdict: one row of an instance, and what a law came to."""
+"""What a law of rigid bodies came to: the largest excess over it, and the finding about that."""
 
 from __future__ import annotations
 
@@ -8,53 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.requirements import Correction, Row, Status
-from .verdicts import correction, make_row
+from ..worlds.requirements import Correction
+from .findings import Finding, again, halve
 
 if TYPE_CHECKING:
     from ..worlds.arrays import F64
     from ..worlds.candidate import Candidate
 
-__all__ = ["Excess", "largest", "law_row", "rigid_row", "step_hint"]
-
-
-def rigid_row(
-    candidate: Candidate,
-    row_id: str,
-    status: Status,
-    predicate: str,
-    explanation: str,
-    *,
-    measured: float | None = None,
-    bound: float | None = None,
-    unit: str = "",
-    entities: tuple[str, ...] = (),
-    entity: str | None = None,
-    frame: int | None = None,
-    corrections: tuple[Correction, ...] = (),
-    evidence: dict[str, object] | None = None,
-) -> Row:
-    """A row of the category check."""
-    return make_row(
-        candidate,
-        row_id,
-        check="category",
-        group="physical",
-        predicate=predicate,
-        status=status,
-        explanation=explanation,
-        frames=(0, candidate.last_frame),
-        measured=measured,
-        bound=bound,
-        comparison="<=" if measured is not None else "",
-        unit=unit,
-        entities=entities,
-        first_failing_entity=entity,
-        first_failing_frame=frame,
-        corrections=corrections,
-        evidence=evidence,
-        extra=[candidate.spec.simulation.limits.energy_growth],
-    )
+__all__ = ["Excess", "judged_law", "largest"]
 
 
 @dataclass(frozen=True)
@@ -92,19 +53,9 @@ def largest(excess: F64, judged: NDArray[np.bool_], entities: tuple[str, ...], b
     return Excess(max(peak, 0.0), entities[int(column)], int(row) + shift, False, count)
 
 
-def step_hint(candidate: Candidate, solver: str, cause: str) -> Correction:
-    """Halve the step."""
-    pointer = f"/simulation/solvers/{solver}/settings/step"
-    step = candidate.spec.simulation.rigid[solver].settings.step
-    patch = ({"op": "add", "path": pointer, "value": round(max(2e-5, step / 2), 9)},)
-    return correction(cause, "step", "halve the step", pointers=(pointer,), patch=patch)
-
-
-def law_row(
+def judged_law(
     candidate: Candidate,
     solver: str,
-    name: str,
-    predicate: str,
     found: Excess,
     *,
     bound: float,
@@ -114,15 +65,13 @@ def law_row(
     entities: tuple[str, ...],
     hints: tuple[Correction, ...] = (),
     evidence: dict[str, object] | None = None,
-) -> Row:
-    """The row of one law, `not_applicable` where the caches prove that there is no case of it.
+) -> Finding:
+    """What the excess over a law comes to, `not_applicable` where the caches prove that there is no case of it.
 
     Args:
         candidate: what is judged.
         solver: instance.
-        name: second part of the id.
-        predicate: the law.
-        found: what it came to.
+        found: the excess.
         bound: greatest sound value.
         unit: of value and bound.
         what: what the value is, for the sentence.
@@ -131,27 +80,16 @@ def law_row(
         hints: corrections of a failure; default: bake again, halve the step.
         evidence: further evidence.
     """
-    row_id = f"category:rigid:{name}:{solver}"
     if not found.judged:
-        return rigid_row(candidate, row_id, "not_applicable", predicate, none)
-    again = correction("the cache was edited or is of another run", "interval", "bake again", pointers=("/simulation/frames",))
-    text = f"largest {what} is {found.value:.3g} {unit}, {found.entity} at frame {found.frame} ({found.judged} cases)"
-    if found.over:
-        text = (
-            f"{what} of {found.entity} is over {bound:.3g} {unit} first at frame {found.frame}; largest {found.value:.4g} {unit}"
-        )
-    return rigid_row(
-        candidate,
-        row_id,
-        "fail" if found.over else "pass",
-        predicate,
-        text,
-        measured=found.value,
-        bound=bound,
-        unit=unit,
-        entities=entities,
-        entity=found.entity if found.over else None,
-        frame=found.frame if found.over else None,
-        corrections=(*hints, step_hint(candidate, solver, "the step is too long for what happens"), again) if found.over else (),
-        evidence={"cases": found.judged, **(evidence or {})},
+        return Finding("not_applicable", none)
+    proof = {"cases": found.judged, **(evidence or {})}
+    if not found.over:
+        text = f"largest {what} is {found.value:.3g} {unit}, {found.entity} at frame {found.frame} ({found.judged} cases)"
+        return Finding("pass", text, found.value, bound, unit, evidence=proof, entities=entities)
+    text = f"{what} of {found.entity} is over {bound:.3g} {unit} first at frame {found.frame}; largest {found.value:.4g} {unit}"
+    hints = (
+        *hints,
+        halve(candidate, solver, "the step is too long for what happens"),
+        again("the cache was edited or is of another run"),
     )
+    return Finding("fail", text, found.value, bound, unit, found.entity, found.frame, hints, proof, entities=entities)

@@ -21,7 +21,7 @@ import numpy as np
 from ..simulation.variants import run_altered
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction, Row, Status
+from ..worlds.requirements import Correction, Row, RowId, Status
 from ..worlds.spec import Perturbed, Refined, RigidInstance
 from .perturbations import fixed_places, perturbed
 from .predicates import Outcome, beat_times, last_needed
@@ -299,9 +299,7 @@ def _row(
     failed = status == "fail"
     return make_row(
         candidate,
-        f"robustness:{name}:{beat}",
-        check="robustness",
-        group="temporal",
+        RowId("robustness", name, beat),
         predicate=asked,
         status=status,
         explanation=explanation,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..worlds.arrays import F64, RigidPose
-from .rows import Comparison
+from .verdicts import Comparison
 
 if TYPE_CHECKING:
     from .surfaces import Surfaces

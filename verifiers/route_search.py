@@ -23,8 +23,8 @@ from .land_routes import follow
 from .predicates.kinematic import region_offset
 from .route_places import Finding, frame_of, region_box
 from .routes import Way, passable, pieces_of, reachable, widest_way
-from .rows import Comparison
 from .tracks import WADING
+from .verdicts import Comparison
 from .walkable import SAME, Carrier, Floor, Obstacles, lay_floor, measure_clearance, standing
 
 if TYPE_CHECKING:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import functools
-import math
 import re
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Check, Correction, Group, Row, Status
+from ..worlds.requirements import Check, Row, RowId
 from .verdicts import make_row
 
 if TYPE_CHECKING:
@@ -17,18 +16,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CheckFunction",
-    "Comparison",
     "guarded",
     "guarded_rows",
     "last_claimed",
     "only_seen",
     "pointer",
-    "row",
     "translation_patch",
 ]
 
 CheckFunction = Callable[["Candidate"], list[Row]]
-Comparison = Literal["<=", ">=", "==", "in", ""]
 
 
 _INTERVAL = re.compile(r"\bframes? \d+(?:\.\.| to )(\d+)")
@@ -47,76 +43,6 @@ def translation_patch(candidate: Candidate, entity: str, offset: Iterable[float]
     value = pose.model_copy(update={"position": tuple(position)}).model_dump(mode="json", exclude_none=True)
     # `add` also holds where world.json leaves the default pose out.
     return ({"op": "add", "path": pointer("entities", entity, "pose"), "value": value},)
-
-
-def row(
-    candidate: Candidate,
-    *,
-    id: str,  # noqa: A002 - the column's name
-    check: Check,
-    predicate: str,
-    status: Status,
-    explanation: str,
-    group: Group = "spatial",
-    measured: float | None = None,
-    bound: float | None = None,
-    comparison: Comparison = "",
-    unit: str = "",
-    frames: tuple[int, int] | None = None,
-    entities: Iterable[str] = (),
-    first_failing_frame: int | None = None,
-    corrections: Iterable[Correction] = (),
-    evidence: dict[str, Any] | None = None,
-    extra: Any = None,
-) -> Row:
-    """One row, strict about numbers: a measured value that is not finite fails it and is named in the evidence.
-
-    Args:
-        candidate: what was inspected.
-        id: stable id, `check:subject[:subject]`.
-        check: name of the check.
-        predicate: what is required, in words and symbols.
-        status: the verdict.
-        explanation: one sentence with numbers, kept as `evidence["explanation"]`.
-        group: group of the matrix.
-        measured: measured value.
-        bound: what it is compared with.
-        comparison: how.
-        unit: SI unit of both.
-        frames: inspected frames, inclusive; default all that the candidate has.
-        entities: entities concerned, the first failing one first.
-        first_failing_frame: default the first of `frames`.
-        corrections: ranked; kept where the row fails.
-        evidence: further JSON-able measurements.
-        extra: what else of the specification the verdict depends on, for the recipe.
-    """
-    names = tuple(dict.fromkeys(entities))
-    interval = frames if frames is not None else (0, candidate.last_frame)
-    proof: dict[str, Any] = dict(evidence or {})
-    if measured is not None and not math.isfinite(measured):
-        status = "fail"
-        proof["non_finite"] = str(measured)
-    failed = status == "fail"
-    return make_row(
-        candidate,
-        id,
-        check=check,
-        group=group,
-        predicate=predicate,
-        status=status,
-        explanation=explanation,
-        frames=interval,
-        measured=measured,
-        bound=bound,
-        comparison=comparison,
-        unit=unit,
-        entities=names,
-        first_failing_entity=names[0] if failed and names else None,
-        first_failing_frame=(interval[0] if first_failing_frame is None else first_failing_frame) if failed else None,
-        corrections=corrections,
-        evidence=proof,
-        extra=extra,
-    )
 
 
 def last_claimed(found: Row) -> int:
@@ -148,13 +74,11 @@ def guarded_rows(
     candidate: Candidate,
     make: Callable[[], Iterable[Row]],
     *,
-    id: str,  # noqa: A002
-    check: Check,
+    row_id: RowId,
     predicate: str,
-    group: Group = "spatial",
     entities: Iterable[str] = (),
 ) -> list[Row]:
-    """The rows that `make` returns; one `unverified` row named `id` where it lacks evidence.
+    """The rows that `make` returns; one `unverified` row named `row_id` where it lacks evidence.
 
     Only `EvidenceError` is caught: any other exception is an error of the check itself and must surface.
     """
@@ -162,11 +86,9 @@ def guarded_rows(
         return list(make())
     except EvidenceError as error:
         return [
-            row(
+            make_row(
                 candidate,
-                id=id,
-                check=check,
-                group=group,
+                row_id,
                 predicate=predicate,
                 status="unverified",
                 explanation=f"no evidence: {error}",
@@ -176,15 +98,13 @@ def guarded_rows(
         ]
 
 
-def guarded(check: Check, predicate: str, *, group: Group = "spatial") -> Callable[[CheckFunction], CheckFunction]:
+def guarded(check: Check, predicate: str) -> Callable[[CheckFunction], CheckFunction]:
     """Decorate a `check(candidate)`: missing evidence that concerns the whole check gives `<check>:scene` unverified."""
 
     def decorate(function: CheckFunction) -> CheckFunction:
         @functools.wraps(function)
         def run(candidate: Candidate) -> list[Row]:
-            return guarded_rows(
-                candidate, lambda: function(candidate), id=f"{check}:scene", check=check, predicate=predicate, group=group
-            )
+            return guarded_rows(candidate, lambda: function(candidate), row_id=RowId(f"{check}:scene"), predicate=predicate)
 
         return run
 

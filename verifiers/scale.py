@@ -15,12 +15,13 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import Box
 from .extents import Extent, built_extent, part_extents, region_diagonal, specified_extent
 from .masses import PREDICATE as MASS
 from .masses import declares_mass, mass_row
-from .rows import guarded, guarded_rows, pointer, row
+from .rows import guarded, guarded_rows, pointer
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -101,8 +102,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             lambda name=name: [_dimensions(candidate, name)],  # type: ignore[misc]
-            id=f"scale:{name}",
-            check="scale",
+            row_id=RowId("scale", name),
             predicate=size,
             entities=(name,),
         )
@@ -110,8 +110,7 @@ def check(candidate: Candidate) -> list[Row]:
             rows += guarded_rows(
                 candidate,
                 lambda name=name: [mass_row(candidate, name)],  # type: ignore[misc]
-                id=f"scale:mass:{name}",
-                check="scale",
+                row_id=RowId("scale:mass", name),
                 predicate=MASS,
                 entities=(name,),
             )
@@ -119,8 +118,7 @@ def check(candidate: Candidate) -> list[Row]:
             rows += guarded_rows(
                 candidate,
                 lambda name=name: [_nominal(candidate, name)],  # type: ignore[misc]
-                id=f"scale:nominal:{name}",
-                check="scale",
+                row_id=RowId("scale:nominal", name),
                 predicate="constructed diagonal within a factor of 3 of nominal_diagonal",
                 entities=(name,),
             )
@@ -128,8 +126,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             lambda name=name, relation=relation: [_ratio(candidate, name, relation)],  # type: ignore[misc]
-            id=f"scale:relation:{name}",
-            check="scale",
+            row_id=RowId("scale:relation", name),
             predicate="specified diagonals of related nodes are in proportion",
         )
     return rows
@@ -168,10 +165,9 @@ def _scene(candidate: Candidate) -> Row:
         text = "no entity has constructed geometry"
     ordered = [*wrong, *(n for n in candidate.spec.entities if n not in wrong)]
     worst = diagonals[wrong[0]] if wrong else max(diagonals.values(), default=None)
-    return row(
+    return make_row(
         candidate,
-        id="scale:scene",
-        check="scale",
+        row_id=RowId("scale:scene"),
         predicate=predicate,
         status="fail" if wrong else "unverified" if missing or not diagonals else "pass",
         explanation=text,
@@ -221,10 +217,9 @@ def _dimensions(candidate: Candidate, name: str) -> Row:
         parts = [_part(candidate, name, p, specified[p], measured.get(p)) for p in entity.parts]
         worst = max([whole, *parts], key=lambda d: d.value / d.allowed if np.isfinite(d.value) else np.inf)
     ok = worst.value <= worst.allowed
-    return row(
+    return make_row(
         candidate,
-        id=f"scale:{name}",
-        check="scale",
+        row_id=RowId("scale", name),
         predicate="constructed bounding box = dimensions.size within dimensions.tolerance, per axis; every part as its shape says",
         status="pass" if ok else "fail",
         explanation=worst.text,
@@ -335,10 +330,9 @@ def _nominal(candidate: Candidate, name: str) -> Row:
     ratio = diagonal / nominal
     large = ratio > 1.0
     ok = 1.0 / NOMINAL_FACTOR <= ratio <= NOMINAL_FACTOR
-    return row(
+    return make_row(
         candidate,
-        id=f"scale:nominal:{name}",
-        check="scale",
+        row_id=RowId("scale:nominal", name),
         predicate=f"constructed diagonal within a factor of {NOMINAL_FACTOR:g} of nominal_diagonal",
         status="pass" if ok else "fail",
         explanation=f"{name!r} measures {diagonal:.4g} m across, {ratio:.4g} times the {nominal:.4g} m usual for its role",
@@ -388,10 +382,9 @@ def _ratio(candidate: Candidate, name: str, relation: Relation) -> Row:
     odd = relation.b if _is_scenery(candidate, relation.a) and relation.b in entities else relation.a
     factor = (ratio / high if above else ratio / low) if odd == relation.b else (high / ratio if above else low / ratio)
     order = (odd, relation.a if odd == relation.b else relation.b)
-    return row(
+    return make_row(
         candidate,
-        id=f"scale:relation:{name}",
-        check="scale",
+        row_id=RowId("scale:relation", name),
         predicate=f"specified diagonals: {low:.4g} <= {relation.a} / {relation.b} <= {high:.4g} ({relation.kind})",
         status="pass" if ok else "fail",
         explanation=f"{relation.a!r} ({a:.4g} m) is {ratio:.4g} times {relation.b!r} ({b:.4g} m), "

@@ -16,8 +16,9 @@ import numpy as np
 
 from ..geometry import Solid, is_convex_union, is_height_field, self_crossings, winding_number
 from ..worlds.arrays import F64
-from ..worlds.requirements import Correction
-from .rows import pointer, row
+from ..worlds.requirements import Correction, RowId
+from .rows import pointer
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -98,10 +99,9 @@ def self_rows(surfaces: Surfaces, entity: str) -> list[Row]:
         pointers=(path,),
     )
     return [
-        row(
+        make_row(
             surfaces.candidate,
-            id=f"interpenetration:self:{entity}",
-            check="interpenetration",
+            row_id=RowId("interpenetration:self", entity),
             predicate=f"the surface of {entity} has a definite inside: where it crosses itself, the winding number on the outer "
             "side of its triangles is nowhere negative",
             status="pass" if ok else "fail",

@@ -12,7 +12,7 @@ from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
-    from ..worlds.requirements import Row, Status
+    from ..worlds.requirements import Row, RowId, Status
     from ..worlds.spec import Beat, Shot
 
 __all__ = ["CLAIMS", "MOMENT", "SCREEN_STEP", "outcome_frames", "shot_row", "shots_at", "subjects_of", "unseen_text"]
@@ -22,19 +22,19 @@ SCREEN_STEP = 0.2
 MOMENT = 0.25
 """[s] Own choice: the frame at which a beat comes true is shown when its subject is seen within this time of it."""
 CLAIMS = {
-    "tiling": "shots follow each other over all planned frames without gap or overlap",
-    "cover": "a shot runs when the beat comes true",
-    "observed": "at least one mandatory beat is observed; those that no camera is asked to see are printed",
-    "visible": "the beat's subject is in view and unoccluded while it happens, and at the moment it comes true",
-    "framed": "every subject of the shot is in view, and what it follows stays in view",
-    "inside": "the camera is inside no solid, passes through no surface and cuts none off",
-    "motion": f"the picture moves, turns and zooms by at most {SCREEN_STEP:g} of its width per frame",
+    "shots:tiling": "shots follow each other over all planned frames without gap or overlap",
+    "shots:cover": "a shot runs when the beat comes true",
+    "shots:observed": "at least one mandatory beat is observed; those that no camera is asked to see are printed",
+    "shots:visible": "the beat's subject is in view and unoccluded while it happens, and at the moment it comes true",
+    "shots:framed": "every subject of the shot is in view, and what it follows stays in view",
+    "shots:inside": "the camera is inside no solid, passes through no surface and cuts none off",
+    "shots:motion": f"the picture moves, turns and zooms by at most {SCREEN_STEP:g} of its width per frame",
 }
-"""Predicate of the rows of each kind."""
+"""Predicate by question."""
 
 
-def shot_row(candidate: Candidate, row_id: str, status: Status, explanation: str, **more: Any) -> Row:
-    """One row; its predicate follows from the second word of its id."""
+def shot_row(candidate: Candidate, row_id: RowId, status: Status, explanation: str, **more: Any) -> Row:
+    """One row; its predicate follows from its question."""
     extra = [
         {n: s.model_dump(mode="json") for n, s in candidate.spec.shots.items()},
         candidate.spec.simulation.limits.model_dump(mode="json"),
@@ -43,9 +43,7 @@ def shot_row(candidate: Candidate, row_id: str, status: Status, explanation: str
     return make_row(
         candidate,
         row_id,
-        check="shots",
-        group="observational",
-        predicate=CLAIMS[row_id.split(":")[1]],
+        predicate=CLAIMS[row_id.question],
         status=status,
         explanation=explanation,
         extra=extra,

@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import EvidenceError
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from .camera_path import inside, moves
 from .predicates import beat_times
 from .shot_rows import SCREEN_STEP, outcome_frames, shot_row, unseen_text
@@ -47,17 +47,21 @@ def check(candidate: Candidate) -> list[Row]:
     for name, beat in observed.items():
         rows.append(
             _guard(
-                candidate, f"shots:visible:{name}", sight, lambda s, n=name, b=beat: visible(candidate, s, n, b), beat.mandatory
+                candidate,
+                RowId("shots:visible", name),
+                sight,
+                lambda s, n=name, b=beat: visible(candidate, s, n, b),
+                beat.mandatory,
             )
         )
     for name, shot in candidate.spec.shots.items():
         for what, function in (("framed", framed), ("inside", inside), ("motion", moves)):
-            row_id = f"shots:{what}:{name}"
+            row_id = RowId(f"shots:{what}", name)
             rows += [_guard(candidate, row_id, sight, lambda s, f=function, n=name, p=shot: f(candidate, s, n, p))]
     return rows
 
 
-def _guard(candidate: Candidate, row_id: str, sight: Sight | EvidenceError, make: Any, mandatory: bool = True) -> Row:
+def _guard(candidate: Candidate, row_id: RowId, sight: Sight | EvidenceError, make: Any, mandatory: bool = True) -> Row:
     try:
         if isinstance(sight, EvidenceError):
             raise sight
@@ -92,7 +96,7 @@ def _tiling(candidate: Candidate) -> Row:
         hints.append(_set_frames(name, (min(shot.frames[0], last), last), f"end shot {name} at frame {last}"))
     return shot_row(
         candidate,
-        "shots:tiling",
+        RowId("shots:tiling"),
         "fail" if wrong else "pass",
         "; ".join(w[1] for w in wrong) or f"{len(order)} shots cover frames 0..{last}",
         measured=float(len(wrong)),
@@ -135,7 +139,7 @@ def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Row:
     pointer = f"/shots/{best}/frames" if best else "/shots"
     return shot_row(
         candidate,
-        f"shots:cover:{beat_id}",
+        RowId("shots:cover", beat_id),
         "pass" if shown else "fail",
         text,
         frames=frames,
@@ -170,7 +174,7 @@ def _unobserved(candidate: Candidate) -> list[Row]:
     return [
         shot_row(
             candidate,
-            "shots:observed:story",
+            RowId("shots:observed", "story"),
             "fail" if alone else "pass",
             f"{len(mandatory) - len(unseen)} of {len(mandatory)} mandatory beats are observed; {told}",
             measured=float(len(mandatory) - len(unseen)),

@@ -18,15 +18,16 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64
 from ..worlds.fields import fields_of
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import DetachDriver, ForceDriver, MotorDriver, ReleaseDriver, RigidPhysics, Rope, Supports
 from ..worlds.story_audit import STARTED
 from . import motion
 from .exchanged import CHANNEL
 from .held import is_still
 from .moved import moves_of, spoken_of, support_interval
-from .rows import guarded_rows, pointer, row
+from .rows import guarded_rows, pointer
 from .support_graph import gravity_direction
+from .verdicts import make_row
 
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
@@ -209,8 +210,7 @@ def stays_rows(surfaces: Surfaces) -> list[Row]:
     return guarded_rows(
         candidate,
         lambda: list(_rows(surfaces)),
-        id="support:stays",
-        check="support",
+        row_id=RowId("support:stays"),
         predicate="free bodies stay where they are until something moves them",
     )
 
@@ -251,10 +251,9 @@ def _row(reached: Reached, name: str) -> Row:
             f"{name!r} leaves its place by itself: at frame {frame} it is {away[frame] * 1e3:.4g} mm away from it, by ({way}) m, "
             f"and nothing that a beat or driver moves has reached it"
         )
-    return row(
+    return make_row(
         surfaces.candidate,
-        id=f"support:stays:{name}",
-        check="support",
+        row_id=RowId("support:stays", name),
         predicate=f"{name} stays within {bound:g} m of its place until something that moves reaches it",
         status="pass" if frame is None else "fail",
         explanation=text,

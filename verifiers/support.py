@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, rotation_matrix
-from ..worlds.requirements import Correction
+from ..worlds.requirements import Correction, RowId
 from ..worlds.spec import ReleaseDriver, Supports
 from . import motion
 from .carried import carried_row
@@ -27,10 +27,11 @@ from .moved import support_interval
 from .one_piece import one_piece_rows
 from .pinned import pinned_rows
 from .resting import rest_rows
-from .rows import Comparison, guarded, guarded_rows, only_seen, pointer, row
+from .rows import guarded, guarded_rows, only_seen, pointer
 from .stays import stays_rows
 from .support_graph import SupportGraph, drop
 from .surfaces import surfaces_of
+from .verdicts import Comparison, make_row
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
@@ -63,8 +64,7 @@ def check(candidate: Candidate) -> list[Row]:
         judged = guarded_rows(
             candidate,
             lambda n=name, r=relation, f=frames, j=carried_row if fluid else _relation: [j(graph, n, r, f)],  # type: ignore[misc]
-            id=f"support:{name}:{relation.b}",
-            check="support",
+            row_id=RowId("support", name, relation.b),
             predicate=f"{relation.a} carries {relation.b}",
             entities=(relation.b, relation.a),
         )
@@ -76,8 +76,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             lambda b=name: rest_rows(start, b, claimed),  # type: ignore[misc]
-            id=f"support:balance:{name}",
-            check="support",
+            row_id=RowId("support:balance", name),
             predicate="it can rest where it is at frame 0",
             entities=(name,),
         )
@@ -86,8 +85,7 @@ def check(candidate: Candidate) -> list[Row]:
             rows += guarded_rows(
                 candidate,
                 lambda n=name: [derived_row(start, n)],  # type: ignore[misc]
-                id=f"support:derived:{name}",
-                check="support",
+                row_id=RowId("support:derived", name),
                 predicate=DERIVED,
                 entities=(name,),
             )
@@ -109,10 +107,9 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def _not_reached(candidate: Candidate, name: str, relation: Supports, first: int) -> Row:
-    return row(
+    return make_row(
         candidate,
-        id=f"support:{name}:{relation.b}",
-        check="support",
+        row_id=RowId("support", name, relation.b),
         predicate=f"{relation.a} carries {relation.b}",
         status="unverified",
         explanation=f"the interval begins at frame {first}, the last inspected frame is {candidate.last_frame}",
@@ -155,8 +152,7 @@ def _relation(graph: SupportGraph, name: str, relation: Supports, frames: tuple[
         "interval": list(frames),
     }
     common: dict[str, Any] = {
-        "id": f"support:{name}:{b}",
-        "check": "support",
+        "row_id": RowId("support", name, b),
         "predicate": predicate,
         "frames": frames,
         "extra": [relation.model_dump(mode="json"), frames, gap],
@@ -166,7 +162,7 @@ def _relation(graph: SupportGraph, name: str, relation: Supports, frames: tuple[
         text = (
             f"{a!r} carries {b!r} over {len(distance)} frames: gap at most {worst * 1e3:.4g} mm, creep {creep.max() * 1e3:.4g} mm"
         )
-        return row(
+        return make_row(
             surfaces.candidate,
             status="pass",
             explanation=text if not linked.all() else f"a joint holds {b!r} at {a!r} over {len(distance)} frames",
@@ -180,7 +176,7 @@ def _relation(graph: SupportGraph, name: str, relation: Supports, frames: tuple[
         )
     faults.sort(key=lambda f: f.frame)
     first = faults[0]
-    return row(
+    return make_row(
         surfaces.candidate,
         status="fail",
         explanation="; ".join(f.text for f in faults),
@@ -341,20 +337,18 @@ def _scene(surfaces: Surfaces, rows: list[Row]) -> Row:
     bad = [r for r in rows if r.status == "fail"]
     open_rows = [r for r in rows if r.status == "unverified"]
     if not free and not rows:
-        return row(
+        return make_row(
             candidate,
-            id="support:scene",
-            check="support",
+            row_id=RowId("support:scene"),
             predicate="every free body is held up",
             status="not_applicable",
             explanation="the specification has no free body and no supports relation",
         )
     failing = [r.first_failing_entity for r in bad if r.first_failing_entity]
     frames = [r.first_failing_frame for r in bad if r.first_failing_frame is not None]
-    return row(
+    return make_row(
         candidate,
-        id="support:scene",
-        check="support",
+        row_id=RowId("support:scene"),
         predicate="every free body is held up by contact, joint or driver, and every supports relation holds",
         status="fail" if bad else "unverified" if open_rows else "pass",
         explanation=f"{len(free)} free bodies, {len(rows)} rows: {len(bad)} fail, {len(open_rows)} without evidence",

@@ -14,7 +14,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
-from ..worlds.requirements import Row
+from ..worlds.requirements import Row, RowId
 from ..worlds.spec import HeightField, StemField
 from ..worlds.spec.terrain import Terrain
 from .clearings import outlines_of
@@ -29,9 +29,9 @@ from .landscapes import (
     plant_finding,
     water_finding,
 )
-from .rows import guarded_rows, pointer, row
+from .rows import guarded_rows, pointer
 from .tightness import tight_finding
-from .verdicts import correction
+from .verdicts import correction, make_row
 
 __all__ = ["check"]
 
@@ -71,8 +71,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += guarded_rows(
             candidate,
             partial(_landscape_rows, candidate, name),
-            id=f"terrain:{name}",
-            check="terrain",
+            row_id=RowId("terrain", name),
             predicate="the landscape is built and holds",
             entities=(),
         )
@@ -107,10 +106,9 @@ def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
             found.text, "terrain", f"build_terrain(terrain={name!r}): {claim.action}", pointers=(pointer("terrains", name),)
         )
         rows.append(
-            row(
+            make_row(
                 candidate,
-                id=f"terrain:{name}:{claim.name}",
-                check="terrain",
+                row_id=RowId(f"terrain:{claim.name}", name, text=f"terrain:{name}:{claim.name}"),
                 predicate=claim.predicate,
                 status="pass" if good else "fail",
                 explanation=found.text,
@@ -137,10 +135,9 @@ def _tight_row(candidate: Candidate, name: str, land: SavedLandscape, digest: st
         f"give the dem layer holes='fill', or call build_terrain(terrain={name!r}, entity=...) with centers and sizes that adjoin",
         pointers=(pointer("terrains", name),),
     )
-    return row(
+    return make_row(
         candidate,
-        id=f"terrain:{name}:tight",
-        check="terrain",
+        row_id=RowId("terrain:tight", name, text=f"terrain:{name}:tight"),
         predicate="the land has no holes, and the grounds cut from it are closed and adjoin without gaps",
         status="pass" if good else "fail",
         explanation=found.text,
@@ -175,10 +172,9 @@ def _ground_rows(candidate: Candidate, name: str, land: SavedLandscape) -> list[
                 pointers=(pointer("entities", entity),),
             )
             found.append(
-                row(
+                make_row(
                     candidate,
-                    id=f"terrain:{name}:ground:{entity}",
-                    check="terrain",
+                    row_id=RowId("terrain:ground", name, entity, text=f"terrain:{name}:ground:{entity}"),
                     predicate="the ground that bodies stand on is the landscape's",
                     status="pass" if good else "fail",
                     explanation=f"the ground is off by at most {gap:.3g} m at its corners"

@@ -25,6 +25,7 @@ from ..worlds.drivers import behind
 from ..worlds.errors import EvidenceError
 from ..worlds.predicates import Contact, Count, Separation, atoms_of, describe_predicate, entities_of, is_invariant
 from ..worlds.references import references
+from ..worlds.requirements import RowId
 from .predicates import Outcome, Truth, beat_times, evaluate
 from .predicates.combine import substitute
 from .surfaces import surfaces_of
@@ -302,9 +303,7 @@ def _row(candidate: Candidate, beat_id: str, status: Status, text: str, past: Pa
     then = evaluate(candidate, beat.predicate, (at, at))
     return make_row(
         candidate,
-        f"beat:vacuous:{beat_id}",
-        check="beat",
-        group="temporal",
+        RowId("beat:vacuous", beat_id),
         predicate=f"not true before its interval begins: {describe_predicate(beat.predicate)}",
         mandatory=beat.mandatory,
         status=status,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..worlds.predicates import is_invariant
+from ..worlds.requirements import RowId
 from . import motion
 from .predicates import beat_times
 from .reframing import reframe
@@ -102,7 +103,7 @@ def visible(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat) -> Row
     """Whether a beat's subject is seen while it happens."""
     limits, subject = candidate.spec.simulation.limits, beat.subject
     common: dict[str, Any] = {"mandatory": beat.mandatory, "frames": beat.frames, "entities": (subject,)}
-    row_id = f"shots:visible:{beat_id}"
+    row_id = RowId("shots:visible", beat_id)
     if candidate.stage == "static":
         start = [sight.seen(subject, s, 0) for s in shots_at(candidate, 0)]
         text = "not simulated yet; " + (_appearance(subject, start[0]) if start else "no shot shows frame 0")
@@ -181,7 +182,7 @@ def _appearance(subject: str, seen: Seen) -> str:
 
 def framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
     """Whether the subjects of a shot are in it at some frame, and what it follows at enough frames."""
-    row_id = f"shots:framed:{shot_id}"
+    row_id = RowId("shots:framed", shot_id)
     names = list(dict.fromkeys([*subjects_of(candidate, shot), *([shot.follow] if shot.follow else [])]))
     if not names:
         return shot_row(candidate, row_id, "not_applicable", f"shot {shot_id} names no subject and no beat", frames=shot.frames)

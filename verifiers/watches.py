@@ -32,7 +32,7 @@ class Watch(Protocol):
         """The verdict of every claim, after the last frame."""
 
 
-def _unread(kind: type[Any], name: str, error: str) -> Status:
+def _unread(kind: type[Any], name: str, error: EvidenceError) -> Status:
     return "unverified"
 
 
@@ -48,7 +48,7 @@ class Watching:
     """What is watched."""
     frames: Callable[[Any], Iterable[tuple[Any, ...]]]
     """Of it, what a watch's `see` takes of each frame."""
-    unread: Callable[[type[Any], str, str], Status] = _unread
+    unread: Callable[[type[Any], str, EvidenceError], Status] = _unread
     """Status of a watch's claim that an error kept from being judged."""
 
     def findings_of(self, candidate: Candidate, solver: str) -> Verdicts:
@@ -78,30 +78,30 @@ class Watching:
 
     def _run(self, candidate: Candidate, solver: str) -> Verdicts:
         watches: dict[type[Any], Any] = {}
-        failed: dict[type[Any], str] = {}
+        failed: dict[type[Any], EvidenceError] = {}
         try:
             whole = self.opened(candidate, solver)
             for kind in self.kinds:
                 try:
                     watches[kind] = kind(whole)
                 except EvidenceError as error:
-                    failed[kind] = str(error)
+                    failed[kind] = error
             for seen in self.frames(whole):
                 for kind, watch in watches.items():
                     if kind not in failed:
                         try:
                             watch.see(*seen)
                         except EvidenceError as error:
-                            failed[kind] = str(error)
+                            failed[kind] = error
         except EvidenceError as error:
-            failed = {kind: failed.get(kind, str(error)) for kind in self.kinds}
+            failed = {kind: failed.get(kind, error) for kind in self.kinds}
         return {kind.__name__: self._verdicts(kind, watches.get(kind), failed.get(kind)) for kind in self.kinds}
 
-    def _verdicts(self, kind: type[Any], watch: Watch | None, error: str | None) -> dict[str, tuple[str, Finding]]:
+    def _verdicts(self, kind: type[Any], watch: Watch | None, error: EvidenceError | None) -> dict[str, tuple[str, Finding]]:
         try:
             if watch is None or error is not None:
-                raise EvidenceError(error or "it was not watched")
+                raise error or EvidenceError("it was not watched")
             found = watch.findings()
         except EvidenceError as missing:
-            found = {name: Finding(self.unread(kind, name, str(missing)), str(missing)) for name in kind.claims}
+            found = {name: Finding(self.unread(kind, name, missing), str(missing)) for name in kind.claims}
         return {name: (claim, found[name]) for name, claim in kind.claims.items()}

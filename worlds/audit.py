@@ -117,6 +117,8 @@ class _Audit:
         self.rows.append(
             Row(
                 id=f"audit:{row_id}",
+                question=f"audit:{row_id}",
+                subject=(entity,) if entity else (),
                 check="audit",
                 group=group,
                 predicate=predicate,

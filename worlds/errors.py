@@ -6,6 +6,7 @@ WorldAgentError
 │   └── LimitError        a declared cap would be exceeded; carries the estimate
 ├── RefusedError          a gate of the server holds; names the missing evidence
 ├── EvidenceError         an artifact is missing, damaged or does not match its digest
+│   └── NotFiniteError    it holds numbers that are none
 └── EngineError           a simulator, renderer or worker process failed
 """
 
@@ -16,6 +17,7 @@ __all__ = [
     "EvidenceError",
     "InputError",
     "LimitError",
+    "NotFiniteError",
     "RefusedError",
     "SpecError",
     "WorldAgentError",
@@ -48,6 +50,10 @@ class RefusedError(WorldAgentError):
 
 class EvidenceError(WorldAgentError):
     """An artifact is missing, damaged, stale or altered."""
+
+
+class NotFiniteError(EvidenceError):
+    """A channel holds a number that is not finite: evidence of a fault, not a lack of evidence."""
 
 
 class EngineError(WorldAgentError):

@@ -256,7 +256,8 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
         if row.check == "terrain":
-            wanted |= {f"terrain:{row.id.split(':')[1]}"}
+            # Rows of earlier builds do not name theirs: any landscape then makes them stale.
+            wanted |= {f"terrain:{row.subject[0]}"} if row.subject else {s for s in changed if s.startswith("terrain:")}
         hit = sorted(wanted & changed)
         if hit:
             found[row.id] = hit[0]

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, Self, cast
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Attempt", "Check", "Correction", "Group", "Outcome", "Row", "RowClass", "Status", "fail_closed", "outcome_of"]
+__all__ = [
+    "Attempt",
+    "Check",
+    "Correction",
+    "Group",
+    "Outcome",
+    "Row",
+    "RowClass",
+    "RowId",
+    "Status",
+    "fail_closed",
+    "outcome_of",
+]
 
 Status = Literal["pass", "fail", "unverified", "not_applicable"]
 Group = Literal["spatial", "physical", "temporal", "observational", "delivery"]
@@ -28,6 +40,29 @@ Check = Literal[
     "delivery",
 ]
 RowClass = Literal["scene", "solver", "shot", "story", "text"]
+
+
+class RowId(str):
+    """A row's id that still knows the question it names and of what it is asked.
+
+    `RowId("support:rope", "lamp", "0")` is the string `support:rope:lamp:0`, with the question `support:rope` about `("lamp", "0")`.
+    """
+
+    __slots__ = ("question", "subject")
+    question: str
+    subject: tuple[str, ...]
+
+    def __new__(cls, question: str, *subject: str, text: str | None = None) -> Self:
+        """An id; `text` is given where its words stand in another order than question, then subject."""
+        made = super().__new__(cls, ":".join((question, *subject)) if text is None else text)
+        made.question, made.subject = question, subject
+        return made
+
+    @property
+    def check(self) -> Check:
+        """The check that judges the question: its first word, but for what the story asks for."""
+        first = self.question.partition(":")[0]
+        return cast("Check", "beat" if first in ("requirement", "probe") else first)
 
 
 class Correction(BaseModel):
@@ -60,6 +95,10 @@ class Row(BaseModel):
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
 
     id: str
+    question: str = ""
+    """Its id without the subject: `support:rope` of `support:rope:lamp`. Empty in rows of earlier builds."""
+    subject: tuple[str, ...] = ()
+    """Of what it is asked: entities, instances, beats, shots or relations, as the id names them."""
     check: Check
     group: Group
     predicate: str

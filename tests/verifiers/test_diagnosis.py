@@ -18,9 +18,9 @@ STEP = "/simulation/solvers/rigid/settings/step"
 
 
 def _row(row_id: str, status: str = "fail", check: str = "contact", **more: Any) -> Row:
-    return Row.model_validate(
-        {"id": row_id, "check": check, "group": "physical", "predicate": "p", "status": status, "artifact": "a", **more}
-    )
+    question, _, subject = row_id.rpartition(":")
+    row = {"id": row_id, "question": question, "subject": (subject,), "check": check, "group": "physical", "predicate": "p"}
+    return Row.model_validate({**row, "status": status, "artifact": "a", **more})
 
 
 def _spec() -> WorldSpec:

@@ -146,7 +146,7 @@ def test_a_slit_counts_where_an_inflow_can_lift_the_liquid_to_it(size: list[floa
     tap = {"kind": "inflow", "entity": "water", "pose": {"position": [-0.15, 0, 0.14], "quaternion": [0.5, 0.5, 0.5, 0.5]}, "size": size, "speed": 0.1}  # fmt: skip
     changes = [*solid("gate", [0.03, 0.4, 0.34], [0, 0, 0], parts=gate), *HALF_FULL, ("/simulation/drivers/tap", tap)]
     if reaches:
-        with pytest.raises(InputError, match="passage at .* liquid would not pass"):
+        with pytest.raises(InputError, match=r"passage at .* liquid would not pass"):
             scene(*changes, crate_at=None)
     else:
         assert len(scene(*changes, crate_at=None).setup.inflows) == 1

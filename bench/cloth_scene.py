@@ -13,7 +13,7 @@ from ..simulation.cloth.mesh import Fabric, sheet_of
 from ..simulation.cloth.setup import ClothSetup, Hold
 from ..worlds.arrays import F64, I32
 from ..worlds.built import TriangleMesh
-from ..worlds.cloth import sheet_grid
+from ..worlds.categories.cloth.facts import sheet_grid
 from ..worlds.spec import Sheet
 
 __all__ = ["BEND", "DENSITY", "GRAVITY", "STIFFNESS", "grid", "hung", "law", "nothing", "thrown"]

@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from ..geometry.launch import chosen_device, cores, load
-from ..verifiers.contact import check
-from ..verifiers.surfaces import surfaces_of
+from ..testing.worlds import small_worlds as small
+from ..verifiers.contact.check import check
+from ..verifiers.scene.surfaces import surfaces_of
 from ..worlds.arrays import RigidPose
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart
 from ..worlds.cache import Cache
 from ..worlds.candidate import Candidate
-from . import small_worlds as small
 from .contact_shapes import lattice
 
 __all__ = ["run"]

@@ -16,8 +16,8 @@ import numpy as np
 
 from ..construction.build import build_entity
 from ..simulation.rigid import SolverRigid
+from ..testing.worlds.small_worlds import box, ground, world
 from ..worlds.spec import ElasticPhysics, Entity, Material, Pin, RigidSettings
-from .small_worlds import box, ground, world
 
 __all__ = ["run"]
 

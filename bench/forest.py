@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from ..testing.defects._lands import NAME, axes, declared, keep
+from ..testing.worlds.small_worlds import ball, box, make_candidate, world
 from ..verifiers.checks import run_checks
 from ..worlds.spec import BoxRegion, Connects
-from .defects._lands import NAME, axes, declared, keep
-from .small_worlds import ball, box, make_candidate, world
 
 __all__ = ["run"]
 

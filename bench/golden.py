@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from ..execution.processes import core_count
+from ..testing.defects.accepted import recorded, rejudge, specifications
+from ..testing.defects.judge import judge_one
+from ..testing.defects.suites import CHECKS, suite_of
 from ..worlds.requirements import Row
-from .defects.accepted import recorded, rejudge, specifications
-from .defects.judge import judge_one
-from .defects.suites import CHECKS, suite_of
 
 __all__ = ["FIELDS", "GOLDEN", "compare", "differences", "main", "rows_of_suite", "write"]
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ..execution import JobContext, JobStore, result_of
-from ..tools.jobs import WARM
+from ..workflow.jobs import WARM
 
 __all__ = ["WARM", "first_line", "run"]
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..simulation.schedule import run_frames
+from ..testing.worlds.small_worlds import build_all
 from ..verifiers.checks import run_checks
 from ..worlds.candidate import Candidate, cache_digest
-from ..worlds.liquid_surface import LiquidSurface
+from ..worlds.categories.liquid.surface import LiquidSurface
 from ..worlds.spec import WorldSpec
-from .small_worlds import build_all
 
 __all__ = ["dambreak_figures", "dambreak_spec"]
 

@@ -95,7 +95,7 @@ def run() -> dict[str, Any]:
 
 def _specification() -> tuple[str, dict[str, Any]]:
     """Prompt and specification of an accepted world of six entities."""
-    spec = json.loads((files("worldagent.bench.defects") / "accepted" / "three_blocks.json").read_text())
+    spec = json.loads((files("worldagent.testing.defects") / "accepted" / "three_blocks.json").read_text())
     return spec.pop("prompt"), spec
 
 
@@ -146,7 +146,7 @@ def _start_bakes(workspace: Path) -> None:
     store = JobStore(workspace, slots=BAKES)
     for k in range(BAKES):
         folder = workspace / f"bake{k}"
-        store.submit("bake", folder.name, {"folder": str(folder)}, entry="worldagent.tools.jobs:bake", exclusive=True)
+        store.submit("bake", folder.name, {"folder": str(folder)}, entry="worldagent.workflow.jobs:bake", exclusive=True)
     deadline = time.monotonic() + WAIT_S
     while any(not list((workspace / f"bake{k}").glob("candidates/*/bake/*/frame_000010.npz")) for k in range(BAKES)):
         if time.monotonic() > deadline:

@@ -16,7 +16,7 @@ from typing import Any
 from ..simulation.cloth.engine import SAFE
 from ..simulation.cloth.mesh import Fabric, sheet_of
 from ..simulation.cloth.stability import highest_frequency, longest_step
-from ..worlds.cloth import sheet_grid
+from ..worlds.categories.cloth.facts import sheet_grid
 from ..worlds.spec import Sheet
 
 __all__ = ["by_skill", "measure", "taken_step"]

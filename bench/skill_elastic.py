@@ -18,8 +18,8 @@ import numpy as np
 
 from ..construction.build import build_entity
 from ..simulation.rigid import SolverRigid
+from ..testing.worlds.small_worlds import box, world
 from ..worlds.spec import ElasticPhysics, Material, Pin, RigidSettings
-from .small_worlds import box, world
 
 __all__ = ["beam_error", "by_skill", "cases", "measure"]
 

@@ -14,8 +14,8 @@ from typing import Any
 
 from ..construction.build import build_entity
 from ..simulation.rigid import SolverRigid
+from ..testing.worlds.small_worlds import box, ground, world
 from ..worlds.spec import Material
-from .small_worlds import box, ground, world
 
 __all__ = ["breaks", "by_skill", "measure"]
 

@@ -10,9 +10,9 @@ from typing import Any, Literal
 from ..construction import build_world, built_paths
 from ..simulation.freeze import open_freeze
 from ..simulation.probe import run_probe
-from ..tools.session import Session
 from ..verifiers.checks import CHECKS, names_of
-from ..verifiers.diagnosis import cite, diagnose
+from ..verifiers.diagnosis.cite import cite, diagnose
+from ..workflow.session import Session
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import WorldAgentError

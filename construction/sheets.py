@@ -8,11 +8,11 @@ import numpy as np
 
 from ..worlds.arrays import F64, I32, RigidPose, pose_of
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
-from ..worlds.cloth import sheet_grid
+from ..worlds.categories.cloth.facts import sheet_grid
+from ..worlds.categories.cloth.tears import corners_of
+from ..worlds.categories.elastic.simulation_mesh import SimulationMesh
 from ..worlds.errors import InputError
-from ..worlds.simulation_mesh import SimulationMesh
 from ..worlds.spec import Entity, Part, WorldSpec
-from ..worlds.tears import corners_of
 from .imports import load_surface
 
 __all__ = ["build_cloth"]

@@ -13,8 +13,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from worldagent.bench.defects.suites import suite_digest, verifiers_digest
-from worldagent.verifiers.robustness import clopper_pearson
+from worldagent.testing.defects.suites import suite_digest, verifiers_digest
+from worldagent.verifiers.story.robustness import clopper_pearson
 
 HEAD = """# Accuracy of the checks
 
@@ -102,7 +102,7 @@ def page(figures: dict[str, Any]) -> str:
     if kept:
         lines += [
             "",
-            f"Accepted worlds (`bench/defects/accepted.py`), built, baked and judged anew: {kept['worlds']} worlds, {kept['checks']} checks of "
+            f"Accepted worlds (`testing/defects/accepted.py`), built, baked and judged anew: {kept['worlds']} worlds, {kept['checks']} checks of "
             f"them, {kept['false_alarms']} refused.",
         ]
     missed = [(name, m) for name, f in figures["checks"].items() for m in f["missed"]]

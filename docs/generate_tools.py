@@ -8,7 +8,7 @@ from typing import Any
 
 from worldagent.server.arguments import Arguments
 from worldagent.tools import TOOLS
-from worldagent.tools.context import ToolBinding
+from worldagent.workflow.context import ToolBinding
 
 PAGE = Path(__file__).with_name("tools.md")
 HEAD = """\

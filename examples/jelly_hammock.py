@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ..bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
+from ..testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "jelly_spec", "main", "run"]

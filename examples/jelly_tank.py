@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ..bench.small_liquids import jelly_tank_spec
+from ..testing.worlds.small_liquids import jelly_tank_spec
 from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "main", "run", "tank_of_jelly"]

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ..bench.small_soft import caught_spec
+from ..testing.worlds.small_soft import caught_spec
 from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "held_spec", "main", "run"]

@@ -13,19 +13,19 @@ from ..worlds.arrays import F64, rotation_matrix
 from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.spec import Appearance
-from .grains import grain_shapes
+from .categories.liquid.light import liquid_integrator
+from .categories.liquid.meshes import liquids_of
+from .categories.liquid.shapes import liquid_shapes
+from .categories.liquid.wet_look import Link, Wetness, darkened, film_at
+from .categories.particles.shapes import grain_shapes
+from .categories.soft_parts import SoftPart, soft_part
 from .lights import light_dicts
-from .liquid import liquids_of
-from .liquid_light import liquid_integrator
-from .liquid_shapes import liquid_shapes
 from .scenery import cut_from, landscapes_of, scenery_shapes
 from .shades import brick_tone
-from .soft_parts import SoftPart, soft_part
 from .surfaces import Surface, textured_surfaces
 from .textures import F32, Tile, pattern_tiles
 from .variant import load_mitsuba
 from .views import active, part_frame
-from .wet_look import Link, Wetness, darkened, film_at
 
 __all__ = ["Features", "SceneRenderer"]
 

@@ -15,10 +15,10 @@ from ..worlds.built import TriangleMesh
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec.story import BoxRegion, Connects, CylinderRegion, SphereRegion
+from .categories.liquid.preview import LiquidLayer
+from .categories.particles.shapes import ball_mesh, grains_at
 from .denoise import U8
 from .drawing import Color, distinct_color, label_regions, line, region_edges, text, text_size
-from .grains import ball_mesh, grains_at
-from .liquid_preview import LiquidLayer
 from .views import Bounds, active, focus_bounds
 
 __all__ = ["plan_view", "section_view"]

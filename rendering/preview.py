@@ -11,11 +11,11 @@ from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster, IdImage
 from ..worlds.arrays import F64, compose
 from ..worlds.candidate import Candidate
+from .categories.liquid.preview import LiquidLayer, over, tinted
+from .categories.particles.shapes import GrainLayer
 from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
-from .grains import GrainLayer
 from .land_preview import LandLayer
-from .liquid_preview import LiquidLayer, over, tinted
 from .scenery import cut_from, is_stems
 from .shades import brick_tone, pattern_shade
 from .textures import F32

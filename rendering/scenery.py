@@ -12,9 +12,9 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
+from ..worlds.categories.liquid.facts import domain_box
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
-from ..worlds.liquids import domain_box
 from ..worlds.spec import HeightField, StemField
 from .ground_look import ground_bsdf, ground_image
 from .meshes import grid_faces, grid_uv, mesh_of, top_of

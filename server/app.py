@@ -23,9 +23,9 @@ from pydantic import AnyUrl
 
 from .. import __version__
 from ..execution import JobStore
-from ..tools.answers import HEAD_SCHEMA
-from ..tools.context import ToolBinding, ToolContext
-from ..tools.table_entries import entry_of
+from ..workflow.answers import HEAD_SCHEMA
+from ..workflow.context import ToolBinding, ToolContext
+from ..workflow.table_entries import entry_of
 from ..worlds.bounds import shown
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids

@@ -10,7 +10,7 @@ from typing import Any
 from mcp.server.mcpserver.utilities.func_metadata import func_metadata
 from pydantic import ValidationError
 
-from ..tools.context import ToolBinding
+from ..workflow.context import ToolBinding
 from ..worlds.bounds import extent, shown
 from ..worlds.errors import InputError
 

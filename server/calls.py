@@ -18,8 +18,8 @@ import pydantic_core
 from mcp.shared.exceptions import MCPError
 from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, TextContent
 
-from ..tools.answers import fitted
-from ..tools.context import Link, ToolBinding, ToolContext, ToolReply
+from ..workflow.answers import fitted
+from ..workflow.context import Link, ToolBinding, ToolContext, ToolReply
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
 from ..worlds.quoting import shown, visible
 from ..worlds.storage import storage_failure

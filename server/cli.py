@@ -26,7 +26,7 @@ BENCHMARKS: dict[str, str] = {
     "clearance": "worldagent.bench.clearance:run",
     "contact-scale": "worldagent.bench.contact_scale:run",
     "render": "worldagent.bench.render:run",
-    "defects": "worldagent.bench.defects.suites:run",
+    "defects": "worldagent.testing.defects.suites:run",
     "skills": "worldagent.bench.skills:run",
     "server-load": "worldagent.bench.server_load:run",
     "result-size": "worldagent.bench.result_size:run",
@@ -282,20 +282,20 @@ def _intervals(text: str) -> int:
 
 
 def _verify(arguments: argparse.Namespace) -> int:
-    from ..tools.verify_folder import verify_folder
+    from ..workflow.verify_folder import verify_folder
 
     options = {k: getattr(arguments, k) for k in ("replay", "seed", "intervals", "report")}
     return _judged(verify_folder(arguments.folder.expanduser().absolute(), **options))
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from ..tools.matrix_report import report_world
+    from ..workflow.matrix_report import report_world
 
     return _judged(report_world(arguments.folder.expanduser().absolute(), arguments.out))
 
 
 def _bundle(arguments: argparse.Namespace) -> int:
-    from ..tools.bundles import bundle_world
+    from ..workflow.bundles import bundle_world
 
     print(
         json.dumps(
@@ -306,7 +306,7 @@ def _bundle(arguments: argparse.Namespace) -> int:
 
 
 def _recompute(arguments: argparse.Namespace) -> int:
-    from ..tools.verify_folder import recompute_folder
+    from ..workflow.verify_folder import recompute_folder
 
     return _judged(recompute_folder(arguments.folder.expanduser().absolute()))
 
@@ -328,7 +328,7 @@ def _bench(arguments: argparse.Namespace) -> int:
         print("\n".join(BENCHMARKS))
         return OK
     if arguments.adopt is not None:
-        from ..bench.defects.accepted import KEPT, adopt
+        from ..testing.defects.accepted import KEPT, adopt
 
         print(adopt(arguments.adopt.expanduser().absolute(), KEPT))
         return OK

@@ -13,7 +13,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from .. import __version__
-from ..tools.context import ToolBinding
+from ..workflow.context import ToolBinding
 from ..worlds.errors import InputError
 from .app import create_server
 from .guard import BODY_BYTES, Guard, GuardRules

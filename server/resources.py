@@ -207,7 +207,7 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
 
 def _add_jobs(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
     def listed(world: str | None) -> str:
-        from ..tools.waiting import job_data
+        from ..workflow.waiting import job_data
 
         store = jobs.present()
         return _json({"jobs": [] if store is None else [job_data(job, store) for job in store.list(world, limit=50)]})
@@ -230,7 +230,7 @@ def _add_jobs(server: MCPServer[Any], jobs: WorkspaceJobs) -> None:
         mime_type=JSON,
     )
     def one_job(job_id: str) -> str:
-        from ..tools.waiting import job_data
+        from ..workflow.waiting import job_data
 
         with _told():
             store = jobs.present()

@@ -13,7 +13,7 @@ from mcp.server.auth.middleware.bearer_auth import AuthenticatedUser
 from mcp.server.context import CallNext, HandlerResult, ServerRequestContext
 from mcp.shared.exceptions import MCPError
 
-from ..tools.context import ToolBinding
+from ..workflow.context import ToolBinding
 from .calls import error_result
 
 __all__ = ["INSUFFICIENT_SCOPE", "ScopeCheck", "reads_only"]

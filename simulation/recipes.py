@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.canonical import digest_of
+from ..worlds.categories.liquid.facts import domain_box, spacing_of
 from ..worlds.instances import soft_met
-from ..worlds.liquids import domain_box, spacing_of
 from ..worlds.provenance import liquid_slice, motion_slice
 from .boundaries import meets_domain
 from .liquid.scene import MARGIN

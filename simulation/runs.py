@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ..worlds.audit import audit
+from ..worlds.audits.audit import audit
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.instances import cloth_of, coupled_groups, membership_problems
 from .protocol import Intervention, Solver, Within

@@ -9,13 +9,13 @@ import numpy as np
 
 from ..worlds.arrays import F64, RigidPose, pose_of
 from ..worlds.built import BuiltBody, BuiltEntity, TriangleMesh
-from ..worlds.deforming import lumped
+from ..worlds.categories.deforming import lumped
 from ..worlds.errors import EvidenceError, InputError
 from .boundaries import Boundary, SoftBoundary
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
-    from ..worlds.simulation_mesh import SimulationMesh
+    from ..worlds.categories.elastic.simulation_mesh import SimulationMesh
     from ..worlds.spec import WorldSpec
 
 __all__ = ["VertexPath", "soft_boundaries"]

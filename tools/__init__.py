@@ -1,12 +1,12 @@
 """Floor 6: the MCP tools. One tool, one file, one typed function; listed here explicitly, in the order of the loop."""
 
+from ..workflow.context import Handover, Picture, ToolBinding, ToolContext, ToolReply
+from ..workflow.links import WORLD_VIEW
 from .bake_sim import bake_sim
 from .build_terrain import build_terrain, landscape_reply
-from .context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from .edit_spec import edit_spec
 from .inspect_world import inspect_world
 from .job import job
-from .links import WORLD_VIEW
 from .place_object import place_object
 from .probe_sim import motion_reply, probe_sim
 from .render_shot import film_reply, render_shot

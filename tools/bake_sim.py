@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
+from ..workflow.rows import Detail
 from ..worlds.errors import RefusedError
-from .context import ToolContext, ToolReply
-from .rows import Detail
 
 __all__ = ["bake_sim"]
 
@@ -33,12 +33,12 @@ def bake_sim(
     """
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from ..workflow.estimates import bake_estimate
+    from ..workflow.measurements import is_whole
+    from ..workflow.session import Session
+    from ..workflow.waiting import start_and_wait
     from ..worlds.limits import check_workspace, estimate_counts
-    from .estimates import bake_estimate
-    from .measurements import is_whole
     from .probe_sim import told
-    from .session import Session
-    from .waiting import start_and_wait
 
     session = Session.open(context.workspace, world)
     session.require_audit("bake_sim")

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
 from ..worlds.vocabulary import ID_PATTERN
-from .context import ToolContext, ToolReply
 
 if TYPE_CHECKING:
     from ..execution import Job
-    from .session import Session
+    from ..workflow.session import Session
 
 __all__ = ["build_terrain", "landscape_reply"]
 
@@ -77,7 +77,7 @@ def build_terrain(
     entity replaces that ground. Returns: revision, heights, water, and of the open rows those that this call changed (the others by
     id in open_as_before). Works before the audit passes. Next: the reply's `next`.
     """
-    from .session import Session
+    from ..workflow.session import Session
 
     if re.match(ID_PATTERN, entity) is None:
         raise InputError(f"entity id {entity!r} must match {ID_PATTERN}, e.g. 'ground'")
@@ -111,9 +111,9 @@ def build_terrain(
 
 
 def _landscape(context: ToolContext, session: Session, payload: dict[str, Any], wait_s: float) -> ToolReply:
+    from ..workflow.landscapes import ground_material
+    from ..workflow.waiting import start_and_wait
     from ..worlds.canonical import digest_of
-    from .landscapes import ground_material
-    from .waiting import start_and_wait
 
     name = payload["terrain"]
     if name not in session.spec.terrains:
@@ -129,13 +129,13 @@ def _landscape(context: ToolContext, session: Session, payload: dict[str, Any], 
 
 def landscape_reply(job: Job) -> ToolReply:
     """Reply for a landscape whose job has ended."""
-    from .waiting import ended_data
+    from ..workflow.waiting import ended_data
 
     return _landscape_told(str(job.world), job.payload["terrain"], ended_data(job))
 
 
 def _landscape_told(world: str, name: str, data: dict[str, Any]) -> ToolReply:
-    from .answers import call, job_answer, rows_answer
+    from ..workflow.answers import call, job_answer, rows_answer
 
     if "state" in data:
         return ToolReply(job_answer(data))
@@ -167,11 +167,11 @@ def _plain(
     material: str | None,
     hypothesis: str,
 ) -> ToolReply:
+    from ..workflow.answers import answer, call, rows_answer
+    from ..workflow.landscapes import ground_material, membership
+    from ..workflow.rows import news, open_rows
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
-    from .answers import answer, call, rows_answer
-    from .landscapes import ground_material, membership
-    from .rows import news, open_rows
 
     spec, world = session.spec, session.folder.id
     ground = ground_material(spec, material)

@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from ..worlds.clauses import clauses_of
+from ..workflow.context import ToolContext, ToolReply
+from ..worlds.audits.clauses import clauses_of
 from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
 from ..worlds.folder import WorldFolder
-from .context import ToolContext, ToolReply
 
 __all__ = ["edit_spec"]
 
@@ -69,8 +69,8 @@ def edit_spec(
         return _create(context, world, prompt, spec or {})
     if spec is not None:
         raise InputError("spec is only for creating a world, together with prompt; use patch to edit")
-    from .job_kinds import ENTRIES
-    from .session import Session
+    from ..workflow.job_kinds import ENTRIES
+    from ..workflow.session import Session
 
     if on_hand_edit != "refuse":
         return _hand_edit(context, world, on_hand_edit, hypothesis, weakening_reason)
@@ -92,8 +92,8 @@ def edit_spec(
 
 
 def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
-    from .answers import answer, rows_answer
-    from .rows import summary
+    from ..workflow.answers import answer, rows_answer
+    from ..workflow.rows import summary
 
     world = session.folder.id
     report = session.audit()
@@ -134,8 +134,8 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
 
 
 def _next(session: Any, passed: bool, groups: set[str]) -> str:
-    from .answers import call
-    from .outdoor import to_build
+    from ..workflow.answers import call
+    from ..workflow.outdoor import to_build
 
     world, land = session.folder.id, to_build(session)
     if not passed:
@@ -151,20 +151,20 @@ def _next(session: Any, passed: bool, groups: set[str]) -> str:
 
 
 def _after_undo(session: Any) -> str:
-    from .answers import call
-    from .earlier import has_motion
+    from ..workflow.answers import call
+    from ..workflow.earlier import has_motion
 
     again = f", or {call('run_checks', world=session.folder.id, scope='probe')} to judge the motion of these settings again"
     return f"edit_spec: another hypothesis{again if has_motion(session) else ''}"
 
 
 def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
+    from ..workflow.session import Session
     from ..worlds.canonical import spec_digest
     from ..worlds.folder import world_ids
     from ..worlds.ledger import Ledger
     from ..worlds.limits import check_cap, check_limits, check_workspace
     from ..worlds.patch import parse_spec
-    from .session import Session
 
     folder = WorldFolder.of(context.workspace, world, create=True)
     if folder.spec_path.exists():
@@ -237,11 +237,11 @@ def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
 def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, reason: str) -> ToolReply:
     import json
 
+    from ..workflow.session import Session, no_revision
     from ..worlds.canonical import spec_digest
     from ..worlds.ledger import Ledger
     from ..worlds.limits import check_limits
     from ..worlds.patch import parse_spec
-    from .session import Session, no_revision
 
     # world.json itself may be what was deleted.
     folder = WorldFolder.of(context.workspace, world, create=True)

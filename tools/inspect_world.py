@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
+from ..workflow.links import proof_links
+from ..workflow.rows import Detail
 from ..worlds.errors import InputError, WorldAgentError
 from ..worlds.storage import storage_failure
-from .context import ToolContext, ToolReply
-from .links import proof_links
-from .rows import Detail
 
 __all__ = ["inspect_world"]
 
@@ -98,7 +98,7 @@ def inspect_world(
     present settings if there is one, else the probe, else (state only) frame 0. Lists are paged: a reply says total and
     next_offset. Not for pictures (render_shot), nor for judging anew (run_checks). `next` names the call that usually follows.
     """
-    from . import parts
+    from ..workflow import parts
 
     if part == "worlds":
         return ToolReply(parts.worlds(context.workspace, offset=offset, limit=limit))
@@ -110,7 +110,7 @@ def inspect_world(
         from ..worlds.folder import world_ids
 
         raise InputError(f"part {part!r} needs world; known worlds: {world_ids(context.workspace)[:20]}")
-    from .session import Session
+    from ..workflow.session import Session
 
     session = Session.open(context.workspace, world)
     data: dict[str, Any]
@@ -131,11 +131,11 @@ def inspect_world(
     elif part == "acceptance":
         data = parts.acceptance(session, offset=offset, limit=limit)
     elif part == "terrain":
-        from .surveys import terrain as survey
+        from ..workflow.surveys import terrain as survey
 
         data = survey(session, terrain, points=points, profile=profile, find=find, size=size, offset=offset, limit=limit)
     else:
-        from .measurements import measured
+        from ..workflow.measurements import measured
 
         data = measured(session, part, entities=entities, frames=frames, limit=limit, offset=offset)
     links = proof_links(world, data) if part == "acceptance" else ()

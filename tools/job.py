@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
-from .context import ToolContext, ToolReply
 
 if TYPE_CHECKING:
     from ..execution import Job
@@ -41,7 +41,7 @@ def job(
     running, done, failed, cancelled, lost), progress 0 to 1, seconds so far, what it does and about how long it still takes,
     or what it waits for. Not for: starting work. Next: the reply's `next`.
     """
-    from .waiting import follow, patience
+    from ..workflow.waiting import follow, patience
 
     if action == "list":
         return _listed(context, world, states, limit, offset, detail=detail)
@@ -58,8 +58,8 @@ def job(
 def _listed(
     context: ToolContext, world: str | None, states: list[State] | None, limit: int, offset: int, *, detail: bool
 ) -> ToolReply:
-    from .answers import PAGE_CHARACTERS, answer, call, paged
-    from .waiting import job_data
+    from ..workflow.answers import PAGE_CHARACTERS, answer, call, paged
+    from ..workflow.waiting import job_data
 
     total = context.jobs.count(world, states)
     if offset and offset >= total:
@@ -75,10 +75,10 @@ def _listed(
 
 def _told(context: ToolContext, job: Job, *, detail: bool) -> ToolReply:
     """A job, with the reply of the tool that started it once it is done."""
+    from ..workflow.answers import answer, job_answer
+    from ..workflow.job_kinds import again
+    from ..workflow.waiting import job_data
     from . import TOOLS
-    from .answers import answer, job_answer
-    from .job_kinds import again
-    from .waiting import job_data
 
     data = job_data(job, context.jobs, detail=detail)
     if not job.ended:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
+from ..workflow.rows import Detail
 from ..worlds.errors import InputError, RefusedError
-from .context import ToolContext, ToolReply
-from .rows import Detail
 
 if TYPE_CHECKING:
+    from ..workflow.session import Session
     from ..worlds.arrays import RigidPose
-    from .session import Session
 
 __all__ = ["place_object"]
 
@@ -55,10 +55,10 @@ def place_object(
     Refused: while the audit fails; a place that overlaps (`strict`); an entity that is not above `on`.
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
-    from .answers import call, rows_answer
-    from .job_kinds import ENTRIES
-    from .rows import summary
-    from .session import Session
+    from ..workflow.answers import call, rows_answer
+    from ..workflow.job_kinds import ENTRIES
+    from ..workflow.rows import summary
+    from ..workflow.session import Session
 
     session = Session.open(context.workspace, world)
     context.jobs.warm_up(ENTRIES)

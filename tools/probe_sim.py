@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
+from ..workflow.rows import Detail
 from ..worlds.errors import RefusedError
 from ..worlds.requirements import Row
-from .context import ToolContext, ToolReply
-from .rows import Detail
 
 if TYPE_CHECKING:
     from ..execution import Job
@@ -49,12 +49,12 @@ def probe_sim(
     """
     from ..simulation.freeze import freeze_hash
     from ..simulation.probe import probe_frames
+    from ..workflow.estimates import liquid_seconds
+    from ..workflow.measurements import is_whole
+    from ..workflow.session import Session
+    from ..workflow.waiting import start_and_wait
     from ..worlds.coarsening import coarsened, overrides_for
     from ..worlds.limits import check_workspace, estimate_counts
-    from .estimates import liquid_seconds
-    from .measurements import is_whole
-    from .session import Session
-    from .waiting import start_and_wait
 
     session = Session.open(context.workspace, world)
     report = session.require_audit("probe_sim")
@@ -90,7 +90,7 @@ def _line(row: Row) -> str:
 
 def told(world: str, kind: str, data: dict[str, Any], detail: Detail) -> ToolReply:
     """Reply of a probe or a bake: its state while it runs, else its verdict with a link to its contact sheet."""
-    from .answers import call, job_answer, rows_answer
+    from ..workflow.answers import call, job_answer, rows_answer
 
     if "state" in data:
         return ToolReply(job_answer(data))
@@ -113,6 +113,6 @@ def told(world: str, kind: str, data: dict[str, Any], detail: Detail) -> ToolRep
 
 def motion_reply(job: Job) -> ToolReply:
     """Reply for a probe or a bake that has ended."""
-    from .waiting import ended_data
+    from ..workflow.waiting import ended_data
 
     return told(str(job.world), job.kind, ended_data(job), job.payload.get("detail", "concise"))

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.context import Link, Picture, ToolContext, ToolReply
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.folder import write_atomically
-from .context import Link, Picture, ToolContext, ToolReply
 
 if TYPE_CHECKING:
     from ..execution import Job
     from ..geometry import Camera
     from ..rendering.denoise import U8
+    from ..workflow.session import Session
     from ..worlds.candidate import Candidate
     from ..worlds.folder import WorldFolder
-    from .session import Session
 
 __all__ = ["film_reply", "render_shot"]
 
@@ -76,14 +76,14 @@ def render_shot(
     Returns: JSON text (summary, file, frame, camera), the picture (JPEG or PNG, at most 700 kB) and a link to it; for final
     also a link to the film with its size and length, or a job_id when it takes longer than wait_s. Next: inspect_world.
     """
-    from .session import Session
+    from ..workflow.session import Session
 
     session = Session.open(context.workspace, world)
     if kind == "final":
         return _final(context, session, width, height, samples, wait_s)
     if kind == "field":
         return _field(session, terrain, field or "hillshade", width, height)
-    from .measurements import latest_candidate
+    from ..workflow.measurements import latest_candidate
 
     session.require_audit("rendering")
     candidate = latest_candidate(session, stage)
@@ -100,9 +100,9 @@ def render_shot(
             f"unknown shot {shot!r}{did_you_mean(shot, session.spec.shots) or ';'} the world has {sorted(session.spec.shots)}"
         )
     from ..rendering import shot_of
+    from ..workflow.answers import answer
+    from ..workflow.own_camera import buried, own_camera
     from ..worlds.canonical import digest_of
-    from .answers import answer
-    from .own_camera import buried, own_camera
 
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
     wide, tall = LEDGER_SIZE if kind == "ledger" else (640, 360)
@@ -134,8 +134,8 @@ def render_shot(
 
 def _field(session: Session, terrain: str | None, field: str, width: int | None, height: int | None) -> ToolReply:
     from ..rendering import encode, field_map
+    from ..workflow.answers import answer
     from ..worlds.landscape import open_landscape
-    from .answers import answer
 
     known = sorted(session.spec.terrains)
     name = terrain or (known[0] if len(known) == 1 else None)
@@ -214,7 +214,7 @@ def _picture(
 def _ledger(candidate: Candidate, width: int, height: int) -> U8:
     """The account of the verifiers; the solver's bare records where a channel for it is missing."""
     from .. import rendering
-    from ..verifiers.accounts import account_of
+    from ..verifiers.ledgers.accounts import account_of
 
     try:
         account = account_of(candidate)
@@ -228,10 +228,10 @@ def _final(
 ) -> ToolReply:
     from ..construction import build_world
     from ..simulation.freeze import freeze_hash
+    from ..workflow.estimates import film_estimate
+    from ..workflow.jobs import require_acceptance
+    from ..workflow.waiting import start_and_wait
     from ..worlds.limits import check_film
-    from .estimates import film_estimate
-    from .jobs import require_acceptance
-    from .waiting import start_and_wait
 
     built, _ = build_world(session.folder, session.spec)
     freeze = freeze_hash(session.spec, built)
@@ -257,14 +257,14 @@ def film_reply(job: Job) -> ToolReply:
     """Reply for a final sequence that has ended."""
     from pathlib import Path
 
+    from ..workflow.waiting import ended_data
     from ..worlds.folder import WorldFolder
-    from .waiting import ended_data
 
     return _film_reply(WorldFolder(Path(job.payload["folder"])), ended_data(job))
 
 
 def _film_reply(folder: WorldFolder, data: dict[str, Any]) -> ToolReply:
-    from .answers import answer, job_answer
+    from ..workflow.answers import answer, job_answer
 
     head = {"world": folder.id, "kind": "final"}
     if "state" in data:

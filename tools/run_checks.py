@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.context import ToolContext, ToolReply
+from ..workflow.links import proof_links
+from ..workflow.rows import Detail
 from ..worlds.errors import InputError, RefusedError
-from .context import ToolContext, ToolReply
-from .links import proof_links
-from .rows import Detail
 
 if TYPE_CHECKING:
     from ..execution import Job
@@ -63,10 +63,10 @@ def run_checks(
     Not for: reading known rows (inspect_world(part='matrix')). Next: after acceptance render_shot(kind='final'); after
     failures edit_spec.
     """
-    from .measurements import latest_candidate
-    from .rows import summary
-    from .session import Session
-    from .waiting import start_and_wait
+    from ..workflow.measurements import latest_candidate
+    from ..workflow.rows import summary
+    from ..workflow.session import Session
+    from ..workflow.waiting import start_and_wait
 
     session = Session.open(context.workspace, world)
     data: dict[str, Any]
@@ -98,7 +98,7 @@ def run_checks(
 
 def verdict_reply(job: Job) -> ToolReply:
     """Reply for checks or an acceptance that have ended."""
-    from .waiting import ended_data
+    from ..workflow.waiting import ended_data
 
     return _reply(
         str(job.world),
@@ -110,7 +110,7 @@ def verdict_reply(job: Job) -> ToolReply:
 
 
 def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only: Sequence[str] = ()) -> ToolReply:
-    from .answers import answer, call, job_answer, rows_answer
+    from ..workflow.answers import answer, call, job_answer, rows_answer
 
     place = {"world": world, "revision": revision}
     if "state" in data:

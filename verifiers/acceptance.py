@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from ..execution import Part, Tell
-from ..worlds.audit import audit
+from ..worlds.audits.audit import audit
+from ..worlds.audits.clauses import clauses_of
+from ..worlds.audits.story import uncaused
 from ..worlds.baked import BakeRecord, bake_record
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
-from ..worlds.clauses import clauses_of
 from ..worlds.environment import environment
 from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
@@ -27,11 +28,10 @@ from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Check, Row, RowId
 from ..worlds.spec import WorldSpec, prompt_digest
-from ..worlds.story_audit import uncaused
-from .binding import ALL_INTERVALS, cache_row, replay_row, standing
-from .bundle import event_list
-from .register import approximations
-from .verdicts import correction, make_row
+from .delivery.binding import ALL_INTERVALS, cache_row, replay_row, standing
+from .delivery.bundle import event_list
+from .register.assemble import approximations
+from .rows.verdicts import correction, make_row
 
 __all__ = ["acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 

@@ -10,26 +10,18 @@ from ..execution import Part, Tell
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Row, fail_closed
 from ..worlds.spec import WorldSpec
-from . import (
-    beats,
-    category,
-    causal,
-    contact,
-    counterfactual,
-    delivery,
-    interpenetration,
-    navigability,
-    numerical,
-    phases,
-    relations,
-    robustness,
-    scale,
-    shots,
-    support,
-    terrain,
-)
-from .diagnosis import diagnose
-from .rows import only_seen
+from .categories import check as category
+from .contact import check as contact
+from .delivery import check as delivery
+from .diagnosis.cite import diagnose
+from .land import terrain
+from .ledgers import numerical
+from .routes import navigability
+from .rows.guards import only_seen
+from .scene import interpenetration, relations, scale
+from .shots import check as shots
+from .story import beats, causal, counterfactual, phases, robustness
+from .support import check as support
 
 __all__ = ["CHECKS", "CheckBinding", "judging_share", "names_of", "rerun_ids", "run_checks"]
 

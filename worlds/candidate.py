@@ -16,14 +16,14 @@ from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .canonical import digest_of, spec_digest
-from .cloth import tears
+from .categories.cloth.facts import tears
+from .categories.deforming import Deforming, deforming_of
+from .categories.liquid.surface import LiquidSurface
+from .categories.liquid.wet import WetMap
 from .coarsening import coarsened, read_overrides
-from .deforming import Deforming, deforming_of
 from .errors import EvidenceError, SpecError
 from .fields import fields_of
 from .folder import WorldFolder, safe_join
-from .liquid_surface import LiquidSurface
-from .liquid_wet import WetMap
 from .patch import parse_spec
 from .records import Quantity
 from .spec import Shot, WorldSpec

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .fracture import piece_count
+from .categories.fracture.facts import piece_count
 
 if TYPE_CHECKING:
     from .spec import Entity

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from .gate import Problem
+from .audits.gate import Problem
 
 if TYPE_CHECKING:
     from .spec import Coupling, WorldSpec

@@ -144,9 +144,9 @@ def check_cap(name: str, estimate: float, *, what: str = "") -> None:
 
 def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     """What a specification would take, by name of the cap."""
-    from .cloth import cloth_estimate
-    from .liquids import liquid_estimate
-    from .particles import particle_estimate
+    from .categories.cloth.facts import cloth_estimate
+    from .categories.liquid.facts import liquid_estimate
+    from .categories.particles.facts import particle_estimate
 
     plan, look = spec.simulation, spec.look
     moving = {name: entity for name, entity in spec.entities.items() if entity.motion != "static"}
@@ -303,7 +303,7 @@ def _triangles(entity: Entity) -> int:
 def _bodies(entity: Entity) -> int:
     """Bodies that an entity becomes: one, its pieces, or the segments of its rope."""
     if entity.breakable is not None:
-        from .fracture import piece_count
+        from .categories.fracture.facts import piece_count
 
         return piece_count(entity)
     return 1 if entity.generator is None else entity.generator.segments

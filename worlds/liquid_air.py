@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import F64, I64
+from .categories.particles.facts import sphere_drag
 from .fields import Fields, Medium
-from .particles import sphere_drag
 
 if TYPE_CHECKING:
     from .built import TriangleMesh

@@ -14,9 +14,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .canonical import digest_of
+from .categories.liquid.facts import domain_box, initial_box, spacing_of
 from .fields import acting_on, field_drivers
 from .instances import coupled_groups, soft_met
-from .liquids import domain_box, initial_box, spacing_of
 from .requirements import Row
 from .spec import ElasticPhysics, Fastened, RigidPhysics, WorldSpec
 

@@ -10,8 +10,8 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from .categories.fracture.audit import usual_crumble
 from .directions import way_of
-from .fracture_audit import usual_crumble
 from .spec import SimulationPlan, WorldSpec
 
 __all__ = ["physical_weakenings", "relation_weakenings", "surface_weakenings"]

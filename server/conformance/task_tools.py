@@ -14,7 +14,7 @@ from mcp.shared.exceptions import MCPError
 from pydantic import Field
 
 from ...execution import Job, result_of
-from ...tools.context import ToolBinding, ToolContext, ToolReply
+from ...workflow.context import ToolBinding, ToolContext, ToolReply
 
 __all__ = ["FIXTURE_TOOLS", "REQUIRE_TASKS"]
 

@@ -29,7 +29,7 @@ from pydantic.alias_generators import to_camel
 
 from ...execution import Job, JobStore
 from ...execution.pruning import SPARED_S
-from ...tools.context import Handover, ToolBinding
+from ...workflow.context import Handover, ToolBinding
 from ...worlds.errors import InputError
 from ...worlds.quoting import visible
 from ..calls import result_of_reply
@@ -208,7 +208,7 @@ def _task(job: Job, status: str, store: JobStore) -> dict[str, Any]:
 
 def _message(job: Job, store: JobStore) -> str:
     """What the user reads while the task goes on: how far it is, what it does, how long it will take."""
-    from ...tools.waiting import progress_text
+    from ...workflow.waiting import progress_text
 
     if job.ended:
         return job.error["message"] if job.error else ""

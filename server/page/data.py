@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...tools.standing import film_of, standing
-from ...tools.waiting import job_data
+from ...workflow.standing import film_of, standing
+from ...workflow.waiting import job_data
 from ...worlds.errors import EvidenceError, InputError
 from ...worlds.folder import WorldFolder, world_ids
 from ...worlds.ledger import Ledger

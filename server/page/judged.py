@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ...tools.rows import brief, counts
-from ...tools.standing import Standing
+from ...workflow.rows import brief, counts
+from ...workflow.standing import Standing
 from ...worlds.folder import WorldFolder
 from ...worlds.ledger import Ledger
 from ...worlds.requirements import Row

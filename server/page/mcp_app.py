@@ -14,7 +14,7 @@ from mcp.server.apps import APP_MIME_TYPE, Apps
 from mcp.server.mcpserver.exceptions import ResourceError, ResourceNotFoundError
 from mcp.server.mcpserver.resources import FunctionResource
 
-from ...tools.links import WORLD_VIEW
+from ...workflow.links import WORLD_VIEW
 from ...worlds.errors import InputError, WorldAgentError
 from ..workspace_jobs import WorkspaceJobs
 

@@ -19,7 +19,7 @@ from starlette.routing import BaseRoute, Route
 
 from ... import __version__
 from ...execution import JobStore
-from ...tools.standing import film_of
+from ...workflow.standing import film_of
 from ...worlds.errors import EvidenceError, InputError, LimitError, WorldAgentError
 from ...worlds.folder import WorldFolder, safe_join
 from ...worlds.quoting import shown

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.arrays import F64, I32, pose_of
+from ...worlds.categories.cloth.tears import seams_of
 from ...worlds.errors import InputError
-from ...worlds.tears import seams_of
 from .mesh import Fabric, Sheet, sheet_of
 from .tearing import Tearing
 

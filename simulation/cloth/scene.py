@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I32, pose_of
 from ...worlds.built import TriangleMesh
-from ...worlds.cloth import THIN, exchange_of, held_by, touching_distance
+from ...worlds.categories.cloth.facts import THIN, exchange_of, held_by, touching_distance
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
 from ...worlds.instances import soft_met

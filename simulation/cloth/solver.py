@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
-from ...worlds.cloth import release_time
+from ...worlds.categories.cloth.facts import release_time
 from ...worlds.errors import EngineError
 from ..boundaries import BodyState, MovingSurface, Surround
 from ..partner import SolverPartner, motion_records

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...worlds.tears import following
+from ...worlds.categories.cloth.tears import following
 from .tearing import Tear
 
 if TYPE_CHECKING:

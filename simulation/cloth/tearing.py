@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64, I32
-from ...worlds.tears import Flags, Seams, following, welded
+from ...worlds.categories.cloth.tears import Flags, Seams, following, welded
 
 if TYPE_CHECKING:
     from .mesh import Sheet

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ...geometry.walls import wall_thickness
 from ...worlds.arrays import F64
+from ...worlds.categories.liquid.facts import LEAST_SPACINGS
 from ...worlds.errors import InputError
-from ...worlds.liquids import LEAST_SPACINGS
 from .engine import Inflow, LiquidSetup
 from .filling import PlacedSolid
 

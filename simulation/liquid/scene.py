@@ -12,10 +12,10 @@ import numpy as np
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of, rotation_matrix
 from ...worlds.built import BuiltEntity
+from ...worlds.categories.liquid.facts import domain_box, spacing_of
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
 from ...worlds.instances import soft_met
-from ...worlds.liquids import domain_box, spacing_of
 from ...worlds.provenance import DOMAIN_MARGIN
 from ...worlds.waves import sea_of, waves_of
 from ..boundaries import Surround, surround_of

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.arrays import F64
+from ...worlds.categories.liquid.facts import declares_heat
 from ...worlds.errors import EngineError
-from ...worlds.liquids import declares_heat
 from ..boundaries import BodyState, Surround
 from ..partner import SolverPartner, motion_records
 from ..protocol import SHORTEST, Channel

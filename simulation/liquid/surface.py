@@ -1,4 +1,4 @@
-"""Surfaces, spray and foam of a baked liquid, frame by frame beside its cache (`worlds/liquid_surface.py` has the channels)."""
+"""Surfaces, spray and foam of a baked liquid, frame by frame beside its cache (`worlds/categories/liquid/surface.py` has the channels)."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ...worlds.arrays import F64, I32
 from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays, write_container
 from ...worlds.canonical import digest_of, source_digest
+from ...worlds.categories.liquid.surface import LiquidSurface, surface_folder
 from ...worlds.errors import EvidenceError, InputError
 from ...worlds.folder import write_atomically
-from ...worlds.liquid_surface import LiquidSurface, surface_folder
 from . import foam, surface_mesh
 from .surround import Surroundings, clumps, surroundings
 from .wall_fit import fit_to_sides, fit_to_walls, off_sides, off_walls

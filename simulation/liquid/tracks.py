@@ -1,4 +1,4 @@
-"""Films that solids carry from one surface to another: the tracks of wet wheels and boots (declared law in `worlds/liquid_wet.py`)."""
+"""Films that solids carry from one surface to another: the tracks of wet wheels and boots (declared law in `worlds/categories/liquid/wet.py`)."""
 
 from __future__ import annotations
 

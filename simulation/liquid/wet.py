@@ -1,4 +1,4 @@
-"""Wet maps of a baked liquid, frame by frame beside its cache (`worlds/liquid_wet.py` has the channels)."""
+"""Wet maps of a baked liquid, frame by frame beside its cache (`worlds/categories/liquid/wet.py` has the channels)."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ...worlds.arrays import F64, I32, RigidPose, rotation_matrix
 from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays, write_container
 from ...worlds.canonical import digest_of, source_digest
+from ...worlds.categories.liquid.wet import WetMap, wet_folder
 from ...worlds.errors import EvidenceError
 from ...worlds.folder import write_atomically
-from ...worlds.liquid_wet import WetMap, wet_folder
 from .tracks import Tracks, sweeps
 
 __all__ = ["TOUCH", "WetPart", "map_wet"]

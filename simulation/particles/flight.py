@@ -14,9 +14,9 @@ import numpy as np
 
 from ...geometry.launch import chosen_device, launch, warp
 from ...worlds.arrays import F64
+from ...worlds.categories.particles.facts import sphere_drag
 from ...worlds.errors import EvidenceError
 from ...worlds.fields import Medium
-from ...worlds.particles import sphere_drag
 from ..boundaries import BodyState, Surround
 from .frames import FramedParticles, Taken
 from .scatter import emitted, scattered

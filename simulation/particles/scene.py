@@ -10,9 +10,9 @@ import numpy as np
 
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of
+from ...worlds.categories.particles.facts import particle_box
 from ...worlds.errors import InputError
 from ...worlds.instances import soft_met
-from ...worlds.particles import particle_box
 from ..boundaries import Surround, surround_of
 from .packing import fill_box
 from .setup import GrainSetup, Kind, wall_law

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.particles import sphere_drag
+from ...worlds.categories.particles.facts import sphere_drag
 from ..boundaries import BodyState, Surround
 from .energy import Elastic, elastic
 from .engine import Grains

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.examples.burst_tank import flood_spec, run
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.spec import WorldSpec
 
 

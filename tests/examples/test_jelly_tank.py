@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.examples.jelly_tank import FRAMES, PROMPT, run, tank_of_jelly
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.patch import parse_spec
 
 

@@ -7,10 +7,10 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from worldagent.bench.simulated_worlds import simulate
 from worldagent.examples.siege import PROMPT, SECONDS, WHIP, run, siege_spec
-from worldagent.verifiers import beats, counterfactual
-from worldagent.worlds.audit import audit
+from worldagent.testing.worlds.simulated_worlds import simulate
+from worldagent.verifiers.story import beats, counterfactual
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 

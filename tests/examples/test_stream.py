@@ -18,8 +18,8 @@ from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.scene import build_scene
 from worldagent.tests.physics.test_flip import box_mesh, one_body
 from worldagent.tests.simulation.liquid.flip_setup import block, tank
-from worldagent.tools.waters import water_operations
-from worldagent.worlds.audit import audit
+from worldagent.workflow.waters import water_operations
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import apply_patch, parse_spec
 

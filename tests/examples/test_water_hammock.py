@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.examples.water_hammock import FRAMES, PROMPT, held_spec, run
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.patch import parse_spec
 
 

@@ -3,7 +3,7 @@
 import hashlib
 import sys
 
-from worldagent.tools.jobs import WARM
+from worldagent.workflow.jobs import WARM
 
 __all__ = ["WARM", "computed", "loaded"]
 

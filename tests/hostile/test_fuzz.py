@@ -14,7 +14,7 @@ from worldagent.server.messages import defect_of
 from worldagent.server.wire import Lines
 from worldagent.tests.hostile.fuzz import Finds, fuzz_calls, fuzz_messages
 from worldagent.tests.hostile.specs import broken, full_spec, patch, sentence
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.patch import apply_patch, differences, parse_spec, weakenings
 from worldagent.worlds.spec import WorldSpec

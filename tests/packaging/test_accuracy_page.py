@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.bench.defects import CHECKS
-from worldagent.bench.defects.suites import suite_digest, verifiers_digest
+from worldagent.testing.defects import CHECKS
+from worldagent.testing.defects.suites import suite_digest, verifiers_digest
 
 DOCS = Path(__file__).parents[2] / "docs"
 REFRESH = "run: python docs/generate_accuracy.py --refresh"

@@ -10,8 +10,8 @@ import pytest
 from worldagent.execution import JobStore
 from worldagent.tests.page.browser import Served, Tab, chromium
 from worldagent.tests.stories.small_run import PROMPT, small_spec
-from worldagent.tools.context import ToolContext
 from worldagent.tools.edit_spec import edit_spec
+from worldagent.workflow.context import ToolContext
 from worldagent.worlds.folder import WorldFolder, write_atomically
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Correction, Row

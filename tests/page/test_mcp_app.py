@@ -18,7 +18,7 @@ from worldagent.server.page.mcp_app import STATIC, app_document
 from worldagent.tests.page.browser import AXE, RULES, Tab, needs_axe
 from worldagent.tests.page.conftest import Made
 from worldagent.tests.page.rich import rich_world
-from worldagent.tools.links import WORLD_VIEW
+from worldagent.workflow.links import WORLD_VIEW
 
 POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "

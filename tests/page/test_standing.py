@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from worldagent.simulation.freeze import engine_versions, solver_source
 from worldagent.tests.page.conftest import Made, row
-from worldagent.tools.standing import STAGES, standing
+from worldagent.workflow.standing import STAGES, standing
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
 

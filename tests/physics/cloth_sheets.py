@@ -12,7 +12,7 @@ from worldagent.simulation.cloth.mesh import Fabric, Sheet, sheet_of
 from worldagent.simulation.cloth.setup import ClothSetup, Hold
 from worldagent.worlds.arrays import F64, I32
 from worldagent.worlds.built import TriangleMesh
-from worldagent.worlds.cloth import sheet_grid
+from worldagent.worlds.categories.cloth.facts import sheet_grid
 from worldagent.worlds.spec import Sheet as SheetShape
 
 __all__ = ["DENSITY", "STIFFNESS", "box", "cloth", "fabric", "hold", "run", "sheet", "standing"]

@@ -15,7 +15,7 @@ from worldagent.simulation.cloth.energy import bending_energy, membrane_energy
 from worldagent.simulation.cloth.mesh import sheet_of
 from worldagent.tests.physics.cloth_sheets import DENSITY, STIFFNESS, box, cloth, fabric, hold, run, sheet, standing
 from worldagent.worlds.arrays import F64
-from worldagent.worlds.cloth import sheet_grid
+from worldagent.worlds.categories.cloth.facts import sheet_grid
 from worldagent.worlds.spec import Sheet as SheetShape
 
 G = 9.81

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial import Delaunay
 from worldagent.simulation.cloth.mesh import Sheet, sheet_of
 from worldagent.tests.physics.cloth_sheets import cloth, fabric, hold, run
-from worldagent.verifiers.predicates.cloth import shadow
+from worldagent.verifiers.categories.cloth.predicates import shadow
 from worldagent.worlds.arrays import F64, I32
 
 CLOTH, DISC = 0.15, 0.09

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.bench.small_worlds import box, ground, world
 from worldagent.construction.build import build_entity
 from worldagent.simulation.rigid import SolverRigid
-from worldagent.verifiers.elastic_register import LOST
+from worldagent.testing.worlds.small_worlds import box, ground, world
+from worldagent.verifiers.categories.elastic.register import LOST
 from worldagent.worlds.spec import ElasticPhysics, Pin, RigidSettings
 from worldagent.worlds.spec.entities import Material
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.bench.small_worlds import box, world
 from worldagent.construction.build import build_entity
 from worldagent.simulation.rigid import SolverRigid
 from worldagent.simulation.schedule import run_frames
-from worldagent.verifiers import elastic
+from worldagent.testing.worlds.small_worlds import box, world
+from worldagent.verifiers.categories.elastic import check as elastic
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.spec import ElasticPhysics, FieldDriver, Pin, RigidSettings, WorldSpec

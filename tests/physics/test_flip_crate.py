@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.schedule import run_frames
-from worldagent.verifiers.liquid import findings_of
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
+from worldagent.verifiers.categories.liquid.check import findings_of
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.bench.defects._fracture_scenes import KINDS
 from worldagent.construction import build_entity
 from worldagent.simulation.fracture.clusters import clusters_of
 from worldagent.simulation.rigid import SolverRigid
+from worldagent.testing.defects._fracture_scenes import KINDS
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, solver_of, struck_wall
-from worldagent.worlds.fracture import piece_overlap
+from worldagent.worlds.categories.fracture.facts import piece_overlap
 
 G = rigid_world.G
 

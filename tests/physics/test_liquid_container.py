@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench import small_liquids
 from worldagent.construction.build import build_entity
 from worldagent.simulation.boundaries import BodyState
 from worldagent.simulation.liquid.engine import Engine
 from worldagent.simulation.liquid.scene import LiquidScene, build_scene
+from worldagent.testing.worlds import small_liquids
 from worldagent.worlds.spec import WorldSpec
 
 SPACING = 0.025

@@ -9,7 +9,7 @@ from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
 from worldagent.simulation.liquid.engine import Fluid, Inflow, Outflow
 from worldagent.tests.physics.liquid_column import G, bodies, liquid, momentum, run
-from worldagent.verifiers.liquid_footing import NARROW
+from worldagent.verifiers.categories.liquid.footing import NARROW
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.errors import EngineError, EvidenceError
 
@@ -143,7 +143,7 @@ def test_a_held_box_feels_the_weight_of_what_it_displaces():
 @pytest.mark.parametrize("gap", [0, 2], ids=["on the floor", "two spacings over it"])
 def test_a_ball_on_the_floor_lacks_no_more_lift_than_the_wedge_under_it(gap):
     """Known gap: particles do not get under a ball that lies. What it lacks is at most the water over where it is nearer than half a
-    spacing to the floor (the bound of `verifiers/liquid_footing.py`); two spacings up it has all, +-5 % (measured -1 %)."""
+    spacing to the floor (the bound of `verifiers/categories/liquid/footing.py`); two spacings up it has all, +-5 % (measured -1 %)."""
     s = 0.04
     radius, side = (4.0 * s, 14 * s) if gap == 0 else (2.5 * s, 11 * s)
     high = 11 * s if gap == 0 else 8 * s

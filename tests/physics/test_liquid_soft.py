@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from worldagent.bench.small_liquids import PROMPT, jelly_tank_spec, tank_spec
-from worldagent.bench.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
 from worldagent.simulation.runs import groups_of, make_run
+from worldagent.testing.worlds.small_liquids import PROMPT, jelly_tank_spec, tank_spec
+from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.tests.physics.liquid_column import G, bodies, liquid, momentum
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.patch import parse_spec

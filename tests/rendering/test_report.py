@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_worlds import box, ground, make_candidate, world
 from worldagent.rendering import PreviewRenderer, ReportPictures, highlight, matrix_page, report_pictures
+from worldagent.testing.worlds.small_worlds import box, ground, make_candidate, world
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Correction, Row
 from worldagent.worlds.spec import Beat, WorldSpec

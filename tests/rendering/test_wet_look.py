@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.bench import small_worlds as sw
-from worldagent.bench.liquid_worlds import Flow, lattice, liquid_world, water
 from worldagent.geometry.camera import Camera
+from worldagent.rendering.categories.liquid.wet_look import Wetness, darkened, finely
 from worldagent.rendering.mitsuba_scene import SceneRenderer
 from worldagent.rendering.surfaces import Surface
-from worldagent.rendering.wet_look import Wetness, darkened, finely
 from worldagent.simulation.surfaces import map_wet_solids
+from worldagent.testing.worlds import small_worlds as sw
+from worldagent.testing.worlds.liquid_worlds import Flow, lattice, liquid_world, water
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.spec import Appearance, Material

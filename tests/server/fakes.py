@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
-from worldagent.tools.context import Picture, ToolBinding, ToolContext, ToolReply
+from worldagent.workflow.context import Picture, ToolBinding, ToolContext, ToolReply
 from worldagent.worlds.errors import InputError, LimitError, RefusedError, SpecError
 
 PIXEL = bytes.fromhex(

@@ -15,7 +15,7 @@ from mcp.types import ResourceTemplateReference
 from worldagent.rendering.report import matrix_page
 from worldagent.server.app import create_server
 from worldagent.server.cli import main
-from worldagent.tools.context import ToolBinding, ToolContext, ToolReply
+from worldagent.workflow.context import ToolBinding, ToolContext, ToolReply
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Correction, Row
@@ -155,7 +155,7 @@ def test_the_command_writes_no_control_characters_to_the_terminal(
     def fail(*args: object, **kwargs: object) -> None:
         raise InputError(f"there is {EVIL}")
 
-    monkeypatch.setattr("worldagent.tools.verify_folder.verify_folder", fail)
+    monkeypatch.setattr("worldagent.workflow.verify_folder.verify_folder", fail)
     assert main(["verify", str(tmp_path)]) == 2
     assert acting(capsys.readouterr().err) == []
 

@@ -15,7 +15,7 @@ from mcp import Client
 from pydantic import Field
 from worldagent.server.app import INSTRUCTIONS, TOOLS_AT_A_TIME, WAITING_AT_A_TIME, create_server
 from worldagent.server.calls import Progress
-from worldagent.tools.context import ToolBinding, ToolContext, ToolReply
+from worldagent.workflow.context import ToolBinding, ToolContext, ToolReply
 
 pytestmark = pytest.mark.anyio
 

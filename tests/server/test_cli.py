@@ -61,8 +61,8 @@ def test_only_an_accepted_folder_exits_with_zero(
         asked.append((folder, options))
         return {"verdict": verdict, "rows": {"pass": 3}, "failing": []}
 
-    monkeypatch.setattr("worldagent.tools.verify_folder.verify_folder", judge)
-    monkeypatch.setattr("worldagent.tools.verify_folder.recompute_folder", judge)
+    monkeypatch.setattr("worldagent.workflow.verify_folder.verify_folder", judge)
+    monkeypatch.setattr("worldagent.workflow.verify_folder.recompute_folder", judge)
     assert main([*command, str(tmp_path)]) == code
     assert json.loads(capsys.readouterr().out)["verdict"] == verdict
     options = {"replay": "--replay" in command, "seed": None, "intervals": None, "report": None}
@@ -73,7 +73,9 @@ def test_only_an_accepted_folder_exits_with_zero(
 def test_a_report_exits_by_its_verdict(
     verdict: str, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("worldagent.tools.matrix_report.report_world", lambda root, out: {"verdict": verdict, "report": str(out)})
+    monkeypatch.setattr(
+        "worldagent.workflow.matrix_report.report_world", lambda root, out: {"verdict": verdict, "report": str(out)}
+    )
     assert main(["report", str(tmp_path), "--out", str(tmp_path / "a.html")]) == code
     assert json.loads(capsys.readouterr().out)["report"] == str(tmp_path / "a.html")
 
@@ -93,7 +95,7 @@ def test_an_error_of_the_package_is_told_without_a_trace(
     def refuse(folder: Path, **options: Any) -> dict[str, Any]:
         raise RefusedError("no complete bake")
 
-    monkeypatch.setattr("worldagent.tools.verify_folder.verify_folder", refuse)
+    monkeypatch.setattr("worldagent.workflow.verify_folder.verify_folder", refuse)
     assert main(["verify", str(tmp_path)]) == 2
     assert capsys.readouterr().err == "worldagent: no complete bake\n"
 

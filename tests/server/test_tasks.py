@@ -20,7 +20,7 @@ from worldagent.execution import JobStore
 from worldagent.server.app import WorldServer, create_server
 from worldagent.server.extensions.tasks import TASKS, Tasks
 from worldagent.tools import TOOLS
-from worldagent.tools.context import ToolBinding, ToolContext, ToolReply
+from worldagent.workflow.context import ToolBinding, ToolContext, ToolReply
 
 pytestmark = pytest.mark.anyio
 
@@ -229,7 +229,7 @@ def test_every_job_of_a_tool_belongs_to_one_tool(tmp_path: Path) -> None:
 
 
 def test_the_kinds_of_jobs_are_the_entries_of_the_workers() -> None:
-    from worldagent.tools import jobs
+    from worldagent.workflow import jobs
 
     assert {kind for binding in TOOLS for kind in binding.jobs} == set(jobs.__all__) - {
         "require_acceptance",

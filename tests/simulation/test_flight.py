@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from worldagent.bench.small_grains import SPARK_PROMPT, spark_spec
-from worldagent.bench.small_worlds import build_all
 from worldagent.simulation.particles.flight import SolverFlight
 from worldagent.simulation.protocol import Intervention
+from worldagent.testing.worlds.small_grains import SPARK_PROMPT, spark_spec
+from worldagent.testing.worlds.small_worlds import build_all
 from worldagent.worlds.spec import WorldSpec
 
 

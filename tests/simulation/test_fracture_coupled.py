@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.probe import replay
 from worldagent.simulation.schedule import run_frames
-from worldagent.verifiers import fracture, rigid, rigid_laws
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
+from worldagent.verifiers.categories.fracture import check as fracture
+from worldagent.verifiers.categories.rigid import check as rigid
+from worldagent.verifiers.categories.rigid import laws as rigid_laws
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec

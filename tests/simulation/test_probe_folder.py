@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.simulation import probe
 from worldagent.simulation.probe import probe_frames
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.tests.stories.small_run import PROMPT as BLOCKS
 from worldagent.tests.stories.small_run import small_spec
 from worldagent.worlds.coarsening import overrides_for, write_overrides

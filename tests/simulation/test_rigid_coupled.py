@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_worlds import box, world
 from worldagent.construction.build import build_entity
 from worldagent.simulation.rigid.coupled import RigidBodies
 from worldagent.simulation.rigid.solver import SolverRigid
+from worldagent.testing.worlds.small_worlds import box, world
 from worldagent.worlds.spec import HingeJoint
 
 SIZE = (0.2, 0.1, 0.3)

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_soft import HAMMOCK_PROMPT, hammock_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.elastic import Lattice
 from worldagent.simulation.runs import groups_of, make_run
 from worldagent.simulation.schedule import run_frames
-from worldagent.worlds.audit import audit
+from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, hammock_spec
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.patch import parse_spec
 
 FRAMES = 5

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation import schedule
 from worldagent.simulation.rigid import SolverRigid
 from worldagent.simulation.runs import groups_of, make_run
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.bench.simulated_worlds import simulate
-from worldagent.bench.small_worlds import ground, world
 from worldagent.simulation import kept_runs, variants
 from worldagent.simulation.kept_runs import KeptRuns
 from worldagent.simulation.protocol import Intervention
 from worldagent.simulation.runs import Run
 from worldagent.simulation.variants import run_variant, simulated
+from worldagent.testing.worlds.simulated_worlds import simulate
+from worldagent.testing.worlds.small_worlds import ground, world
 from worldagent.tests.verifiers.pushed_blocks import N, only, pushed
-from worldagent.verifiers.counterfactual import check
+from worldagent.verifiers.story.counterfactual import check
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.predicates import Displacement

@@ -13,16 +13,19 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from worldagent.bench.defects import _liquid_resolution as liquid_resolution
-from worldagent.bench.defects import _liquid_scenes as liquid_scenes
-from worldagent.bench.defects.suites import CHECKS, suite_of
-from worldagent.bench.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.construction import build_entity
 from worldagent.server.skill_files import SKILLS
+from worldagent.testing.defects import _liquid_resolution as liquid_resolution
+from worldagent.testing.defects import _liquid_scenes as liquid_scenes
+from worldagent.testing.defects.suites import CHECKS, suite_of
+from worldagent.testing.worlds.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.tools import TOOLS
-from worldagent.verifiers import beats, category, causal, contact, counterfactual, numerical, phases
+from worldagent.verifiers.categories import check as category
 from worldagent.verifiers.checks import run_checks
-from worldagent.verifiers.diagnosis_table import Condition, Entry, entries, table_schema
+from worldagent.verifiers.contact import check as contact
+from worldagent.verifiers.diagnosis.table import Condition, Entry, entries, table_schema
+from worldagent.verifiers.ledgers import numerical
+from worldagent.verifiers.story import beats, causal, counterfactual, phases
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples
@@ -236,7 +239,7 @@ def _keys(entry: Entry) -> set[str]:
 
 LOOKED_AT = [(check, entry.id, key) for entry in TABLE for check in entry.checks for key in sorted(_keys(entry))]
 SIMULATED = {"robustness"}
-"""Its rows come from further simulations: tests/verifiers/test_robustness.py looks at them."""
+"""Its rows come from further simulations: tests/verifiers/story/test_robustness.py looks at them."""
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 from worldagent.bench import skill_building, skill_liquids, skill_repair, skill_settings
-from worldagent.bench.failing_worlds import try_patches
 from worldagent.bench.trial import Trial
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
-from worldagent.verifiers import diagnosis
+from worldagent.testing.worlds.failing_worlds import try_patches
+from worldagent.verifiers.diagnosis import cite as diagnosis
 
 
 def test_every_skill_has_cases_and_a_readme_of_its_eval() -> None:

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 from worldagent.server.skill_files import SKILLS
-from worldagent.worlds.audit import audit
-from worldagent.worlds.clauses import clauses_of
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.audits.clauses import clauses_of
 from worldagent.worlds.errors import SpecError
 from worldagent.worlds.patch import apply_patch, parse_spec, weakenings
 from worldagent.worlds.provenance import stale_artifacts

@@ -10,16 +10,16 @@ from typing import Any, get_args
 import pytest
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.simulation.liquid.resolved import LEAST_WALL
-from worldagent.verifiers.cloth import CLAIMS as CLOTH
-from worldagent.verifiers.cloth import NUMBERS
-from worldagent.verifiers.diagnosis_table import TABLES
-from worldagent.verifiers.elastic_rows import PREDICATES as ELASTIC
-from worldagent.verifiers.liquid import WATCHES
-from worldagent.verifiers.liquid_numerical import Numbers
-from worldagent.worlds.audit import audit
+from worldagent.verifiers.categories.cloth.check import CLAIMS as CLOTH
+from worldagent.verifiers.categories.cloth.check import NUMBERS
+from worldagent.verifiers.categories.elastic.rows import PREDICATES as ELASTIC
+from worldagent.verifiers.categories.liquid.check import WATCHES
+from worldagent.verifiers.categories.liquid.numerical import Numbers
+from worldagent.verifiers.diagnosis.table import TABLES
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.audits.masses import DENSITY_RANGES
+from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS
 from worldagent.worlds.groups import GROUPS
-from worldagent.worlds.liquids import LEAST_SPACINGS
-from worldagent.worlds.mass_audit import DENSITY_RANGES
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import PREDICATES
 from worldagent.worlds.requirements import Check
@@ -184,7 +184,7 @@ ROWS = {
 
 
 def _numerical() -> list[str]:
-    from worldagent.verifiers.numerical import CLAIMS
+    from worldagent.verifiers.ledgers.numerical import CLAIMS
 
     return (
         [f"numerical:{name}:rigid" for name in CLAIMS]

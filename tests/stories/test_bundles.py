@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from worldagent.server.cli import main
 from worldagent.tests.stories.bundle_forgery import Forgery, forged
-from worldagent.tools.bundles import bundle_world
-from worldagent.tools.verify_folder import verify_folder
+from worldagent.workflow.bundles import bundle_world
+from worldagent.workflow.verify_folder import verify_folder
 from worldagent.worlds.cache import digest_arrays, read_container, write_container
 from worldagent.worlds.limits import CAPS, Cap
 
@@ -158,7 +158,7 @@ def test_history_owns_up_to_weakenings(accepted: Any, tmp_path: Path) -> None:
 def elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """Another class of machines, as far as this program can tell."""
     there = {"worldagent": "9.9", "python": "CPython 3.99.0", "device": "plan9-riscv64"}
-    monkeypatch.setattr("worldagent.tools.verify_bundle.environment", lambda: there)
+    monkeypatch.setattr("worldagent.workflow.verify_bundle.environment", lambda: there)
 
 
 @pytest.mark.usefixtures("elsewhere")

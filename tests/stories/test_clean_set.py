@@ -6,9 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from worldagent.bench.defects.accepted import adopt, recorded, rejudge, showcases, specifications
+from worldagent.testing.defects.accepted import adopt, recorded, rejudge, showcases, specifications
 from worldagent.tests.stories.test_recorded_worlds import JUDGED
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.errors import WorldAgentError
 from worldagent.worlds.patch import parse_spec
 

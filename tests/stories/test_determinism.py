@@ -90,7 +90,7 @@ def test_the_same_specification_gives_the_same_bytes_in_two_workspaces(loop: Any
     with sqlite3.connect(tmp_path / "w" / "ledger.sqlite") as db:
         db.executemany("INSERT INTO freezes VALUES (?,?,?,?,?)", freezes)
     db.close()
-    run_inline("worldagent.tools.jobs:bake", {"folder": str(tmp_path / "w")})
+    run_inline("worldagent.workflow.jobs:bake", {"folder": str(tmp_path / "w")})
     assert _content(_bake(tmp_path)) == _content(_bake(loop.workspace))
     built = _content(tmp_path / "w" / "built")
     assert built == {k: v for k, v in _content(loop.workspace / "w" / "built").items() if k in built}
@@ -148,7 +148,7 @@ def test_a_bake_in_a_warm_worker_gives_the_same_bytes(
     monkeypatch.setenv("WORLDAGENT_WARM", "1")
     workspace = shutil.copytree(long_probed, tmp_path / "ws")
     store = JobStore(workspace)
-    assert store.warm_up("worldagent.tools.jobs")
+    assert store.warm_up("worldagent.workflow.jobs")
     folder = workspace / ".worldagent"
     deadline = time.monotonic() + 240
     while not (folder / "warm.sock").exists():

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from worldagent.execution import run_inline
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
-from worldagent.tools.bundles import remember_refuted
 from worldagent.verifiers.acceptance import REPLAY_INTERVALS, judge
-from worldagent.verifiers.binding import replay_row
+from worldagent.verifiers.delivery.binding import replay_row
+from worldagent.workflow.bundles import remember_refuted
 from worldagent.worlds.baked import frame_digests
 from worldagent.worlds.built import BuiltBody, BuiltEntity, load_built, save_built
 from worldagent.worlds.cache import Cache, read_container, write_container
@@ -152,17 +152,17 @@ def test_impulses_times_fifty_with_a_mended_digest_are_refused_at_every_acceptan
     run_jobs_inline(monkeypatch)
     frame = _times_fifty(copy)
     for _ in range(2):
-        verdict = run_inline("worldagent.tools.jobs:accept", {"folder": str(copy)})
+        verdict = run_inline("worldagent.workflow.jobs:accept", {"folder": str(copy)})
         assert verdict["verdict"] == "incomplete"
         assert "delivery:cache" in [r["id"] for r in verdict["open_rows"]]
     row = _open(judge(copy, replay=False))["delivery:cache"]
     assert row["first_failing_frame"] == frame
     assert row["evidence"]["recorded"][:16] in row["evidence"]["explanation"]
     assert row["evidence"]["present"][:16] in row["evidence"]["explanation"]
-    checked = run_inline("worldagent.tools.jobs:check", {"folder": str(copy), "scope": "full"})
+    checked = run_inline("worldagent.workflow.jobs:check", {"folder": str(copy), "scope": "full"})
     assert "delivery:cache" in [r["id"] for r in checked["open_rows"]]
-    assert run_inline("worldagent.tools.jobs:bake", {"folder": str(copy)})["passed"]
-    assert run_inline("worldagent.tools.jobs:accept", {"folder": str(copy)})["verdict"] == "accepted"
+    assert run_inline("worldagent.workflow.jobs:bake", {"folder": str(copy)})["passed"]
+    assert run_inline("worldagent.workflow.jobs:accept", {"folder": str(copy)})["verdict"] == "accepted"
 
 
 def test_a_failed_replay_stays_with_the_cache_whatever_is_drawn_later(copy: Path) -> None:

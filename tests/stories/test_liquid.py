@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_liquids import CRATE, LINER, PROMPT, tank_spec
 from worldagent.simulation.bake import run_bake
 from worldagent.simulation.probe import replay
+from worldagent.testing.worlds.small_liquids import CRATE, LINER, PROMPT, tank_spec
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.worlds.candidate import Candidate, open_candidate
 from worldagent.worlds.folder import WorldFolder

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from worldagent.execution import Progress, run_inline
 from worldagent.simulation.runs import Run
-from worldagent.tools.estimates import bake_estimate
-from worldagent.tools.session import Session
 from worldagent.verifiers.acceptance import judge
+from worldagent.workflow.estimates import bake_estimate
+from worldagent.workflow.session import Session
 from worldagent.worlds.folder import WorldFolder
 
-JOBS = "worldagent.tools.jobs:"
+JOBS = "worldagent.workflow.jobs:"
 
 
 def run(kind: str, folder: Path, **more: Any) -> tuple[dict[str, Any], list[Progress]]:

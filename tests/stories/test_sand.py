@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from worldagent.bench.small_grains import SAND_PROMPT, sand_spec
 from worldagent.rendering.preview import PreviewRenderer
 from worldagent.rendering.views import camera_for
 from worldagent.simulation.bake import run_bake
 from worldagent.simulation.probe import replay
+from worldagent.testing.worlds.small_grains import SAND_PROMPT, sand_spec
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.worlds.candidate import Candidate, open_candidate
 from worldagent.worlds.folder import WorldFolder

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 from worldagent.server.app import create_server
 from worldagent.server.extensions import tasks
 from worldagent.server.extensions.tasks import TASKS
-from worldagent.tools.context import Handover
+from worldagent.workflow.context import Handover
 
 pytestmark = pytest.mark.anyio
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_liquids import sea_spec
+from worldagent.testing.worlds.small_liquids import sea_spec
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.worlds.candidate import open_candidate
 from worldagent.worlds.folder import WorldFolder

@@ -10,10 +10,10 @@ from dataclasses import replace
 import pytest
 from worldagent.execution import BULK, INTERACTIVE, JobStore
 from worldagent.tests.execution.conftest import LONG_S
-from worldagent.tools import jobs as entries
-from worldagent.tools import waiting
 from worldagent.tools.job import job
-from worldagent.tools.job_kinds import KINDS, again
+from worldagent.workflow import jobs as entries
+from worldagent.workflow import waiting
+from worldagent.workflow.job_kinds import KINDS, again
 from worldagent.worlds.errors import InputError
 
 E = "execution_entries:"

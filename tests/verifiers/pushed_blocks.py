@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from worldagent.bench.simulated_worlds import SLICK, beat
-from worldagent.bench.small_worlds import box, ground, world
-from worldagent.verifiers.counterfactual import check
+from worldagent.testing.worlds.simulated_worlds import SLICK, beat
+from worldagent.testing.worlds.small_worlds import box, ground, world
+from worldagent.verifiers.story.counterfactual import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Contact, Displacement
 from worldagent.worlds.requirements import Row

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.simulated_worlds import edited, simulate
-from worldagent.bench.small_grains import SAND_PROMPT, sand_spec
-from worldagent.verifiers import category
+from worldagent.testing.worlds.simulated_worlds import edited, simulate
+from worldagent.testing.worlds.small_grains import SAND_PROMPT, sand_spec
+from worldagent.verifiers.categories import check as category
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.spec import WorldSpec
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from worldagent.worlds.clauses import clauses_of
+from worldagent.worlds.audits.clauses import clauses_of
 
 CASES: dict[str, list[str]] = {
     "A ball rolls.": ["A ball rolls"],

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, drape_spec, flag_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.cloth.engine import SAFE
 from worldagent.simulation.cloth.mesh import Fabric, sheet_of
 from worldagent.simulation.cloth.stability import highest_frequency, longest_step
-from worldagent.worlds.audit import audit
-from worldagent.worlds.cloth import cloth_estimate, held_by, sheet_grid, stiffest_step, vertices_of
+from worldagent.testing.worlds.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, drape_spec, flag_spec
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.categories.cloth.facts import cloth_estimate, held_by, sheet_grid, stiffest_step, vertices_of
 from worldagent.worlds.limits import estimate_counts
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import ClothPin, Sheet, WorldSpec

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from worldagent.bench.small_grains import SAND_PROMPT, sand_spec
-from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.testing.worlds.small_grains import SAND_PROMPT, sand_spec
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.coarsening import COARSEST, KNOBS, coarsened, overrides_for, read_overrides, write_overrides
 from worldagent.worlds.errors import EvidenceError, InputError
 from worldagent.worlds.spec import SolverInstance, WorldSpec

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from worldagent.bench.small_soft import HAMMOCK_PROMPT, hammock_spec
+from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, hammock_spec
 from worldagent.worlds.instances import cloth_of, coupling_problems, soft_met
 from worldagent.worlds.patch import parse_spec
 

@@ -6,12 +6,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from worldagent.bench.small_worlds import box, ground, world
-from worldagent.bench.soft_worlds import block_mesh, deformed_candidate
 from worldagent.geometry.camera import Camera
 from worldagent.rendering import id_view
-from worldagent.verifiers import contact, motion
-from worldagent.verifiers.surfaces import surfaces_of
+from worldagent.testing.worlds.small_worlds import box, ground, world
+from worldagent.testing.worlds.soft_worlds import block_mesh, deformed_candidate
+from worldagent.verifiers.contact import check as contact
+from worldagent.verifiers.ledgers import motion
+from worldagent.verifiers.scene.surfaces import surfaces_of
 from worldagent.worlds.built import load_built, save_built
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.spec.entities import ElasticPhysics

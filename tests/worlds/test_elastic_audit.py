@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from worldagent.bench.small_worlds import box, ground, world
-from worldagent.worlds.audit import audit
+from worldagent.testing.worlds.small_worlds import box, ground, world
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.patch import weakenings
 from worldagent.worlds.spec import ContactPair, ElasticPhysics, ForceDriver, Pin, ReleaseDriver, RigidSettings, SpringJoint
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 from worldagent.tests.physics.rigid_world import ball, floor, world
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.drivers import acts_from
 from worldagent.worlds.fields import Fields, area_vectors, projected_area
 from worldagent.worlds.spec import FieldDriver

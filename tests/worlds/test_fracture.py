@@ -9,9 +9,9 @@ import pytest
 from worldagent.construction import build_entity
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, struck_wall
+from worldagent.worlds.categories.fracture.audit import fracture_problems
+from worldagent.worlds.categories.fracture.facts import piece_count
 from worldagent.worlds.errors import LimitError
-from worldagent.worlds.fracture import piece_count
-from worldagent.worlds.fracture_audit import fracture_problems
 from worldagent.worlds.groups import group_of
 from worldagent.worlds.limits import CAPS
 from worldagent.worlds.provenance import recipes

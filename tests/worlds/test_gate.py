@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
-from worldagent.worlds.audit import audit
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.audits.wording import event_words, goals_in, numbers_in, objects_in, piece_words, way_words
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.wording import event_words, goals_in, numbers_in, objects_in, piece_words, way_words
 
 EVENTS = {
     "A steel ball rolls into a row of three blocks": ("rolls",),

@@ -7,11 +7,11 @@ import re
 from typing import Any
 
 import pytest
-from worldagent.bench.small_liquids import PROMPT, tank_spec
-from worldagent.worlds.audit import audit
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.categories.liquid.facts import liquid_estimate, shape_volume
 from worldagent.worlds.errors import LimitError, SpecError
 from worldagent.worlds.limits import check_limits, estimate_counts
-from worldagent.worlds.liquids import liquid_estimate, shape_volume
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.schema_words import described
 from worldagent.worlds.spec import Box, Capsule, Cylinder, Extrusion, FlipInstance, Mesh, Revolution, Sphere, Wedge, WorldSpec

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from worldagent.bench.small_liquids import PROMPT, tank_spec
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.tests.stories.small_run import small_spec
-from worldagent.worlds.audit import audit
-from worldagent.worlds.liquid_words import missing_liquid
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.categories.liquid.words import missing_liquid
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
-from worldagent.worlds.audit import audit
+from worldagent.testing.worlds.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.categories.particles.facts import grain_step, particle_estimate, sphere_drag
 from worldagent.worlds.coarsening import coarsened, overrides_for
 from worldagent.worlds.errors import LimitError
 from worldagent.worlds.fields import Medium
 from worldagent.worlds.limits import check_limits
-from worldagent.worlds.particles import grain_step, particle_estimate, sphere_drag
 from worldagent.worlds.spec import WorldSpec
 
 SAND, SPARKS = {"prompt": SAND_PROMPT, **sand_spec()}, {"prompt": SPARK_PROMPT, **spark_spec()}

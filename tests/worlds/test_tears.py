@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.worlds.cloth import sheet_grid
+from worldagent.worlds.categories.cloth.facts import sheet_grid
+from worldagent.worlds.categories.cloth.tears import corners_of, following, seams_of, welded
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.spec import Sheet
-from worldagent.worlds.tears import corners_of, following, seams_of, welded
 
 
 def test_a_whole_sheet_has_its_vertices_and_every_inner_side_a_mate() -> None:

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_liquids import sea_spec
-from worldagent.worlds.audit import audit
+from worldagent.testing.worlds.small_liquids import sea_spec
+from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.audits.scenery_words import missing_scenery
 from worldagent.worlds.errors import SpecError
 from worldagent.worlds.limits import estimate_counts
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.provenance import recipes
-from worldagent.worlds.scenery_words import missing_scenery
 from worldagent.worlds.spec import WavesDriver, WorldSpec
 from worldagent.worlds.waves import developed, sea_of, steepest, wavelength, wavenumber
 

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import PREDICATES
-from . import cloth, combine, elastic, flutter, fracture, kinematic, landscape, liquid, particle, touching
+from ..categories.cloth import flutter
+from ..categories.cloth import predicates as cloth
+from ..categories.elastic import predicates as elastic
+from ..categories.fracture import predicates as fracture
+from ..categories.liquid import predicates as liquid
+from ..categories.particles import predicates as particle
+from . import combine, kinematic, landscape, touching
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed

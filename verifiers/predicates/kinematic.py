@@ -11,7 +11,7 @@ from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Crosses, Displacement, JointAngle, Reaches, Speed, StaysIn, Tilts, Topples
 from ...worlds.spec import BoxRegion, CylinderRegion, SphereRegion
-from .. import motion
+from ..ledgers import motion
 from .outcome import Comparison, Outcome, Series, band, judge, vector
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from ...geometry import clearance_series
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, NoContact, RestsOn, Separation, Supported
-from .. import motion
-from ..sheet_links import sheet_impulse
-from ..surfaces import Surfaces, Track, surfaces_of
+from ..categories.cloth.links import sheet_impulse
+from ..ledgers import motion
+from ..scene.surfaces import Surfaces, Track, surfaces_of
 from .outcome import Comparison, Outcome, Series, Truth, band, judge
 
 if TYPE_CHECKING:

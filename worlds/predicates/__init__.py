@@ -1,8 +1,8 @@
 """Predicate models: what a beat or requirement asks, as typed data. Evaluators live in `verifiers/predicates/`."""
 
-from .cloth import Drape, Flutters, Pinned, Torn
-from .elastic import Deflection, Strain
-from .fracture import Breach, Broken, Debris
+from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
+from ..categories.elastic.predicates import Deflection, Strain
+from ..categories.fracture.predicates import Breach, Broken, Debris
 from .landscape import LandscapeField, LandscapeWater
 from .models import (
     ATOMS,

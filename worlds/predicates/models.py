@@ -11,6 +11,21 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
+from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
+from ..categories.elastic.predicates import Deflection, Strain
+from ..categories.fracture.predicates import Breach, Broken, Debris
+from ..categories.liquid.predicates import (
+    LiquidArrives,
+    LiquidFluxThrough,
+    LiquidLevelAt,
+    LiquidSpeed,
+    LiquidTemperature,
+    LiquidVolumeIn,
+    SplashHeight,
+    SubmergedFraction,
+    WetArea,
+)
+from ..categories.particles.predicates import ParticleCountIn, ParticlesSettled, ParticleVolumeIn, PileHeight, RunOut
 from ..vocabulary import (
     BeatRef,
     EntityRef,
@@ -22,23 +37,8 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
-from .cloth import Drape, Flutters, Pinned, Torn
-from .elastic import Deflection, Strain
 from .fields import Band, Subject, When
-from .fracture import Breach, Broken, Debris
 from .landscape import LandscapeField, LandscapeWater
-from .liquids import (
-    LiquidArrives,
-    LiquidFluxThrough,
-    LiquidLevelAt,
-    LiquidSpeed,
-    LiquidTemperature,
-    LiquidVolumeIn,
-    SplashHeight,
-    SubmergedFraction,
-    WetArea,
-)
-from .particles import ParticleCountIn, ParticlesSettled, ParticleVolumeIn, PileHeight, RunOut
 
 __all__ = [
     "ATOMS",

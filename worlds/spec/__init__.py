@@ -1,8 +1,27 @@
 """Specification models. `WorldSpec` is the root."""
 
+from ..categories.cloth.models import ClothInstance, ClothPin, ClothSettings, ClothTear
+from ..categories.elastic.models import ElasticPhysics, Pin
+from ..categories.fracture.models import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
+from ..categories.liquid.models import (
+    DfsphInstance,
+    DfsphSettings,
+    FlipInstance,
+    FlipSettings,
+    InflowDriver,
+    LiquidDomain,
+    OutflowDriver,
+    WavesDriver,
+)
+from ..categories.particles.models import (
+    BallisticInstance,
+    BallisticSettings,
+    DemInstance,
+    DemSettings,
+    EmitterDriver,
+    ParticleDomain,
+)
 from ..vocabulary import Ref, SpecModel
-from .cloth import ClothInstance, ClothPin, ClothSettings, ClothTear
-from .elastic import ElasticPhysics, Pin
 from .entities import (
     Appearance,
     ClothPhysics,
@@ -17,18 +36,6 @@ from .entities import (
     Rope,
 )
 from .fields import FieldDriver
-from .fracture import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
-from .liquids import (
-    DfsphInstance,
-    DfsphSettings,
-    FlipInstance,
-    FlipSettings,
-    InflowDriver,
-    LiquidDomain,
-    OutflowDriver,
-    WavesDriver,
-)
-from .particles import BallisticInstance, BallisticSettings, DemInstance, DemSettings, EmitterDriver, ParticleDomain
 from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sheet, Sphere, StemField, Wedge
 from .simulation import (
     MOVED,

@@ -6,6 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ..categories.cloth.models import ClothPin, ClothTear
+from ..categories.elastic.models import ElasticPhysics
+from ..categories.fracture.models import Breakable
 from ..vocabulary import (
     EntityRef,
     FrameInterval,
@@ -17,9 +20,6 @@ from ..vocabulary import (
     Text,
     Vec3,
 )
-from .cloth import ClothPin, ClothTear
-from .elastic import ElasticPhysics
-from .fracture import Breakable
 from .shapes import Pose, Shape
 
 __all__ = [

@@ -6,6 +6,9 @@ from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import Field, model_validator
 
+from ..categories.cloth.models import ClothInstance
+from ..categories.liquid.models import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
+from ..categories.particles.models import BallisticInstance, DemInstance, EmitterDriver
 from ..vocabulary import (
     EntityRef,
     Finite,
@@ -17,10 +20,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
-from .cloth import ClothInstance
 from .fields import FieldDriver
-from .liquids import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
-from .particles import BallisticInstance, DemInstance, EmitterDriver
 from .shapes import Pose
 
 __all__ = [

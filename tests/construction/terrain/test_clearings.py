@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.construction.store import build_world
 from worldagent.construction.terrain.store import build_terrain_file
-from worldagent.verifiers.terrain import check
+from worldagent.verifiers.land.terrain import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError, InputError
 from worldagent.worlds.folder import WorldFolder

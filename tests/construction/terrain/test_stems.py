@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.defects._lands import NAME, keep
 from worldagent.construction.build import build_entity
 from worldagent.construction.stems import cut_stems
 from worldagent.construction.store import build_world
@@ -17,11 +16,12 @@ from worldagent.construction.terrain.store import cut_patch
 from worldagent.geometry.solids import Solid
 from worldagent.rendering.planting import free_plants
 from worldagent.simulation.rigid import SolverRigid
+from worldagent.testing.defects._lands import NAME, keep
 from worldagent.tests.physics.rigid_world import ball, world
-from worldagent.verifiers.ground_stems import stem_gap
-from worldagent.verifiers.interpenetration import check as interpenetration
-from worldagent.verifiers.register import approximations
-from worldagent.verifiers.scale import check as scale
+from worldagent.verifiers.land.ground_stems import stem_gap
+from worldagent.verifiers.register.assemble import approximations
+from worldagent.verifiers.scene.interpenetration import check as interpenetration
+from worldagent.verifiers.scene.scale import check as scale
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import InputError, LimitError
 from worldagent.worlds.folder import WorldFolder
@@ -205,6 +205,6 @@ def test_a_wood_of_overlapping_trunks_has_a_definite_inside(tmp_path: Path, monk
     """It is proven: searching for its crossings would take a minute at 500 trunks."""
     folder = WorldFolder(tmp_path)
     land = _land(tmp_path, [(0.2 * k - 6.0, 0.0, 10.0, "broad") for k in range(60)])
-    monkeypatch.setattr("worldagent.verifiers.self_crossing.self_crossings", lambda *_, **__: pytest.fail("searched"))
+    monkeypatch.setattr("worldagent.verifiers.scene.self_crossing.self_crossings", lambda *_, **__: pytest.fail("searched"))
     rows = {r.id: r.status for r in interpenetration(_candidate(folder, _world(folder, land, {})))}
     assert rows["interpenetration:scene"] == "pass"

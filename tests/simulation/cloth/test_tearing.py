@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.simulated_worlds import simulate
-from worldagent.bench.small_cloth import PULLED_PROMPT, pulled_spec
 from worldagent.simulation.cloth.solver import SolverCloth
+from worldagent.testing.worlds.simulated_worlds import simulate
+from worldagent.testing.worlds.small_cloth import PULLED_PROMPT, pulled_spec
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EngineError
 from worldagent.worlds.patch import parse_spec

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.bench.liquid_worlds import DENSITY, liquid_world, water
-from worldagent.bench.simulated_worlds import simulate
-from worldagent.verifiers import category
+from worldagent.testing.worlds.liquid_worlds import DENSITY, liquid_world, water
+from worldagent.testing.worlds.simulated_worlds import simulate
+from worldagent.verifiers.categories import check as category
 from worldagent.worlds.spec import FieldDriver, WorldSpec
 from worldagent.worlds.spec.fields import AttractionField, WindField
 
@@ -56,8 +56,8 @@ def test_what_a_wind_gives_is_what_the_liquid_gets(tmp_path: Path, engine: str) 
 
 
 def test_a_liquid_that_goes_on_from_a_checkpoint_is_blown_alike(tmp_path: Path) -> None:
-    from worldagent.bench.small_worlds import build_all
     from worldagent.simulation.liquid.solver import SolverLiquid
+    from worldagent.testing.worlds.small_worlds import build_all
 
     spec = cube("flip", FieldDriver(field=WindField(velocity=(0, 20, 0), gust=0.5), start=1 / 48))
     built = build_all(spec)

@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.construction.build import build_entity
 from worldagent.simulation.probe import replay
 from worldagent.simulation.protocol import Intervention
 from worldagent.simulation.runs import groups_of, make_run
 from worldagent.simulation.schedule import run_frames
 from worldagent.simulation.variants import run_variant, simulated
-from worldagent.worlds.audit import ENGINE_CHANNELS
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
+from worldagent.worlds.audits.audit import ENGINE_CHANNELS
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache
 from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.categories.liquid.surface import LiquidSurface
 from worldagent.worlds.errors import EngineError, EvidenceError, InputError
-from worldagent.worlds.liquid_surface import LiquidSurface
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.records import QUANTITIES
 from worldagent.worlds.spec import WorldSpec

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from worldagent.bench.small_liquids import PROMPT, tank_spec
 from worldagent.construction.build import build_entity
 from worldagent.geometry.inside import contains
 from worldagent.geometry.solids import Solid
 from worldagent.simulation.liquid.scene import LiquidScene, build_scene
+from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.patch import apply_patch, parse_spec
 

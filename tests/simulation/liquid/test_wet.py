@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from worldagent.bench.defects import _liquid_scenes as scenes
-from worldagent.bench.liquid_worlds import Flow, pool_in_tank
 from worldagent.simulation.liquid.wet import WetPart, _spread
 from worldagent.simulation.surfaces import map_wet_solids
-from worldagent.tools.bundles import _beside
-from worldagent.tools.wetness import wetness
+from worldagent.testing.defects import _liquid_scenes as scenes
+from worldagent.testing.worlds.liquid_worlds import Flow, pool_in_tank
 from worldagent.verifiers.predicates import evaluate
+from worldagent.workflow.bundles import _beside
+from worldagent.workflow.wetness import wetness
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.categories.liquid.wet import WetMap
 from worldagent.worlds.errors import EvidenceError, RefusedError
-from worldagent.worlds.liquid_wet import WetMap
 from worldagent.worlds.predicates import WetArea
 
 S = scenes.SPACING

@@ -1,0 +1,1 @@
+"""Liquids in pictures: surfaces, drops, wet solids."""

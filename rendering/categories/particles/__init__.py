@@ -1,0 +1,1 @@
+"""Grains and flying particles in pictures."""

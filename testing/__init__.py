@@ -1,0 +1,1 @@
+"""Worlds and seeded defects that tests, benchmarks and `worldagent bench defects` share."""

@@ -1,0 +1,67 @@
+"""Bodies that weigh what their volume of their substance does not, and odd ones that do, for the seeded defects of scale."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...worlds.audits.masses import DENSITY_RANGES, LEAST_WALL
+from ...worlds.spec import Box, Cylinder, Entity, Material, RigidPhysics, Shape, Sphere
+from ..worlds.small_worlds import entity, make_candidate, world
+from .cases import World
+
+__all__ = ["heavier_than_its_volume", "lighter_than_its_volume", "of_its_volume", "thin_shell"]
+
+RNG = np.random.Generator
+SUBSTANCES = ("steel", "wood", "stone", "rubber", "plastic", "ice", "aluminium")
+
+
+def _body(rng: RNG) -> tuple[Entity, float]:
+    """A free body and its volume [m^3]."""
+    a, b, c = (float(x) for x in np.exp(rng.uniform(np.log(0.03), np.log(1.0), 3)))
+    shapes: tuple[tuple[Shape, float], ...] = (
+        (Box(size=(a, b, c)), a * b * c),
+        (Sphere(radius=a), 4 / 3 * np.pi * a**3),
+        (Cylinder(radius=a, height=b), np.pi * a * a * b),
+    )
+    shape, volume = shapes[int(rng.integers(3))]
+    return entity(shape, motion="dynamic"), float(volume)
+
+
+def _world(folder: Path, body: Entity, substance: str, mass: float, *culprits: str, hollow: bool = False) -> World:
+    low, high = DENSITY_RANGES[substance]
+    material = Material(density=0.5 * (low + high), substance=substance)
+    own = body.model_copy(update={"physics": RigidPhysics(mass=mass, hollow=hollow), "material": "own"})
+    spec = world({"body": own}, materials={"own": material, **world({"body": body}).materials})
+    return World(make_candidate(folder, spec), culprits)
+
+
+def lighter_than_its_volume(folder: Path, m: float, rng: RNG) -> World:
+    """Steel of a milligram; with a mass so many times less than the lightest of its substance."""
+    body, volume = _body(rng)
+    substance = str(rng.choice(SUBSTANCES))
+    return _world(folder, body, substance, volume * DENSITY_RANGES[substance][0] / m, "body")
+
+
+def heavier_than_its_volume(folder: Path, m: float, rng: RNG) -> World:
+    """A feather of tons."""
+    body, volume = _body(rng)
+    substance = str(rng.choice(SUBSTANCES))
+    return _world(folder, body, substance, volume * DENSITY_RANGES[substance][1] * m, "body")
+
+
+def of_its_volume(folder: Path, m: float, rng: RNG) -> World:
+    """A mass somewhere in the range of its substance."""
+    body, volume = _body(rng)
+    substance = str(rng.choice(SUBSTANCES))
+    low, high = DENSITY_RANGES[substance]
+    return _world(folder, body, substance, volume * (low + m * (high - low)))
+
+
+def thin_shell(folder: Path, m: float, rng: RNG) -> World:
+    """A can or a ball around air that says so, with a wall so many times thicker than the thinnest."""
+    radius = float(rng.uniform(0.02, 0.3))
+    shell = 4 * np.pi * radius**2 * LEAST_WALL * m
+    body = entity(Sphere(radius=radius), motion="dynamic")
+    return _world(folder, body, "aluminium", shell * DENSITY_RANGES["aluminium"][1], hollow=True)

@@ -1,0 +1,1 @@
+"""Small worlds, and how they are simulated or forged."""

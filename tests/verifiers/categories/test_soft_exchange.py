@@ -1,0 +1,148 @@
+"""Soft matter that meets other matter: small simulated worlds that pass, and copies broken in one way that fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.construction.build import build_entity
+from worldagent.simulation.schedule import run_frames
+from worldagent.testing.worlds.simulated_worlds import edited
+from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
+from worldagent.verifiers.categories.cloth import check as cloth
+from worldagent.verifiers.categories.elastic import check as elastic
+from worldagent.verifiers.categories.particles import check as particles
+from worldagent.verifiers.predicates import evaluate
+from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.predicates import Contact
+
+Edit = Callable[[int, dict[str, Any]], None]
+
+
+def simulate(folder: Path, given: dict[str, Any]) -> Candidate:
+    """The motion that a specification leads to."""
+    spec = parse_spec({**given, "prompt": HAMMOCK_PROMPT})
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    caches = run_frames(spec, built, folder / "run", frames=spec.simulation.frames)
+    return Candidate(folder, spec, built, "probe", caches, "run", cache_digest(caches))
+
+
+@pytest.fixture(scope="module")
+def caught(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    """A jelly that has just reached the cloth that it drops on."""
+    spec = hammock_spec(frames=5, edge=0.055, drop=0.002, radius=None)
+    return simulate(tmp_path_factory.mktemp("caught"), spec)
+
+
+@pytest.fixture(scope="module")
+def strewn(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    """Grains that fall between a jelly below them and a cloth above it, which they meet one way."""
+    spec = hammock_spec(frames=3, edge=0.055, radius=0.012)
+    spec["entities"]["sand"]["pose"]["position"] = [0.0, 0.0, HIGH + 0.045]
+    spec["entities"]["sand"]["parts"]["bed"]["shape"]["size"] = spec["entities"]["sand"]["dimensions"]["size"] = [
+        0.12,
+        0.12,
+        0.05,
+    ]
+    spec["entities"]["jelly"]["pose"]["position"] = [0.0, 0.0, 0.15]
+    spec["simulation"]["preroll"] = 0.0
+    spec["simulation"]["couplings"] = {
+        "led": {"source": "cloth", "target": "grains", "direction": "one_way", "variables": ["motion"]}
+    }
+    return simulate(tmp_path_factory.mktemp("strewn"), spec)
+
+
+def on_cloth(couplings: dict[str, Any]) -> dict[str, Any]:
+    """A handful of grains just over a cloth, and nothing below it."""
+    spec = hammock_spec(frames=4, edge=0.055, radius=0.012)
+    bed = spec["entities"]["sand"]
+    bed["pose"]["position"] = [0.0, 0.0, HIGH + 0.035]
+    bed["parts"]["bed"]["shape"]["size"] = bed["dimensions"]["size"] = [0.12, 0.12, 0.04]
+    del spec["entities"]["jelly"]
+    spec["simulation"]["solvers"]["bodies"]["members"].remove("jelly")
+    return {**spec, "simulation": {**spec["simulation"], "preroll": 0.0, "drivers": {}, "couplings": couplings}}
+
+
+def test_grains_that_lie_on_a_cloth_which_feels_them_pass(tmp_path: Path) -> None:
+    pairs = (("cloth", "bodies"), ("bodies", "grains"), ("cloth", "grains"))
+    felt = {f"{a}_{b}": {"source": a, "target": b, "direction": "two_way", "variables": ["motion", "wrench"]} for a, b in pairs}
+    rows = particles.check_instance(simulate(tmp_path, on_cloth(felt)), "grains")
+    assert [(r.id, r.evidence.get("explanation")) for r in rows if r.status == "fail"] == []
+    declared = next(r for r in rows if r.id.endswith("declared:grains"))
+    assert declared.status == "pass"
+
+
+def verdicts(rows: list[Any]) -> dict[str, str]:
+    return {r.id.split(":")[2]: r.status for r in rows}
+
+
+def test_what_a_cloth_and_a_jelly_give_each_other_is_judged(caught: Candidate) -> None:
+    rows = verdicts(elastic.check_instance(caught, "bodies"))
+    assert {rows[n] for n in ("exchange", "together", "energy", "records", "shape", "self")} == {"pass"}
+    assert verdicts(cloth.check_instance(caught, "cloth"))["solids"] == "pass"
+    assert verdicts(cloth.check_instance(caught, "cloth"))["momentum"] == "pass"
+
+
+def test_a_jelly_touches_the_cloth_that_it_drops_on(caught: Candidate, tmp_path: Path) -> None:
+    """By the cloth's record: without it nothing tells a contact."""
+
+    def silent(frame: int, data: dict[str, Any]) -> None:
+        data["exchange/impulse"][:] = 0.0
+
+    cloth_id = next(n for n, e in caught.spec.entities.items() if e.physics.category == "cloth")
+    asked = Contact(a="jelly", b=cloth_id, min_impulse=1e-3)
+    assert evaluate(caught, asked, (0, 4)).status == "pass"
+    assert evaluate(edited(caught, tmp_path, "cloth", silent), asked, (0, 4)).status == "fail"
+
+
+def test_an_impulse_that_was_given_and_not_received_is_told(caught: Candidate, tmp_path: Path) -> None:
+    def lost(frame: int, data: dict[str, Any]) -> None:
+        data["exchange/soft"] = data["exchange/soft"] * (0.9 if frame == 4 else 1.0)
+
+    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(edited(caught, tmp_path, "bodies", lost), "bodies")}
+    assert (rows["exchange"].status, rows["exchange"].first_failing_frame) == ("fail", 4)
+    assert rows["exchange"].measured == pytest.approx(0.1, rel=1e-6)
+
+
+def test_energy_that_comes_from_the_exchange_is_told(caught: Candidate, tmp_path: Path) -> None:
+    def stored(frame: int, data: dict[str, Any]) -> None:
+        data["record/stretch_energy"] = np.float64(data["record/stretch_energy"] + (0.1 if frame == 3 else 0.0))
+
+    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(edited(caught, tmp_path, "cloth", stored), "bodies")}
+    assert (rows["together"].status, rows["together"].first_failing_frame) == ("fail", 3)
+
+
+def test_cloth_in_a_jelly_is_told(caught: Candidate, tmp_path: Path) -> None:
+    def sunk(frame: int, data: dict[str, Any]) -> None:
+        data["vertex/position"] = data["vertex/position"] - [0.0, 0.0, 0.02 if frame == 2 else 0.0]
+
+    broken = edited(caught, tmp_path, "bodies", sunk)
+    rows = {r.id.split(":")[2]: r for r in cloth.check_instance(broken, "cloth")}
+    assert (rows["solids"].status, rows["solids"].first_failing_frame) == ("fail", 2)
+    assert "jelly" in rows["solids"].evidence["explanation"]
+
+
+def test_grains_outside_a_jelly_and_over_a_cloth_pass(strewn: Candidate) -> None:
+    assert verdicts(particles.check_instance(strewn, "grains"))["inside"] == "pass"
+
+
+def test_grains_in_a_jelly_are_told(strewn: Candidate, tmp_path: Path) -> None:
+    def risen(frame: int, data: dict[str, Any]) -> None:
+        data["vertex/position"] = data["vertex/position"] + [0.0, 0.0, HIGH - 0.1 if frame == 2 else 0.0]
+
+    rows = {r.id.split(":")[2]: r for r in particles.check_instance(edited(strewn, tmp_path, "bodies", risen), "grains")}
+    assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
+    assert rows["inside"].evidence["solid"] == "jelly"
+
+
+def test_grains_that_go_through_a_cloth_are_told(strewn: Candidate, tmp_path: Path) -> None:
+    def risen(frame: int, data: dict[str, Any]) -> None:
+        data["vertex/position"] = data["vertex/position"] + [0.0, 0.0, 0.06 if frame == 2 else 0.0]
+
+    rows = {r.id.split(":")[2]: r for r in particles.check_instance(edited(strewn, tmp_path, "cloth", risen), "grains")}
+    assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
+    assert rows["inside"].evidence["solid"] == "cloth"

@@ -1,0 +1,77 @@
+"""How a row is made: its id names question and subject, numbers that are not finite never pass, and what a failing row names by itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from worldagent.tests.verifiers.categories.test_category import falling
+from worldagent.verifiers.checks import run_checks
+from worldagent.verifiers.rows.findings import Finding, answered, cache_of, judged
+from worldagent.verifiers.rows.verdicts import GROUP_OF, correction, make_row
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.errors import EvidenceError
+from worldagent.worlds.requirements import Row, RowId
+
+ROPE = RowId("support:rope", "lamp", "0")
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Candidate:
+    return falling(tmp_path)
+
+
+def test_an_id_knows_question_subject_and_check() -> None:
+    assert ROPE == "support:rope:lamp:0"
+    assert (ROPE.question, ROPE.subject, ROPE.check) == ("support:rope", ("lamp", "0"), "support")
+    tight = RowId("terrain:tight", "valley", text="terrain:valley:tight")
+    assert (str(tight), tight.question, tight.subject) == ("terrain:valley:tight", "terrain:tight", ("valley",))
+    assert [RowId(q, "x").check for q in ("requirement", "probe:phases", "beat:driven")] == ["beat", "beat", "beat"]
+
+
+def test_every_row_of_a_world_names_its_question_and_subject(world: Candidate) -> None:
+    rows = run_checks(world, reruns=False)
+    assert len(rows) > 20
+    assert all(r.question and r.id.startswith(r.question.partition(":")[0]) for r in rows if r.check != "audit")
+    assert all(set(r.id.split(":")) == {*r.question.split(":"), *r.subject} for r in rows if r.check != "audit")
+    assert {r.group for r in rows if r.id.startswith(("support:", "scale:"))} == {"spatial"}
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_pass_that_measured_no_number_fails_and_names_it(world: Candidate, value: float) -> None:
+    row = make_row(world, ROPE, predicate="p", status="pass", explanation="e", measured=value, bound=1.0)
+    assert (row.status, row.measured, row.evidence["non_finite"]) == ("fail", None, str(value))
+    missing = make_row(world, ROPE, predicate="p", status="unverified", explanation="e", measured=value)
+    assert missing.status == "unverified"
+
+
+def test_a_failing_row_names_its_first_entity_and_a_spatial_one_its_first_frame(world: Candidate) -> None:
+    def made(question: str, status: str) -> Row:
+        return make_row(
+            world, RowId(question, "a"), predicate="p", status=status, explanation="e", entities=("a", "b"), frames=(2, 5)
+        )  # type: ignore[arg-type]
+
+    assert (made("support", "fail").first_failing_entity, made("support", "fail").first_failing_frame) == ("a", 2)
+    assert (made("category:x", "fail").first_failing_entity, made("category:x", "fail").first_failing_frame) == ("a", None)
+    assert (made("support", "pass").first_failing_entity, made("support", "pass").first_failing_frame) == (None, None)
+    assert set(GROUP_OF) == {"terrain", "scale", "interpenetration", "support", "navigability", "relations", "category", "numerical",
+                             "contact", "beat", "causal", "robustness", "shots", "delivery"}  # fmt: skip
+
+
+def test_corrections_stand_beside_what_is_open_alone(world: Candidate) -> None:
+    hint = correction("why", "step", "halve the step")
+    kept = {
+        s: answered(world, ROPE, "p", Finding(s, "t", hints=(hint,))).corrections
+        for s in ("pass", "fail", "unverified", "not_applicable")
+    }  # type: ignore[arg-type]
+    assert {s for s, found in kept.items() if found} == {"fail", "unverified"}
+
+
+def test_a_judge_without_evidence_is_unverified_and_other_errors_surface(world: Candidate) -> None:
+    def lacking() -> Finding:
+        raise EvidenceError("no channel")
+
+    assert judged(lacking) == Finding("unverified", "no channel")
+    assert judged(lambda: Finding("pass", str(cache_of(world, "nobody")))).status == "unverified"
+    with pytest.raises(ZeroDivisionError):
+        judged(lambda: Finding("pass", "t", 1 / 0))

@@ -1,0 +1,110 @@
+"""What was looked at counts as evidence, though the run was cancelled before its rows were written (R113, R157)."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.construction import build_world, built_paths
+from worldagent.execution import run_inline
+from worldagent.simulation.freeze import open_freeze
+from worldagent.simulation.probe import run_probe
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.workflow.measurements import measured
+from worldagent.workflow.session import Session
+from worldagent.worlds.canonical import spec_digest
+from worldagent.worlds.errors import RefusedError
+from worldagent.worlds.folder import WorldFolder
+from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.patch import apply_patch, parse_spec
+
+WHY = "the ball is too slow, a faster one pushes the row off"
+REASON = "the prompt asks for a fall of any height"
+
+
+@pytest.fixture(scope="module")
+def cancelled_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A world whose probe was cancelled when its frames were there: the ball is too slow, no row says so."""
+    document = small_spec()
+    document["entities"]["ball"]["physics"] |= {"linear_velocity": [0.3, 0, 0], "angular_velocity": [0, 15, 0]}
+    spec = parse_spec({**document, "prompt": PROMPT})
+    folder = WorldFolder(tmp_path_factory.mktemp("cancelled") / "w")
+    folder.root.mkdir()
+    folder.assets.mkdir()
+    text = spec.model_dump_json(exclude_none=True)
+    Ledger(folder.ledger_path).add_revision(text, spec_digest(spec), expected=0, hypothesis="created")
+    folder.spec_path.write_text(text)
+    built, _ = build_world(folder, spec)
+    run_probe(folder, open_freeze(folder, spec, built, built_paths(folder, spec), 1))
+    return folder.root
+
+
+@pytest.fixture
+def session(cancelled_folder: Path, tmp_path: Path) -> Session:
+    return Session.at(WorldFolder.at(shutil.copytree(cancelled_folder, tmp_path / "w")))
+
+
+def _set(session: Session, path: str, value: Any, **more: Any) -> dict[str, Any]:
+    patch = [{"op": "replace", "path": path, "value": value}]
+    return session.commit(apply_patch(session.spec, patch), patch=patch, **more)
+
+
+def _lower(session: Session, **more: Any) -> dict[str, Any]:
+    return _set(session, "/story/beats/fall/predicate/max", -0.05, **more)
+
+
+def _faster(session: Session, **more: Any) -> dict[str, Any]:
+    return _set(session, "/entities/ball/physics/linear_velocity", [0.5, 0, 0], **more)
+
+
+def _look(session: Session, last: int = 20) -> dict[str, Any]:
+    return measured(session, "events", entities=None, frames=(0, last), limit=5, offset=0)
+
+
+def test_a_run_that_nobody_looked_at_is_no_evidence(session: Session) -> None:
+    assert "weakenings_recorded" not in _lower(session)
+    _faster(session)
+    assert session.ledger.looks() == []
+
+
+def test_who_looked_at_a_cancelled_run_repairs_by_the_rules(session: Session) -> None:
+    assert "counts as evidence" in _look(session, 20)["unjudged"]
+    _look(session, 8)
+    (look,) = session.ledger.looks()
+    assert (look["stage"], look["last"], look["revision"]) == ("probe", 20, 1)
+    with pytest.raises(RefusedError, match=r"frames 0..20 of the probe .* were looked at.*weakening_reason"):
+        _lower(session)
+    with pytest.raises(RefusedError, match=r"were looked at.*run_checks\(scope='probe'\).*name its hypothesis"):
+        _faster(session)
+    step = [{"op": "replace", "path": "/simulation/solvers/rigid/settings/step", "value": 0.00025}]
+    fast = [{"op": "replace", "path": "/entities/ball/physics/linear_velocity", "value": [0.5, 0, 0]}]
+    with pytest.raises(RefusedError, match="2 causal parameter groups"):
+        session.commit(apply_patch(session.spec, [*step, *fast]), patch=[*step, *fast], hypothesis=WHY)
+    assert _lower(session, weakening_reason=REASON)["weakenings_recorded"]
+    (told,) = session.ledger.weakenings()
+    assert told["reason"] == REASON
+    _faster(session, hypothesis=WHY)
+
+
+def test_a_later_probe_tests_the_repair_and_what_was_seen_stays_evidence(session: Session) -> None:
+    _look(session)
+    _faster(session, hypothesis=WHY)
+    session.ledger.put_freeze("a" * 64, session.revision, passed=True, detail={"digest": "other"})
+    _set(session, "/simulation/solvers/rigid/settings/step", 0.00025)
+    with pytest.raises(RefusedError, match="were looked at"):
+        _lower(session)
+
+
+def test_judging_what_was_seen_puts_its_rows_in_the_place_of_the_look(session: Session) -> None:
+    _look(session)
+    answer = run_inline("worldagent.workflow.jobs:check", {"folder": str(session.folder.root), "scope": "probe"})
+    assert "beat:fall" in [r["id"] for r in answer["open_rows"]]
+    assert session.ledger.looks() == []
+    assert "unjudged" not in _look(session)
+    assert session.ledger.looks() == []
+    with pytest.raises(RefusedError, match="after evidence against it"):
+        _lower(session)
+    assert json.loads((session.folder.spec_path).read_text())["story"]["beats"]["fall"]["predicate"]["max"] == -0.15

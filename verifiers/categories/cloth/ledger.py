@@ -1,0 +1,149 @@
+"""Mass, momentum and energy of cloth: what the vertices have against what was recorded and given."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....worlds.arrays import F64
+from ...rows.findings import Finding, again
+from ...rows.verdicts import correction
+
+if TYPE_CHECKING:
+    from .frames import ClothRun
+
+__all__ = ["energy", "kept_mass", "kept_records", "momentum", "uncut"]
+
+SINGLE = 4e-7
+"""Velocities are written in float32: relative error of their sums, several roundings."""
+ROUNDING = 1e-9
+"""Relative error of sums in float64 that two codes make in another order."""
+BOOKS = 1e-6
+"""Own choice: share of the momentum that passed through the cloth by which its books may be off."""
+CUT = 0.02
+"""Own choice: share of the momentum exchanged that cut ways may take."""
+GIVERS = ("air", "hold", "solid", "load", "cut")
+
+
+def _worst(series: F64, bound: F64) -> tuple[int, float, float, bool]:
+    """Frame where a series is largest against its bound, both there, and whether any is over."""
+    share = series / np.maximum(bound, 1e-300)
+    k = int(np.argmax(share))
+    return k, float(series[k]), float(bound[k]), bool((series > bound).any())
+
+
+def kept_mass(run: ClothRun) -> Finding:
+    """Recorded mass against area times area density."""
+    recorded, wanted = run.record("mass"), float(run.mass.sum())
+    off = np.abs(recorded - wanted) / wanted
+    k = int(off.argmax())
+    ok = off[k] <= ROUNDING
+    text = f"the cloth weighs {recorded[k]:.6g} kg at frame {k}, by its area {wanted:.6g} kg"
+    return Finding(
+        "pass" if ok else "fail",
+        text,
+        float(off[k]),
+        ROUNDING,
+        "1",
+        frame=k,
+        hints=() if ok else (again("the cache is of another run"),),
+    )
+
+
+def _vertices(run: ClothRun) -> tuple[F64, F64, F64]:
+    """Momentum (F, 3), kinetic and potential energy (F,) of the vertices."""
+    store: dict[str, tuple[F64, F64, F64]] = vars(run).setdefault("_sums", {})
+    if "sums" not in store:
+        gravity = np.array(run.candidate.spec.simulation.gravity)
+        momenta, kinetic, potential = [], [], []
+        for k in range(run.candidate.frame_count):
+            x, v = run.frame(k)
+            momenta.append(run.mass @ v)
+            kinetic.append(0.5 * float(run.mass @ (v**2).sum(1)))
+            potential.append(-float(run.mass @ (x @ gravity)))
+        store["sums"] = (np.array(momenta), np.array(kinetic), np.array(potential))
+    return store["sums"]
+
+
+def kept_records(run: ClothRun) -> Finding:
+    """Recorded momentum and energies against those of the vertices."""
+    momenta, kinetic, potential = _vertices(run)
+    told = np.stack([run.record(f"momentum_{a}") for a in "xyz"], axis=1)
+    size = np.sqrt(2.0 * run.mass.sum() * np.maximum(kinetic, 0.0))
+    pairs = [
+        (np.linalg.norm(told - momenta, axis=1), SINGLE * size + 1e-12),
+        (np.abs(run.record("kinetic_energy") - kinetic), 2 * SINGLE * kinetic + 1e-12),
+        (np.abs(run.record("potential_energy") - potential), ROUNDING * (np.abs(potential) + np.abs(potential).max()) + 1e-12),
+    ]
+    share = np.max([value / bound for value, bound in pairs], axis=0)
+    k = int(share.argmax())
+    ok = share[k] <= 1.0
+    text = f"records differ from the vertices by at most {share[k]:.3g} of what single precision allows (frame {k})"
+    return Finding(
+        "pass" if ok else "fail", text, float(share[k]), 1.0, "1", frame=k, hints=() if ok else (again("the cache was edited"),)
+    )
+
+
+def _given(run: ClothRun) -> F64:
+    """Impulses since frame 0, (givers, F, 3) [N s]."""
+    return np.stack([np.stack([run.record(f"{g}_impulse_{a}") for a in "xyz"], axis=1) for g in GIVERS])
+
+
+def _through(run: ClothRun) -> F64:
+    """Momentum that has passed through the cloth since frame 0, at least (F,) [N s]."""
+    momenta, kinetic, _ = _vertices(run)
+    time = np.arange(len(momenta)) / run.candidate.spec.simulation.fps
+    weight = float(run.mass.sum() * np.linalg.norm(run.candidate.spec.simulation.gravity))
+    parts = np.abs(np.diff(_given(run), axis=1)).sum(axis=(0, 2))
+    return np.asarray(
+        weight * time + np.concatenate([[0.0], np.cumsum(parts)]) + np.sqrt(2 * run.mass.sum() * kinetic.max()) + 1e-9
+    )
+
+
+def momentum(run: ClothRun) -> Finding:
+    """Change of momentum since frame 0 against gravity and all that gave some."""
+    momenta, _, _ = _vertices(run)
+    spec = run.candidate.spec.simulation
+    moving = np.maximum(np.arange(len(momenta)) / spec.fps - run.start, 0.0)
+    wanted = run.mass.sum() * moving[:, None] * np.array(spec.gravity) + _given(run).sum(axis=0)
+    off = np.linalg.norm(momenta - momenta[0] - wanted, axis=1)
+    k, value, bound, over = _worst(off, BOOKS * _through(run))
+    text = f"momentum is off by {value:.3g} N s at frame {k}, allowed {bound:.3g} N s"
+    return Finding(
+        "fail" if over else "pass",
+        text,
+        value,
+        bound,
+        "N s",
+        frame=k,
+        hints=(again("the cache was edited, or an impulse is missing"),) if over else (),
+    )
+
+
+def energy(run: ClothRun) -> Finding:
+    """Energy beyond that of frame 0 and all work done on the cloth, against the scale of the energies."""
+    _, kinetic, potential = _vertices(run)
+    total = kinetic + potential + run.record("stretch_energy") + run.record("bending_energy")
+    work = sum(run.record(f"{giver}_work") for giver in GIVERS if giver != "cut")
+    gain = total - total[0] - work
+    moved = np.abs(np.diff(work, prepend=0.0)).cumsum()
+    scale = max(float(kinetic.max()), float(np.ptp(potential)), float(moved[-1]), 1e-9)
+    growth = run.candidate.spec.simulation.limits.energy_growth
+    share = gain / scale
+    k = int(share.argmax())
+    ok = share[k] <= growth
+    text = f"energy from nowhere is {share[k]:.3%} of {scale:.4g} J at frame {k}, allowed {growth:.1%}"
+    place = f"/simulation/solvers/{run.solver}/settings/max_step"
+    hint = correction("the step is too long", "step", "halve max_step", pointers=(place,))
+    return Finding("pass" if ok else "fail", text, float(share[k]), growth, "1", frame=k, hints=() if ok else (hint,))
+
+
+def uncut(run: ClothRun) -> Finding:
+    """Momentum lost where ways were cut short, frame by frame, against what passed through the cloth."""
+    lost = np.linalg.norm(np.diff(_given(run)[GIVERS.index("cut")], axis=0, prepend=0.0), axis=1).cumsum()
+    k, value, bound, over = _worst(lost, CUT * _through(run))
+    text = f"{value:.3g} N s were lost by frame {k}, allowed {bound:.3g} N s; {int(run.record('cut_vertices').sum())} vertices were cut short"
+    place = f"/simulation/solvers/{run.solver}/settings/max_step"
+    hint = correction("sheets meet faster than a step resolves", "step", "halve max_step", pointers=(place,))
+    return Finding("fail" if over else "pass", text, value, bound, "N s", frame=k, hints=(hint,) if over else ())

@@ -1,0 +1,61 @@
+"""Liquids (R57, R58, R66-R68, R70, R99, R102, R105): one pass over the frames of an instance, seen by one watch per family of claims.
+
+Rows: `category:liquid:<claim>:<solver>` and, of counters, `numerical:<claim>:<solver>`. A claim whose channels are missing is
+`unverified`, and the others are judged all the same. Nothing here knows a solver: particles, their surfaces, what was exchanged
+and recorded, and the solids of the candidate are all there is.
+"""
+
+from __future__ import annotations
+
+from ...rows.watches import Watching
+from .across import Across
+from .blown import Blown
+from .coupling import Coupling
+from .density import Density
+from .energy import Energy, Momentum
+from .flight import Flight
+from .frames import liquid_of
+from .leaks import Leaks
+from .ledger import Books, Identity
+from .motion import Motion, Trapped
+from .numerical import Numbers
+from .resolved import Resolved
+from .rows import Watch
+from .sticking import Sticking
+from .surface import Shown
+from .walls import Walls
+from .waves import Waves
+from .wet import Wetted
+
+__all__ = ["WATCHES", "check_instance", "findings_of", "numerical_rows"]
+
+WATCHES: tuple[type[Watch], ...] = (
+    *(
+        Numbers,
+        Books,
+        Identity,
+        Energy,
+        Momentum,
+        Walls,
+        Leaks,
+        Motion,
+        Flight,
+        Trapped,
+        Sticking,
+        Resolved,
+        Across,
+        Density,
+        Coupling,
+        Shown,
+        Waves,
+        Blown,
+        Wetted,
+    ),
+)
+"""All families, in the order of their rows."""
+
+
+_WATCHING = Watching(WATCHES, Numbers, liquid_of, lambda liquid: ((step,) for step in liquid.steps()))
+findings_of = _WATCHING.findings_of
+check_instance = _WATCHING.check_instance
+numerical_rows = _WATCHING.numerical_rows

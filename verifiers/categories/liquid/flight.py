@@ -1,0 +1,192 @@
+"""Free fall of liquid that touches nothing (R99): chunks that hang in the air, drops that turn in flight.
+
+- `flight`: clusters that touch neither other liquid nor solids fall freely.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....worlds.arrays import F64
+from ...rows.findings import Finding
+from ...rows.instance_rows import baked_again
+from ...rows.verdicts import correction
+from ..soft_solids import soft_boxes
+from .rows import first_over, place
+from .solids import Piece, pieces_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .frames import Frame, Liquid, Step
+
+__all__ = ["Flight"]
+
+FLIGHT = 0.25
+"""Own choice: share of g dt (at least 0.02 m/s) by which the mean velocity of a free cluster may change otherwise."""
+LEAST_SLIP = 0.02
+"""[m/s]"""
+APART = 3.0
+"""[spacings] Size of the cubes by which clusters are told apart: one empty cube all around."""
+
+
+class Flight:
+    """Clusters of liquid in the air."""
+
+    claims: ClassVar[Mapping[str, str]] = {
+        "flight": f"liquid that touches nothing falls freely, within {FLIGHT:.0%} of g dt per frame"
+    }
+
+    def __init__(self, liquid: Liquid) -> None:
+        self.liquid = liquid
+        self.pieces = pieces_of(liquid.candidate)
+        self.known: dict[int, NDArray[np.intp]] = {}
+        self.slip: list[float] = []
+        self.judged = 0
+        self.first: tuple[int, int, list[float], float] | None = None
+
+    def see(self, step: Step) -> None:
+        """Compare free clusters of this frame with the one before."""
+        frame, before, liquid = step.now, step.before, self.liquid
+        self.slip.append(0.0)
+        if before is None or len(step.here) < 2 or len(step.new) + len(step.gone) > 0.05 * frame.count:
+            return
+        clusters = self._of(frame)
+        earlier = self._of(before)
+        free = self._free(step, clusters, earlier)
+        if not free.any():
+            return
+        mine = clusters[step.here]
+        keep = free[mine]
+        mass: F64 = np.bincount(mine[keep], frame.mass[step.here[keep]], len(free)).astype(np.float64)
+        change = frame.velocity[step.here[keep]] - before.velocity[step.there[keep]]
+        mean: F64 = np.stack(
+            [np.bincount(mine[keep], change[:, a] * frame.mass[step.here[keep]], len(free)) for a in range(3)], axis=1
+        )
+        mean = mean[free] / mass[free, None] - self._attracted(step, mine, keep, mass)[free]
+        slip = np.linalg.norm(mean - liquid.gravity * step.duration, axis=1)
+        bound = max(FLIGHT * liquid.strength * step.duration, LEAST_SLIP)
+        self.judged += len(slip)
+        # One in a hundred clusters may have met a drop between the frames and lost it again.
+        order = np.argsort(slip)
+        high = slip[order[max(0, int(np.ceil(0.99 * len(order))) - 1)]] if len(order) > 100 else slip.max()
+        self.slip[-1] = float(high) / bound
+        if self.first is None and high > bound:
+            worst = int(np.flatnonzero(free)[int(np.argmax(slip))])
+            rows = clusters == worst
+            self.first = (frame.index, int(rows.sum()), place(frame.position[rows].mean(axis=0)), float(slip.max()))
+
+    def _attracted(self, step: Step, mine: NDArray[np.intp], keep: NDArray[np.bool_], mass: F64) -> F64:
+        """Mean change of velocity of every cluster by attracting fields [m/s]; the mean of both frames'."""
+        found = np.zeros((len(mass), 3))
+        if not self.liquid.attracted or step.before is None:
+            return found
+        gain = 0.5 * (self.liquid.pull(step.now, ending=True)[step.here] + self.liquid.pull(step.before)[step.there])[keep]
+        weight = gain * step.now.mass[step.here[keep], None]
+        for axis in range(3):
+            found[:, axis] = np.bincount(mine[keep], weight[:, axis], len(mass))
+        return np.asarray(step.duration * found / np.maximum(mass, 1e-300)[:, None])
+
+    def _of(self, frame: Frame) -> NDArray[np.intp]:
+        """Cluster of every particle of a frame."""
+        if frame.index not in self.known:
+            self.known = {k: c for k, c in self.known.items() if k == frame.index - 1}
+            self.known[frame.index] = _clusters(frame.position, APART * self.liquid.spacing)
+        return self.known[frame.index]
+
+    def _free(self, step: Step, clusters: NDArray[np.intp], earlier: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Clusters with the same particles at both frames that met no solid and no side of the domain between them."""
+        frame, before, liquid = step.now, step.before, self.liquid
+        assert before is not None
+        count, past = int(clusters.max()) + 1, int(earlier.max()) + 1
+        size, then = np.bincount(clusters, minlength=count), np.bincount(earlier, minlength=past)
+        a, b = clusters[step.here], earlier[step.there]
+        low, high = np.full(count, past), np.full(count, -1)
+        np.minimum.at(low, a, b)
+        np.maximum.at(high, a, b)
+        shared = np.bincount(a, minlength=count)
+        same = (low == high) & (shared == size) & (then[np.clip(low, 0, past - 1)] == size)
+        travel = 2.0 * liquid.spacing + step.duration * frame.speed
+        near = np.zeros(frame.count, dtype=bool)
+        near[step.new] = True
+        if liquid.fields:  # drops that a medium drags are no free fall
+            near |= liquid.air(frame)[1] | liquid.switches(frame.index)
+        rows = np.flatnonzero(same[clusters])
+        near[rows] |= self._touching(frame.position[rows], travel[rows], frame.index)
+        for name in liquid.inflows:
+            near[rows] |= liquid.near_inflow(name, frame.position[rows], float(travel.max()))
+        near |= (np.minimum(frame.position - liquid.lower, liquid.upper - frame.position).min(axis=1)) < travel
+        touched = np.bincount(clusters, near, count) > 0
+        return np.asarray(same & ~touched)
+
+    def _touching(self, points: F64, reach: F64, index: int) -> NDArray[np.bool_]:
+        """Which points may have come near a solid: within `reach` [m] of its box at both ends of the frame."""
+        found = np.zeros(len(points), dtype=bool)
+        for low, high in soft_boxes(self.liquid.candidate, self.liquid.solver, index):
+            found |= np.maximum(low - points, points - high).max(axis=1) < reach
+        for piece in self.pieces:
+            boxes = [piece.box(k) for k in (max(index - 1, 0), index)]
+            low, high = np.minimum(boxes[0][0], boxes[1][0]), np.maximum(boxes[0][1], boxes[1][1])
+            inside = (np.maximum(low - points, points - high).max(axis=1) < reach) & ~found
+            if inside.any() and not piece.solid.convex:
+                rows = np.flatnonzero(inside)
+                far = _far(piece, points[rows], reach[rows], index)
+                inside[rows[far]] = False
+            found |= inside
+        return found
+
+    def findings(self) -> dict[str, Finding]:
+        """Whether all of them fell."""
+        if not self.judged:
+            return {"flight": Finding("not_applicable", "no cluster of liquid flies free of all else")}
+        hints = (
+            baked_again("the cache was edited"),
+            correction("forces act on liquid that is in touch with nothing", "liquid", "lower surface_tension, or let the step follow the flow",
+                       pointers=tuple(f"/entities/{m}/physics/surface_tension" for m in self.liquid.members)),
+        )  # fmt: skip
+        found = first_over(
+            np.array(self.slip),
+            1.0,
+            "1",
+            "change of velocity of free clusters that gravity does not explain, over what is allowed,",
+            hints,
+        )
+        evidence: dict[str, object] = {"clusters": self.judged}
+        if self.first is not None:
+            evidence |= {"place": self.first[2], "particles": self.first[1], "slip_m_s": self.first[3]}
+        return {"flight": Finding(found.status, found.text, found.measured, 1.0, "1", None, found.frame, found.hints, evidence)}
+
+
+def _far(piece: Piece, points: F64, reach: F64, index: int) -> NDArray[np.bool_]:
+    """Which points are farther from a surface than `reach` [m]."""
+    from scipy.spatial import cKDTree
+
+    solid = piece.solid
+    # Nearest vertex less the longest edge is a lower bound of the distance; good enough for finely meshed grounds and shells.
+    tree: cKDTree = solid.vertex_tree
+    edge = np.linalg.norm(solid.vertices[solid.edges[:, 0]] - solid.vertices[solid.edges[:, 1]], axis=1).max()
+    return np.asarray(tree.query(piece.local(points, index))[0] - edge > reach)
+
+
+def _clusters(points: F64, cube: float) -> NDArray[np.intp]:
+    """Cluster of every point, numbered from 0: points in cubes that touch are of one cluster."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    cell = np.floor(points / cube).astype(np.int64)
+    cell -= cell.min(axis=0) - 1
+    span = cell.max(axis=0) + 2
+    key = (cell[:, 0] * span[1] + cell[:, 1]) * span[2] + cell[:, 2]
+    keys, which = np.unique(key, return_inverse=True)
+    ways = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) > (0, 0, 0)])
+    pairs = []
+    for step in (ways[:, 0] * span[1] + ways[:, 1]) * span[2] + ways[:, 2]:
+        at = np.searchsorted(keys, keys + step)
+        hit = np.flatnonzero(keys[np.minimum(at, len(keys) - 1)] == keys + step)
+        pairs.append(np.stack([hit, at[hit]]))
+    a, b = np.concatenate(pairs, axis=1)
+    label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(len(keys),) * 2), directed=False)[1]
+    return np.asarray(label[which.reshape(-1)], dtype=np.intp)

@@ -1,0 +1,232 @@
+"""Motion of a liquid's particles from frame to frame: no jumps, no speed from nowhere, free fall where nothing touches (R99, R105).
+
+- `jumps`: every particle's displacement in a frame is what its velocities at both ends, and bodies that pass it, allow.
+- `spikes`: no particle is faster than the energy of the liquid, of inflows and of bodies allows (Bernoulli; jets `JET` times).
+- `trapped`: no liquid jitters within a spacing for long (moving fluid caught between surfaces).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....worlds.errors import EvidenceError
+from ...rows.findings import Finding
+from ...rows.instance_rows import baked_again
+from ...rows.verdicts import correction
+from .bodies import Bodies
+from .rows import first_over, longer_step, place
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .frames import Frame, Liquid, Rows, Step
+
+__all__ = ["Motion", "Trapped"]
+
+JUMP = {"dfsph": 0.5, "flip": 1.5}
+"""[spacings] Displacement in a frame beyond what velocities and gravity explain. Measured 0.15 at most for particles (a burst tank);
+markers move by the grid's velocity, not by their own (measured 0.7 and 1.2 in dam breaks)."""
+JET = 2.0
+"""Own choice: impinging water rises in jets faster than it fell; measured run-ups and plunging jets stay below twice."""
+SPIKES = 1e-3
+"""Own choice: share of the particles that may be faster than energy allows, at most `LIMIT` times."""
+LIMIT = 1.5
+"""Measured 0.8 at most (a coarse dam break)."""
+JITTER_SECONDS = 0.5
+JITTER_WAY = 5.0
+"""Way within that time over spacing, from which on a particle that stays within one spacing jitters."""
+TRAPPED = 2e-3
+"""Share of the particles that may; never less than FEW. Single particles in thin splashes do (measured 3 of 800, and a share of 0.001)."""
+FEW = 8
+
+
+class Motion:
+    """Displacements and speeds."""
+
+    claims: ClassVar[Mapping[str, str]] = {
+        "jumps": "displacement per frame is what velocities explain, within one spacing (two cells)",
+        "spikes": f"at most {SPIKES:g} of the particles are faster than {JET:g} times what energy allows, none {LIMIT:g} times faster still",
+    }
+
+    def __init__(self, liquid: Liquid) -> None:
+        self.liquid, self.bodies = liquid, Bodies(liquid)
+        self.allowed = JUMP[liquid.plan.engine]
+        self.jump: list[float] = []
+        self.worst_jump: tuple[float, int, list[float], float] | None = None
+        self.over: list[float] = []
+        self.count: list[float] = []
+        self.top = -np.inf
+        self.lowest = np.inf
+        self.given = 0.0
+        self.spike: tuple[float, int, list[float], float, float] | None = None
+
+    def see(self, step: Step) -> None:
+        """Measure one frame."""
+        self._jumps(step)
+        self._spikes(step)
+
+    def _jumps(self, step: Step) -> None:
+        frame, before = step.now, step.before
+        if before is None or not len(step.here):
+            self.jump.append(0.0)
+            return
+        h, s = step.duration, self.liquid.spacing
+        moved = frame.position[step.here] - before.position[step.there]
+        v0, v1 = before.velocity[step.there], frame.velocity[step.here]
+        missed = np.linalg.norm(moved - 0.5 * h * (v0 + v1), axis=1)
+        speeds = before.speed[step.there] + frame.speed[step.here]
+        allowed = 0.5 * h * (speeds + (self.liquid.strength + self._pulled(frame)) * h)
+        excess = (missed - allowed) / s
+        far = np.flatnonzero(excess > self.allowed)
+        if len(far):
+            # What a body pushes ahead of itself and leaves within a frame went with it, and is slow at both ends.
+            excess[far] -= h * self.bodies.pushes(frame.position[step.here[far]], frame.index) / s
+        worst = int(np.argmax(excess))
+        self.jump.append(max(0.0, float(excess[worst])))
+        if self.worst_jump is None and excess[worst] > self.allowed:
+            self.worst_jump = (
+                float(np.linalg.norm(moved[worst])),
+                int((excess > self.allowed).sum()),
+                place(frame.position[step.here[worst]]),
+                float(speeds[worst]),
+            )
+
+    def _pulled(self, frame: Frame) -> float:
+        """Largest acceleration of an attracting field at a particle [m/s^2]."""
+        return (
+            max(float(np.linalg.norm(self.liquid.pull(frame, ending=e), axis=1).max(initial=0.0)) for e in (True, False))
+            if self.liquid.fields
+            else 0.0
+        )
+
+    def _spikes(self, step: Step) -> None:
+        frame, liquid = step.now, self.liquid
+        if not frame.count:
+            self.over.append(0.0)
+            self.count.append(0.0)
+            return
+        height = frame.position @ liquid.up
+        self.top, self.lowest = max(self.top, float(height.max())), min(self.lowest, float(height.min()))
+        if step.before is None:
+            self.given = max(self.given, frame.fastest)
+        for name, driver in liquid.inflows.items():
+            if liquid.active(name, max(1, frame.index)):
+                self.given = max(self.given, driver.flow_speed)
+                self.top = max(self.top, float(liquid.inflow_frame(name)[0] @ liquid.up))
+        self.given = max(self.given, 2.0 * float(self.bodies.moving[frame.index]))
+        if liquid.fields:
+            velocity, _ = liquid.air(frame)
+            self.given = max(self.given, float(np.linalg.norm(velocity, axis=1).max()))
+            self.given += self._pulled(frame) * liquid.duration
+        fall = max(self.top - self.lowest, 0.0) + 2.0 * liquid.spacing
+        allowed = JET * np.sqrt(self.given**2 + 2.0 * liquid.strength * fall) + 0.05
+        speed = frame.speed
+        ratio = speed / allowed
+        worst = int(np.argmax(ratio))
+        self.over.append(float(ratio[worst]))
+        self.count.append(float((ratio > 1.0).sum()) / frame.count)
+        if self.spike is None and (ratio[worst] > LIMIT or self.count[-1] > max(SPIKES, 1.0 / frame.count)):
+            self.spike = (
+                float(speed[worst]),
+                int((ratio > 1.0).sum()),
+                place(frame.position[worst]),
+                float(allowed),
+                float(ratio[worst]),
+            )
+
+    def findings(self) -> dict[str, Finding]:
+        """Jumps and spikes."""
+        if not self.over:
+            raise EvidenceError("the cache holds no frame")
+        hints = (longer_step(self.liquid, "the step is too long"), baked_again())
+        found = first_over(np.array(self.jump), self.allowed, "spacings", "displacement beyond what velocities explain", hints)
+        evidence: dict[str, object] = {}
+        if self.worst_jump is not None:
+            moved, count, where, speed = self.worst_jump
+            evidence = {"place": where, "particles": count, "displacement_m": moved, "speed_sum": speed}
+        jumps = Finding(found.status, found.text, found.measured, self.allowed, "spacings", None, found.frame, hints, evidence)
+        return {"jumps": jumps, "spikes": self._found_spikes()}
+
+    def _found_spikes(self) -> Finding:
+        over, share = np.array(self.over), np.array(self.count)
+        if self.spike is None:
+            text = f"the fastest particle reaches {over.max():.3g} of {JET:g} times what energy allows; {share.max():.2g} of them exceed it"
+            return Finding("pass", text, float(over.max()), LIMIT, "1")
+        speed, count, where, allowed, ratio = self.spike
+        frame = next(k for k in range(len(over)) if over[k] > LIMIT or share[k] > SPIKES)
+        text = (
+            f"{count} particles are too fast at frame {frame}: {speed:.3g} m/s at {where}, where energy allows {allowed:.3g} m/s"
+        )
+        hints = (
+            longer_step(self.liquid, "the step is too long for the flow"),
+            correction("a body or wall overlaps the liquid and throws it", "placement", "separate them at frame 0",
+                       pointers=tuple(f"/entities/{m}/parts" for m in self.liquid.members)),
+        )  # fmt: skip
+        return Finding(
+            "fail",
+            text,
+            max(ratio, float(over.max())),
+            LIMIT,
+            "1",
+            None,
+            frame,
+            hints,
+            {"place": where, "speed": speed, "share": float(share.max())},
+        )
+
+
+class Trapped:
+    """Particles that stay where they are and yet move."""
+
+    claims: ClassVar[Mapping[str, str]] = {
+        "trapped": f"at most {TRAPPED:g} of the particles jitter within a spacing for {JITTER_SECONDS:g} s (moving fluid caught between surfaces)"
+    }
+
+    def __init__(self, liquid: Liquid) -> None:
+        self.liquid = liquid
+        self.window = max(3, round(JITTER_SECONDS / liquid.duration))
+        self.identity = np.zeros(0, dtype=np.int64)
+        self.anchor = np.zeros((0, 3))
+        self.since: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+        self.way = np.zeros(0)
+        self.share: list[float] = []
+        self.first: tuple[int, int, list[float]] | None = None
+
+    def see(self, step: Step) -> None:
+        """Follow every particle's way since it last left its place."""
+        frame = step.now
+        anchor, since, way = frame.position.copy(), np.full(frame.count, frame.index, dtype=np.intp), np.zeros(frame.count)
+        here: Rows = step.here
+        if step.before is not None and len(here):
+            at = np.searchsorted(self.identity, frame.identity[here])
+            speed = 0.5 * (frame.speed[here] + step.before.speed[step.there])
+            stays = np.linalg.norm(frame.position[here] - self.anchor[at], axis=1) < self.liquid.spacing
+            rows, at, speed = here[stays], at[stays], speed[stays]
+            anchor[rows], since[rows] = self.anchor[at], self.since[at]
+            way[rows] = self.way[at] + speed * step.duration
+        self.identity, self.anchor, self.since, self.way = frame.identity, anchor, since, way
+        long = frame.index - since >= self.window
+        rate = way / np.maximum(frame.index - since, 1) * self.window
+        bad = long & (rate > JITTER_WAY * self.liquid.spacing)
+        self.share.append(float(bad.sum()) / max(frame.count, 1))
+        if self.first is None and bad.sum() > max(FEW, TRAPPED * frame.count):
+            self.first = (frame.index, int(bad.sum()), place(np.median(frame.position[bad], axis=0)))
+
+    def findings(self) -> dict[str, Finding]:
+        """The largest share, and where."""
+        if len(self.share) <= self.window:
+            return {"trapped": Finding("not_applicable", f"the sequence is shorter than {JITTER_SECONDS:g} s")}
+        most = max(self.share)
+        if self.first is None:
+            return {"trapped": Finding("pass", f"at most {most:.2g} of the particles jitter in their place", most, TRAPPED, "1")}
+        index, count, where = self.first
+        text = f"{count} particles jitter within a spacing at frame {index}, about {where}: moving fluid is caught there"
+        hints = (
+            correction("liquid is caught between surfaces that leave it no room", "placement", f"give it room about {where}, or keep liquid out",
+                       pointers=tuple(f"/entities/{m}/parts" for m in self.liquid.members)),
+            longer_step(self.liquid, "the pressure solve does not converge there"),
+        )  # fmt: skip
+        return {"trapped": Finding("fail", text, most, TRAPPED, "1", None, index, hints, {"place": where, "particles": count})}

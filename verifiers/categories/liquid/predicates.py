@@ -1,0 +1,406 @@
+"""Evaluators of predicates about liquids: from particles that an engine moved, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....worlds.arrays import F64, rotation_matrix
+from ....worlds.errors import EvidenceError
+from ....worlds.predicates import (
+    LiquidArrives,
+    LiquidFluxThrough,
+    LiquidLevelAt,
+    LiquidSpeed,
+    LiquidTemperature,
+    LiquidVolumeIn,
+    SplashHeight,
+    SubmergedFraction,
+    WetArea,
+)
+from ...ledgers import motion
+from ...predicates.kinematic import region_offset
+from ...predicates.outcome import Comparison, Outcome, Series, band, judge
+from .about import COLUMN, Hull, Surroundings, hull_of, others_than
+from .frames import Frame, Liquid, liquid_of
+from .samples import samples, shares_under
+from .solids import Piece, pieces_of
+from .wet import touched
+
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ....worlds.spec import SpecModel
+    from ...predicates.scope import Scope
+
+__all__ = [
+    "liquid_arrives",
+    "liquid_flux_through",
+    "liquid_level_at",
+    "liquid_speed",
+    "liquid_temperature",
+    "liquid_volume_in",
+    "splash_height",
+    "submerged_fraction",
+    "wet_area",
+]
+
+P = TypeVar("P")
+CREST = 8
+"""Particles that a splash needs: fewer are drops that nothing resolves."""
+NEAREST = 8
+"""Columns of liquid about a body whose tops tell the level at a point of it."""
+TOUCH = 1.0
+"""[spacings] Liquid this near to a surface wets it."""
+
+
+def _typed(predicate: SpecModel, kind: type[P]) -> P:
+    assert isinstance(predicate, kind)
+    return predicate
+
+
+def _liquid(candidate: Candidate, entity: str) -> tuple[Liquid, int] | str:
+    """The instance that moves a liquid and its index among the members, or why there is none."""
+    known = candidate.spec.entities.get(entity)
+    if known is None:
+        raise EvidenceError(f"entity {entity!r} is not in the specification")
+    solver = next((n for n, s in candidate.spec.simulation.liquid.items() if entity in s.members), None)
+    if known.physics.category != "liquid" or solver is None:
+        kind = "a solid" if known.physics.category == "rigid" else known.physics.category
+        said = "no engine moves it" if known.physics.category == "liquid" else f"it is {kind}"
+        return f"{entity!r} is no evidence of a liquid: {said}; make it liquid and a member of a dfsph or flip instance"
+    liquid = liquid_of(candidate, solver)
+    return liquid, liquid.members.index(entity)
+
+
+def _painted(scope: Scope, unit: str, entity: str, text: str) -> Outcome:
+    return Outcome(
+        "fail",
+        scope.frames,
+        unit,
+        text,
+        first_failing_entity=entity,
+        first_failing_frame=scope.frames[0],
+        failing=(entity,),
+        details={"painted": True},
+    )
+
+
+def _frames(scope: Scope, liquid: Liquid, member: int) -> Iterator[tuple[int, Frame, NDArray[np.bool_]]]:
+    """Place in the interval, frame and which of its particles are of the liquid."""
+    for i, index in enumerate(range(scope.frames[0], scope.frames[1] + 1)):
+        frame = liquid.read(index)
+        yield i, frame, frame.fluid == member
+
+
+def _inside(candidate: Candidate, region_id: str | None, frame: Frame) -> NDArray[np.bool_]:
+    """Which particles lie in a region; all where none is asked for."""
+    if region_id is None:
+        return np.ones(frame.count, dtype=bool)
+    region = candidate.spec.graph.regions.get(region_id)
+    if region is None:
+        raise EvidenceError(f"region {region_id!r} is not in the scene graph")
+    points = frame.position
+    if region.relative_to is not None:
+        at, turn = (t[frame.index] for t in motion.entity_poses(candidate, region.relative_to))
+        points = (points - at) @ rotation_matrix(turn)
+    return np.asarray(region_offset(region, points)[0] >= 0.0)
+
+
+def _banded(
+    scope: Scope, p: LiquidVolumeIn | LiquidLevelAt | LiquidFluxThrough | SubmergedFraction | WetArea | SplashHeight | LiquidSpeed | LiquidTemperature,
+    value: F64, unit: str, what: str,
+) -> Outcome:  # fmt: skip
+    margin, side = band(value, p.min, p.max)
+
+    def tell(i: int) -> str:
+        known = value[np.isfinite(value)]
+        span = f" (range {known.min():.4g} to {known.max():.4g} {unit})" if len(known) else ""
+        return f"{what} is {value[i]:.4g} {unit} at frame {scope.frames[0] + i}{span}"
+
+    return judge(Series(scope.frames, value, margin, unit, p.entity, side, tell), p.when)
+
+
+def liquid_volume_in(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: sum of the volumes of the particles whose middles are in the region."""
+    p = _typed(predicate, LiquidVolumeIn)
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, "m^3", p.entity, found)
+    value = np.zeros(scope.length)
+    for i, frame, own in _frames(scope, *found):
+        value[i] = float(frame.volume[own & _inside(scope.candidate, p.region, frame)].sum())
+    return _banded(scope, p, value, "m^3", f"volume of {p.entity} in {p.region}")
+
+
+def liquid_level_at(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: highest particle of the column plus half a particle."""
+    p = _typed(predicate, LiquidLevelAt)
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, "m", p.entity, found)
+    liquid, member = found
+    radius = p.radius if p.radius is not None else 2.0 * liquid.spacing
+    value = np.full(scope.length, float(liquid.lower[2]))
+    for i, frame, own in _frames(scope, liquid, member):
+        near = own & (np.hypot(*(frame.position[:, :2] - np.array(p.point)).T) <= radius)
+        if near.any():
+            value[i] = float(frame.position[near, 2].max()) + 0.5 * liquid.pitch
+    return _banded(scope, p, value, "m", f"level of {p.entity} at {p.point}")
+
+
+def _across(p: LiquidFluxThrough) -> tuple[F64, F64]:
+    """Unit normal, and the two directions across it as rows: level, then across both."""
+    normal = np.array(p.normal, dtype=np.float64)
+    normal /= np.linalg.norm(normal)
+    level = np.cross([0.0, 0.0, 1.0], normal)
+    if np.linalg.norm(level) < 1e-9:
+        level = np.array([1.0, 0.0, 0.0])
+    level /= np.linalg.norm(level)
+    return normal, np.stack([level, np.cross(normal, level)])
+
+
+def liquid_flux_through(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: volumes of particles whose straight way between two frames passes the disc or rectangle."""
+    p = _typed(predicate, LiquidFluxThrough)
+    unit = "m^3" if p.measure == "total" else "m^3/s"
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, unit, p.entity, found)
+    liquid, member = found
+    normal, across = _across(p)
+    half = 0.5 * np.array(p.size) if p.size is not None else None
+    passed = np.zeros(scope.length)
+    before = liquid.read(scope.frames[0] - 1) if scope.frames[0] > 0 else None
+    for i, frame, own in _frames(scope, liquid, member):
+        if before is not None:
+            _, here, there = np.intersect1d(frame.identity, before.identity, assume_unique=True, return_indices=True)
+            a, b = before.position[there] - np.array(p.point), frame.position[here] - np.array(p.point)
+            old, new = a @ normal, b @ normal
+            rows = np.flatnonzero(((old < 0.0) != (new < 0.0)) & own[here])
+            share = old[rows] / (old[rows] - new[rows])
+            flat = (a[rows] + share[:, None] * (b[rows] - a[rows])) @ across.T
+            hit = (
+                (np.abs(flat) <= half).all(axis=1) if half is not None else np.linalg.norm(flat, axis=1) <= float(p.radius or 0.0)
+            )
+            passed[i] = float((frame.volume[here][rows] * np.sign(new[rows] - old[rows]))[hit].sum())
+        before = frame
+    value = np.cumsum(passed) if p.measure == "total" else passed / liquid.duration
+    return _banded(scope, p, value, unit, f"what passed of {p.entity}")
+
+
+def liquid_arrives(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: most volume that was there at any frame so far. First true: when it reaches `min_volume`."""
+    p = _typed(predicate, LiquidArrives)
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, "m^3", p.entity, found)
+    liquid, member = found
+    target = [q for q in pieces_of(scope.candidate) if q.entity == p.target] if p.target is not None else []
+    if p.target is not None and not target:
+        raise EvidenceError(f"target {p.target!r} has no surface that a liquid can reach")
+    value = np.zeros(scope.length)
+    for i, frame, own in _frames(scope, liquid, member):
+        if p.region is not None:
+            there = own & _inside(scope.candidate, p.region, frame)
+        else:
+            there = own & _near(target, frame, p.within if p.within is not None else TOUCH * liquid.spacing)
+        value[i] = float(frame.volume[there].sum())
+    value = np.maximum.accumulate(value)
+    # One particle, whose volume single precision rounds.
+    least = max(p.min_volume, 0.5 * liquid.pitch**3)
+    where = p.region or p.target
+    side: tuple[float, Comparison] = (least, ">=")
+
+    def tell(i: int) -> str:
+        at = np.flatnonzero(value >= least)
+        if len(at):
+            return f"{least:.3g} m^3 of {p.entity} are at {where} first at frame {scope.frames[0] + int(at[0])}, most {value[-1]:.4g} m^3"
+        return f"at most {value[-1]:.4g} m^3 of {p.entity} are at {where}, needed {least:.3g} m^3"
+
+    return judge(Series(scope.frames, value, value - least, "m^3", p.entity, lambda i: side, tell), "eventually")
+
+
+def _near(pieces: list[Piece], frame: Frame, reach: float) -> NDArray[np.bool_]:
+    """Which particles are within `reach` [m] of the surface of a solid."""
+    from ....geometry import distance_to_surface
+
+    result = np.zeros(frame.count, dtype=bool)
+    for piece in pieces:
+        low, high = piece.box(frame.index)
+        rows = np.flatnonzero(((frame.position >= low - reach) & (frame.position <= high + reach)).all(axis=1) & ~result)
+        if len(rows):
+            local = piece.local(frame.position[rows], frame.index)
+            result[rows] = (distance_to_surface(piece.solid, local).distance <= reach) | (piece.depth(local) > 0.0)
+    return result
+
+
+def submerged_fraction(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: share of points inside the entity that are lower than the liquid that stands about it, with no solid between.
+
+    `categories/liquid/about.py` says what stands about it.
+    """
+    p = _typed(predicate, SubmergedFraction)
+    found = _liquid(scope.candidate, p.liquid)
+    if isinstance(found, str):
+        return _painted(scope, "1", p.entity, found)
+    liquid, member = found
+    bodies = scope.candidate.entity(p.entity).bodies
+    hulls = {b.name: hull_of(liquid, f"{p.entity}/{b.name}") for b in bodies}
+    walls = others_than(liquid, p.entity)
+    step = float(np.cbrt(sum(b.volume for b in bodies) / sum(len(h.inside) for h in hulls.values())))
+    value = np.zeros(scope.length)
+    for i, frame, own in _frames(scope, liquid, member):
+        poses = {b: scope.candidate.pose(p.entity, frame.index, b) for b in hulls}
+        hull = Hull(
+            np.concatenate([poses[b].apply(h.inside) for b, h in hulls.items()]),
+            np.concatenate([poses[b].apply(h.skin) for b, h in hulls.items()]),
+        )
+        position = frame.position[own]
+        value[i] = _under(liquid, position, Surroundings(liquid, walls, frame.index, hull, position), step)
+    return _banded(scope, p, value, "1", f"submerged share of {p.entity}")
+
+
+def _under(liquid: Liquid, position: F64, about: Surroundings, step: float) -> float:
+    """Share of points inside a body that are wet: under the tops of the nearest columns of liquid that stand beside it."""
+    from scipy.spatial import cKDTree
+
+    s, points, skin = liquid.spacing, about.hull.inside, about.hull.skin
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    gap = np.maximum(low - position[:, :2], position[:, :2] - high).max(axis=1, initial=-np.inf)
+    reach = max(4.0 * s, 0.25 * float((high - low).max()))
+    rows = about.tops(position, position[:, :2], position[:, 2], np.flatnonzero(gap < reach), COLUMN * s)
+    if not len(rows):
+        return 0.0
+    top = position[rows, 2]
+    # Columns under the body end at its bottom; those beside it tell the level.
+    middle = (np.floor(position[rows, :2] / (COLUMN * s)) + 0.5) * COLUMN * s
+    beside = np.maximum(low - middle, middle - high).max(axis=1) > 0.25 * s
+    if not beside.any():
+        share, skinned = np.full(len(points), float((top > points[:, 2].max()).all())), np.ones(len(skin), dtype=bool)
+    else:
+        count, tree = min(NEAREST, int(beside.sum())), cKDTree(middle[beside])
+
+        def level(places: F64) -> F64:
+            at = np.asarray(tree.query(places[:, :2], k=count)[1]).reshape(len(places), count)
+            return np.asarray(top[beside][at].mean(axis=1) + 0.5 * liquid.pitch)
+
+        share, skinned = shares_under(points[:, 2], level(points), step), skin[:, 2] < level(skin)
+    return float((share * about.wet(share > 0.0, skinned)).mean())
+
+
+def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: points spread over the surface with a particle within one spacing on their outer side, each for its share of the area.
+
+    That is what wet maps call wet (`categories/liquid/wet.py` judges those).
+    """
+    p = _typed(predicate, WetArea)
+    found = _liquid(scope.candidate, p.liquid)
+    if isinstance(found, str):
+        return _painted(scope, "m^2", p.entity, found)
+    liquid, member = found
+    pieces = [q for q in pieces_of(scope.candidate) if q.entity == p.entity]
+    if not pieces:
+        raise EvidenceError(f"{p.entity!r} has no surface that a liquid can wet")
+    spread = [_spread(q, 0.5 * liquid.spacing) for q in pieces]
+    ever = [np.zeros(len(x), dtype=bool) for x, *_ in spread]
+    value = np.zeros(scope.length)
+    for i, frame, own in _frames(scope, liquid, member):
+        for piece, (points, area, normals), wet in zip(pieces, spread, ever, strict=True):
+            outward = normals @ piece.turn[frame.index].T
+            now, _ = touched(frame.position[own], piece.world(points, frame.index), outward, liquid.spacing)
+            wet |= now
+            value[i] += float(area[wet if p.measure == "ever" else now].sum())
+    return _banded(scope, p, value, "m^2", f"wet area of {p.entity}")
+
+
+def _spread(piece: Piece, spacing: float) -> tuple[F64, F64, F64]:
+    """Points on a surface, the area that each stands for [m^2]: triangle by triangle, in equal shares; and the normals there."""
+    triangles = piece.solid.triangles
+    area = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+    points, _ = samples(piece.solid, spacing, piece.solid.lower, piece.solid.upper)
+    from ....geometry.inside import nearest_faces
+
+    _, _, face = nearest_faces(piece.solid, points)
+    count = np.bincount(face, minlength=len(area))
+    bare = np.flatnonzero(count == 0)
+    points, face = np.concatenate([points, triangles[bare].mean(axis=1)]), np.concatenate([face, bare])
+    return points, area[face] / np.bincount(face, minlength=len(area))[face], piece.solid.face_normals[face]
+
+
+def splash_height(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: height of the eighth highest particle."""
+    p = _typed(predicate, SplashHeight)
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, "m", p.entity, found)
+    liquid, member = found
+    base = p.over
+    if base is None:
+        first = liquid.read(0)
+        heights = first.position[first.fluid == member, 2]
+        base = float(heights.max()) if len(heights) else float(liquid.lower[2])
+    value = np.full(scope.length, float(liquid.lower[2]) - base)
+    for i, frame, own in _frames(scope, liquid, member):
+        heights = frame.position[own, 2]
+        if len(heights) >= CREST:
+            value[i] = float(np.partition(heights, -CREST)[-CREST]) - base
+    return _banded(scope, p, value, "m", f"height of {p.entity} over {base:.4g} m")
+
+
+def _measured(values: F64, mass: F64, measure: str) -> float:
+    chosen: dict[str, Callable[[], float]] = {
+        "mean": lambda: float(np.average(values, weights=mass)),
+        "largest": lambda: float(values.max()),
+        "highest": lambda: float(values.max()),
+        "lowest": lambda: float(values.min()),
+    }
+    return chosen[measure]()
+
+
+def liquid_speed(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: mean or largest speed of the particles."""
+    p = _typed(predicate, LiquidSpeed)
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, "m/s", p.entity, found)
+    value = np.zeros(scope.length)
+    for i, frame, own in _frames(scope, *found):
+        own = own & _inside(scope.candidate, p.region, frame)
+        if own.any():
+            value[i] = _measured(np.linalg.norm(frame.velocity[own], axis=1), frame.mass[own], p.measure)
+    return _banded(scope, p, value, "m/s", f"{p.measure} speed of {p.entity}")
+
+
+def liquid_temperature(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: mean, lowest or highest temperature of the particles; where there are none the frame is not true."""
+    p = _typed(predicate, LiquidTemperature)
+    found = _liquid(scope.candidate, p.entity)
+    if isinstance(found, str):
+        return _painted(scope, "K", p.entity, found)
+    value = np.full(scope.length, np.nan)
+    for i, frame, own in _frames(scope, *found):
+        if "particle/temperature" not in frame.others:
+            raise EvidenceError(
+                f"no temperature is recorded of {p.entity!r}; give a liquid of its instance a temperature, conductivity or activation"
+            )
+        own = own & _inside(scope.candidate, p.region, frame)
+        if own.any():
+            rows = np.argsort(frame.others["particle/id"], kind="stable")
+            heat = np.asarray(frame.others["particle/temperature"], dtype=np.float64)[rows]
+            if len(heat) != frame.count:
+                raise EvidenceError(f"particles of frame {frame.index} are not all finite or share ids, see numerical:finite")
+            value[i] = _measured(heat[own], frame.mass[own], p.measure)
+    if np.isnan(value).all():
+        raise EvidenceError(f"no particle of {p.entity!r} is in {p.region or 'the domain'} in these frames")
+    margin, side = band(value, p.min, p.max)
+    margin = np.where(np.isnan(value), -np.inf, margin)
+
+    def tell(i: int) -> str:
+        if np.isnan(value[i]):
+            return f"no particle of {p.entity} is in {p.region or 'the domain'} at frame {scope.frames[0] + i}"
+        return f"{p.measure} temperature of {p.entity} is {value[i]:.5g} K at frame {scope.frames[0] + i}"
+
+    return judge(Series(scope.frames, value, margin, "K", p.entity, side, tell), p.when)

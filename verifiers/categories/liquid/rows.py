@@ -1,0 +1,91 @@
+"""How a check of liquids states its verdict: watches that see every frame once, and the row that each claim becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+import numpy as np
+
+from ....worlds.arrays import F64
+from ....worlds.errors import EvidenceError
+from ....worlds.requirements import Correction
+from ...rows.findings import Finding
+from ...rows.verdicts import correction
+
+if TYPE_CHECKING:
+    from .frames import Liquid, Step
+
+__all__ = ["Watch", "coarse", "first_over", "longer_step", "place", "worst"]
+
+
+class Watch(Protocol):
+    """One family of claims about a liquid: it sees all frames in order, then says what it found."""
+
+    claims: ClassVar[Mapping[str, str]]
+    """Predicate by name; a name is the second last part of a row's id."""
+
+    def __init__(self, liquid: Liquid) -> None: ...
+
+    def see(self, step: Step) -> None:
+        """Take in the next frame.
+
+        Raises:
+            EvidenceError: a channel that the claims need is missing.
+        """
+
+    def findings(self) -> dict[str, Finding]:
+        """The verdict of every claim, after the last frame.
+
+        Raises:
+            EvidenceError: there is nothing to judge them by.
+        """
+
+
+def worst(values: F64, bound: float) -> tuple[float, int | None, int]:
+    """Largest of a series, first frame over the bound (None where none is) and frame of the largest.
+
+    Raises:
+        EvidenceError: nothing of the series could be judged.
+    """
+    known = np.where(np.isnan(values), -np.inf, values)
+    if not len(known) or np.isneginf(known).all():
+        raise EvidenceError("no frame has such a case")
+    over = known > bound
+    return float(known.max()), int(np.argmax(over)) if over.any() else None, int(np.argmax(known))
+
+
+def first_over(values: F64, bound: float, unit: str, what: str, hints: tuple[Correction, ...] = (), **more: Any) -> Finding:
+    """Finding of a series that must not exceed a bound; a value that is not a number is not judged."""
+    value, frame, at = worst(values, bound)
+    named = "" if unit == "1" else f" {unit}"
+    text = f"{what} is at most {value:.4g}{named} (frame {at}), allowed {bound:.4g}{named}"
+    if frame is not None:
+        text = f"{what} is {values[frame]:.4g}{named} at frame {frame}, largest {value:.4g}{named} at frame {at}, allowed {bound:.4g}{named}"
+    return Finding("pass" if frame is None else "fail", text, value, bound, unit, frame=frame, hints=hints, **more)
+
+
+def place(point: F64) -> list[float]:
+    """A point for evidence [m]."""
+    return [round(float(c), 6) for c in point]
+
+
+def longer_step(liquid: Liquid, cause: str) -> Correction:
+    """Halve the longest step."""
+    pointer = f"/simulation/solvers/{liquid.solver}/settings/max_step"
+    step = liquid.plan.settings.max_step
+    patch = ({"op": "add", "path": pointer, "value": float(f"{max(1e-5, step / 2):.6g}")},)
+    return correction(cause, "step", f"halve max_step from {step:g} s", pointers=(pointer,), patch=patch)
+
+
+def coarse(liquid: Liquid, cause: str, wanted: float | None = None) -> Correction:
+    """Resolve the liquid more finely."""
+    member = liquid.members[0]
+    pointer = f"/entities/{member}/physics/resolution"
+    value = 0.5 * liquid.spacing if wanted is None else wanted
+    patch = tuple(
+        {"op": "add", "path": f"/entities/{m}/physics/resolution", "value": float(f"{value:.3g}")} for m in liquid.members
+    )
+    return correction(
+        cause, "resolution", f"lower resolution from {liquid.spacing:g} m to {value:.3g} m", pointers=(pointer,), patch=patch
+    )

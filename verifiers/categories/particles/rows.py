@@ -1,0 +1,72 @@
+"""How a check of particles states its verdict."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Protocol
+
+from ....worlds.requirements import Correction
+from ...rows.findings import Finding
+from ...rows.verdicts import correction
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .frames import Swarm, SwarmFrame
+
+__all__ = ["SwarmWatch", "emitted_slower", "finer_step", "stiffer"]
+
+
+class SwarmWatch(Protocol):
+    """One family of claims about particles: it sees all frames in order, then says what it found."""
+
+    claims: ClassVar[Mapping[str, str]]
+    """Predicate by name; a name is the second last part of a row's id."""
+
+    def __init__(self, swarm: Swarm) -> None: ...
+
+    def see(self, now: SwarmFrame, before: SwarmFrame | None) -> None:
+        """Take in the next frame.
+
+        Raises:
+            EvidenceError: a channel that the claims need is missing.
+        """
+
+    def findings(self) -> dict[str, Finding]:
+        """The verdict of every claim, after the last frame.
+
+        Raises:
+            EvidenceError: there is nothing to judge them by.
+        """
+
+
+def finer_step(swarm: Swarm, cause: str) -> Correction:
+    """Shorten the step."""
+    name = "step_share" if swarm.granular else "max_step"
+    pointer = f"/simulation/solvers/{swarm.solver}/settings/{name}"
+    value = float(getattr(swarm.plan.settings, name))
+    patch = ({"op": "add", "path": pointer, "value": float(f"{max(0.02 if swarm.granular else 1e-5, value / 2):.6g}")},)
+    return correction(cause, "step", f"halve {name} from {value:g}", pointers=(pointer,), patch=patch)
+
+
+def emitted_slower(swarm: Swarm) -> tuple[Correction, ...]:
+    """Let them out more slowly; nothing where no emitter does."""
+    drivers = swarm.candidate.spec.simulation.drivers
+    taps = [n for n, d in drivers.items() if d.kind == "emitter" and d.entity in swarm.members]
+    if not taps:
+        return ()
+    pointers = tuple(f"/simulation/drivers/{n}/speed" for n in taps)
+    return (
+        correction("an emitter lets them out too fast", "drivers", f"lower the speed of {', '.join(taps)}", pointers=pointers),
+    )
+
+
+def stiffer(swarm: Swarm, cause: str, factor: float) -> Correction:
+    """Take stiffer grains."""
+    pointers = tuple(f"/entities/{m}/physics/young_modulus" for m in swarm.members)
+    patch = tuple(
+        {"op": "add", "path": p, "value": float(f"{min(1e11, swarm.physics(k).young_modulus * factor):.3g}")}
+        for k, p in enumerate(pointers)
+    )
+    return correction(
+        cause, "mass", f"raise young_modulus {factor:.3g} times; steps get shorter by its root", pointers=pointers, patch=patch
+    )

@@ -1,0 +1,172 @@
+"""Laws of contact on the ledgers of a rigid instance.
+
+- `contacts`: pairs that are logged as touching can reach each other.
+- `friction`: a body that slides all the frame long without turning loses what Coulomb's law takes, no more and no less.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....geometry import aabb_of
+from ....worlds.arrays import F64
+from ...ledgers.balance import Books, books_of
+from ...rows.findings import Finding
+from ...rows.verdicts import correction
+from .rows import judged_law, largest
+
+if TYPE_CHECKING:
+    from ....worlds.cache import Cache
+    from ....worlds.candidate import Candidate
+
+__all__ = ["FRICTION", "PREDICATES", "REACH", "contacts", "friction", "moves"]
+
+REACH = 1e-3
+"""[m] Rounding of boxes and a frame's fall beyond the contact tolerance."""
+FRICTION = 0.05
+"""Own choice: relative; the engine's cone is met to 1e-3 while a body slides."""
+SLIDING = 0.1
+"""[m/s] Slower bodies may stick within the frame."""
+STRAIGHT = 0.9995
+"""Cosine of the angle between the velocities at both frames from which on a body slides straight."""
+ROLLS = 0.02
+"""Share of the speed that turning may give the surface of a sliding body."""
+
+PREDICATES = {
+    "contacts": "pairs that are logged as touching are within reach of each other",
+    "friction": f"a sliding body loses mu times the normal impulse, within {FRICTION:.0%}",
+}
+
+
+def _boxes(books: Books) -> tuple[F64, F64]:
+    """Lowest and highest corners of every collider over the frames [m], each shape (F, colliders, 3)."""
+    candidate, names = books.candidate, books.cache.index.colliders
+    low = np.full((books.frames, len(names), 3), np.inf)
+    high = -low
+    for column, name in enumerate(names):
+        built = candidate.entity(name)
+        for body in built.bodies:
+            parts = built.parts_of(body.name)
+            if not parts:
+                continue
+            points = np.concatenate([p.render.vertices for p in parts])
+            lo, hi = aabb_of(points, *candidate.track(name, body.name))
+            low[: len(lo), column] = np.minimum(low[: len(lo), column], lo)
+            high[: len(hi), column] = np.maximum(high[: len(hi), column], hi)
+    return low, high
+
+
+def contacts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `contacts`: boxes swept over the interval, grown by the way that the fastest step of it could have led."""
+    books = books_of(candidate, cache)
+    found = books.contacts
+    low, high = _boxes(books)
+    k = found.frame
+    low, high = np.minimum(low[k - 1], low[k]), np.maximum(high[k - 1], high[k])
+    rows = np.arange(len(k))
+    gap = np.maximum(low[rows, found.a] - high[rows, found.b], low[rows, found.b] - high[rows, found.a]).max(
+        axis=1, initial=-np.inf
+    )
+    peak = books.record("max_speed")[k]
+    excess = gap - candidate.spec.simulation.limits.contact_gap - 0.5 * books.duration * peak * 2.0
+    table = np.full((books.frames - 1, len(books.entities)), -np.inf)
+    for side in (found.a, found.b):
+        row = books.collider_row[side]
+        np.maximum.at(table, (k[row >= 0] - 1, row[row >= 0]), excess[row >= 0])
+    worst = largest(table, np.isfinite(table), books.entities, REACH)
+    return judged_law(
+        candidate,
+        solver,
+        worst,
+        bound=REACH,
+        unit="m",
+        what="distance of bodies that are logged as touching",
+        none="no contact is logged in this interval",
+        entities=books.entities,
+    )
+
+
+# ---------------------------------------------------------------- friction
+
+
+def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `friction`.
+
+    All normals of a body that slides along without turning are perpendicular to its velocity, so that the momentum it loses
+    along its way is the friction of all its contacts: mu times the sum of their normal impulses, at least and at most. A blow
+    that begins in the interval or the one before may brake it along a normal: no slide is judged there.
+    """
+    books = books_of(candidate, cache)
+    found = books.contacts
+    share, judged = np.zeros((2, books.frames - 1, len(books.entities)))
+    total, least, most = np.zeros((3, books.frames - 1, len(books.entities)))
+    moving = np.zeros((books.frames - 1, len(books.entities)), dtype=bool)
+    for (
+        side,
+        other,
+    ) in ((found.a, found.b), (found.b, found.a)):
+        row, partner = books.collider_row[side], books.collider_row[other]
+        mine = row >= 0
+        at = (found.frame[mine] - 1, row[mine])
+        np.add.at(total, at, found.impulse[mine])
+        np.add.at(least, at, found.impulse[mine] * books.friction[0][mine])
+        np.add.at(most, at, found.impulse[mine] * books.friction[1][mine])
+        np.logical_or.at(moving, at, moves(books, partner[mine], found.frame[mine] - 1))
+    v0, v1 = books.velocities[:-1], books.velocities[1:]
+    speeds = np.linalg.norm(v0, axis=2), np.linalg.norm(v1, axis=2)
+    straight = np.sum(v0 * v1, axis=2) > STRAIGHT * speeds[0] * speeds[1]
+    spin = np.linalg.norm(books.spin[:, books.first], axis=2) * books.reach
+    turning = np.maximum(spin[:-1], spin[1:]) > ROLLS * np.minimum(*speeds)
+    slides = (np.minimum(*speeds) > SLIDING) & straight & ~turning & ~moving & ~books.dozing & ~books.switching
+    judged = slides & ~_struck(books) & books.lone & (total > 0) & (books.free_time > books.duration - 1e-9)
+    along = v0 + v1
+    along /= np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-12)
+    lost = -np.sum(books.residual * along, axis=2)
+    scale = np.maximum(total, 1e-12)
+    # In units of the normal impulse; a frictionless contact must not brake either.
+    share = np.maximum(least - lost, lost - most) / scale
+    allowed = FRICTION * np.maximum(most / scale, 0.02)
+    worst = largest(share / allowed * FRICTION, judged, books.entities, FRICTION)
+    hints = (
+        correction(
+            "the friction that acts is not the declared one",
+            "material",
+            "look at the materials and pairs of its contacts",
+            pointers=("/materials",),
+        ),
+    )
+    return judged_law(
+        candidate,
+        solver,
+        worst,
+        bound=FRICTION,
+        unit="1",
+        what="deviation from Coulomb's law",
+        none="no free body slides straight on something that rests for a whole frame",
+        entities=books.entities,
+        hints=hints,
+    )
+
+
+def _struck(books: Books) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Whether a contact of an entity begins in an interval or in the one before, shape (F - 1, E)."""
+    began = np.zeros((books.frames, len(books.entities)), dtype=bool)
+    for frame, log in enumerate(books.ragged("event/pair")[1 : books.frames], start=1):
+        rows = books.collider_row[log["event/pair"].reshape(-1).astype(np.int64)]
+        began[frame, rows[rows >= 0]] = True
+    return np.asarray(began[:-1] | began[1:])
+
+
+def moves(
+    books: Books, rows: np.ndarray[tuple[int, ...], np.dtype[np.int64]], interval: np.ndarray[tuple[int, ...], np.dtype[np.int64]]
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Whether a contact's partner moves at either end of the interval; static ones (row -1) do not."""
+    speed = np.linalg.norm(books.velocity, axis=2) + np.linalg.norm(books.spin, axis=2) * books.body_reach
+    fastest = np.zeros((books.frames, len(books.entities)))
+    for body, owner in enumerate(books.owner):
+        fastest[:, owner] = np.maximum(fastest[:, owner], speed[:, body])
+    known = np.maximum(rows, 0)
+    result = (rows >= 0) & (np.maximum(fastest[interval, known], fastest[interval + 1, known]) > 1e-3)
+    return np.asarray(result)

@@ -1,0 +1,384 @@
+"""Laws of motion on the ledgers of a rigid instance: what moves has a reason, between every two frames.
+
+- `momentum`: linear momentum changes by gravity, drivers, drag, springs, liquids and logged contacts, and by nothing else (Newton's
+  second law; what a contact gives one body it takes from the other, his third).
+- `motion`: centres of mass move by their velocities, and no faster than the fastest step that was recorded.
+- `spin`, `turning`: free bodies turn by Euler's equations; in contact, angular momentum changes by at most the logged
+  impulses times the body's reach.
+- `driven`: bodies on paths are where the path says, held ones stay.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....worlds.arrays import F64, pose_of, rotation_matrix
+from ....worlds.spec import PathDriver
+from ...ledgers.balance import Books, Flags, books_of
+from ...ledgers.sleep_impulses import rests_of, strangest
+from ...ledgers.tumbling import tumble
+from ...rows.findings import Finding
+from ...rows.verdicts import correction
+from .rows import Excess, judged_law, largest
+
+if TYPE_CHECKING:
+    from ....worlds.cache import Cache
+    from ....worlds.candidate import Candidate
+
+__all__ = [
+    "HELD",
+    "IMPULSE",
+    "PLACE",
+    "PREDICATES",
+    "SPIN",
+    "TURN",
+    "driven",
+    "momentum",
+    "motion",
+    "spin",
+    "turning",
+    "unexplained",
+]
+
+IMPULSE = 2e-3
+"""[m/s] Change of velocity per frame without a source. Measured: 1e-14 for free bodies and contacts, 5e-4 for jointed ones and
+2e-4 for springs, whose forces the frames resolve only so far."""
+JOINTED = 2e-3
+"""Of the fastest surface of an assembly of jointed bodies: generalised coordinates keep momentum only to a step's turn."""
+PLACE = 1e-4
+"""[m] Displacement in one frame beyond what velocities, contacts and a step's delay explain; measured 1e-15."""
+SPIN = 5e-3
+"""[rad/s] Change of angular velocity per frame beyond Euler's equations and |omega|^2 dt; measured at most 0.15 of the latter."""
+TURN = 2e-3
+"""[rad] Turn in one frame beyond Euler's equations and |omega|^2 dt per frame; measured at most 0.2 of the latter."""
+HELD = 1e-5
+"""[m] Distance of a driven body's surface from where its driver puts it; measured 4e-11 m for held bodies."""
+UNSTEADY = 0.1
+"""Own choice: share of a body's weight by which the force of a liquid may vary within a frame beside its mean and what the frames beside show."""
+FASTER = 1.01
+"""Allowance on recorded peak speeds: a path's cubic between two steps."""
+ROUNDING = 1e-6
+"""Relative, of a budget of impulses."""
+
+PREDICATES = {
+    "momentum": f"no velocity changes by more than {IMPULSE:g} m/s in a frame without gravity, driver, spring or logged contact",
+    "motion": f"centres of mass move by their velocities within {PLACE:g} m and one step's delay per frame",
+    "spin": f"angular velocity follows Euler's equations and logged contacts within {SPIN:g} rad/s per frame",
+    "turning": f"orientation follows the angular velocity within {TURN:g} rad per frame",
+    "driven": f"bodies on paths and held ones are within {HELD:g} m of where their drivers put them",
+}
+
+
+class Unexplained(NamedTuple):
+    """Velocity without a source per interval and entity [m/s], shape (F - 1, E), and where it could be judged."""
+
+    value: F64
+    judged: Flags
+
+
+Labels = NDArray[np.int64]
+
+
+class _Groups(NamedTuple):
+    """Sums over groups of entities, per label: shape (K,) or (K, 3)."""
+
+    mass: F64
+    residual: F64
+    given: F64
+    """By contacts."""
+    budget: F64
+    doubt: F64
+    open: Flags
+
+
+def _grouped(books: Books, label: Labels, opened: Flags) -> _Groups:
+    count = int(label.max(initial=-1)) + 1
+    mass, budget, doubt = np.zeros(count), np.zeros(count), np.zeros(count)
+    residual, given, closed = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, dtype=bool)
+    np.add.at(mass, label, np.broadcast_to(books.mass, label.shape))
+    rests = rests_of(books)
+    np.add.at(residual, label, books.residual - rests.held)
+    np.add.at(given, label, books.contact_given)
+    np.add.at(budget, label, books.contact_budget + rests.passed_on)
+    np.add.at(doubt, label, books.spring_impulse[1] + books.let_go_doubt[0])
+    np.logical_or.at(closed, label, opened)
+    return _Groups(mass, residual, given, budget, doubt, closed)
+
+
+def _lag(books: Books, label: Labels) -> F64:
+    """Velocity that the engine's scheme may add per group [m/s], shape (K,): zero where nothing of it is jointed."""
+    surface = np.linalg.norm(books.velocity, axis=2) + np.linalg.norm(books.spin, axis=2) * books.body_reach
+    speed = np.zeros((books.frames, len(books.entities)))
+    for body, owner in enumerate(books.owner):
+        speed[:, owner] = np.maximum(speed[:, owner], surface[:, body])
+    count = int(label.max(initial=-1)) + 1
+    fastest, jointed = np.zeros(count), np.zeros(count, dtype=bool)
+    np.maximum.at(fastest, label, np.maximum(speed[:-1], speed[1:]))
+    np.logical_or.at(jointed, label, np.broadcast_to(~books.single | books.jointed, label.shape))
+    return np.where(jointed, JOINTED * fastest, 0.0)
+
+
+def unexplained(books: Books) -> Unexplained:
+    """Velocity without a source, of every assembly: what is left when all that is known to push it, and its contacts, are taken off."""
+    label, anchored = books.assemblies
+    groups = _grouped(books, label, anchored | (books.free_time <= 0))
+    unlogged = np.zeros(len(groups.mass))
+    rests = rests_of(books)
+    np.add.at(unlogged, label, rests.unlogged + rests.passed_on)
+    size = np.linalg.norm(groups.residual - groups.given, axis=1)
+    excess = (size - unlogged * (1 + ROUNDING) - ROUNDING * groups.budget - groups.doubt) / groups.mass
+    judged = ~groups.open & np.isfinite(groups.doubt)
+    return Unexplained((excess - _lag(books, label))[label], judged[label])
+
+
+def momentum(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `momentum`."""
+    books = books_of(candidate, cache)
+    found = unexplained(books)
+    worst = largest(found.value, found.judged, books.entities, IMPULSE)
+    hints = (
+        correction(
+            f"something pushed {worst.entity} that the specification does not know",
+            "drivers",
+            "declare a force driver, or let a contact do it",
+            pointers=("/simulation/drivers",),
+        ),
+    )
+    return judged_law(
+        candidate,
+        solver,
+        worst,
+        bound=IMPULSE,
+        unit="m/s",
+        what="change of velocity without a source",
+        none="every moving body is held, on a path or fixed by joints in this interval",
+        entities=books.entities,
+        hints=hints,
+        evidence=strangest(books, worst.entity, worst.frame) if worst.over and worst.entity else None,
+    )
+
+
+# ---------------------------------------------------------------- places
+
+
+def _drift(books: Books) -> tuple[F64, Flags]:
+    """Displacement of assemblies beyond what velocities at both frames and contacts between them explain [m]."""
+    label, anchored = books.assemblies
+    time, h = books.free_time, books.duration
+    trapezoid = 0.5 * (books.velocities[:-1] + books.velocities[1:]) * time[:, :, None]
+    groups = _grouped(books, label, anchored | (time <= 0))
+    off = np.zeros((len(groups.mass), 3))
+    np.add.at(off, label, (np.diff(books.centers, axis=0) - trapezoid) * books.mass[:, None])
+    off /= groups.mass[:, None]
+    known = np.zeros((len(groups.mass), 3))
+    np.add.at(known, label, books.known_impulse)
+    change = np.zeros(len(groups.mass))
+    np.add.at(change, label, _uneven(books))
+    unlogged = np.zeros(len(groups.mass))
+    np.add.at(unlogged, label, rests_of(books).unlogged)
+    # An impulse at any moment of the frame shifts the body by at most half the frame times its speed against the trapezoid.
+    allowed = 0.5 * h * (groups.budget + groups.doubt + unlogged + change) * (1 + ROUNDING) / groups.mass
+    allowed += np.linalg.norm(known, axis=1) / groups.mass * books.step
+    value = np.linalg.norm(off, axis=1) - allowed
+    return (value - h * _lag(books, label))[label], ~groups.open[label] & np.isfinite(groups.doubt)[label]
+
+
+def _uneven(books: Books) -> F64:
+    """How much the known forces may change within an interval, as an impulse [N s], shape (F - 1, E)."""
+    drag = books.drag * np.linalg.norm(np.diff(books.velocities, axis=0), axis=2) * books.duration / 3.0
+    spring = np.linalg.norm(books.spring_impulse[0], axis=2)
+    force = np.linalg.norm(books.driver_wrench[0], axis=2)
+    weight = books.mass * float(np.linalg.norm(books.gravity)) * books.duration
+    # What differs so much from one interval to the next may change as much within either.
+    change = np.linalg.norm(np.diff(books.liquid.linear, axis=0), axis=2)
+    swing = np.maximum(np.pad(change, ((1, 0), (0, 0))), np.pad(change, ((0, 1), (0, 0))))
+    liquid = np.linalg.norm(books.liquid.linear, axis=2) + np.where(books.liquid.wet, UNSTEADY * weight + swing, 0.0)
+    field = np.linalg.norm(books.fields.linear, axis=2)
+    result: F64 = drag + spring + liquid + field + np.where(books.switching, force, 0.0)
+    return result
+
+
+def motion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `motion`."""
+    books = books_of(candidate, cache)
+    value, judged = _drift(books)
+    peak = books.record("max_speed")[1:, None]
+    way = np.linalg.norm(np.diff(books.body_centers, axis=0), axis=2) - FASTER * books.duration * peak
+    fast = np.full(value.shape, -np.inf)
+    for body, owner in enumerate(books.owner):
+        fast[:, owner] = np.maximum(fast[:, owner], way[:, body])
+    both = np.maximum(np.where(judged, value, -np.inf), fast)
+    worst = largest(both, np.isfinite(both), books.entities, PLACE)
+    return judged_law(
+        candidate,
+        solver,
+        worst,
+        bound=PLACE,
+        unit="m",
+        what="displacement that no velocity explains",
+        none="there is only one frame",
+        entities=books.entities,
+    )
+
+
+# ---------------------------------------------------------------- turning
+
+
+def _flights(books: Books) -> Flags:
+    """Where a lone body is free for the whole interval and nothing touches it, shape (F - 1, E)."""
+    return (
+        books.lone
+        & (books.free_time > books.duration - 1e-9)
+        & ~books.touched
+        & ~books.dozing
+        & ~books.switching
+        & ~books.outside.wet
+    )
+
+
+def _in_contact(books: Books) -> tuple[F64, Flags]:
+    """Change of angular momentum beyond the logged impulses times the reach, over the least inertia [rad/s]."""
+    angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.outside.angular, axis=2)
+    torques = np.where(books.dozing | books.switching, np.linalg.norm(books.driver_wrench[1], axis=2), 0.0)
+    lever = books.reach + books.rolling
+    allowed = books.contact_budget * lever * (1 + ROUNDING) + rests_of(books).unlogged * lever + torques + books.let_go_doubt[1]
+    inertia = np.linalg.eigvalsh(books.inertia[books.first])
+    speed = np.linalg.norm(books.spin[:, books.first], axis=2)
+    gyration = np.maximum(speed[:-1], speed[1:]) ** 2 * books.step * inertia[:, 2]
+    value = (angular - allowed - gyration) / inertia[:, 0]
+    return value, books.lone & (books.free_time > 0) & ~_flights(books)
+
+
+class _Turned(NamedTuple):
+    """Free flights: error of angular velocity [rad/s] and of orientation [rad] less the scheme's; shape (F - 1, E)."""
+
+    spin: F64
+    turn: F64
+    judged: Flags
+
+
+def _tumbled(books: Books) -> _Turned:
+    judged = _flights(books)
+    spin_off, turn_off = np.full((2, *judged.shape), -np.inf)
+    interval, entity = np.nonzero(judged)
+    if len(interval):
+        body = books.first[entity]
+        start = books.turns[interval, body], books.spin[interval, body]
+        torque = books.driver_wrench[1][interval, entity] / books.duration
+        turned, spun = tumble(*start, books.inertia[body], torque, books.duration)
+        end, after = books.turns[interval + 1, body], books.spin[interval + 1, body]
+        between = np.einsum("nji,njk->nik", turned, end)
+        # |R - 1| (Frobenius) = 2 sqrt(2) sin(angle / 2)
+        half = np.clip(np.linalg.norm(between - np.eye(3), axis=(1, 2)) / np.sqrt(8.0), 0.0, 1.0)
+        speed = np.maximum(np.linalg.norm(start[1], axis=1), np.linalg.norm(after, axis=1))
+        change = speed**2 + np.linalg.norm(torque, axis=1) / np.linalg.eigvalsh(books.inertia[body])[:, 0]
+        spin_off[interval, entity] = np.linalg.norm(spun - after, axis=1) - change * books.step
+        turn_off[interval, entity] = 2.0 * np.arcsin(half) - change * books.step * books.duration
+    return _Turned(spin_off, turn_off, judged)
+
+
+def spin(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `spin`."""
+    books = books_of(candidate, cache)
+    flown, (touched, other) = _tumbled(books), _in_contact(books)
+    value = np.where(flown.judged, flown.spin, touched)
+    worst = largest(value, flown.judged | other, books.entities, SPIN)
+    hints = (
+        correction(
+            f"something turned {worst.entity} that the specification does not know",
+            "drivers",
+            "declare a force driver with a torque, or let a contact do it",
+            pointers=("/simulation/drivers",),
+        ),
+    )
+    return judged_law(
+        candidate,
+        solver,
+        worst,
+        bound=SPIN,
+        unit="rad/s",
+        what="change of angular velocity without a torque",
+        none="no free body of one piece without joints and springs",
+        entities=books.entities,
+        hints=hints,
+    )
+
+
+def turning(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `turning`."""
+    books = books_of(candidate, cache)
+    flown = _tumbled(books)
+    steps = books.record("step")[1:, None]
+    surface = books.record("max_travel_per_step")[1:, None] / np.maximum(steps, 1e-12)
+    between = np.einsum("fnji,fnjk->fnik", books.turns[:-1], books.turns[1:])
+    half = np.clip(np.linalg.norm(between - np.eye(3), axis=(2, 3)) / np.sqrt(8.0), 0.0, 1.0)
+    turned = 2.0 * np.arcsin(half) - FASTER * books.duration * surface / books.body_reach
+    fast = np.full(flown.turn.shape, -np.inf)
+    for body, owner in enumerate(books.owner):
+        fast[:, owner] = np.maximum(fast[:, owner], turned[:, body])
+    both = np.maximum(np.where(flown.judged, flown.turn, -np.inf), fast)
+    return judged_law(
+        candidate,
+        solver,
+        largest(both, np.isfinite(both), books.entities, TURN),
+        bound=TURN,
+        unit="rad",
+        what="turn that no angular velocity explains",
+        none="there is only one frame",
+        entities=books.entities,
+    )
+
+
+# ---------------------------------------------------------------- drivers
+
+
+def _path(driver: PathDriver, times: F64) -> tuple[F64, F64]:
+    """Positions (n, 3) and quaternions (n, 4) of a path: shape-preserving cubic and slerp between keys (R18)."""
+    from scipy.interpolate import PchipInterpolator
+    from scipy.spatial.transform import Rotation, Slerp
+
+    keys = sorted(driver.keys.values(), key=lambda k: k.time)
+    at = np.array([k.time for k in keys])
+    poses = [pose_of(k.pose) for k in keys]
+    inside = np.clip(times, at[0], at[-1])
+    position: F64 = PchipInterpolator(at, np.array([p.position for p in poses]))(inside)
+    turns = Slerp(at, Rotation.from_quat(np.array([p.quaternion for p in poses])[:, [1, 2, 3, 0]]))(inside)
+    return position, turns.as_quat()[:, [3, 0, 1, 2]]
+
+
+def driven(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Row `driven`."""
+    books = books_of(candidate, cache)
+    paths = {d.entity: d for d in candidate.spec.simulation.drivers.values() if isinstance(d, PathDriver)}
+    off = np.full((books.frames, len(books.entities)), -np.inf)
+    for body, owner in enumerate(books.owner):
+        name = books.entities[owner]
+        position, quaternion = books.position[:, body], books.quaternion[:, body]
+        fixed = books.kinematic[owner] | (books.times <= books.released[owner] + 1e-9)
+        if not np.any(fixed) or (not books.kinematic[owner] and books.released[owner] <= 0):
+            continue
+        if name in paths and books.kinematic[owner]:
+            wanted, turned = _path(paths[name], books.times)
+        else:
+            wanted, turned = (np.repeat(x[:1], books.frames, axis=0) for x in (position, quaternion))
+            if books.kinematic[owner]:
+                start = pose_of(candidate.spec.entities[name].pose)
+                wanted, turned = (np.repeat(x[None], books.frames, axis=0) for x in (start.position, start.quaternion))
+        apart = np.linalg.norm(position - wanted, axis=1)
+        twist = np.linalg.norm(rotation_matrix(quaternion) - rotation_matrix(turned), axis=(1, 2)) / np.sqrt(2.0)
+        value = apart + twist * (books.body_reach[body] + float(np.linalg.norm(books.offset[body])))
+        off[:, owner] = np.maximum(off[:, owner], np.where(fixed, value, -np.inf))
+    found: Excess = largest(off, np.isfinite(off), books.entities, HELD, shift=0)
+    return judged_law(
+        candidate,
+        solver,
+        found,
+        bound=HELD,
+        unit="m",
+        what="distance from where the driver puts it",
+        none="nothing in this instance is held or on a path",
+        entities=tuple(n for n, c in zip(books.entities, np.isfinite(off).any(axis=0), strict=True) if c),
+    )

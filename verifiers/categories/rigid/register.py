@@ -1,0 +1,138 @@
+"""Lines of the approximation register about rigid instances: skins, the law of their contacts, how hard their constraints are (R61, R68).
+
+The verifiers import no engine, so the engine's numbers stand here a second time; `tests/verifiers/register/test_register.py` compares the two.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from ....worlds.spec import DetachDriver, WeldJoint
+
+if TYPE_CHECKING:
+    from ....worlds.spec import Material, RigidInstance, WorldSpec
+
+__all__ = ["rigid_lines"]
+
+SLOWEST_BOUNCE = 0.01
+"""[m/s] Contacts that close slower do not bounce (`simulation/rigid/contact_law.py`, and so the four numbers below)."""
+GRAVITY_STEPS = 4.0
+"""Nor do those that close slower than gravity makes them in so many steps."""
+PASSED = 0.03 / 0.97
+"""What constraints let pass of what pushes them, over what they stop."""
+SOFTEST = 200.0
+"""A contact is as soft as that of a body so many times lighter than the heaviest one, at most."""
+JERK_STEPS = 0.8
+"""[steps] A constraint that is pulled apart at a speed opens by that speed times so many steps at most: critically damped over four
+steps it halves the speed in the first one."""
+
+
+def rigid_lines(spec: WorldSpec) -> list[dict[str, str]]:
+    """What the rigid instances simplify, by their settings."""
+    return [line for name, instance in spec.simulation.rigid.items() for line in _instance(spec, name, instance)]
+
+
+def _instance(spec: WorldSpec, name: str, instance: RigidInstance) -> list[dict[str, str]]:
+    settings, pull = instance.settings, math.hypot(*spec.simulation.gravity)
+    found = [
+        {
+            "what": f"collision skin of {settings.skin:g} m on every part of {name!r}",
+            "effect": f"resting bodies hover up to {2 * settings.skin:g} m",
+        }
+    ]
+    slowest = max(SLOWEST_BOUNCE, GRAVITY_STEPS * pull * settings.step)
+    used = _materials(spec, instance)
+    if _bounces(spec, instance):
+        hop = f", hops of up to {slowest**2 / (2 * pull):.2g} m" if pull > 0 else ""
+        found.append(
+            {
+                "what": f"contacts of {name!r} that close slower than {slowest:.3g} m/s do not bounce",
+                "effect": f"the last rebounds before rest are left out{hop}",
+            }
+        )
+    found += _mixed(spec, name, instance, used)
+    sunk = PASSED * pull * (settings.contact_steps * settings.step) ** 2
+    if sunk > 0:
+        found.append(
+            {
+                "what": f"contacts of {name!r} push back softly, over {settings.contact_steps:g} steps of {settings.step:g} s",
+                "effect": f"what rests sinks {sunk:.2g} m into the skins, and under a heavier body as many times as much, "
+                f"{SOFTEST * sunk:.2g} m at most",
+            }
+        )
+    held = _constraints(spec, instance)
+    if held:
+        found.append(
+            {
+                "what": f"constraints of {name!r} that are no exact joints: {', '.join(held)}",
+                "effect": f"a jerk of 1 m/s opens them by up to {JERK_STEPS * settings.step:.2g} m for some steps of {settings.step:g} s",
+            }
+        )
+    return found
+
+
+def _touching(spec: WorldSpec, member: str) -> set[str]:
+    """Materials of a member's parts that collide; a rope has its entity's."""
+    entity = spec.entities[member]
+    parts = {p.material or entity.material for p in entity.parts.values() if p.collides}
+    return parts | ({entity.material} if entity.generator is not None else set())
+
+
+def _materials(spec: WorldSpec, instance: RigidInstance) -> dict[str, Material]:
+    """Materials of the parts that collide, by name."""
+    names = {n for m in instance.members for n in _touching(spec, m)}
+    return {n: spec.materials[n] for n in sorted(names) if n in spec.materials}
+
+
+def _bounces(spec: WorldSpec, instance: RigidInstance) -> bool:
+    """Whether any two members bounce off each other: with the smaller restitution, or with one of their own."""
+    lively = 0
+    for member in instance.members:
+        lively += any(n in spec.materials and spec.materials[n].restitution > 0 for n in _touching(spec, member))
+    given = [c for c in spec.simulation.contacts.values() if {c.a, c.b} <= set(instance.members)]
+    return lively > 1 or any((c.restitution or 0) > 0 for c in given)
+
+
+def _mixed(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, Material]) -> list[dict[str, str]]:
+    """How contacts of different materials are combined, with the pair of materials that it changes most."""
+    pairs = list(combinations(used, 2))
+    if not pairs:
+        return []
+    rough = max(pairs, key=lambda p: abs(used[p[0]].friction - used[p[1]].friction))
+    lively = max(pairs, key=lambda p: abs(used[p[0]].restitution - used[p[1]].restitution))
+    told = []
+    for pair, value, word in ((rough, "friction", max), (lively, "restitution", min)):
+        one, two = (float(getattr(used[n], value)) for n in pair)
+        if one != two:
+            told.append(f"{pair[0]!r} ({one:g}) meets {pair[1]!r} ({two:g}) with a {value} of {word(one, two):g}")
+    if not told:
+        return []
+    own = sum({c.a, c.b} <= set(instance.members) for c in spec.simulation.contacts.values())
+    return [
+        {
+            "what": f"contacts of {name!r} take the larger friction and the smaller restitution of two materials"
+            + (f", but for the {own} of `simulation.contacts`" if own else ""),
+            "effect": f"what a pair of materials would measure together is not known: {' and '.join(told)}",
+        }
+    ]
+
+
+def _constraints(spec: WorldSpec, instance: RigidInstance) -> list[str]:
+    """What is held by a constraint of the solver: welds that open, ends of ropes, joints at the ends of their range."""
+    plan, members = spec.simulation, set(instance.members)
+    opened = {d.joint for d in plan.drivers.values() if isinstance(d, DetachDriver)}
+    found = []
+    for name, joint in plan.joints.items():
+        if joint.child not in members:
+            continue
+        if isinstance(joint, WeldJoint) and name in opened:
+            found.append(f"weld {name!r}")
+        elif getattr(joint, "range", None) is not None:
+            found.append(f"range of {name!r}")
+    for member in instance.members:
+        rope = spec.entities[member].generator
+        if rope is not None and rope.attach_end is not None:
+            found.append(f"far end of the rope {member!r}")
+    return found

@@ -1,0 +1,1 @@
+"""Overlap, tunnelling and the contact log, frame by frame."""

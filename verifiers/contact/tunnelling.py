@@ -1,0 +1,366 @@
+"""Bodies that pass through each other between two written frames, where no inspected frame shows it (R108).
+
+Criterion. Between two frames each body moves on the cubic through its recorded velocities and turns at a constant rate
+(`geometry/motions.py`), which is exact where only gravity acts. A passage is an overlap on the way deeper than
+`SHARE` of the thinner of the two walls, unless
+
+- the engine felt it: the pair is in the contact log of that frame, its collision shapes never overlapped that deep at
+  a step, and a step is too short to hide such a depth; or
+- the path is bent: contacts, joints or drivers changed the velocities by more than gravity does, and one of the other
+  paths that the end states allow is free: straight; free flight up to the first logged contact and after the last; or
+  the cubic displaced in its middle by no more than the change of velocity can explain.
+
+A body that begins on one side of a wall and ends on the other has no free path. Depth is Lipschitz in the travel, so
+that intervals with less relative travel than twice the wanted depth hide nothing and are not tested.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import (
+    Lowest,
+    Motion,
+    Solid,
+    State,
+    Sweep,
+    aabb_of,
+    candidate_pairs,
+    lowest_clearance,
+    lowest_clearances,
+    relative_travel,
+    signed_clearance,
+    wall_thickness,
+)
+from ...worlds.arrays import F64, RigidPose
+from ...worlds.errors import EvidenceError
+from ..scene.own_bodies import joined
+from ..scene.surfaces import NOWHERE
+from .flights import ContactLog, Flight, reconstructed
+
+if TYPE_CHECKING:
+    from ..scene.surfaces import PartSurface, Surfaces
+
+__all__ = ["SHARE", "Passage", "Passages", "find_passages"]
+
+SHARE = 0.25
+"""Own choice, the same as for written frames (`contact.TUNNEL_SHARE`): a body that goes through a wall reaches half of it."""
+PRECISION = 0.5
+"""Own choice: the deepest place of a path that might be displaced is found within this share of the wanted depth."""
+BENT = 0.1
+"""Own choice: a path counts as bent when it may leave the cubic by more than this share of the wanted depth."""
+BENDS = 6
+"""Displacements tried, each away from the deepest place of the last."""
+BEYOND = 1.1
+"""Own choice: a displacement goes this much farther than the depth it escapes."""
+
+
+class Passage(NamedTuple):
+    """An entity went through another between `frame - 1` and `frame`."""
+
+    entity: str
+    through: str
+    frame: int
+    point: F64
+    """Deepest place on the way [m], shape (3,)."""
+    travel: float
+    """Upper bound of the relative travel in that frame [m]."""
+    depth: float
+    """Overlap found on the way [m]; the deepest may be more."""
+    bound: float
+    """Depth up to which it is no passage [m]."""
+    parts: tuple[str, str]
+    """Parts of the two."""
+    felt: bool
+    """Whether the engine logged a contact of the pair in that frame."""
+
+
+class Passages(NamedTuple):
+    """What was found, and how many frame-to-frame motions of a pair were tested."""
+
+    found: list[Passage]
+    inspected: int
+
+
+@dataclass
+class _Body:
+    """Motion of one body over all frame intervals."""
+
+    flight: Flight
+    static: bool
+
+
+class _Search:
+    def __init__(self, surfaces: Surfaces) -> None:
+        self.surfaces = surfaces
+        self.intervals = surfaces.frames - 1
+        self.step = 1.0 / surfaces.candidate.spec.simulation.fps
+        self.bodies: dict[tuple[str, str], _Body] = {}
+        self.walls: dict[int, float] = {}
+        self.log = ContactLog(surfaces.candidate)
+
+    def body(self, part: PartSurface) -> _Body:
+        key = (part.entity, part.body)
+        if key not in self.bodies:
+            self.bodies[key] = _Body(self._flight(*key), self.surfaces.is_static(part.entity))
+        return self.bodies[key]
+
+    def _flight(self, entity: str, body: str) -> Flight:
+        """Broken poses are replaced by the last sound one; `usable` leaves their intervals out."""
+        candidate = self.surfaces.candidate
+        position, quaternion = self.surfaces.track(entity, body)
+        sound = self.surfaces.broken.get(entity, self.surfaces.frames)
+        keep = np.minimum(np.arange(self.surfaces.frames), max(sound - 1, 0))
+        if sound == 0:
+            position, quaternion = np.zeros_like(position), np.tile([1.0, 0.0, 0.0, 0.0], (len(quaternion), 1))
+        position, quaternion = position[keep], quaternion[keep]
+        velocity = spin = None
+        place = candidate.cache_row(entity, body)
+        if place is not None:
+            cache, row = place
+            try:
+                velocity = np.nan_to_num(cache.series("velocity")[: self.surfaces.frames, row][keep])
+                spin = np.nan_to_num(cache.series("angular_velocity")[: self.surfaces.frames, row][keep])
+            except EvidenceError:
+                velocity = spin = None
+        center = candidate.body(entity, body).center
+        states = State(position, quaternion, velocity, spin)
+        gravity = np.array(candidate.spec.simulation.gravity)
+        falls = candidate.spec.entities[entity].motion == "dynamic"
+        return Flight.of(states, center, self.step, gravity if falls else np.zeros(3))
+
+    def usable(self, entity: str) -> int:
+        """Number of first intervals with sound poses at both ends."""
+        return max(0, min(self.intervals, self.surfaces.broken.get(entity, self.surfaces.frames) - 1))
+
+    def wall(self, index: int) -> float:
+        if index not in self.walls:
+            self.walls[index] = wall_thickness(self.surfaces.parts[index].solid)
+        return self.walls[index]
+
+    @cached_property
+    def radius(self) -> list[float]:
+        """Radius of every part about the centre of its body [m]."""
+        return [
+            float(np.linalg.norm(p.solid.vertices - self.body(p).flight.motion.center, axis=1).max()) for p in self.surfaces.parts
+        ]
+
+    def boxes(self) -> tuple[F64, F64]:
+        """Boxes that hold every part on its way through each interval [m], shapes (parts, intervals, 3)."""
+        parts = self.surfaces.parts
+        low, high = np.full((len(parts), self.intervals, 3), NOWHERE), np.full((len(parts), self.intervals, 3), -NOWHERE)
+        for i, part in enumerate(parts):
+            body, count = self.body(part), self.usable(part.entity)
+            if count == 0:
+                continue
+            track = self.surfaces.track(part.entity, part.body)
+            if body.static:
+                low[i, :count], high[i, :count] = aabb_of(part.solid.vertices, track.position[:1], track.quaternion[:1])
+                continue
+            corners = np.array(list(itertools.product(*zip(part.solid.lower, part.solid.upper, strict=True))))
+            lower, upper = aabb_of(corners, track.position[: count + 1], track.quaternion[: count + 1])
+            sag = body.flight.motion.sag(self.radius[i])[:count, None]
+            low[i, :count] = np.minimum(lower[:-1], lower[1:]) - sag
+            high[i, :count] = np.maximum(upper[:-1], upper[1:]) + sag
+        return low, high
+
+
+def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()) -> Passages:
+    """All pairs of which one moves, frame to frame; the first passage of each pair of entities.
+
+    Args:
+        surfaces: what is inspected.
+        known: pairs that need no test, because they fail at a written frame.
+
+    Raises:
+        EvidenceError: something moves too far between two frames.
+    """
+    if surfaces.frames < 2 or not surfaces.parts:
+        return Passages([], 0)
+    search = _Search(surfaces)
+    low, high = search.boxes()
+    cases: list[_Case] = []
+    for i, j in candidate_pairs(low, high, 0.0):
+        a, b = surfaces.parts[i], surfaces.parts[j]
+        if (a.entity, b.entity) in known or (b.entity, a.entity) in known or not _concerns(surfaces, a, b):
+            continue
+        if {i, j} & surfaces.shapes.soft:
+            continue  # no rigid motion joins two shapes: `elastic` rows bound what deforming bodies travel per step
+        meet = np.flatnonzero((np.maximum(low[i] - high[j], low[j] - high[i]) <= 0.0).all(axis=1))
+        case = _case(search, i, j, meet)
+        if case is not None:
+            cases.append(case)
+    first: dict[tuple[str, str], Passage] = {}
+    asked = [c.sweep()._replace(names=" and ".join(surfaces.parts[k].entity for k in (c.i, c.j))) for c in cases]
+    for case, lowest in zip(cases, lowest_clearances(asked), strict=True):
+        passage = _judge(search, case, lowest)
+        if passage is not None:
+            key = (passage.entity, passage.through)
+            if key not in first or passage.frame < first[key].frame:
+                first[key] = passage
+    inspected = sum(len(c.meet) for c in cases)
+    return Passages(sorted(first.values(), key=lambda p: (p.frame, p.entity, p.through)), inspected)
+
+
+def _concerns(surfaces: Surfaces, a: PartSurface, b: PartSurface) -> bool:
+    if a.entity == b.entity:
+        if a.body == b.body:
+            return False
+        order = [body.name for body in surfaces.candidate.entity(a.entity).bodies]
+        return abs(order.index(a.body) - order.index(b.body)) > joined(surfaces, a.entity)
+    return not (surfaces.is_static(a.entity) and surfaces.is_static(b.entity))
+
+
+def _case(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None:
+    """What is to be tested of two parts whose boxes meet in the intervals `meet`; None where nothing moves far enough."""
+    surfaces = search.surfaces
+    a, b = surfaces.parts[i], surfaces.parts[j]
+    noise, allowed = surfaces.noise(a.entity, b.entity), surfaces.allowed_depth(a.entity, b.entity)
+    one, two = search.body(a).flight, search.body(b).flight
+    travel = relative_travel(
+        one.motion.take(meet), search.radius[i], two.motion.take(meet), search.radius[j], np.zeros(len(meet)), np.ones(len(meet))
+    )
+    fast = travel > 2.0 * noise
+    meet, travel = meet[fast], travel[fast]
+    if len(meet) == 0:
+        return None
+    walls = min(search.wall(i), search.wall(j))
+    # Two open sheets have no wall: any crossing counts.
+    bound = allowed + (max(SHARE * walls, noise) if np.isfinite(walls) else noise)
+    fast = travel > 2.0 * bound
+    meet, travel = meet[fast], travel[fast]
+    if len(meet) == 0:
+        return None
+    # What overlaps at a written frame fails there.
+    floor = -(allowed + noise)
+    return _Case(i, j, a.solid, one, b.solid, two, meet, travel, floor, bound, PRECISION * bound)
+
+
+def _judge(search: _Search, case: _Case, low: Lowest) -> Passage | None:
+    """The first passage among the intervals of one case, given their lowest clearances."""
+    a, b = search.surfaces.parts[case.i], search.surfaces.parts[case.j]
+    deep = np.flatnonzero((low.value < -case.bound) & (low.ends.min(axis=1) >= case.floor))
+    for k in deep:
+        interval, travel = int(case.meet[k]), float(case.travel[k])
+        felt = search.log.gap(a.entity, b.entity, interval + 1)
+        if felt is not None and _felt_in_time(search.surfaces, a.entity, b.entity, felt, case.bound, travel):
+            continue
+        if case.bent_free(search, case.i, case.j, interval):
+            continue
+        here = case.meet[[k]]
+        point = case.witness(case.flight_a.motion.take(here), case.flight_b.motion.take(here), float(low.time[k]))[1]
+        one, two = _order(search, a, b, interval)
+        depth, parts = -float(low.value[k]), (one.part, two.part)
+        return Passage(one.entity, two.entity, interval + 1, point, travel, depth, case.bound, parts, felt is not None)
+    return None
+
+
+def _order(search: _Search, a: PartSurface, b: PartSurface, interval: int) -> tuple[PartSurface, PartSurface]:
+    """The faster one first; a static one never."""
+    path = []
+    for part in (a, b):
+        control = search.body(part).flight.motion.control[interval]
+        path.append((not search.surfaces.is_static(part.entity), float(np.linalg.norm(control[3] - control[0]))))
+    return (a, b) if path[0] >= path[1] else (b, a)
+
+
+def _felt_in_time(surfaces: Surfaces, a: str, b: str, gap: float, bound: float, travel: float) -> bool:
+    """Whether the contact log of the frame rules a passage out."""
+    plan = surfaces.candidate.spec.simulation
+    steps = [s.settings.step for s in plan.rigid.values() if a in s.members and b in s.members]
+    if not steps or not np.isfinite(gap):
+        return False
+    per_step = travel * max(steps) * plan.fps
+    return gap >= -bound and per_step <= 2.0 * bound
+
+
+@dataclass(frozen=True)
+class _Case:
+    """Two parts, the intervals to be tested and the depth that matters between them."""
+
+    i: int
+    j: int
+    """The parts."""
+    solid_a: Solid
+    flight_a: Flight
+    solid_b: Solid
+    flight_b: Flight
+    meet: NDArray[np.intp]
+    """Intervals in which they may meet, shape (n,)."""
+    travel: F64
+    """Upper bound of the relative travel in each [m], shape (n,)."""
+    floor: float
+    """[m] Intervals with a lower clearance at one of their ends are not tested."""
+    bound: float
+    precision: float
+
+    def sweep(self) -> Sweep:
+        """The question whether the two get deeper than the bound between written frames."""
+        one, two = self.flight_a.motion.take(self.meet), self.flight_b.motion.take(self.meet)
+        return Sweep(self.solid_a, one, self.solid_b, two, -self.bound, self.precision, first_found=True, ends_above=self.floor)
+
+    def lowest(self, motion_a: Motion, motion_b: Motion, *, deepest: bool = False) -> Lowest:
+        """Some clearance below minus the bound per motion where there is one; about the lowest if asked."""
+        return lowest_clearance(
+            self.solid_a,
+            motion_a,
+            self.solid_b,
+            motion_b,
+            below=-self.bound,
+            precision=self.precision,
+            first_found=not deepest,
+        )
+
+    def witness(self, motion_a: Motion, motion_b: Motion, time: float) -> tuple[F64, F64]:
+        """The way a must move to get out, unit, shape (3,), and the deep point [m], for the one motion of each."""
+        s = np.array([time])
+        (pa, qa), (pb, qb) = motion_a.at(s), motion_b.at(s)
+        found = signed_clearance(self.solid_a, RigidPose(pa[0], qa[0]), self.solid_b, RigidPose(pb[0], qb[0]))
+        way = found.point_b - found.point_a
+        length = float(np.linalg.norm(way))
+        return (way / length if length > 0.0 else np.zeros(3)), found.point_a
+
+    def bent_free(self, search: _Search, i: int, j: int, interval: int) -> bool:
+        """Whether forces other than gravity bent the paths enough for one of the other plausible paths to be free."""
+        radius_a, radius_b = search.radius[i], search.radius[j]
+        slack = float(self.flight_a.slack(radius_a)[interval] + self.flight_b.slack(radius_b)[interval])
+        if slack <= BENT * self.bound:
+            return False
+        here = np.array([interval])
+        motion_a, motion_b = self.flight_a.motion.take(here), self.flight_b.motion.take(here)
+        if self._free([(motion_a.straight(), motion_b.straight())]):
+            return True
+        a, b = search.surfaces.parts[i].entity, search.surfaces.parts[j].entity
+        times = [search.log.times(n, interval + 1, search.step) for n in (a, b)]
+        if any(times):
+            pieces = reconstructed(self.flight_a, times[0], self.flight_b, times[1], interval)
+            if self._free(pieces):
+                return True
+        return self._displaced(motion_a, motion_b, slack)
+
+    def _free(self, pieces: list[tuple[Motion, Motion]]) -> bool:
+        return all(float(self.lowest(one, two).value[0]) >= -self.bound for one, two in pieces)
+
+    def _displaced(self, motion_a: Motion, motion_b: Motion, slack: float) -> bool:
+        """Whether the cubic of a, displaced in its middle by at most `slack` [m], is free."""
+        total = np.zeros(3)
+        low = self.lowest(motion_a, motion_b, deepest=True)
+        value, time = float(low.value[0]), float(low.time[0])
+        for _ in range(BENDS):
+            away, _point = self.witness(motion_a.bent(total[None]), motion_b, time)
+            height = max(4.0 * time * (1.0 - time), 1e-3)
+            total = total + BEYOND * (self.precision - value) / height * away
+            if float(np.linalg.norm(total)) > slack:
+                return False
+            low = self.lowest(motion_a.bent(total[None]), motion_b, deepest=True)
+            value, time = float(low.value[0]), float(low.time[0])
+            if value >= -self.bound:
+                return True
+        return False

@@ -1,0 +1,1 @@
+"""Completeness, bundles, and what binds a verdict to its cache."""

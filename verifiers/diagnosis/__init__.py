@@ -1,0 +1,1 @@
+"""Causes and corrections that failing rows cite."""

@@ -1,0 +1,1 @@
+"""Landscapes: terrain, drainage, grounds."""

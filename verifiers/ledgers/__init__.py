@@ -1,0 +1,1 @@
+"""Momentum, energy and their sources, from poses and records; numerical health."""

@@ -1,0 +1,400 @@
+"""Numerical health of every solver instance, on probes and full sequences (R105, R106, S6).
+
+Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS` or of `initial_state.CLAIMS`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.errors import EvidenceError
+from ...worlds.requirements import Correction, Row, RowId
+from ..categories.cloth import check as cloth
+from ..categories.liquid import check as liquid
+from ..categories.particles import check as particles
+from ..categories.rigid.check import energy_scale, moves_nothing
+from ..contact.step_travel import step_travel
+from ..rows.findings import Finding, again, answered, cache_of, halve, judged, separate
+from ..rows.verdicts import correction
+from ..scene import initial_state
+from . import motion
+from .balance import books_of
+from .exchanged import both_ways
+from .fields import feels_fields
+from .numerical_state import SPIKE, counters, events, frozen, resting, spike
+
+if TYPE_CHECKING:
+    from ...worlds.cache import Cache
+    from ...worlds.candidate import Candidate
+
+__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "check"]
+
+QUATERNION_NOISE = 1e-6
+"""Deviation of a quaternion's norm from 1; engines normalise every step, so more means a damaged state."""
+GROWTH = 20.0
+"""Own choice: no body gets this many times faster from one frame to the next while the scene's energy grows."""
+SLOW = 0.05
+"""[m/s] Speeds below this count as this in a growth ratio: anything is many times faster than rest."""
+CAPPED_SHARE = 0.05
+"""Own choice: share of steps that may end at the iteration cap before contact forces are not to be trusted."""
+POTENTIAL_SLACK = 1.0
+"""[m/s] added to the speed limit for travel per frame: rounding of positions and half a frame of gravity."""
+
+CLAIMS = {
+    "frames": "every frame is there and the index agrees with the plan",
+    "digest": "every frame is readable and undamaged",
+    "finite": "every number in every channel is finite",
+    "quaternion": "|q| = 1 within 1e-6",
+    "speed": "centre of mass speed <= limits.max_speed",
+    "travel": "travel of the centre of mass per frame <= (limits.max_speed + 1 m/s) / fps",
+    "growth": "no body gets 20 times faster in one frame while the energy grows by more than limits.energy_growth",
+    "counts": "rows per channel are as many as the index names",
+    "overflow": "the engine reports no full buffer and no bad state",
+    "iterations": "at most 5 % of the steps end at the iteration cap",
+    "step_travel": "travel per step <= half of the thickness of either of two colliders that could meet in that frame",
+    "counters": "steps of at most the planned length cover every frame, and every counter is possible",
+    "events": "logged contacts name colliders that are there, at times of their frame, with impulses >= 0",
+    "frozen": "no free body that moves repeats a pose to the last bit",
+    "resting": "sleeping bodies stay within 1e-6 m per frame, and something touches or holds them",
+    **{name: initial_state.CLAIMS[name] for name in initial_state.FUNCTIONS["rigid"]},
+}
+CONTAINER = ("frames", "digest", "finite")
+"""Claims about the cache itself, whatever it holds."""
+BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asleep")
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """Rows per instance; all `unverified` for an instance without a cache."""
+    plan = candidate.spec.simulation
+    rows = [
+        _row(candidate, solver, name, claim, judged(_rigid, name, candidate, solver))
+        for solver in plan.rigid
+        for name, claim in CLAIMS.items()
+    ]
+    kinds = (("liquid", plan.liquid, liquid), ("cloth", plan.cloth, cloth), ("particles", plan.particles, particles))
+    for kind, solvers, module in kinds:
+        for solver in solvers:
+            rows += [*_common(candidate, solver, kind), *module.numerical_rows(candidate, solver)]
+    return rows
+
+
+def _rigid(name: str, candidate: Candidate, solver: str) -> Finding:
+    cache = cache_of(candidate, solver)
+    if name not in CONTAINER and moves_nothing(candidate, solver, cache):
+        return Finding("not_applicable", f"no member of {solver!r} moves")
+    return FUNCTIONS[name](candidate, solver, cache)
+
+
+def _row(candidate: Candidate, solver: str, name: str, claim: str, found: Finding) -> Row:
+    limits = candidate.spec.simulation.limits.model_dump(mode="json")
+    return answered(candidate, RowId(f"numerical:{name}", solver), claim, found, evidence={"solver": solver}, extra=limits)
+
+
+def _common(candidate: Candidate, solver: str, kind: str) -> list[Row]:
+    """Rows about frame 0 and the cache of an instance that is not rigid, judged as any other's."""
+    functions = {**initial_state.FUNCTIONS[kind], **{name: FUNCTIONS[name] for name in ("frames", "digest")}}
+    claims = {**initial_state.CLAIMS, **CLAIMS}
+
+    def ask(name: str) -> Finding:
+        return functions[name](candidate, solver, cache_of(candidate, solver))
+
+    return [_row(candidate, solver, name, claims[name], judged(ask, name)) for name in functions]
+
+
+def _owner(cache: Cache, row: int) -> str:
+    return cache.index.bodies[row].split("/", 1)[0]
+
+
+# ---------------------------------------------------------------- the container
+
+
+def _frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    index, plan = cache.index, candidate.spec.simulation
+    absent = [k for k in range(index.frames) if not cache.path(k).exists()]
+    wrong = []
+    if index.fps != plan.fps:
+        wrong.append(f"written at {index.fps} fps, planned {plan.fps}")
+    if candidate.stage == "full" and index.frames != plan.frames:
+        wrong.append(f"holds {index.frames} frames, planned {plan.frames}")
+    if index.frames > plan.frames:
+        wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
+    if index.solver != solver:
+        wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
+    if index.engine != plan.solvers[solver].engine:
+        wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
+    beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
+    if beyond:
+        wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")
+    if absent:
+        wrong.append(f"{len(absent)} of {index.frames} frames are missing, first frame {absent[0]}")
+    return Finding(
+        "fail" if wrong else "pass",
+        "; ".join(dict.fromkeys(wrong)) or f"{index.frames} frames at {index.fps} fps",
+        float(len(absent)),
+        0.0,
+        "frames",
+        frame=absent[0] if absent else None,
+        hints=(
+            correction("the bake is incomplete", "interval", "bake again to the last frame", pointers=("/simulation/frames",)),
+        ),
+        evidence={"held": index.frames, "planned": plan.frames, "missing": absent[:100]},
+    )
+
+
+def _digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    state = hashlib.sha256()
+    frames, recorded = cache.index.frames, cache.digests()  # what the bake wrote down, frame by frame
+    if len(recorded) < frames:
+        raise EvidenceError(f"digests of {len(recorded)} of {frames} frames are recorded; bake again")
+    for k in range(frames):
+        try:
+            digest = cache.frame_digest(k)
+            state.update(digest.encode())
+            if recorded[k] != digest:
+                raise EvidenceError(f"content does not match the digest recorded when it was written ({recorded[k][:12]})")
+        except EvidenceError as error:
+            return Finding("fail", f"frame {k}: {error}", frame=k, hints=(again("a cache file is damaged or gone"),))
+    evidence = {"sha256": state.hexdigest(), "compared": frames}
+    return Finding("pass", f"{frames} frames read", 0.0, 0.0, "frames", evidence=evidence)
+
+
+def _finite(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    total = 0
+    for k in range(cache.index.frames):
+        for name, array in sorted(cache.read(k).items()):
+            if array.dtype.kind != "f":
+                continue
+            bad = ~np.isfinite(array)
+            total += array.size
+            if not bad.any():
+                continue
+            row = int(np.argwhere(bad)[0][0]) if array.ndim else 0
+            entity = _owner(cache, row) if name in BODY_CHANNELS and row < len(cache.index.bodies) else None
+            text = f"{name} of {entity or 'the instance'} is {array[bad].flat[0]} at frame {k} ({int(bad.sum())} numbers there)"
+            hints = (halve(candidate, solver, "the solver diverged"), separate(entity))
+            return Finding("fail", text, float(bad.sum()), 0.0, "numbers", entity, k, hints, {"channel": name})
+    return Finding("pass", f"{total} numbers are finite", 0.0, 0.0, "numbers")
+
+
+def _counts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    index = cache.index
+    expected = dict.fromkeys(BODY_CHANNELS, len(index.bodies)) | {"joint": len(index.joints), "driver/active": len(index.drivers)}
+    planned = {
+        f"{n}/{b.name}"
+        for n in candidate.spec.simulation.rigid[solver].members
+        if n in candidate.built and candidate.spec.entities[n].motion != "static" and n not in candidate.deformables
+        for b in candidate.entity(n).bodies
+    }
+    soft = {f"{n}/{p.part}" for n in candidate.deformables if n in candidate.built for p in candidate.entity(n).parts}
+    planned |= soft & {
+        f"{n}/{p}" for n, p in (d.split("/", 1) for d in soft) if n in candidate.spec.simulation.rigid[solver].members
+    }
+    held = {*index.bodies, *index.deformables}
+    missing, alien = planned - held, held - planned
+    if missing or alien or not held:
+        name = next(iter(sorted(missing or alien)), "")
+        text = f"{len(missing)} moving bodies are not in the cache and {len(alien)} in it are not planned, e.g. {name!r}"
+        return Finding("fail", text, float(len(missing) + len(alien)), 0.0, "bodies", name.split("/")[0] or None, 0)
+    named = _misnamed(candidate, solver, cache)
+    if named:
+        return Finding("fail", named, 1.0, 0.0, "lists", None, 0, (again("the index does not fit the plan"),))
+    for k in range(index.frames):
+        frame = cache.read(k, expected)
+        for channel, count in expected.items():
+            if len(frame[channel]) != count:
+                text = f"{channel} has {len(frame[channel])} rows at frame {k}, the index names {count}"
+                hints = (correction("the cache does not fit its index", "interval", "bake again"),)
+                return Finding("fail", text, float(len(frame[channel])), float(count), "rows", None, k, hints, comparison="==")
+    return Finding("pass", f"{len(index.bodies)} bodies at every frame", float(len(index.bodies)), float(len(planned)), "bodies")
+
+
+def _misnamed(candidate: Candidate, solver: str, cache: Cache) -> str:
+    """What of the index's names is not as planned."""
+    plan, index = candidate.spec.simulation, cache.index
+    members = plan.rigid[solver].members
+    joints = {n for n, j in plan.joints.items() if j.kind in ("hinge", "slide") and j.child in members}
+    for what, held, wanted in (
+        ("bodies", index.bodies, set(index.bodies)),
+        ("colliders", index.colliders, set(members)),
+        ("joints", index.joints, joints),
+        ("drivers", index.drivers, set(index.drivers) & set(plan.drivers)),
+    ):
+        if len(set(held)) != len(held):
+            return f"the index names one of its {what} twice"
+        if set(held) != wanted:
+            return f"{what} of the index and of the plan differ by {sorted(set(held) ^ wanted)[:3]}"
+    return ""
+
+
+# ---------------------------------------------------------------- states
+
+
+def _quaternion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    with np.errstate(invalid="ignore", over="ignore"):
+        off = np.abs(np.linalg.norm(cache.series("quaternion"), axis=2) - 1.0)
+    return _largest(candidate, solver, cache, off, QUATERNION_NOISE, "1", "deviation of |q| from 1", ())
+
+
+def _speed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    with np.errstate(invalid="ignore", over="ignore"):
+        speed = np.linalg.norm(cache.series("velocity"), axis=2)
+    limit = candidate.spec.simulation.limits.max_speed
+    hints = _blown_up(candidate, solver, cache, speed, limit)
+    found = _largest(candidate, solver, cache, speed, limit, "m/s", "speed", hints)
+    peak: F64 = cache.series("record/max_speed")
+    between = ~(peak <= limit)
+    if found.status == "pass" and between.any():
+        k = int(np.argmax(between))
+        text = f"speed reaches {peak[k]:.3g} m/s between frames {k - 1} and {k} (limit {limit:g} m/s)"
+        return Finding("fail", text, float(np.nanmax(peak)), limit, "m/s", None, k, hints)
+    return found
+
+
+def _travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    limits, fps = candidate.spec.simulation.limits, cache.index.fps
+    owners = list(dict.fromkeys(_owner(cache, r) for r in range(len(cache.index.bodies))))
+    with np.errstate(invalid="ignore", over="ignore"):
+        tracks = np.stack([motion.centers(candidate, n) for n in owners], axis=1)
+        step = np.linalg.norm(np.diff(tracks, axis=0, prepend=tracks[:1]), axis=2)
+    bound = (limits.max_speed + POTENTIAL_SLACK) / fps
+    hints = _blown_up(candidate, solver, cache, step, bound)
+    return _largest(candidate, solver, cache, step, bound, "m", "travel in one frame", hints, names=owners)
+
+
+def _blown_up(candidate: Candidate, solver: str, cache: Cache, values: F64, bound: float) -> tuple[Correction, ...]:
+    wrong = ~(values <= bound)
+    entity = _owner(cache, int(np.argwhere(wrong)[0][1])) if wrong.any() and values.shape[1] == len(cache.index.bodies) else None
+    return separate(entity), halve(candidate, solver, "contacts or joints are too stiff for the step")
+
+
+def _largest(
+    candidate: Candidate,
+    solver: str,
+    cache: Cache,
+    values: F64,
+    bound: float,
+    unit: str,
+    what: str,
+    hints: tuple[Correction, ...],
+    *,
+    names: list[str] | None = None,
+) -> Finding:
+    """Every entry of (frames, rows) must be <= bound; the first frame that is not, and its worst row."""
+    owners = names or [_owner(cache, r) for r in range(values.shape[1])]
+    wrong = ~(values <= bound)
+    named = "" if unit == "1" else f" {unit}"
+    if values.size == 0:
+        raise EvidenceError(f"instance {solver!r} moves no body")
+    peak = float(np.max(values)) if np.isfinite(values).all() else None
+    if not wrong.any():
+        k, r = np.unravel_index(int(np.argmax(values)), values.shape)
+        text = f"largest {what} is {peak:.4g}{named}, {owners[int(r)]} at frame {k}"
+        return Finding("pass", text, peak, bound, unit, owners[int(r)])
+    frame = int(np.argmax(wrong.any(axis=1)))
+    row = int(np.argmax(np.where(np.isnan(values[frame]), np.inf, values[frame])))
+    text = f"{what} of {owners[row]} is {values[frame, row]:.4g}{named} at frame {frame}, limit {bound:.4g}{named}"
+    return Finding("fail", text, peak, bound, unit, owners[row], frame, hints)
+
+
+def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    plan = candidate.spec.simulation
+    kinetic, potential, work = (cache.series(f"record/{n}") for n in ("kinetic_energy", "potential_energy", "driver_work"))
+    weight = sum(candidate.body(*b.split("/", 1)).mass for b in cache.index.bodies) * float(np.linalg.norm(plan.gravity))
+    if both_ways(candidate.spec, solver) or feels_fields(candidate.spec, solver):
+        outside = books_of(candidate, cache).outside
+        work = work + outside.work + outside.doubt
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        gain = np.diff(kinetic + potential - work, prepend=(kinetic + potential - work)[0])
+        speed = np.linalg.norm(cache.series("velocity"), axis=2)
+        ratio = np.ones_like(speed)
+        ratio[1:] = speed[1:] / np.maximum(speed[:-1], SLOW)
+    gains = ~(gain <= plan.limits.energy_growth * energy_scale(kinetic, potential, weight))
+    hints = (separate(None), halve(candidate, solver, "the step is too long for the contacts"))
+    if ratio.size == 0:
+        raise EvidenceError(f"instance {solver!r} moves no body")
+    found = _largest(candidate, solver, cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
+    between = spike(candidate, solver, cache) if found.status == "pass" else None
+    if between is not None:
+        k, peak, seen = between
+        text = f"something reaches {peak:.3g} m/s within frame {k}, whose ends and ways show at most {seen:.3g} m/s"
+        return Finding("fail", text, peak / seen, SPIKE, "1", None, k, hints)
+    return found
+
+
+# ---------------------------------------------------------------- the engine's own records
+
+
+def _overflow(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    series: F64 = cache.series("record/overflows")
+    wrong = ~(series == 0)
+    frame = int(np.argmax(wrong)) if wrong.any() else None
+    total = float(series.sum()) if np.isfinite(series).all() else None
+    text = "no engine warning" if frame is None else f"{total or 0:g} engine warnings, first at frame {frame}"
+    hints = (
+        separate(None),
+        correction(
+            "too many contacts for the engine's buffers",
+            "shape",
+            "use fewer or simpler collision parts where many touch",
+            pointers=("/entities",),
+        ),
+    )
+    return Finding("pass" if frame is None else "fail", text, total, 0.0, "warnings", None, frame, hints)
+
+
+def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    capped, steps = cache.series("record/iterations_capped"), cache.series("record/steps")
+    total = float(steps.sum())
+    if not np.isfinite(total) or not np.isfinite(capped).all():
+        return Finding("fail", "step counts are not finite", frame=int(np.argmax(~np.isfinite(steps + capped))))
+    if total <= 0:
+        raise EvidenceError(f"instance {solver!r} records no solver steps")
+    share = float(capped.sum()) / total
+    over = np.cumsum(capped) > CAPPED_SHARE * total
+    pointer = f"/simulation/solvers/{solver}/settings/iterations"
+    now = candidate.spec.simulation.rigid[solver].settings.iterations
+    hints = (
+        correction(
+            "the contact solver does not converge",
+            "step",
+            f"double the iterations from {now}",
+            pointers=(pointer,),
+            patch=({"op": "add", "path": pointer, "value": min(1000, 2 * now)},),
+        ),
+        correction("very unequal masses in contact", "mass", "bring the masses of touching bodies closer together"),
+    )
+    return Finding(
+        "pass" if share <= CAPPED_SHARE else "fail",
+        f"{share:.2%} of {total:.0f} steps ended at the iteration cap",
+        share,
+        CAPPED_SHARE,
+        "1",
+        None,
+        int(np.argmax(over)) if over.any() else None,
+        hints,
+    )
+
+
+FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
+    "frames": _frames,
+    "digest": _digest,
+    "finite": _finite,
+    "quaternion": _quaternion,
+    "speed": _speed,
+    "travel": _travel,
+    "growth": _growth,
+    "counts": _counts,
+    "overflow": _overflow,
+    "iterations": _iterations,
+    "step_travel": step_travel,
+    "counters": counters,
+    "events": events,
+    "frozen": frozen,
+    "resting": resting,
+    **initial_state.FUNCTIONS["rigid"],
+}

@@ -1,0 +1,100 @@
+"""The approximation register (R68, R123): what a candidate simplifies, and by how much."""
+
+from __future__ import annotations
+
+import math
+
+from ...worlds.candidate import Candidate
+from ...worlds.spec import Fastened, WorldSpec
+from ..categories.cloth.register import cloth_lines
+from ..categories.elastic.register import elastic_lines
+from ..categories.fracture.register import fracture_lines
+from ..categories.liquid.register import liquid_lines
+from ..categories.particles.register import particle_lines
+from ..categories.rigid.register import rigid_lines
+from ..land.ground_stems import plant_lines
+from ..ledgers.fields import field_lines
+from ..scene.initial_state import start_lines
+from ..shots.rows import unseen_text
+from ..support.held import afloat_lines
+from ..support.joined import anchor_lines
+from .apart import apart_lines
+from .scene import scene_lines
+
+__all__ = ["approximations"]
+
+
+def _declared(spec: WorldSpec) -> list[dict[str, str]]:
+    """Lines of what the specification declares: welds, beats that no camera shows, intended overlaps; bounds: `register/scene.py`."""
+    found = []
+    for name, joint in spec.simulation.joints.items():
+        if joint.kind == "weld":
+            held = f"{joint.child!r} and {joint.parent!r}" if joint.parent else f"{joint.child!r} and the world"
+            found.append({"what": f"weld {name!r}", "effect": f"{held} move as one body, however hard they are hit"})
+    for name, beat in spec.story.beats.items():
+        if beat.mandatory and not beat.observe:
+            found.append(
+                {"what": unseen_text(name, beat), "effect": "no picture is asked to show it: numbers alone tell that it happens"}
+            )
+    for relation in spec.graph.relations.values():
+        if isinstance(relation, Fastened):
+            small = min((relation.a, relation.b), key=lambda n: math.hypot(*spec.entities[n].dimensions.size))
+            share = relation.max_depth / max(spec.entities[small].dimensions.size)
+            found.append(
+                {
+                    "what": f"overlap of {relation.a!r} and {relation.b!r} declared intended: {relation.reason}",
+                    "effect": f"their surfaces may overlap by {relation.max_depth:g} m, {share:.2g} of the length of {small!r}",
+                }
+            )
+    return found
+
+
+def approximations(candidate: Candidate) -> list[dict[str, str]]:
+    """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
+    spec = candidate.spec
+    found = scene_lines(candidate) + _declared(spec) + rigid_lines(spec) + start_lines(candidate)
+    found += liquid_lines(candidate)
+    found += cloth_lines(candidate)
+    found += fracture_lines(candidate)
+    found += elastic_lines(candidate)
+    for name, terrain in spec.terrains.items():
+        found.append(
+            {
+                "what": f"water of the landscape {name!r} is a surface to look at"
+                + (", outside the domains of liquids" if spec.simulation.liquid else ""),
+                "effect": "nothing floats, flows or gets wet in it",
+            }
+        )
+        if terrain.vegetation is not None:
+            found += plant_lines(spec, name)
+    found += afloat_lines(spec) + anchor_lines(candidate)
+    for name, entity in spec.entities.items():
+        if entity.motion == "kinematic":
+            found.append(
+                {"what": f"{name!r} follows an authored path", "effect": "omitted reaction: nothing it touches moves it"}
+            )
+        for part_name, part in entity.parts.items():
+            if not part.collides:
+                found.append({"what": f"part {name}/{part_name} is drawn only", "effect": "other bodies pass through it"})
+        for made in candidate.built[name].parts if name in candidate.built else ():
+            if max(made.deviation) > 0:
+                found.append(
+                    {
+                        "what": f"proxy collider of {name}/{made.part}",
+                        "effect": f"collision surface up to {made.deviation[0]:.2g} m outside and {made.deviation[1]:.2g} m inside the visible one",
+                    }
+                )
+    for name, driver in spec.simulation.drivers.items():
+        found.append(
+            {
+                "what": f"authored driver {name!r} ({driver.kind})",
+                "effect": "motion or force put in by hand, counted as driver work",
+            }
+        )
+    found += field_lines(spec) + particle_lines(spec) + apart_lines(spec)
+    for name, coupling in spec.simulation.couplings.items():
+        if coupling.direction == "one_way":
+            found.append(
+                {"what": f"one-way coupling {name!r}", "effect": f"no reaction of {coupling.target} on {coupling.source}"}
+            )
+    return found

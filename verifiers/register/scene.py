@@ -1,0 +1,300 @@
+"""Lines of the approximation register about what the specification takes easier than usual, and about who moves without a reason.
+
+Bounds looser than their default stand here even where they were so from the start, when no edit tells of them; so do gravity other
+than the Earth's, bodies on paths that push others, and free bodies that nothing ever moves and nothing speaks of.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...worlds.audits.story import STARTED
+from ...worlds.categories.fracture.facts import crumble_of
+from ...worlds.directions import way_of
+from ...worlds.errors import EvidenceError
+from ...worlds.predicates import entities_of
+from ...worlds.references import references
+from ...worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics, SpringJoint
+from ...worlds.walkers import carrier_words, easier_than_a_person
+from ..categories.liquid.across import thin_lines
+from ..ledgers.motion import entity_mass
+
+if TYPE_CHECKING:
+    from ...worlds.cache import Cache
+    from ...worlds.candidate import Candidate
+    from ...worlds.spec import WorldSpec
+
+__all__ = ["scene_lines"]
+
+EARTH = np.array([0.0, 0.0, -9.81])
+"""[m/s^2]"""
+GRAVITY_SLACK = 0.05
+"""[m/s^2] Gravity differs by this much over the Earth's surface; the same across it is a slope of 0.3 degrees."""
+COARSE_FPS = 12
+"""[1/s] Own choice: below, motion is no longer seen as one, and what happens between written frames is long."""
+UNITS = {"contact_gap": " m", "max_speed": " m/s", "support_drift": " m"}
+TURNED = 0.02
+"""[rad] Own choice: what turns by less has not been moved by anything; as `support_drift` for positions."""
+MOST_NAMED = 12
+
+
+def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
+    """Lines about gravity, bounds, frames, bodies on paths that push, and bodies that nothing moves."""
+    spec = candidate.spec
+    return thin_lines(spec) + [
+        {"what": what, "effect": effect}
+        for found in (
+            _gravity(spec),
+            _limits(spec),
+            _bounds(candidate),
+            _hollow(candidate),
+            _carriers(spec),
+            _pushers(candidate),
+            _idle(candidate),
+            _springs(spec),
+            _starts(spec),
+            _margins(spec),
+            _dragged(candidate),
+        )
+        for what, effect in found
+    ]
+
+
+def _gravity(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    pull = np.array(spec.simulation.gravity)
+    strength = float(np.linalg.norm(pull))
+    if np.linalg.norm(pull - EARTH) <= GRAVITY_SLACK:
+        return
+    angle = math.degrees(math.acos(float(np.clip(-pull[2] / strength, -1.0, 1.0)))) if strength > 0.0 else 0.0
+    aslant = f", {angle:.3g} degrees off straight down" if angle > 0.1 else ""
+    yield f"gravity of {strength:.4g} m/s^2{aslant}", f"not the {-EARTH[2]:g} m/s^2 straight down of the Earth"
+
+
+def _springs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    for name, joint in spec.simulation.joints.items():
+        if isinstance(joint, SpringJoint):
+            other = repr(joint.parent) if joint.parent is not None else "a fixed point of space"
+            length = float(np.linalg.norm(np.array(joint.child_point) - np.array(joint.parent_point)))
+            yield (
+                f"spring {name!r} between {joint.child!r} and {other} acts over {length:.3g} m at frame 0 and is not drawn",
+                "pictures show nothing there",
+            )
+
+
+def _starts(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    moving = {}
+    for name, entity in spec.entities.items():
+        if isinstance(entity.physics, RigidPhysics | ElasticPhysics):
+            speed = math.hypot(*entity.physics.linear_velocity)
+            spin = math.hypot(*getattr(entity.physics, "angular_velocity", (0.0,)))
+            if speed >= STARTED or spin >= STARTED:
+                moving[name] = f"{name!r} {speed:.3g} m/s" + (f" and {spin:.3g} rad/s" if spin >= STARTED else "")
+    if moving:
+        shown = ", ".join(list(moving.values())[:MOST_NAMED])
+        more = f" and {len(moving) - MOST_NAMED} more" if len(moving) > MOST_NAMED else ""
+        yield f"bodies start with a velocity: {shown}{more}", "what set them going is not simulated"
+
+
+def _margins(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    for name, beat in spec.story.beats.items():
+        for cause, margin in beat.margins.items():
+            least = f"{margin.frames} frames" if margin.frames is not None else f"{margin.value:g}"
+            yield (
+                f"beat {name!r} comes without its cause {cause!r} too: only a difference of {least} is asked for",
+                "the cause hastens or strengthens it, and does not bring it about",
+            )
+
+
+def _dragged(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Viscous drag of single bodies, by the speed at which they would fall."""
+    spec = candidate.spec
+    strength = float(np.linalg.norm(np.array(spec.simulation.gravity)))
+    for name, entity in spec.entities.items():
+        drag = entity.physics.linear_damping if isinstance(entity.physics, RigidPhysics) else 0.0
+        if drag > 0.0:
+            fall = entity_mass(candidate, name) * strength / drag
+            yield f"a drag of {drag:g} N s/m on {name!r}", f"it falls no faster than {fall:.3g} m/s, whatever its shape"
+
+
+def _looser(place: str, value: float, usual: float) -> bool:
+    way = way_of(place)
+    assert way is not None
+    return value < usual if way.direction == "harder_up" else value > usual
+
+
+def _times(value: float, usual: float) -> str:
+    return f"{value / usual:.3g} times the default of {usual:g}"
+
+
+def _limits(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Limits of checks that are looser than their default, with value, default and factor."""
+    effect = "rows pass that would fail by the default"
+    plan, usual = spec.simulation, Limits()
+    for name in Limits.model_fields:
+        value, default = getattr(plan.limits, name), getattr(usual, name)
+        if name == "scale_ratio":
+            for side, (own, other) in enumerate(zip(value, default, strict=True)):
+                if own < other if side == 0 else own > other:
+                    yield f"limit {name}/{side} is {own:g}, {_times(own, other)}", effect
+        elif _looser(f"/simulation/limits/{name}", value, default):
+            yield f"limit {name} is {value:g}{UNITS.get(name, '')}, {_times(value, default)}{UNITS.get(name, '')}", effect
+    if plan.fps < COARSE_FPS:
+        yield (
+            f"{plan.fps} frames per second, fewer than {COARSE_FPS}",
+            f"rows that ask at written frames see nothing for {1 / plan.fps:.3g} s",
+        )
+
+
+def _bounds(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Bounds that entities declare of themselves, looser than by default."""
+    for name, entity in candidate.spec.entities.items():
+        place = f"/entities/{name}"
+        asked: list[tuple[str, Any, Any]] = [("dimensions/tolerance", entity.dimensions, Dimensions)]
+        if isinstance(entity.physics, ElasticPhysics):
+            asked += [(f"physics/{f}", entity.physics, ElasticPhysics) for f in ("max_strain", "recovery")]
+        if isinstance(entity.physics, ClothPhysics):
+            asked += [("physics/max_stretch", entity.physics, ClothPhysics)]
+        for path, holder, model in asked:
+            field = path.rpartition("/")[2]
+            value, usual = getattr(holder, field), model.model_fields[field].default
+            if _looser(f"{place}/{path}", value, usual):
+                yield (
+                    f"bound {field} of {name!r} is {value:g}, {_times(value, usual)}",
+                    "rows pass that would fail by the default",
+                )
+        declared = None if entity.breakable is None else entity.breakable.bond.crumble
+        if entity.breakable is None or declared is None or name not in candidate.built:
+            continue
+        bond = entity.breakable.bond.model_copy(update={"crumble": None})
+        usual = crumble_of(entity.breakable.model_copy(update={"bond": bond}), candidate.built[name])
+        if declared > usual > 0.0:
+            yield (
+                f"crumble of {name!r} is {declared:g} m, {_times(declared, usual)} m",
+                "its pieces may lie as deep in one another",
+            )
+
+
+def _hollow(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Bodies that are said to be shells: their mass against that of a solid."""
+    spec = candidate.spec
+    for name, entity in spec.entities.items():
+        physics = entity.physics
+        if isinstance(physics, RigidPhysics) and physics.hollow and physics.mass is not None and name in candidate.built:
+            used = [p.material or entity.material for p in entity.parts.values()] or [entity.material]
+            full = sum(b.volume for b in candidate.built[name].bodies) * min(spec.materials[m].density for m in used)
+            yield (
+                f"{name!r} is declared hollow: {physics.mass:g} kg, {physics.mass / full:.2g} of a solid one",
+                "its inertia is that of a solid of the same mass, at most two fifths less than a thin shell's",
+            )
+
+
+def _carriers(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Routes of carriers that get through where a person does not."""
+    for name, relation in spec.graph.relations.items():
+        if isinstance(relation, Connects) and easier_than_a_person(relation):
+            yield f"the way {name!r} is for {carrier_words(relation)}", "nothing says that people can take it"
+
+
+# ---------------------------------------------------------------- bodies that move without a reason, or do not move
+
+
+def _pushers(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Bodies on paths that touch free ones while they move."""
+    spec = candidate.spec
+    for solver, cache in candidate.rigid_caches.items() if candidate.stage != "static" else ():
+        names = cache.index.colliders
+        kind = {k: spec.entities[n].motion for k, n in enumerate(names) if n in spec.entities}
+        moving = {k: _moving(candidate, names[k]) for k, m in kind.items() if m == "kinematic"}
+        if not any(m.any() for m in moving.values()):
+            continue
+        pushed: dict[int, dict[int, tuple[int, float]]] = {}
+        for frame, log in enumerate(cache.ragged("contact/pair", "contact/impulse")[: candidate.frame_count]):
+            for pair, impulse in zip(log["contact/pair"].tolist(), log["contact/impulse"].tolist(), strict=True):
+                for hand, other in (pair, pair[::-1]):
+                    if hand in moving and moving[hand][frame] and kind.get(other) == "dynamic":
+                        first, total = pushed.setdefault(hand, {}).get(other, (frame, 0.0))
+                        pushed[hand][other] = first, total + float(impulse)
+        for hand, others in pushed.items():
+            told = [f"{names[k]!r} from frame {f} on ({j:.3g} N s)" for k, (f, j) in list(others.items())[:MOST_NAMED]]
+            more = f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else ""
+            yield (
+                f"{names[hand]!r} on its authored path pushes {', '.join(told)}{more}",
+                f"moved by hand, whatever it takes{_work(candidate, cache, solver)}",
+            )
+
+
+def _moving(candidate: Candidate, entity: str) -> Any:
+    """Frames to which an entity came from elsewhere, shape (frames,)."""
+    found = np.zeros(candidate.frame_count, dtype=bool)
+    for body in candidate.entity(entity).bodies:
+        position, turn = candidate.track(entity, body.name)
+        found[1:] |= (np.abs(np.diff(position, axis=0)).max(axis=1) > 0.0) | (np.abs(np.diff(turn, axis=0)).max(axis=1) > 0.0)
+    return found
+
+
+def _work(candidate: Candidate, cache: Cache, solver: str) -> str:
+    """What the ledger says that drivers of an instance did in all."""
+    try:
+        done = np.asarray(cache.series("record/driver_work"), dtype=np.float64)[: candidate.frame_count]
+    except EvidenceError:
+        return ""
+    known = done[np.isfinite(done)]
+    return f"; all drivers of {solver!r} did {known[-1]:.3g} J of work" if len(known) else ""
+
+
+def _idle(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Free bodies that stay where they were and that no beat, relation, shot, driver or joint names."""
+    spec = candidate.spec
+    if candidate.stage == "static":
+        return
+    named = _named(spec)
+    idle = [
+        n
+        for n, e in spec.entities.items()
+        if e.motion == "dynamic"
+        and e.physics.category == "rigid"
+        and n not in named
+        and n in candidate.built
+        and _still(candidate, n)
+    ]
+    if idle:
+        more = f" and {len(idle) - MOST_NAMED} more" if len(idle) > MOST_NAMED else ""
+        verb = "is a free body" if len(idle) == 1 else "are free bodies"
+        yield (
+            f"{', '.join(map(repr, idle[:MOST_NAMED]))}{more} {verb} that nothing moves",
+            "no beat, requirement, relation or shot speaks of them: they might as well be static",
+        )
+
+
+def _named(spec: WorldSpec) -> set[str]:
+    """Entities that the story, the graph, shots, drivers, joints or clauses speak of."""
+    found = {
+        v for holder in (spec.story, spec.graph, spec.shots, spec.simulation.drivers, spec.simulation.joints) for v in _of(holder)
+    }
+    for beat in spec.story.beats.values():
+        found |= set(entities_of(beat.predicate))
+    for requirement in spec.story.requirements.values():
+        found |= set(entities_of(requirement.predicate))
+    return found
+
+
+def _of(holder: Any) -> set[str]:
+    members = holder.values() if isinstance(holder, dict) else (holder,)
+    return {v for member in members for _, target, v in references(member, "") if target in ("entity", "node")}
+
+
+def _still(candidate: Candidate, entity: str) -> bool:
+    """Whether no body of an entity leaves its place by more than supported bodies may creep."""
+    for body in candidate.entity(entity).bodies:
+        position, turn = candidate.track(entity, body.name)
+        if not (np.isfinite(position).all() and np.isfinite(turn).all()):
+            return False
+        if float(np.linalg.norm(position - position[0], axis=1).max()) > candidate.spec.simulation.limits.support_drift:
+            return False
+        if float(np.abs(turn @ turn[0]).min()) < math.cos(0.5 * TURNED):
+            return False
+    return True

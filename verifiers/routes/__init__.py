@@ -1,0 +1,1 @@
+"""Navigability: ways that walkers, carriers and fluids can take."""

@@ -1,0 +1,213 @@
+"""Navigability: every declared connection is a route that its carrier can take (R94, R95).
+
+A walker has at least the measures of a person (`worlds/walkers.py`); what has others is named with them.
+A failure names its reason: no person, too narrow, too low, too steep, too high a step, blocked by an entity, or a gap. A way that is
+asked for over several frames is searched again whenever something moves into it, so that a door that falls shut for one
+frame is found.
+
+Cost of one core: 0.2 to 0.5 s per search of a room of 7 x 3 m at cells of 5 cm, 7 s in a hall of 20 x 20 m with 200 things;
+failures other than of width search about ten times to find their reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from ...worlds.errors import EvidenceError
+from ...worlds.requirements import Correction, RowId
+from ...worlds.spec import Connects
+from ...worlds.walkers import PERSON, carrier_words, easier_than_a_person
+from ..rows.guards import guarded, guarded_rows, pointer
+from ..rows.verdicts import make_row
+from ..scene.surfaces import surfaces_of
+from .conduits import find_conduit
+from .motion import disturbances, travellers
+from .search import PITCH, RASTER_NOISE, Finding, find_route
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row
+    from ...worlds.spec import WorldSpec
+    from ..scene.surfaces import Surfaces
+
+__all__ = ["PITCH", "RASTER_NOISE", "check"]
+
+
+@guarded("navigability", "declared connections are traversable routes")
+def check(candidate: Candidate) -> list[Row]:
+    """One row per `connects` relation; `not_applicable` where the scene graph declares none."""
+    relations = {n: r for n, r in candidate.spec.graph.relations.items() if isinstance(r, Connects)}
+    if not relations:
+        return [
+            make_row(
+                candidate,
+                row_id=RowId("navigability:scene"),
+                predicate="declared connections are traversable routes",
+                status="not_applicable",
+                explanation="the scene graph declares no connection",
+                extra=[],
+            )
+        ]
+    surfaces = surfaces_of(candidate)
+    rows: list[Row] = []
+    for name, relation in relations.items():
+        rows += guarded_rows(
+            candidate,
+            partial(_relation, surfaces, name, relation),
+            row_id=RowId("navigability", name),
+            predicate=_predicate(relation),
+        )
+    return rows
+
+
+def _predicate(relation: Connects) -> str:
+    if relation.carrier == "fluid":
+        return f"an opening {relation.width:g} m wide leads from {relation.a} to {relation.b}, resolved by the fluid's solver"
+    return (
+        f"{carrier_words(relation)} gets from {relation.a} to {relation.b} "
+        f"with slopes <= {relation.max_slope:g} rad and steps <= {relation.max_step:g} m"
+    )
+
+
+def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
+    candidate = surfaces.candidate
+    if relation.carrier == "walker" and easier_than_a_person(relation):
+        return [_no_person(candidate, name, relation)]
+    if surfaces.missing:
+        raise EvidenceError(f"the scene is incomplete: {next(iter(surfaces.missing.values()))}")
+    first, last = relation.frames or (0, 0)
+    if candidate.stage == "full" and last > candidate.last_frame:
+        raise EvidenceError(f"frame {last} is not there, the last is {candidate.last_frame}")
+    if first > candidate.last_frame:
+        return []  # judged by the bake
+    last = min(last, candidate.last_frame)
+    if any(broken <= last for broken in surfaces.broken.values()):
+        raise EvidenceError(f"the pose of {next(iter(surfaces.broken))!r} is not finite; see the numerical rows")
+    found = _over(surfaces, relation, first, last)
+    failed = [k for k in found if not found[k].ok]
+    frame = failed[0] if failed else min(found, key=lambda k: found[k].measured)
+    one = found[frame]
+    return [
+        make_row(
+            candidate,
+            row_id=RowId("navigability", name),
+            predicate=_predicate(relation),
+            status="fail" if failed else "pass",
+            explanation=one.text,
+            measured=one.measured,
+            bound=one.bound,
+            comparison=one.comparison,
+            unit=one.unit,
+            frames=(first, last),
+            entities=[n for n in one.blame if n in candidate.spec.entities] if failed else (),
+            first_failing_frame=frame if failed else None,
+            corrections=_corrections(candidate.spec, name, relation, one) if failed else (),
+            evidence={"reason": one.reason, "frame": frame, "frames_searched": len(found), **one.evidence},
+            extra=[relation.model_dump(mode="json"), _layout(surfaces)],
+        )
+    ]
+
+
+def _no_person(candidate: Candidate, name: str, relation: Connects) -> Row:
+    """A walker that a person does not follow: its way, if there is one, is no way for a walker."""
+    worst, *_ = fields = easier_than_a_person(relation)
+    value, person = getattr(relation, worst), PERSON[worst]
+    told = ", ".join(f"{f} {getattr(relation, f):g} {PERSON[f].unit}, a person's is {PERSON[f].value:g}" for f in fields)
+    return make_row(
+        candidate,
+        row_id=RowId("navigability", name),
+        predicate=_predicate(relation),
+        status="fail",
+        explanation=f"the walker is {carrier_words(relation)}: {told} {person.unit}",
+        measured=value,
+        bound=person.value,
+        comparison=">=" if value < person.value else "<=",
+        unit=person.unit,
+        frames=relation.frames or (0, 0),
+        corrections=[
+            Correction(
+                cause="the walker has not the measures of a person",
+                edit_class="scene",
+                group="relations",
+                action=f"Give the walker of {name!r} a {worst} of {person.value:g} {person.unit}; {person.source}. "
+                "What is no person is carrier 'object', which is named with its measures.",
+                pointers=tuple(pointer("graph", "relations", name, f) for f in fields),
+                patch=tuple(
+                    {"op": "replace", "path": pointer("graph", "relations", name, f), "value": PERSON[f].value} for f in fields
+                ),
+            )
+        ],
+        evidence={"reason": "no person", "fields": fields, "source": person.source},
+        extra=[relation.model_dump(mode="json")],
+    )
+
+
+def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict[int, Finding]:
+    """What was found at the first frame and wherever the known route is disturbed, up to the first failure."""
+    found = {first: _find(surfaces, relation, first)}
+    known = first
+    while found[known].ok:
+        later = disturbances(surfaces, relation, found[known], known, last)
+        if later is None:
+            break
+        absent = travellers(surfaces, relation) if later < last else ()
+        known = later
+        found[known] = _find(surfaces, relation, known, absent=absent)
+    return found
+
+
+def _find(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> Finding:
+    if relation.carrier == "fluid":
+        return find_conduit(surfaces, relation, frame)
+    return find_route(surfaces, relation, frame, absent=absent)
+
+
+def _layout(surfaces: Surfaces) -> Any:
+    """Everything built stands in the way of a route, so the row depends on all of it at the static stage."""
+    candidate = surfaces.candidate
+    if candidate.stage != "static":
+        return None
+    regions = {n: r.model_dump(mode="json") for n, r in candidate.spec.graph.regions.items()}
+    return [candidate.recipe("navigability", candidate.spec.entities), regions]
+
+
+def _corrections(spec: WorldSpec, name: str, relation: Connects, one: Finding) -> Iterator[Correction]:
+    blame = next((n for n in one.blame if n in spec.entities), "")
+    parts = pointer("entities", blame, "parts") if blame else "/entities"
+    pose = pointer("entities", blame, "pose") if blame else "/entities"
+    missing = f"{abs(one.bound - one.measured):.3g} {one.unit}"
+    action, group, path = {
+        "too narrow": (
+            f"Widen the way by {missing}: move {' or '.join(map(repr, one.blame)) or 'its borders'} aside, or widen the floor there.",
+            "placement",
+            pose,
+        ),
+        "too low": (f"Raise {blame!r} over the way by {missing}.", "shape", parts),
+        "too steep": (f"Flatten {blame!r} by {missing}, that is, make it longer for the same rise.", "shape", parts)
+        if blame
+        else ("Lay a road layer between the regions in /terrains, or choose gentler places.", "terrain", "/terrains"),
+        "too deep": (f"Make a ford or a bridge: the water is {missing} too deep.", "shape", "/entities"),
+        "overgrown": ("Lay a road layer between the regions, or lower the density of plants.", "terrain", "/terrains"),
+        "step too high": (f"Lower the step onto {blame!r} by {missing}, or divide it into steps.", "shape", parts),
+        "blocked": (
+            f"Move {blame!r} out of the way, or make an opening of {relation.width:g} x {relation.headroom:g} m.",
+            "placement",
+            pose,
+        ),
+        "no space": ("Place the region in open space.", "placement", "/graph/regions"),
+        "unresolved": (
+            f"Widen the opening to {one.bound:g} cells of {blame!r}, or give {blame!r} finer cells.",
+            "shape",
+            "/entities",
+        ),
+        "gap": (f"Bridge the gap of {one.measured:.3g} m in the floor.", "shape", "/entities"),
+    }.get(one.reason, ("Place the region over a floor, or build one under it.", "placement", "/graph/regions"))
+    yield Correction(
+        cause=f"{one.reason}: {one.text}",
+        edit_class="scene",
+        group=group,
+        action=action,
+        pointers=(path, pointer("graph", "relations", name)),
+    )

@@ -1,0 +1,475 @@
+"""Walkable ground: layers of floor in the columns of a grid, what blocks them, and how wide the free way is.
+
+A *node* is a floor height in a cell. It is free when it is not too steep, nothing stands in the height of the carrier
+and it lies inside no solid. Nodes of neighbouring cells are linked when the step between them is small enough, so that
+several storeys share one grid. The clearance of a node is its distance to the nearest obstacle *that is reached along
+the floor*: pieces of surfaces that block a linked node, and the edges where the floor ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...worlds.arrays import F64
+from .columns import Columns, Ints, expand
+
+__all__ = [
+    "DIRECTIONS",
+    "GAP",
+    "SAME",
+    "Carrier",
+    "Floor",
+    "Obstacles",
+    "clearance_at",
+    "lay_floor",
+    "measure_clearance",
+    "standing",
+    "unique_pairs",
+]
+
+DIRECTIONS: tuple[tuple[int, int], ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
+SAME = 1e-4
+"""[m] Surfaces closer than this in height are one."""
+GAP = 0.05
+"""[m] Own choice: cracks up to this are stepped or rolled over, or an eighth of narrower carriers. Wider than the 13 mm of
+ADA 302.3 for floor openings, narrower than the 75 mm between platform and train of 49 CFR 38.53."""
+GAPS_PER_WIDTH = 8.0
+PROFILE = 16
+"""Samples along a link whose step or crack must be measured: 3 mm apart at a cell of 5 cm."""
+FINE = 512
+EDGE_HALVINGS = 12
+PAIRS = 2_000_000
+"""Point-obstacle pairs measured at once."""
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """What has to get through."""
+
+    width: float
+    """[m]"""
+    headroom: float
+    """[m]"""
+    tangent: float
+    """Of the steepest slope."""
+    step: float
+    """[m]"""
+
+    @property
+    def gap(self) -> float:
+        """Widest crack in the floor that stops nobody [m]."""
+        return min(GAP, self.width / GAPS_PER_WIDTH)
+
+
+class Nodes(NamedTuple):
+    """Floor heights, sorted by cell and height."""
+
+    cell: Ints
+    z: F64
+    """[m]"""
+    gradient: F64
+    """Slope dz/dx and dz/dy of the surface, shape (n, 2); 0 for the top of something that is stepped over."""
+    owner: Ints
+    """Entity of the surface; -1 for a bridged crack."""
+    blocked: NDArray[np.bool_]
+    ceiling: F64
+    """Clear height above [m]; infinite under the sky."""
+    blocker: Ints
+    """Entity that limits the clear height or blocks; -1 for none."""
+
+    @property
+    def tangent(self) -> F64:
+        """Of the slope, shape (n,)."""
+        return np.hypot(self.gradient[:, 0], self.gradient[:, 1])
+
+
+@dataclass(frozen=True)
+class Floor:
+    """All layers and their links."""
+
+    columns: Columns
+    carrier: Carrier
+    nodes: Nodes
+    links: Ints
+    """Linked node in each of the eight directions, -1 for none, shape (n, 8)."""
+
+    @cached_property
+    def points(self) -> F64:
+        """Node positions [m], shape (n, 3)."""
+        flat = self.columns.grid.centers(self.nodes.cell)
+        return np.column_stack([flat, self.nodes.z])
+
+    @cached_property
+    def edges(self) -> tuple[Ints, Ints]:
+        """Links between free nodes as (from, to)."""
+        row, way = np.nonzero(self.links >= 0)
+        to = self.links[row, way]
+        keep = ~(self.nodes.blocked[row] | self.nodes.blocked[to])
+        return row[keep], to[keep]
+
+
+class Obstacles(NamedTuple):
+    """Clearance of every node and what it is measured to."""
+
+    clearance: F64
+    """[m], shape (n,); 0 for blocked nodes, at most the cap."""
+    label: Ints
+    """Nearest obstacle, -1 beyond the cap, shape (n,)."""
+    start: Ints
+    """First point of every obstacle, shape (obstacles + 1,)."""
+    point: F64
+    """Points of all obstacles in the xy plane [m], shape (p, 2)."""
+    owner: Ints
+    """Entity of every obstacle; -1 where the floor ends."""
+
+
+def lay_floor(columns: Columns, carrier: Carrier, *, ignore: int = -1) -> Floor:
+    """Find all layers of floor for a carrier.
+
+    Args:
+        columns: the rasterised scene.
+        carrier: sizes and limits.
+        ignore: entity that is treated as absent, to find out whether it is in the way.
+    """
+    nodes = _nodes(columns, carrier, ignore)
+    nodes = _bridge_cracks(columns, carrier, nodes, ignore)
+    return Floor(columns, carrier, nodes, _links(columns, carrier, nodes))
+
+
+def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
+    hits, soup = columns.hits, columns.soup
+    keep = soup.owner[hits.triangle] != ignore
+    cell, z, up, gradient, triangle = (x[keep] for x in hits)
+    tangent = np.hypot(gradient[:, 0], gradient[:, 1])
+    closed, owner = soup.closed[triangle], soup.owner[triangle]
+    count = len(cell)
+    gentle = up & (tangent <= carrier.tangent * (1 + 1e-9))
+    covered, low_thing, inside, first_seen, stepped = np.zeros((5, count), dtype=bool)
+    for k in range(1, count):
+        here = np.arange(count - k)
+        same = cell[here] == cell[here + k]
+        if not same.any():
+            break
+        rise = z[here + k] - z[here]
+        above = same & (rise > SAME)
+        within = above & (rise <= carrier.step)
+        covered[here] |= within & up[here + k]
+        low_thing[here] |= within & ~up[here + k]
+        # The first surface above that faces up means that the node lies inside the body that it belongs to.
+        inside[here] |= above & ~first_seen[here] & up[here + k] & closed[here + k]
+        first_seen[here] |= above
+        stepped[here + k] |= within & gentle[here]
+        duplicate = same & (rise <= SAME) & up[here] & up[here + k]
+        covered[here] |= duplicate
+    floor = up & ~covered & (gentle | stepped)
+    slope = np.where(gentle[:, None], gradient, 0.0)[floor]
+    cell, z, owner = cell[floor], z[floor], owner[floor]
+    blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, slope, ignore)
+    blocked |= inside[floor] | low_thing[floor]
+    return Nodes(cell, z, slope, owner, blocked, ceiling, blocker)
+
+
+def _band(columns: Columns, carrier: Carrier, gradient: F64) -> F64:
+    """Height above floors below which things are stepped over; the floor's own slope within a cell is no obstacle."""
+    return np.asarray(np.maximum(carrier.step, 0.75 * columns.grid.cell * np.hypot(gradient[:, 0], gradient[:, 1])) + SAME)
+
+
+def standing(columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F64, ignore: int) -> tuple[Ints, Ints, F64]:
+    """Pieces of surfaces that are no floor for a foot at each height: (index into `cell`, piece, height above it).
+
+    A gentle solid surface that begins within a step is floor, whatever it rises to within the cell.
+    """
+    group, piece = columns.pieces_in(cell)
+    triangle = columns.pieces.triangle[piece]
+    above = columns.pieces.low[piece] - z[group]
+    over = (columns.pieces.high[piece] > (z + _band(columns, carrier, gradient))[group]) & (
+        columns.soup.owner[triangle] != ignore
+    )
+    over &= ~(columns.gentle(carrier.tangent)[triangle] & (above <= carrier.step + SAME))
+    return group[over], piece[over], np.maximum(above[over], 0.0)
+
+
+def _overhead(
+    columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F64, ignore: int
+) -> tuple[NDArray[np.bool_], F64, Ints]:
+    """Whether pieces of surfaces stand within the carrier's height over floors, the clear height, and whose they are."""
+    group, piece, height = standing(columns, carrier, cell, z, gradient, ignore)
+    owner = columns.soup.owner[columns.pieces.triangle[piece]]
+    order = np.lexsort((height, group))
+    first = order[np.unique(group[order], return_index=True)[1]] if len(order) else order
+    ceiling, blocker = np.full(len(cell), np.inf), np.full(len(cell), -1, dtype=np.intp)
+    ceiling[group[first]], blocker[group[first]] = height[first], owner[first]
+    return ceiling < carrier.headroom - SAME, ceiling, blocker
+
+
+def _neighbour(columns: Columns, cell: Ints, way: tuple[int, int]) -> Ints:
+    """Flat cell in a direction, -1 outside the grid."""
+    i, j = cell // columns.grid.ny + way[0], cell % columns.grid.ny + way[1]
+    inside = (i >= 0) & (j >= 0) & (i < columns.grid.nx) & (j < columns.grid.ny)
+    return np.where(inside, i * columns.grid.ny + j, -1)
+
+
+def _link(columns: Columns, carrier: Carrier, nodes: Nodes, way: tuple[int, int]) -> Ints:
+    """Node of the neighbouring cell that each node is linked to, -1 for none, shape (n,)."""
+    start = np.searchsorted(nodes.cell, np.arange(columns.grid.nx * columns.grid.ny + 1))
+    target = _neighbour(columns, nodes.cell, way)
+    inside = np.flatnonzero(target >= 0)
+    first, last = start[target[inside]], start[target[inside] + 1]
+    group, number = expand(last - first)
+    row, other = inside[group], first[group] + number
+    stride = columns.grid.cell * np.array(way, dtype=np.float64)
+    rise = nodes.z[other] - nodes.z[row]
+    # The step at the edge of two slopes lies between what either slope leaves over the whole way.
+    one, two = rise - nodes.gradient[row] @ stride, rise - nodes.gradient[other] @ stride
+    least = np.where(one * two <= 0.0, 0.0, np.minimum(np.abs(one), np.abs(two)))
+    ok = least <= carrier.step + SAME
+    row, other, rise, unsure = (
+        row[ok],
+        other[ok],
+        np.abs(rise[ok]),
+        np.maximum(np.abs(one), np.abs(two))[ok] > carrier.step + SAME,
+    )
+    if unsure.any():
+        sound = ~unsure
+        at = row[unsure]
+        sound[unsure] = _sound(
+            columns, carrier, columns.grid.centers(nodes.cell[at]), nodes.z[at], nodes.z[other[unsure]], stride
+        )
+        row, other, rise = row[sound], other[sound], rise[sound]
+    # Free floor goes before blocked floor: a slab that runs on inside the next stair is no obstacle to the stair's tread.
+    order = np.lexsort((rise, nodes.blocked[other], row))
+    best = order[np.unique(row[order], return_index=True)[1]] if len(order) else order
+    linked = np.full(len(nodes.cell), -1, dtype=np.intp)
+    linked[row[best]] = other[best]
+    return linked
+
+
+def _sound(columns: Columns, carrier: Carrier, start: F64, z: F64, goal: F64, stride: F64) -> NDArray[np.bool_]:
+    """Whether the floor from points along a stride has no crack wider than allowed, no high step, and arrives at `goal`.
+
+    Args:
+        columns: the rasterised scene.
+        carrier: sizes and limits.
+        start: [m], shape (n, 2).
+        z: height there [m], shape (n,).
+        goal: height at the end [m], shape (n,).
+        stride: [m], shape (2,).
+    """
+    apart = float(np.linalg.norm(stride)) / PROFILE
+    slack = carrier.tangent * apart
+    sound, level, lost = np.ones(len(start), dtype=bool), z.copy(), np.zeros(len(start))
+    for k in range(1, PROFILE + 1):
+        here = columns.height_at(
+            start + stride * (k / PROFILE), level, carrier.step + slack * (1.0 + PROFILE) + SAME, carrier.tangent
+        )
+        there = np.isfinite(here)
+        rise = np.abs(here - level)
+        sound &= ~(there & (rise > carrier.step + SAME + slack * (1.0 + np.round(lost / apart))))
+        lost = np.where(there, 0.0, lost + apart)
+        sound &= lost <= carrier.gap + apart
+        level = np.where(there, here, level)
+    return np.asarray(sound & (np.abs(level - goal) <= carrier.step + SAME))
+
+
+def _links(columns: Columns, carrier: Carrier, nodes: Nodes) -> Ints:
+    links = np.stack([_link(columns, carrier, nodes, way) for way in DIRECTIONS], axis=1)
+    # A diagonal can jump a crack that both cells beside it lie in.
+    for k, (i, j) in enumerate(DIRECTIONS):
+        if i == 0 or j == 0:
+            continue
+        beside = [links[:, DIRECTIONS.index(way)] for way in ((i, 0), (0, j))]
+        rows = np.flatnonzero((links[:, k] >= 0) & (beside[0] < 0) & (beside[1] < 0))
+        if len(rows):
+            start = columns.grid.centers(nodes.cell[rows])
+            stride = columns.grid.cell * np.array([i, j], dtype=np.float64)
+            sound = _sound(columns, carrier, start, nodes.z[rows], nodes.z[links[rows, k]], stride)
+            links[rows[~sound], k] = -1
+    return links
+
+
+def _bridge_cracks(columns: Columns, carrier: Carrier, nodes: Nodes, ignore: int) -> Nodes:
+    """Add floor to cells over cracks no wider than allowed, measured along the grid and its diagonals (up to 8 % too wide)."""
+    found_cell, found_z = [], []
+    spans = range(2, int(np.ceil(carrier.gap / columns.grid.cell - 1e-9)) + 2)
+    for way in ((1, 0), (0, 1), (1, 1), (1, -1)):
+        near = _link(columns, carrier, nodes, way)
+        open_rows = near < 0
+        for span in spans:
+            far = _link(columns, carrier, nodes, (span * way[0], span * way[1]))
+            gap = np.flatnonzero(open_rows & (far >= 0))
+            gap = gap[np.abs(nodes.z[far[gap]] - nodes.z[gap]) <= carrier.step + SAME]
+            if len(gap) == 0:
+                continue
+            stride = columns.grid.cell * np.array(way, dtype=np.float64)
+            one = _floor_end(columns, carrier, nodes, gap, np.broadcast_to(stride, (len(gap), 2)))
+            two = _floor_end(columns, carrier, nodes, far[gap], np.broadcast_to(-stride, (len(gap), 2)))
+            width = np.einsum("ni,i->n", two - one, stride) / float(np.linalg.norm(stride))
+            gap = gap[width <= carrier.gap]
+            open_rows[gap] = False
+            for k in range(1, span):
+                found_cell.append(_neighbour(columns, nodes.cell[gap], (k * way[0], k * way[1])))
+                found_z.append(nodes.z[gap] + (nodes.z[far[gap]] - nodes.z[gap]) * (k / span))
+    if not any(len(c) for c in found_cell):
+        return nodes
+    cell, z = np.concatenate(found_cell), np.concatenate(found_z)
+    order = np.lexsort((z, cell))
+    cell, z = cell[order], z[order]
+    # One of several that lie within a step of each other, and none where there is floor already.
+    keep = np.concatenate([[True], (np.diff(cell) > 0) | (np.diff(z) > max(carrier.step, SAME))])
+    cell, z = cell[keep], z[keep]
+    gradient = np.zeros((len(cell), 2))
+    blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, gradient, ignore)
+    more = Nodes(cell, z, gradient, np.full(len(cell), -1, dtype=np.intp), blocked, ceiling, blocker)
+    order = np.lexsort((np.concatenate([nodes.z, z]), np.concatenate([nodes.cell, cell])))
+    return Nodes(*(np.concatenate([a, b])[order] for a, b in zip(nodes, more, strict=True)))
+
+
+def measure_clearance(floor: Floor, cap: float, *, ignore: int = -1) -> Obstacles:
+    """Clearance of every node: distance to the nearest obstacle reached along the floor, at most `cap` [m]."""
+    seeds, obstacles = _obstacles(floor, ignore)
+    count = len(floor.nodes.cell)
+    best = np.full(count, np.inf)
+    label = np.full(count, -1, dtype=np.intp)
+    nearest = np.zeros((count, 2))
+    flat = floor.points[:, :2]
+    distance, point = _to_obstacles(obstacles, flat[seeds[0]], seeds[1])
+    _improve(best, label, nearest, seeds[0], distance, seeds[1], point)
+    active = np.unique(seeds[0])
+    for _ in range(int(2.0 * cap / floor.columns.grid.cell) + 4):
+        active = active[best[active] < cap]
+        if len(active) == 0:
+            break
+        target = floor.links[active].ravel()
+        source = np.repeat(active, len(DIRECTIONS))
+        ok = (target >= 0) & ~floor.nodes.blocked[target]
+        source, target = source[ok], target[ok]
+        gap = np.linalg.norm(flat[target] - nearest[source], axis=1)
+        closer = gap < best[target] - 1e-12
+        source, target, gap = source[closer], target[closer], gap[closer]
+        _improve(best, label, nearest, target, gap, label[source], nearest[source])
+        active = np.unique(target)
+    result = Obstacles(best, label, obstacles.start, obstacles.point, obstacles.owner)
+    free = np.flatnonzero(~floor.nodes.blocked & (label >= 0))
+    exact = clearance_at(floor, result, free, flat[free], rings=1)
+    best[free] = np.minimum(best[free], exact)
+    best = np.where(floor.nodes.blocked, 0.0, np.minimum(best, cap))
+    return result._replace(clearance=best)
+
+
+def _improve(best: F64, label: Ints, nearest: F64, row: Ints, distance: F64, new: Ints, point: F64) -> None:
+    """Keep, per row, the least distance that beats what is known."""
+    order = np.lexsort((distance, row))
+    first = order[np.unique(row[order], return_index=True)[1]] if len(order) else order
+    better = first[distance[first] < best[row[first]]]
+    best[row[better]], label[row[better]], nearest[row[better]] = distance[better], new[better], point[better]
+
+
+def clearance_at(floor: Floor, obstacles: Obstacles, nodes: Ints, points: F64, *, rings: int) -> F64:
+    """Distance from points near nodes to the obstacles known around them [m], shape (n,).
+
+    Args:
+        floor: the floor.
+        obstacles: what `measure_clearance` found.
+        nodes: node of every point.
+        points: [m], shape (n, 2).
+        rings: how far to look for obstacles among the labels of linked nodes.
+    """
+    result = np.full(len(nodes), np.inf)
+    step = max(1, PAIRS // 400)
+    for start in range(0, len(nodes), step):
+        block = nodes[start : start + step]
+        around = block[:, None]
+        for _ in range(rings):
+            more = np.where(around[..., None] >= 0, floor.links[around], -1).reshape(len(block), -1)
+            around = np.concatenate([around, more], axis=1)
+        labels = np.where(around >= 0, obstacles.label[around], -1)
+        row, column = np.nonzero(labels >= 0)
+        row, label = unique_pairs(row, labels[row, column], len(obstacles.start))
+        distance, _ = _to_obstacles(obstacles, points[start + row], label)
+        np.minimum.at(result, start + row, distance)
+    return result
+
+
+def unique_pairs(row: Ints, label: Ints, labels: int) -> tuple[Ints, Ints]:
+    """Distinct (row, label) pairs sorted by row; `labels` bounds the labels."""
+    key = np.unique(row * labels + label)
+    return key // labels, key % labels
+
+
+def _to_obstacles(obstacles: Obstacles, points: F64, label: Ints) -> tuple[F64, F64]:
+    """Distance of each point to one obstacle [m] and its nearest point."""
+    first = obstacles.start[label]
+    group, number = expand(obstacles.start[label + 1] - first)
+    candidate = obstacles.point[first[group] + number]
+    gap = np.linalg.norm(candidate - points[group], axis=1)
+    order = np.lexsort((gap, group))
+    best = order[np.unique(group[order], return_index=True)[1]] if len(order) else order
+    return gap[best], candidate[best]
+
+
+def _obstacles(floor: Floor, ignore: int) -> tuple[tuple[Ints, Ints], Obstacles]:
+    """All obstacles, and the free nodes next to them as (node, obstacle)."""
+    nodes, columns = floor.nodes, floor.columns
+    free = ~nodes.blocked
+    row, way = np.nonzero((floor.links >= 0) & free[:, None])
+    other = floor.links[row, way]
+    at_blocked = nodes.blocked[other]
+    blocked, index = np.unique(other[at_blocked], return_inverse=True)
+    points, counts = _blocking_points(floor, blocked, ignore)
+    seeds = [np.stack([row[at_blocked], index.reshape(-1)], axis=1)]
+    row, way = np.nonzero((floor.links < 0) & free[:, None])
+    edges = _floor_ends(columns, floor, row, way)
+    seeds.append(np.stack([row, len(blocked) + np.arange(len(row))], axis=1))
+    start = np.concatenate([[0], np.cumsum(np.concatenate([counts, np.ones(len(row), dtype=np.intp)]))])
+    owner = np.concatenate([np.maximum(nodes.blocker[blocked], -1), np.full(len(row), -1, dtype=np.intp)])
+    nothing = np.zeros(0)
+    seed = np.concatenate(seeds)
+    return (seed[:, 0], seed[:, 1]), Obstacles(nothing, nothing.astype(np.intp), start, np.concatenate([points, edges]), owner)
+
+
+def _blocking_points(floor: Floor, blocked: Ints, ignore: int) -> tuple[F64, Ints]:
+    """Corners of the pieces that block nodes; the corners of the cell where nothing stands in the band itself."""
+    columns, nodes = floor.columns, floor.nodes
+    group, piece, height = standing(
+        columns, floor.carrier, nodes.cell[blocked], nodes.z[blocked], nodes.gradient[blocked], ignore
+    )
+    inside = height < floor.carrier.headroom - SAME
+    group, piece = group[inside], piece[inside]
+    outline = columns.pieces.outline[piece]
+    middle = 0.5 * (outline + np.roll(outline, -1, axis=1))
+    points = np.concatenate([outline, middle], axis=1).reshape(-1, 2)
+    owner = np.repeat(group, 2 * outline.shape[1])
+    empty = np.setdiff1d(np.arange(len(blocked)), group)
+    centers = columns.grid.centers(nodes.cell[blocked[empty]])
+    half = 0.5 * columns.grid.cell
+    corners = (centers[:, None] + half * np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])).reshape(-1, 2)
+    owner = np.concatenate([owner, np.repeat(empty, 4)])
+    points = np.concatenate([points, corners])
+    # A small ball of many facets has thousands of corners in one cell: one in every 512th of the cell will do.
+    corner = columns.grid.centers(nodes.cell[blocked[owner]]) - 0.5 * columns.grid.cell
+    place = np.clip((points - corner) * (FINE / columns.grid.cell), 0, FINE).astype(np.int64)
+    _, keep = np.unique((owner * (FINE + 1) + place[:, 0]) * (FINE + 1) + place[:, 1], return_index=True)
+    return points[keep], np.bincount(owner[keep], minlength=len(blocked)).astype(np.intp)
+
+
+def _floor_ends(columns: Columns, floor: Floor, row: Ints, way: Ints) -> F64:
+    """Where the floor ends between each node and the neighbouring centre that has none, shape (n, 2)."""
+    stride = columns.grid.cell * np.array(DIRECTIONS, dtype=np.float64)[way]
+    return _floor_end(columns, floor.carrier, floor.nodes, row, stride)
+
+
+def _floor_end(columns: Columns, carrier: Carrier, nodes: Nodes, row: Ints, stride: F64) -> F64:
+    """Where the floor ends along strides from nodes, by bisection [m], shape (n, 2)."""
+    start = columns.grid.centers(nodes.cell[row])
+    reach = carrier.step + 1.5 * columns.grid.cell * carrier.tangent + SAME
+    low, high = np.zeros(len(row)), np.ones(len(row))
+    for _ in range(EDGE_HALVINGS):
+        middle = 0.5 * (low + high)
+        there = columns.surface_at(start + middle[:, None] * stride, nodes.z[row], reach, carrier.tangent)
+        low, high = np.where(there, middle, low), np.where(there, high, middle)
+    return np.asarray(start + low[:, None] * stride)

@@ -1,0 +1,1 @@
+"""How a verdict becomes a row: questions, findings, corrections."""

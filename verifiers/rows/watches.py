@@ -1,0 +1,107 @@
+"""One pass over the frames of an instance, seen by one watch per family of claims, and the rows that these become.
+
+A claim whose evidence is missing is `unverified`, and the others are judged all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+from ...worlds.errors import EvidenceError
+from .findings import Finding
+from .instance_rows import instance_row
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row, Status
+
+__all__ = ["Watching"]
+
+Verdicts = dict[str, dict[str, tuple[str, Finding]]]
+"""Predicate and finding of each claim, by watch."""
+
+
+class Watch(Protocol):
+    """One family of claims; `see` takes what each frame is made of."""
+
+    claims: ClassVar[Mapping[str, str]]
+
+    def findings(self) -> dict[str, Finding]:
+        """The verdict of every claim, after the last frame."""
+
+
+def _unread(kind: type[Any], name: str, error: EvidenceError) -> Status:
+    return "unverified"
+
+
+@dataclass(frozen=True)
+class Watching:
+    """How the instances of one category are watched."""
+
+    kinds: tuple[type[Any], ...]
+    """All watches, in the order of their rows; each is made from what `opened` gives."""
+    numbers: type[Any]
+    """The one whose claims are rows of the numerical check."""
+    opened: Callable[[Candidate, str], Any]
+    """What is watched."""
+    frames: Callable[[Any], Iterable[tuple[Any, ...]]]
+    """Of it, what a watch's `see` takes of each frame."""
+    unread: Callable[[type[Any], str, EvidenceError], Status] = _unread
+    """Status of a watch's claim that an error kept from being judged."""
+
+    def findings_of(self, candidate: Candidate, solver: str) -> Verdicts:
+        """Predicate and verdict of every claim by watch; worked out once per candidate."""
+        store: dict[tuple[str, str], Verdicts] = vars(candidate).setdefault("_watched", {})
+        key = (self.numbers.__module__, solver)
+        if key not in store:
+            store[key] = self._run(candidate, solver)
+        return store[key]
+
+    def check_instance(self, candidate: Candidate, solver: str) -> list[Row]:
+        """The rows of the category check of one instance."""
+        return [
+            instance_row(candidate, solver, name, claim, finding)
+            for kind, verdicts in self.findings_of(candidate, solver).items()
+            if kind != self.numbers.__name__
+            for name, (claim, finding) in verdicts.items()
+        ]
+
+    def numerical_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """The rows of its counters."""
+        verdicts = self.findings_of(candidate, solver)[self.numbers.__name__]
+        return [
+            instance_row(candidate, solver, name, claim, finding, check="numerical", family="")
+            for name, (claim, finding) in verdicts.items()
+        ]
+
+    def _run(self, candidate: Candidate, solver: str) -> Verdicts:
+        watches: dict[type[Any], Any] = {}
+        failed: dict[type[Any], EvidenceError] = {}
+        try:
+            whole = self.opened(candidate, solver)
+            for kind in self.kinds:
+                try:
+                    watches[kind] = kind(whole)
+                except EvidenceError as error:
+                    failed[kind] = error
+            for seen in self.frames(whole):
+                for kind, watch in watches.items():
+                    if kind not in failed:
+                        try:
+                            watch.see(*seen)
+                        except EvidenceError as error:
+                            failed[kind] = error
+        except EvidenceError as error:
+            failed = {kind: failed.get(kind, error) for kind in self.kinds}
+        return {kind.__name__: self._verdicts(kind, watches.get(kind), failed.get(kind)) for kind in self.kinds}
+
+    def _verdicts(self, kind: type[Any], watch: Watch | None, error: EvidenceError | None) -> dict[str, tuple[str, Finding]]:
+        try:
+            if watch is None or error is not None:
+                raise error or EvidenceError("it was not watched")
+            found = watch.findings()
+        except EvidenceError as missing:
+            found = {name: Finding(self.unread(kind, name, missing), str(missing)) for name in kind.claims}
+        return {name: (claim, found[name]) for name, claim in kind.claims.items()}

@@ -1,0 +1,1 @@
+"""Geometry at frame 0: sizes, masses, overlap, relations, declared state."""

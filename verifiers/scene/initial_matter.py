@@ -1,0 +1,187 @@
+"""Liquids and grains at frame 0 against what was declared: middles, amounts, velocities (see `initial_state`)."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import Solid, contains, distance_to_surface
+from ...worlds.arrays import F64, pose_of
+from ..categories.liquid.frames import liquid_of
+from ..categories.liquid.ledger import declared_filling
+from ..categories.liquid.samples import spread
+from ..categories.liquid.solids import pieces_of
+from ..categories.particles.frames import swarm_of
+from ..rows.findings import Finding
+from ..rows.instance_rows import baked_again
+from ..rows.verdicts import correction
+
+if TYPE_CHECKING:
+    from ...worlds.cache import Cache
+    from ...worlds.candidate import Candidate
+    from ...worlds.spec import LiquidPhysics
+    from ..categories.liquid.frames import Liquid
+    from ..categories.particles.frames import Swarm
+
+__all__ = ["amounts", "grains_started", "liquid_placed", "liquid_started"]
+
+MIDDLE = 0.5
+"""[spacings] Own choice: of a liquid's middle from that of the volume declared for it; layers beside walls and slopes are cut unevenly."""
+NOISE = 1e-3
+"""[m/s] Own choice: velocities of particles are single precision, those of a current lie between its points."""
+FILLED = 0.05
+"""Own choice: of the grains that the declared share gives (0.003 off in a tray of 714 grains, 0.001 in one of 351)."""
+FEW = 1.0
+"""Of the root of their number, beside that: some lie on one side or the other of the surface by chance."""
+GRAIN_POINTS = 8000
+"""Points in a part's box at which it is asked whether the middle of a grain may be there: 1 % of a half-filled box."""
+
+
+# ---------------------------------------------------------------- liquids
+
+
+def liquid_placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether every liquid's middle is that of its declared volume."""
+    liquid, frame = liquid_of(candidate, solver), liquid_of(candidate, solver).read(0)
+    bound = MIDDLE * liquid.spacing
+    worst, culprit, told = -1.0, liquid.members[0], {}
+    for row, (member, (volume, middle)) in enumerate(declared_filling(liquid).items()):
+        mine = frame.fluid == row
+        if not mine.any() or volume <= 0.0:
+            continue
+        weight = frame.volume[mine] / frame.volume[mine].sum()
+        off = float(np.linalg.norm(weight @ frame.position[mine] - middle))
+        told[member] = off
+        if off > worst:
+            worst, culprit = off, member
+    if not told:
+        return Finding("not_applicable", "there is no liquid at frame 0")
+    text = f"the middle of {culprit!r} is {worst:.3g} m from that of its declared volume"
+    if candidate.spec.simulation.preroll > 0:
+        return Finding("pass", text + ", after the preroll in which it settled", evidence={"moved_m": told})
+    hints = (
+        baked_again(),
+        correction(
+            "its parts overlap solids, the domain's sides or each other", "placement", "move the liquid's parts apart and out of solids",
+            pointers=(f"/entities/{culprit}/pose", f"/entities/{culprit}/parts"),
+        ),
+    )  # fmt: skip
+    return Finding("pass" if worst <= bound else "fail", text, worst, bound, "m", culprit, 0, hints, {"moved_m": told})
+
+
+def liquid_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether every particle has its declared velocity, in a current at most that of its fastest place."""
+    if candidate.spec.simulation.preroll > 0:
+        return Finding("not_applicable", "its velocity is declared for the begin of the preroll, which no frame holds")
+    liquid = liquid_of(candidate, solver)
+    frame = liquid.read(0)
+    worst, culprit = 0.0, liquid.members[0]
+    for row, member in enumerate(liquid.members):
+        mine = np.flatnonzero(frame.fluid == row)
+        physics = liquid.physics(member)
+        off = np.linalg.norm(frame.velocity[mine] - np.array(physics.linear_velocity), axis=1)
+        fastest = max((max(c.speeds) for c in physics.currents.values()), default=0.0)
+        running = _in_currents(liquid, member, physics, frame.position[mine])
+        off[running] = np.minimum(off[running], np.maximum(frame.speed[mine][running] - fastest, 0.0))
+        if len(off) and off.max() > worst:
+            worst, culprit = float(off.max()), member
+    text = f"particles of {culprit!r} have another velocity than declared, by at most {worst:.3g} m/s"
+    return Finding("pass" if worst <= NOISE else "fail", text, worst, NOISE, "m/s", culprit, 0, (baked_again(),))
+
+
+def _in_currents(liquid: Liquid, member: str, physics: LiquidPhysics, points: F64) -> NDArray[np.bool_]:
+    """Which points may lie in a declared current, as seen from above."""
+    pose, found = pose_of(liquid.candidate.spec.entities[member].pose), np.zeros(len(points), dtype=bool)
+    for current in physics.currents.values():
+        line = pose.apply(np.array(current.line, dtype=np.float64))[:, :2]
+        for a, b in itertools.pairwise(line):
+            along = b - a
+            share = np.clip((points[:, :2] - a) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+            found |= np.linalg.norm(points[:, :2] - a - share[:, None] * along, axis=1) <= 0.5 * current.width + liquid.spacing
+    return found
+
+
+# ---------------------------------------------------------------- grains and flying particles
+
+
+def amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether there are as many particles as declared: in number, or by the share of the volume that grains take."""
+    swarm = swarm_of(candidate, solver)
+    if candidate.spec.simulation.preroll > 0 and not swarm.granular:
+        return Finding("not_applicable", "particles come and go during the preroll, which no frame holds")
+    frame = swarm.read(0)
+    worst, text, bound, culprit, told = -1.0, "", 0.0, swarm.members[0], {}
+    for row, member in enumerate(swarm.members):
+        have = int((frame.member == row).sum())
+        wanted = _grains(swarm, row) if swarm.granular else float(swarm.physics(row).count)
+        allowed = FILLED * wanted + FEW * np.sqrt(wanted) if swarm.granular else 0.0
+        told[member] = {"declared": wanted, "there": have}
+        off = abs(have - wanted)
+        if off - allowed > worst or not text:
+            worst, bound, culprit = off - allowed, allowed, member
+            text = f"{have} particles of {member!r} are there, {wanted:.4g} were declared"
+    off = worst + bound
+    hints = (
+        baked_again(),
+        correction(
+            "solids or other grains take much of its volume", "placement", "move its parts apart and out of solids",
+            pointers=(f"/entities/{culprit}/pose", f"/entities/{culprit}/parts"),
+        ),
+    )  # fmt: skip
+    return Finding("pass" if worst <= 0.0 else "fail", text, float(off), float(bound), "particles", culprit, 0, hints, told)
+
+
+def _grains(swarm: Swarm, row: int) -> float:
+    """How many grains fit a member's volume: their middles lie a radius inside it and outside solids and the parts before it."""
+    candidate, physics, total = swarm.candidate, swarm.physics(row), 0.0
+    member = swarm.members[row]
+    mean = 4.0 / 3.0 * np.pi * physics.radius**3 * (1.0 + physics.radius_spread**2)  # the mean of r^3, r even about its mean
+    before = list(swarm.members[:row])
+    for part in candidate.entity(member).parts:
+        solid, pose = Solid.from_mesh(part.render, closed=part.closed), pose_of(candidate.spec.entities[member].pose)
+        grid = spread(solid.lower, solid.upper, GRAIN_POINTS)
+        whole = float(np.prod(solid.upper - solid.lower))
+        inside = grid[contains(solid, grid)]
+        inside = inside[distance_to_surface(solid, inside).distance >= physics.radius] if len(inside) else inside
+        free = _free(swarm, pose.apply(inside), physics.radius, before)
+        total += physics.packing * whole * float(free.sum()) / max(len(grid), 1) / mean
+    return total
+
+
+def _free(swarm: Swarm, points: F64, radius: float, before: list[str]) -> NDArray[np.bool_]:
+    """Which points are at least a radius outside every solid, and outside the volumes of the members before."""
+    candidate, free = swarm.candidate, np.ones(len(points), dtype=bool)
+    if not len(points):
+        return free
+    for piece in pieces_of(candidate):
+        low, high = piece.box(0)
+        near = np.flatnonzero(free & ((points >= low - radius) & (points <= high + radius)).all(axis=1))
+        if len(near) and piece.solid_through:
+            local = piece.local(points[near], 0)
+            free[near] = ~contains(piece.solid, local) & (distance_to_surface(piece.solid, local).distance >= radius)
+    for member in before:
+        pose = pose_of(candidate.spec.entities[member].pose)
+        for part in candidate.entity(member).parts:
+            solid = Solid.from_mesh(part.render, closed=part.closed)
+            local = pose.inverse().apply(points)
+            free &= ~(contains(solid, local) | (distance_to_surface(solid, local).distance < radius))
+    return free
+
+
+def grains_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether every particle has its declared velocity."""
+    if candidate.spec.simulation.preroll > 0:
+        return Finding("not_applicable", "declared velocities are added to what the preroll left, which no frame holds")
+    swarm = swarm_of(candidate, solver)
+    frame = swarm.read(0)
+    if not frame.count:
+        return Finding("not_applicable", "there are no particles at frame 0")
+    wanted = np.array([swarm.physics(k).linear_velocity for k in range(len(swarm.members))], dtype=np.float64)
+    off = np.linalg.norm(frame.velocity - wanted[frame.member], axis=1)
+    row = int(off.argmax())
+    culprit = swarm.members[int(frame.member[row])]
+    text = f"particles of {culprit!r} have another velocity than declared, by at most {off[row]:.3g} m/s"
+    return Finding("pass" if off[row] <= NOISE else "fail", text, float(off[row]), NOISE, "m/s", culprit, 0, (baked_again(),))

@@ -1,0 +1,97 @@
+"""Declared masses against what the visible volume of a body may weigh of its substances (R154).
+
+The audit asks this of shapes whose volume the specification tells; meshes from files are known only once they are built.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...worlds.audits.masses import LEAST_WALL, ROUNDING, allowed
+from ...worlds.errors import EvidenceError
+from ...worlds.requirements import Correction, RowId
+from ...worlds.spec import RigidPhysics
+from ..rows.guards import pointer
+from ..rows.verdicts import make_row
+
+if TYPE_CHECKING:
+    from ...worlds.built import TriangleMesh
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row
+    from ...worlds.spec import Entity
+
+__all__ = ["PREDICATE", "declares_mass", "mass_row"]
+
+PREDICATE = "declared mass lies within what the substances allow the visible volume to weigh"
+
+
+def declares_mass(entity: Entity) -> bool:
+    """Whether an entity's mass is its own and not that of its material and volume; ropes are judged by the audit alone."""
+    return isinstance(entity.physics, RigidPhysics) and entity.physics.mass is not None and entity.generator is None
+
+
+def mass_row(candidate: Candidate, name: str) -> Row:
+    """Row `scale:mass:<entity>`.
+
+    Raises:
+        EvidenceError: its surfaces bound no volume.
+    """
+    spec, entity = candidate.spec, candidate.spec.entities[name]
+    physics = entity.physics
+    assert isinstance(physics, RigidPhysics)
+    assert physics.mass is not None
+    built = candidate.entity(name)
+    pieces = []
+    for part in built.parts:
+        own = entity.parts.get(part.part)
+        volume = _volume(part.render)
+        if not np.isfinite(volume) or volume <= 0.0:
+            raise EvidenceError(f"the surface of {name}/{part.part} bounds no volume; call place_object")
+        pieces.append((volume, spec.materials[(own.material if own else None) or entity.material].substance))
+    weights = allowed(pieces)
+    if entity.breakable is not None:  # pieces fill the body and do not lie in one another
+        weights = weights._replace(least=sum(allowed([p]).least for p in pieces))
+    least = weights.hollow if physics.hollow else weights.least
+    heavy = physics.mass > (1.0 + ROUNDING) * weights.most
+    low = (1.0 - ROUNDING) * least
+    light = physics.mass < low
+    volume, substances = sum(v for v, _ in pieces), " and ".join(dict.fromkeys(k for _, k in pieces))
+    place = pointer("entities", name, "physics", "mass")
+    shell = f", hollow with a wall of at least {LEAST_WALL:g} m" if physics.hollow else ""
+    return make_row(
+        candidate,
+        row_id=RowId("scale:mass", name),
+        predicate=PREDICATE,
+        status="fail" if heavy or light else "pass",
+        explanation=f"{name!r} weighs {physics.mass:g} kg; {volume:.4g} m^3 of {substances}{shell} weighs {least:.4g} to {weights.most:.4g} kg",
+        measured=physics.mass,
+        bound=(1.0 + ROUNDING) * weights.most if heavy else low,
+        comparison="<=" if heavy else ">=",
+        unit="kg",
+        frames=(0, 0),
+        entities=(name,),
+        corrections=[
+            Correction(
+                cause="the declared mass is not that of the body's volume of its substances",
+                edit_class="solver",
+                group="mass",
+                action=f"Leave the mass of {name!r} out (density x volume), or give {least:.4g} to {weights.most:.4g} kg; "
+                "a closed shell says physics.hollow true, what is open is built of thinner parts.",
+                pointers=(place,),
+                patch=({"op": "remove", "path": place},),
+            )
+        ]
+        if heavy or light
+        else (),
+        evidence={"volume_m3": volume, "substances": substances, "least_kg": least, "most_kg": weights.most},
+        extra=physics.model_dump(mode="json"),
+    )
+
+
+def _volume(mesh: TriangleMesh) -> float:
+    """Volume that a closed surface bounds [m^3], by the divergence theorem."""
+    corners = np.asarray(mesh.vertices, dtype=np.float64)
+    corner = (corners - corners.mean(axis=0))[np.asarray(mesh.faces)]
+    return abs(float(np.einsum("ij,ij->i", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum())) / 6.0

@@ -1,0 +1,113 @@
+"""Relations between vertices of the scene graph that geometry can prove: containment and adjacency (R20, R22)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ...worlds.candidate import Candidate
+from ...worlds.predicates import Reaches
+from ...worlds.requirements import Row, RowId
+from ...worlds.spec import Adjacent, Contains
+from ..predicates import evaluate
+from ..rows.guards import guarded_rows, only_seen, pointer
+from ..rows.verdicts import correction, make_row
+from .surfaces import surfaces_of
+
+__all__ = ["check"]
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """Rows `relations:<id>` of every `contains` and `adjacent` relation, over the frames that can be inspected."""
+    rows: list[Row] = []
+    for name, relation in candidate.spec.graph.relations.items():
+        judge: Callable[[], Row]
+        if isinstance(relation, Contains) and (relation.frames or (0, 0))[0] <= candidate.last_frame:
+            judge = partial(_contains, candidate, name, relation)
+        elif isinstance(relation, Adjacent) and {relation.a, relation.b} <= set(candidate.spec.entities):
+            judge = partial(_adjacent, candidate, name, relation)
+        else:
+            continue
+        rows += guarded_rows(
+            candidate,
+            partial(_listed, judge),
+            row_id=RowId("relations", name),
+            predicate="the relation holds in the measured geometry",
+            entities=(relation.b,),
+        )
+    return rows
+
+
+def _listed(judge: Callable[[], Row]) -> list[Row]:
+    return [judge()]
+
+
+def _contains(candidate: Candidate, name: str, relation: Contains) -> Row:
+    first, last = relation.frames or (0, candidate.spec.simulation.frames - 1)
+    seen = (first, min(last, candidate.last_frame))
+    if relation.a in candidate.spec.graph.regions:
+        outcome = evaluate(candidate, Reaches(entity=relation.b, region=relation.a, when="always"), seen)
+        worst = float(outcome.value or 0.0)
+        when = outcome.first_failing_frame
+    else:
+        gaps = np.array([_outside(candidate, relation.a, relation.b, k) for k in range(seen[0], seen[1] + 1)])
+        worst = float(gaps.max())
+        when = seen[0] + int(np.argmax(gaps > 0.0)) if worst > 0.0 else None
+    hint = correction(
+        f"{relation.b!r} is not in {relation.a!r}",
+        "placement",
+        f"put {relation.b!r} inside {relation.a!r}",
+        pointers=(pointer("graph", "relations", name), pointer("entities", relation.b, "pose")),
+    )
+    found = make_row(
+        candidate,
+        row_id=RowId("relations", name),
+        predicate=f"the centre of {relation.b!r} stays inside {relation.a!r}",
+        status="pass" if when is None else "fail",
+        explanation=f"{relation.b!r} is {max(worst, 0.0):.4g} m outside {relation.a!r} at worst",
+        measured=max(worst, 0.0),
+        bound=0.0,
+        comparison="<=",
+        unit="m",
+        frames=seen,
+        entities=(relation.b,),
+        first_failing_frame=when,
+        corrections=() if when is None else (hint,),
+        extra=relation.model_dump(mode="json"),
+    )
+    # A probe speaks of the frames that it has; a bake of all that the relation asks for.
+    return only_seen(candidate, found, (first, last)) if candidate.stage == "full" else found
+
+
+def _outside(candidate: Candidate, holder: str, held: str, frame: int) -> float:
+    """How far the centre of `held` lies outside the bounding box of `holder`, in the holder's frame [m]; <= 0 inside."""
+    body = candidate.entity(holder).bodies[0].name
+    to_holder = candidate.pose(holder, frame, body).inverse()
+    box = to_holder.apply(candidate.vertices(holder, frame))
+    center = to_holder.apply(candidate.center(held, frame)[None])[0]
+    return float(np.maximum(box.min(0) - center, center - box.max(0)).max())
+
+
+def _adjacent(candidate: Candidate, name: str, relation: Adjacent) -> Row:
+    distance = surfaces_of(candidate).gap(relation.a, relation.b, 0).distance
+    ok = distance <= relation.gap
+    move = f"bring them {distance - relation.gap:.4g} m closer"
+    return make_row(
+        candidate,
+        row_id=RowId("relations", name),
+        predicate=f"{relation.a!r} and {relation.b!r} stand at most {relation.gap:g} m apart at frame 0",
+        status="pass" if ok else "fail",
+        explanation=f"their visible surfaces are {distance:.4g} m apart",
+        measured=distance,
+        bound=relation.gap,
+        comparison="<=",
+        unit="m",
+        frames=(0, 0),
+        entities=(relation.b, relation.a),
+        corrections=()
+        if ok
+        else (correction("they stand too far apart", "placement", move, pointers=(f"/entities/{relation.b}/pose",)),),
+        extra=relation.model_dump(mode="json"),
+    )

@@ -1,0 +1,245 @@
+"""What shots must show: the subjects of beats while these happen, and the subjects of shots (R98, S9, S10)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ...worlds.predicates import is_invariant
+from ...worlds.requirements import RowId
+from ..ledgers import motion
+from ..predicates import beat_times
+from ..rows.verdicts import correction
+from .reframing import reframe
+from .rows import MOMENT, outcome_frames, shot_row, shots_at, subjects_of
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Correction, Row
+    from ...worlds.spec import Beat, Shot
+    from .sight import Seen, Sight
+
+__all__ = ["MOMENT", "framed", "visible"]
+
+SAMPLES = 48
+"""Own choice: frames of a beat that are looked at, all of them in a shorter one; its first true frame among them."""
+MOST_SAMPLES = 400
+"""The same where fewer leave the verdict open: at a share of seen frames within `DOUBT` of the bound, or never seen."""
+DOUBT = 0.15
+SHOT_SAMPLES = 24
+"""Own choice: frames of a shot at which its subjects are looked for, besides those where they are nearest to its middle."""
+NEAREST = 3
+
+
+class _Looks(NamedTuple):
+    """The subject of a beat at its sampled frames."""
+
+    frames: list[int]
+    seen: list[Seen]
+    """One per frame at which a shot runs, in the shot that shows it best."""
+    blind: list[int]
+    """Frames without a shot."""
+
+    def good(self, least: float) -> list[Seen]:
+        """Looks at which the subject is large enough."""
+        return [s for s in self.seen if s.share >= least]
+
+
+def _samples(frames: tuple[int, int], count: int, extra: int | None = None) -> list[int]:
+    picked = {round(f) for f in np.linspace(frames[0], frames[1], min(count, frames[1] - frames[0] + 1))}
+    if extra is not None and frames[0] <= extra <= frames[1]:
+        picked.add(extra)
+    return sorted(picked)
+
+
+def _look(candidate: Candidate, sight: Sight, beat_id: str, subject: str, frames: list[int]) -> _Looks:
+    """The subject at some frames, in the shots that name the beat or, where none of them runs, in any."""
+    named = [n for n, s in candidate.spec.shots.items() if beat_id in s.covers]
+    seen: list[Seen] = []
+    blind = []
+    for frame in frames:
+        shots = [s for s in shots_at(candidate, frame) if not named or s in named] or shots_at(candidate, frame)
+        if shots:
+            seen.append(max((sight.seen(subject, s, frame) for s in shots), key=lambda s: (s.share, s.unoccluded)))
+        else:
+            blind.append(frame)
+    return _Looks(frames, seen, blind)
+
+
+def _looks(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: int | None) -> _Looks:
+    limits = candidate.spec.simulation.limits
+    found = _look(candidate, sight, beat_id, beat.subject, _samples(beat.frames, SAMPLES, first))
+    good = found.good(limits.visible_pixels)
+    share = len(good) / len(found.frames)
+    open_verdict = not any(s.unoccluded >= limits.visible_share for s in good) or abs(share - limits.beat_seen_frames) <= DOUBT
+    if open_verdict and len(found.frames) < beat.frames[1] - beat.frames[0] + 1:
+        found = _look(candidate, sight, beat_id, beat.subject, _samples(beat.frames, MOST_SAMPLES, first))
+    return found
+
+
+def _moment(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: int | None) -> tuple[float, Seen | None]:
+    """How much of the subject is unoccluded at best around the frame where the beat comes true, and that look.
+
+    1 where there is no such moment: the beat never comes true, or is a state that lasts, which is looked at as a whole.
+    """
+    own = outcome_frames(candidate, beat_id)
+    if first is None or own is None or is_invariant(beat.predicate):
+        return 1.0, None
+    limits = candidate.spec.simulation.limits
+    # Nearest frames first: the first that shows it decides.
+    nearest = sorted(_samples(own, SAMPLES, first), key=lambda f: abs(f - first))
+    best: Seen | None = None
+    for frame in nearest:
+        for look in _look(candidate, sight, beat_id, beat.subject, [frame]).seen:
+            if look.share >= limits.visible_pixels and (best is None or look.unoccluded > best.unoccluded):
+                best = look
+        if best is not None and best.unoccluded >= limits.visible_share:
+            break
+    return (0.0, None) if best is None else (best.unoccluded, best)
+
+
+def visible(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat) -> Row:
+    """Whether a beat's subject is seen while it happens."""
+    limits, subject = candidate.spec.simulation.limits, beat.subject
+    common: dict[str, Any] = {"mandatory": beat.mandatory, "frames": beat.frames, "entities": (subject,)}
+    row_id = RowId("shots:visible", beat_id)
+    if candidate.stage == "static":
+        start = [sight.seen(subject, s, 0) for s in shots_at(candidate, 0)]
+        text = "not simulated yet; " + (_appearance(subject, start[0]) if start else "no shot shows frame 0")
+        return shot_row(candidate, row_id, "unverified", text, **common)
+    if beat.frames[1] > candidate.last_frame:
+        text = f"frames {beat.frames[0]}..{beat.frames[1]} are needed, the {candidate.stage} ends at frame {candidate.last_frame}"
+        return shot_row(candidate, row_id, "unverified", text, **common)
+    first = beat_times(candidate).first(beat_id)
+    looks = _looks(candidate, sight, beat_id, beat, first)
+    if not looks.seen:
+        text = f"no shot runs at any of frames {looks.frames[0]}..{looks.frames[-1]}"
+        failed_at = {"first_failing_entity": subject, "first_failing_frame": looks.frames[0]}
+        return shot_row(candidate, row_id, "fail", text, **common, **failed_at)
+    best = max(looks.seen, key=lambda s: min(s.share / limits.visible_pixels, s.unoccluded / limits.visible_share))
+    good = looks.good(limits.visible_pixels)
+    seen_share = len(good) / len(looks.frames)
+    shown, _ = _moment(candidate, sight, beat_id, beat, first)
+    tests = [
+        (best.share, limits.visible_pixels),
+        (best.unoccluded, limits.visible_share),
+        (seen_share, limits.beat_seen_frames),
+        (shown, limits.visible_share),
+    ]
+    failed = next(((v, b) for v, b in tests if v < b), None)
+    measured, bound = failed or tests[1]
+    text = f"{_appearance(subject, best)}; in view at {len(good)} of {len(looks.frames)} sampled frames"
+    if shown < limits.visible_share:
+        text += f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded"
+    bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
+    if failed is not None and failed == tests[3] and first is not None:
+        bad_frames = [first]
+    if failed is not None and subject in candidate.particulates:
+        nearer = correction(
+            "particles are too small or too few to be seen from there",
+            "shots",
+            "bring the camera nearer, or show the beat when there are more of them",
+            pointers=("/shots",),
+        )
+        hints = [nearer]
+    else:
+        hints = (
+            [] if failed is None else reframe(candidate, sight, subject, best, beat.frames, seen_share < limits.beat_seen_frames)
+        )
+    return shot_row(
+        candidate,
+        row_id,
+        "pass" if failed is None else "fail",
+        text,
+        **common,
+        measured=measured,
+        bound=bound,
+        comparison=">=",
+        unit="1",
+        first_failing_entity=None if failed is None else subject,
+        first_failing_frame=None if failed is None else (bad_frames or [best.frame])[0],
+        corrections=hints,
+        evidence={
+            "best_frame": best.frame,
+            "best_share": best.share,
+            "best_unoccluded": best.unoccluded,
+            "seen_share": seen_share,
+            "moment": {"frame": first, "unoccluded": shown},
+            "samples": [[s.frame, s.shot, s.share, s.unoccluded, s.hidden_by] for s in looks.seen[:SAMPLES]],
+            "pixels": [sight.width, sight.height],
+        },
+    )
+
+
+def _appearance(subject: str, seen: Seen) -> str:
+    if not seen.in_picture:
+        return f"{subject} is outside the picture of shot {seen.shot} at frame {seen.frame}"
+    behind = f", behind {seen.hidden_by}" if seen.hidden_by and seen.unoccluded < 1 else ""
+    where = f"shot {seen.shot} at frame {seen.frame}"
+    return f"{subject} fills {seen.share:.4%} of {where}, {seen.unoccluded:.0%} of it unoccluded{behind}"
+
+
+def framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
+    """Whether the subjects of a shot are in it at some frame, and what it follows at enough frames."""
+    row_id = RowId("shots:framed", shot_id)
+    names = list(dict.fromkeys([*subjects_of(candidate, shot), *([shot.follow] if shot.follow else [])]))
+    if not names:
+        return shot_row(candidate, row_id, "not_applicable", f"shot {shot_id} names no subject and no beat", frames=shot.frames)
+    if shot.frames[1] > candidate.last_frame:
+        text = f"the shot runs to frame {shot.frames[1]}, the {candidate.stage} holds frames 0..{candidate.last_frame}"
+        return shot_row(candidate, row_id, "unverified", text, frames=shot.frames, entities=names)
+    limits = candidate.spec.simulation.limits
+    # The beats' own frames are judged by `shots:visible`; here it is enough to be in the shot at all.
+    frames = _samples(shot.frames, SHOT_SAMPLES)
+    looks = {n: [sight.seen(n, shot_id, f) for f in sorted({*frames, *_central(sight, n, shot_id, shot)})] for n in names}
+    best = {n: max(found, key=lambda s: s.share) for n, found in looks.items()}
+    lost = [n for n, s in best.items() if s.share < limits.visible_pixels]
+    worst = min(best, key=lambda n: best[n].share)
+    measured, bound, text = best[worst].share, limits.visible_pixels, _appearance(worst, best[worst])
+    if not lost and shot.follow:
+        kept = [s for s in looks[shot.follow] if s.frame in frames]
+        share = sum(s.in_picture for s in kept) / len(kept)
+        if share < limits.beat_seen_frames:
+            lost, measured, bound = [shot.follow], share, limits.beat_seen_frames
+            text = f"{shot.follow}, which the shot follows, is in the picture at {share:.0%} of its frames"
+    return shot_row(
+        candidate,
+        row_id,
+        "fail" if lost else "pass",
+        text,
+        frames=shot.frames,
+        measured=measured,
+        bound=bound,
+        comparison=">=",
+        unit="1",
+        entities=names,
+        first_failing_entity=lost[0] if lost else None,
+        first_failing_frame=frames[0] if lost else None,
+        corrections=_reframed(candidate, sight, lost[0], best[lost[0]], shot, alone=len(names) <= 2) if lost else (),
+        evidence={"best": {n: [s.frame, s.share, s.unoccluded] for n, s in best.items()}, "frames": frames},
+    )
+
+
+def _central(sight: Sight, name: str, shot_id: str, shot: Shot) -> list[int]:
+    """Frames at which the entity's centre is nearest to the middle of the picture: it may pass between two samples."""
+    centers = motion.centers(sight.candidate, name)
+    span = range(shot.frames[0], min(shot.frames[1], sight.candidate.last_frame) + 1)
+    away = []
+    for frame in span:
+        if not np.isfinite(centers[frame]).all():
+            continue
+        camera = sight.camera(shot_id, frame)
+        pixels, depth = camera.project(centers[frame][None])
+        if depth[0] > 0.0:
+            away.append((float(np.linalg.norm(pixels[0] - (camera.width / 2, camera.height / 2))), frame))
+    return [frame for _, frame in sorted(away)[:NEAREST]]
+
+
+def _reframed(candidate: Candidate, sight: Sight, name: str, look: Seen, shot: Shot, *, alone: bool) -> list[Correction]:
+    """Views of one subject; as ready edits only where they do not take the camera from several others."""
+    found = reframe(candidate, sight, name, look, shot.frames, False)
+    if alone:
+        return list(found)
+    text = f"the shot has other subjects too: turn or widen it so that {name} passes through the picture, or leave it to another shot"
+    return [c.model_copy(update={"patch": (), "action": f"{text} (alone: {c.action})"}) for c in found]

@@ -1,0 +1,1 @@
+"""Beats, causes, counterfactuals, robustness, phases."""

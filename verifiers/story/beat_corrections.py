@@ -1,0 +1,284 @@
+"""What would mend a beat or requirement that fails, from what was measured."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...worlds.candidate import Candidate
+from ...worlds.predicates import atoms_of, entities_of, is_invariant
+from ..categories.fracture.corrections import breaking
+from ..predicates import Outcome, evaluate
+from ..rows.verdicts import correction
+
+if TYPE_CHECKING:
+    from ...worlds.requirements import Correction
+    from ...worlds.spec import SpecModel
+
+__all__ = ["BEHIND", "corrections_of", "happens_at"]
+
+SETTLING_FRAMES = 2
+"""A closest approach this near to the end of the run counts as still under way. Own choice."""
+STARTED = 0.05
+"""Own choice: share of the asked angle below which a fall has not begun, so that waiting for it is no help."""
+AIMED = ("rigid", "elastic")
+"""Categories of matter that are aimed: where they start and how fast decides where they go."""
+LASTING = frozenset({"flutters"})
+"""Kinds that an interval as a whole makes true, not one of its frames."""
+BEHIND = 0.5
+"""Own choice: grains stay behind when at least this share of what is lacking lies higher than what came."""
+MORE = 1.2
+"""Own choice: what frames or room are given over what it takes."""
+
+
+def corrections_of(
+    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
+) -> list[Correction]:
+    """Ranked hints from what was measured.
+
+    Args:
+        candidate: what was judged.
+        predicate: what is asked.
+        outcome: what it came to.
+        pointer: of the beat or requirement.
+        frames: of its interval.
+    """
+    if outcome.status != "fail":
+        return []
+    entity = outcome.first_failing_entity or next(iter(entities_of(predicate)), None)
+    details = dict(outcome.details)
+    if isinstance(details.get("nearest"), dict):
+        details |= details["nearest"]
+    if details.get("non_finite"):
+        return [
+            correction(
+                "the solver diverged",
+                "step",
+                "halve the step and look at the contacts before the first frame that is not finite",
+                pointers=("/simulation/solvers",),
+            )
+        ]
+    found = _timing(candidate, predicate, outcome, pointer, frames)
+    if outcome.unit == "cycles":
+        found += _longer(candidate, outcome, pointer)
+    aimed = None if entity is None else candidate.spec.entities.get(entity)
+    if entity is not None and aimed is not None and aimed.physics.category == "particles":
+        found += _stock(candidate, entity, outcome, details)
+    if entity is not None and aimed is not None and aimed.physics.category in AIMED:
+        broken = breaking(candidate, predicate, entity, outcome, details, pointer)
+        found += _aim(candidate, entity, outcome, details) if broken is None else broken
+    return found
+
+
+def _timing(
+    candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
+) -> list[Correction]:
+    late = happens_at(candidate, predicate, frames)
+    found = []
+    if late is not None:
+        gap = late - frames[1] if late > frames[1] else frames[0] - late
+        when = "after the interval ends" if late > frames[1] else "before it begins"
+        moved = [*_moved(frames, late)]
+        found.append(
+            correction(
+                f"it does happen, at frame {late}, {gap} frames {when}",
+                "story",
+                f"plan the beat for frames {moved}, or bring it about {gap} frames {'earlier' if late > frames[1] else 'later'}",
+                pointers=(f"{pointer}/frames",),
+                patch=({"op": "replace", "path": f"{pointer}/frames", "value": moved},),
+            )
+        )
+    if late is None and _under_way(candidate, predicate, outcome):
+        nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
+        more = max(1, candidate.spec.simulation.fps)
+        total = candidate.spec.simulation.frames + more
+        found.append(
+            correction(
+                f"it was nearest at frame {nearest}, and the run ends at frame {candidate.last_frame}: perhaps it is still under way",
+                "interval",
+                f"simulate {more} more frames, to frame {total - 1}, and see whether it comes true",
+                pointers=("/simulation/frames", f"{pointer}/frames"),
+                patch=({"op": "replace", "path": "/simulation/frames", "value": total},),
+            )
+        )
+    return found
+
+
+def _longer(candidate: Candidate, outcome: Outcome, pointer: str) -> list[Correction]:
+    """More frames for what goes to and fro fast enough, but not as often as asked."""
+    plan, (first, until) = candidate.spec.simulation, outcome.frames
+    if not outcome.value or outcome.bound is None or until <= first:
+        return []
+    last, rate = plan.frames - 1, outcome.value * plan.fps / (until - first)
+    end = first + math.ceil(MORE * outcome.bound / rate * plan.fps)
+    cause = f"the interval is short: at {rate:.3g} Hz {outcome.bound:g} cycles take {end - first} frames with some to spare"
+    if end > last:
+        return [
+            correction(
+                cause,
+                "interval",
+                f"simulate to frame {end}, and let the interval last as long",
+                pointers=("/simulation/frames", f"{pointer}/frames"),
+                patch=({"op": "replace", "path": "/simulation/frames", "value": end + 1},),
+            )
+        ]
+    frames = [first, end]
+    return [
+        correction(
+            cause,
+            "story",
+            f"plan it for frames {frames}",
+            pointers=(f"{pointer}/frames",),
+            patch=({"op": "add", "path": f"{pointer}/frames", "value": frames},),
+        )
+    ]
+
+
+def happens_at(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]) -> int | None:
+    """Frame outside its interval at which an event comes true; None where it does not, or is a state that lasts.
+
+    None also where an interval that reaches to that frame would not make it true: of what is asked `when=end` only the last counts.
+    """
+    if is_invariant(predicate) or frames == (0, candidate.last_frame):
+        return None
+    if any(getattr(a, "kind", "") in LASTING for a in atoms_of(predicate)):
+        return None
+    at = evaluate(candidate, predicate, (0, candidate.last_frame)).first_true_frame
+    if at is None or frames[0] <= at <= frames[1]:
+        return None
+    return at if evaluate(candidate, predicate, _moved(frames, at)).status == "pass" else None
+
+
+def _moved(frames: tuple[int, int], at: int) -> tuple[int, int]:
+    """The interval that reaches to a frame outside of it."""
+    return min(frames[0], at), max(frames[1], at)
+
+
+def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:
+    """Whether an event came nearest where the run ends."""
+    nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
+    if not isinstance(nearest, int) or outcome.comparison == "" or getattr(predicate, "when", "") == "end":
+        return False
+    angle = outcome.details.get("largest_angle")
+    if isinstance(angle, float) and outcome.bound and angle < STARTED * outcome.bound:
+        return False
+    return nearest >= candidate.last_frame - SETTLING_FRAMES
+
+
+def _too_fast(candidate: Candidate, entity: str, after: int) -> Correction:
+    """Of what goes through a region between two frames, where it is at neither."""
+    way = float(np.linalg.norm(candidate.center(entity, after + 1) - candidate.center(entity, after)))
+    return correction(
+        f"{entity} goes through the region between frames {after} and {after + 1}, {way:.3g} m apart",
+        "story",
+        f"give the region at least {MORE * way:.2g} m along its way (a weakening), or ask for `contact`, which is noted at every step",
+        pointers=("/graph/regions",),
+    )
+
+
+def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
+    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
+    offset = details.get("offset")
+    if isinstance(after := details.get("passes_after_frame"), int):
+        return [_too_fast(candidate, entity, after)]
+    if isinstance(offset, list) and details.get("distance"):
+        shift = [-float(c) for c in offset]
+        words = ", ".join(f"{c:+.3f}" for c in shift)
+        position = candidate.spec.entities[entity].pose.position
+        value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
+        return [
+            correction(
+                f"{entity} misses by {float(details['distance']):.3g} m",  # type: ignore[arg-type]
+                "placement",
+                f"move its start by ({words}) m; where a throw or slope magnifies the start, by less",
+                pointers=(start,),
+                patch=({"op": "add", "path": f"/entities/{entity}/pose/position", "value": value},),
+            ),
+            correction(
+                "its speed or direction is off",
+                "initial_state",
+                f"aim {entity} so that it arrives ({words}) m further",
+                pointers=(speed,),
+            ),
+        ]
+    if outcome.unit == "N s" and outcome.bound and outcome.value is not None and outcome.comparison == ">=":
+        ratio = f"{outcome.bound / outcome.value:.2g} times the" if outcome.value > 0 else "more"
+        return [
+            correction(
+                "the impact is too weak",
+                "initial_state",
+                f"raise the closing speed: {ratio} impulse is needed",
+                pointers=(speed,),
+            ),
+            correction(
+                "the impact is too weak",
+                "mass",
+                f"make {entity} or what hits it heavier",
+                pointers=(f"/entities/{entity}/physics/mass",),
+            ),
+            correction("they may not meet at all", "placement", "bring their paths together", pointers=(start,)),
+        ]
+    if "largest_angle" in details and outcome.bound:
+        missing = f"{float(details['largest_angle']):.2g} of {outcome.bound:.2g} rad"  # type: ignore[arg-type]
+        return [
+            correction(
+                f"{entity} turns {missing}: the push is too weak or too low",
+                "initial_state",
+                "raise the speed of what hits it",
+                pointers=(speed,),
+            ),
+            correction(
+                "nothing reaches it, or too low", "placement", f"bring what hits {entity} closer and higher up", pointers=(start,)
+            ),
+            correction(
+                "it is too heavy or too wide to fall",
+                "dimensions",
+                f"make {entity} more slender",
+                pointers=(f"/entities/{entity}/dimensions",),
+            ),
+        ]
+    return [
+        correction(
+            "start conditions do not bring it about",
+            "initial_state",
+            f"change {entity}'s start speed or what drives it; measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}",
+            pointers=(speed, start),
+        )
+    ]
+
+
+def _stock(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
+    """Of grains that are too few in a region: whether there are enough at all, and whether the others are still above it."""
+    drivers, physics = candidate.spec.simulation.drivers.values(), candidate.spec.entities[entity].physics
+    in_all, above = details.get("in_all"), details.get("above")
+    if not isinstance(in_all, float) or not isinstance(above, float) or outcome.comparison != ">=":
+        return []
+    fed = any(d.kind == "emitter" and d.entity == entity for d in drivers)
+    if outcome.value is None or outcome.bound is None or fed or getattr(physics, "law", "") != "granular":
+        return []
+    unit = "" if outcome.unit == "1" else f" {outcome.unit}"
+    parts, own = (f"/entities/{entity}/parts",), f"/entities/{entity}/physics"
+    more = f"fill a volume at frame 0 that is larger by a factor of {MORE * outcome.bound / max(in_all, 1e-12):.3g}"
+    if in_all < outcome.bound:
+        cause = f"there are not enough of them: {in_all:.4g}{unit} in all, {outcome.bound:.4g}{unit} asked for there"
+        return [
+            correction(cause, "shape", more, pointers=parts),
+            correction(cause, "grains", "raise packing, if they lie loosely", pointers=(f"{own}/packing",)),
+        ]
+    if above >= BEHIND * (outcome.bound - outcome.value):
+        return []
+    cause = (
+        f"they lie wider: of {in_all:.4g}{unit} in all {in_all - outcome.value:.4g} are elsewhere, {above:.4g} of them higher up"
+    )
+    return [
+        correction(cause, "grains", "raise rolling, so that they heap more steeply", pointers=(f"{own}/rolling",)),
+        correction(
+            cause, "shape", f"{MORE:g} times as large a volume at frame 0, so that enough of them stay there", pointers=parts
+        ),
+    ]
+
+
+def _number(value: float | None) -> str:
+    return "nothing" if value is None else f"{value:.4g}"

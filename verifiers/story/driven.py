@@ -1,0 +1,249 @@
+"""Who brings a beat about: a solver, from causes or from a start that the story owns (R97, R156)?
+
+Row `beat:driven:<id>` fails
+
+- an outcome that follows an authored path, which is staged;
+- an outcome on whose subject a driver acts that no beat leading to it owns;
+- a beat without causes that nothing of the story starts. What starts it is a driver that some beat owns, a velocity that the
+  specification gives at frame 0 to an entity of the beat, or weight: an entity of the beat that moves from frame 0 on, without a rest
+  up to the frame at which the beat comes true. A lasting state without causes needs no start.
+
+A trigger on a path (a beat without causes that its path driver owns and that others follow from) has no row.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...worlds.candidate import Candidate
+from ...worlds.drivers import acts_from, deed, to_declare, undeclared
+from ...worlds.errors import EvidenceError
+from ...worlds.predicates import atoms_of, entities_of, is_invariant
+from ...worlds.requirements import Correction, Row, RowId, Status
+from ...worlds.spec import PathDriver
+from ..predicates import beat_times
+from ..rows.verdicts import correction, make_row
+from .chains import PAUSE, not_still
+
+if TYPE_CHECKING:
+    from ...worlds.spec import Beat, WorldSpec
+
+__all__ = ["check_driven", "moves_by_declaration"]
+
+
+class _Found(NamedTuple):
+    """What was found, in words that are true of its status."""
+
+    status: Status
+    text: str
+    kind: str
+    """Of the trigger or fault: `path`, `unsaid`, `late`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
+    first: str | None = None
+    driver: str | None = None
+
+
+def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
+    """The row of one beat; none for a trigger on a path."""
+    beat, plan = candidate.spec.story.beats[beat_id], candidate.spec.simulation
+    followed = any(beat_id in b.causes for b in candidate.spec.story.beats.values())
+    owner = plan.drivers.get(beat.owner)
+    if isinstance(owner, PathDriver) and not beat.causes and followed:
+        return []  # an authored input: a trigger, not an outcome; a path from which nothing follows is an outcome
+    found = _found(candidate, beat_id, beat)
+    authored = _authored(candidate.spec)
+    culprits = [found.first] if found.first else []
+    return [
+        make_row(
+            candidate,
+            RowId("beat:driven", beat_id),
+            predicate=f"a solver brings {beat_id} about, and the story owns what starts it",
+            mandatory=beat.mandatory,
+            status=found.status,
+            explanation=found.text,
+            entities=tuple(dict.fromkeys((*culprits, beat.subject))),
+            first_failing_entity=found.first if found.status == "fail" else None,
+            first_failing_frame=0 if found.status == "fail" else None,
+            corrections=_hints(candidate.spec, beat_id, beat, found) if found.status == "fail" else (),
+            evidence={
+                "owner": beat.owner,
+                "trigger": found.kind,
+                **({"driver": found.driver} if found.driver else {}),
+                "pointers": [f"/story/beats/{beat_id}/owner"],
+            },
+            artifact="world.json",
+            extra=[beat.model_dump(mode="json"), sorted(authored), found.kind],
+        )
+    ]
+
+
+def moves_by_declaration(spec: WorldSpec, name: str) -> bool:
+    """Whether the specification gives the entity a velocity at frame 0."""
+    physics = spec.entities[name].physics
+    speeds = [getattr(physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
+    return any(any(v) for v in speeds) or bool(getattr(physics, "currents", None))
+
+
+def _authored(spec: WorldSpec) -> set[str]:
+    """Entities whose motion is keyframed."""
+    paths = {d.entity for d in spec.simulation.drivers.values() if isinstance(d, PathDriver)}
+    return {n for n, e in spec.entities.items() if e.motion == "kinematic"} | paths
+
+
+def _found(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
+    spec = candidate.spec
+    staged = _staged(spec, beat_id, beat)
+    if staged is not None:
+        return staged
+    if beat.owner in spec.simulation.drivers and not beat.causes:
+        return _owned(candidate, beat_id, beat)
+    helper = undeclared(spec, beat_id, _comes(candidate, beat_id) / spec.simulation.fps)
+    if helper is not None:
+        owns = "no beat that leads to it is owned by" if beat.causes else "no beat is owned by"
+        text = f"{deed(spec, helper, beat.subject)}, before {beat_id} comes true, and {owns} {helper}"
+        return _Found("fail", text, "unsaid", beat.subject, helper)
+    if beat.causes:
+        return _Found("pass", f"{beat.subject} is moved by a solver, from {', '.join(beat.causes)}", "causes")
+    if is_invariant(beat.predicate):
+        return _Found("pass", f"a lasting state of {beat.subject}, which needs no start", "state")
+    return _started(candidate, beat_id, beat)
+
+
+def _staged(spec: WorldSpec, beat_id: str, beat: Beat) -> _Found | None:
+    entities, authored = spec.entities, _authored(spec)
+    moving = [n for n in entities_of(beat.predicate) if n in entities and entities[n].motion != "static"]
+    culprits = [beat.subject] if beat.subject in authored else moving if moving and set(moving) <= authored else []
+    if not culprits:
+        return None
+    paths = {d.entity: name for name, d in spec.simulation.drivers.items() if isinstance(d, PathDriver)}
+    driver = paths.get(culprits[0])
+    how = f"path driver {driver}" if driver else "an authored motion"
+    return _Found("fail", f"{culprits[0]} follows {how}, so beat {beat_id} is staged", "path", culprits[0], driver)
+
+
+def _owned(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
+    """A beat without causes that a driver owns: that driver must have acted by the time."""
+    spec = candidate.spec
+    try:
+        time, _ = acts_from(spec, beat.owner)
+    except EvidenceError as error:
+        return _Found("unverified", str(error), "unknown")
+    first = beat_times(candidate).first(beat_id)
+    at = f"driver {beat.owner} acts from {time:g} s on"
+    if first is not None and time * spec.simulation.fps > first + 1e-9:
+        text = f"{beat_id} comes true at frame {first}, before its driver acts: {at}, which is frame {time * spec.simulation.fps:.3g}"
+        return _Found("fail", text, "late", beat.subject, beat.owner)
+    return _Found("pass", f"{at} and owns {beat_id}", "driver", None, beat.owner)
+
+
+def _comes(candidate: Candidate, beat_id: str) -> int:
+    """Frame at which a beat comes true; where it does not, the last of its interval."""
+    first = beat_times(candidate).outcome(beat_id).first_true_frame
+    return candidate.spec.story.beats[beat_id].frames[1] if first is None else first
+
+
+def _involved(spec: WorldSpec, beat: Beat) -> list[str]:
+    """Entities that the beat speaks of, with those that carry its regions and joints."""
+    names = [beat.subject, *entities_of(beat.predicate)]
+    for atom in atoms_of(beat.predicate):
+        region = spec.graph.regions.get(getattr(atom, "region", None) or "")
+        joint = spec.simulation.joints.get(getattr(atom, "joint", None) or "")
+        names += [
+            n for n in (getattr(region, "relative_to", None), getattr(joint, "child", None), getattr(joint, "parent", None)) if n
+        ]
+    return [n for n in dict.fromkeys(names) if n in spec.entities]
+
+
+def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
+    """What starts an event that names no causes."""
+    spec, names, frame = candidate.spec, _involved(candidate.spec, beat), _comes(candidate, beat_id)
+    owned = {b.owner: n for n, b in spec.story.beats.items()}
+    unsaid = None
+    for driver, declared in spec.simulation.drivers.items():
+        if declared.kind == "field" and declared.field.kind == "drag":
+            continue  # a medium at rest brings nothing about
+        try:
+            time, acted = acts_from(spec, driver)
+        except EvidenceError as error:
+            return _Found("unverified", str(error), "unknown")
+        if time * spec.simulation.fps > frame or not set(acted) & set(names):
+            continue
+        if driver in owned:
+            return _Found(
+                "pass", f"driver {driver}, which beat {owned[driver]} owns, acts from {time:g} s on", "driver", None, driver
+            )
+        unsaid = unsaid or driver
+    sent = next((n for n in names if moves_by_declaration(spec, n)), None)
+    if sent is not None:
+        return _Found(
+            "pass", f"an initial state: {sent} starts with the velocity that the specification gives it", "velocity", sent
+        )
+    outcome = beat_times(candidate).outcome(beat_id)
+    if outcome.status == "unverified":
+        return _Found("unverified", f"whether it starts by itself is not known: {outcome.explanation}", "unknown")
+    try:
+        falls = next((n for n in names if spec.entities[n].motion == "dynamic" and _goes_from_start(candidate, n, frame)), None)
+    except EvidenceError as error:
+        return _Found("unverified", str(error), "unknown")
+    if falls is not None:
+        text = f"an initial state: {falls} is in motion from frame 0 up to frame {frame} without a rest, by its weight and what touches it there"
+        return _Found("pass", text, "weight", falls)
+    text = f"beat {beat_id!r} has no cause and nothing that the story owns starts it"
+    if unsaid is not None:
+        text += (
+            f": {deed(spec, unsaid, next(n for n in names if n in acts_from(spec, unsaid)[1]))}, and no beat is owned by {unsaid}"
+        )
+    else:
+        text += f": no driver acts on {', '.join(names[:4])} by frame {frame}, none of them starts with a velocity, and none moves from frame 0 on"
+    return _Found("fail", text, "none", beat.subject, unsaid)
+
+
+def _goes_from_start(candidate: Candidate, name: str, frame: int) -> bool:
+    """Whether an entity moves from frame 0 on and does not rest, `PAUSE` long, before `frame`."""
+    moves = not_still(candidate, name)[: frame + 1]
+    if not moves[:2].any():  # what is let go at frame 0 has no speed there yet
+        return False
+    still = np.concatenate([[0], np.cumsum(~moves[1:])])
+    pause = max(1, round(PAUSE * candidate.spec.simulation.fps))
+    return not bool((still[pause:] - still[:-pause] >= pause).any()) if len(still) > pause else True
+
+
+def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Found) -> list[Correction]:
+    place = f"/story/beats/{beat_id}"
+    if found.kind == "path":
+        driver = f"/simulation/drivers/{found.driver}" if found.driver else "/simulation/drivers"
+        action = f"make {found.first} dynamic and bring it about by contact, a force, a motor or a release"
+        pointers = (f"/entities/{found.first}/motion", driver)
+        return [correction("a keyframed path moves the outcome itself", "drivers", action, pointers=pointers)]
+    if found.kind == "unsaid" and found.driver is not None:
+        pointers = (f"/simulation/drivers/{found.driver}", f"{place}/causes")
+        action = to_declare(spec, found.driver, beat_id)
+        return [
+            correction("a driver moves the outcome itself, and the story does not say so", "drivers", action, pointers=pointers)
+        ]
+    if found.kind == "late":
+        pointers = (f"/simulation/drivers/{found.driver}", f"{place}/owner")
+        action = f"let {found.driver} act before {beat_id} comes true, or let what does start it own the beat"
+        return [correction("the driver that owns it acts too late to bring it about", "drivers", action, pointers=pointers)]
+    hints = [
+        correction(
+            "the story does not say what brings it about",
+            "story",
+            f"name the beat that leads to {beat_id} in its causes",
+            pointers=(f"{place}/causes",),
+        ),
+        correction(
+            "what starts it is not in the story",
+            "story",
+            f"let the driver that starts it own the beat{f': owner {found.driver}' if found.driver else ''}",
+            pointers=(f"{place}/owner",),
+        ),
+        correction(
+            "nothing starts it",
+            "initial_state",
+            f"give {beat.subject}, or what meets it, a start velocity; or place it where it falls from frame 0 on",
+            pointers=(f"/entities/{beat.subject}/physics/linear_velocity", f"/entities/{beat.subject}/pose"),
+        ),
+    ]
+    return hints[1:] + hints[:1] if found.driver else hints

@@ -1,0 +1,218 @@
+"""Support of free bodies that no relation covers: contact, joint, driver or launch at frame 0 (R154)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...worlds.arrays import F64, pose_of
+from ...worlds.fields import fields_of
+from ...worlds.requirements import Correction, RowId
+from ...worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
+from ..ledgers import motion
+from ..rows.guards import pointer, translation_patch
+from ..rows.verdicts import make_row
+from .afloat import afloat
+from .graph import beside, drop, gravity_direction
+from .moved import spoken_of
+
+if TYPE_CHECKING:
+    from ...worlds.requirements import Row
+    from ...worlds.spec import WorldSpec
+    from ..scene.surfaces import Surfaces
+    from .graph import SupportGraph
+
+__all__ = ["DERIVED", "LEFT", "along_up", "derived_row", "placement"]
+
+LAUNCH_SPEED = 0.1
+"""[m/s] Own choice: a slower initial velocity is no launch and does not explain a body in the air."""
+LIFT = 0.9
+"""Own choice: a force driver holds a body when it carries this share of its weight at frame 0."""
+GRIP_TIME = 0.1
+"""[s] Own choice: a body that nothing presses has fallen 49 mm by then, ten times the default `support_drift`."""
+LEFT = 1e-4
+"""[m] Own choice: clearance that a suggested move leaves."""
+DERIVED = "at frame 0 a chain of contacts, joints or drivers leads from the free body to something static, or it is launched"
+"""Predicate of the derived rows."""
+
+
+def along_up(surfaces: Surfaces, distance: float) -> F64 | None:
+    """A way of `distance` [m] against gravity, shape (3,); None without gravity."""
+    direction = gravity_direction(surfaces)
+    return None if direction is None else -distance * direction
+
+
+def placement(surfaces: Surfaces, entity: str, offset: F64 | None, cause: str) -> Correction:
+    """Correction that moves the entity by `offset` [m], or asks for a better place where no number determines it."""
+    action = f"Place {entity!r} so that it rests on its support with a gap of {LEFT * 1e3:g} mm."
+    if offset is not None:
+        text = ", ".join(f"{c:+.5g}" for c in offset)
+        action = f"Move {entity!r} by ({text}) m, which leaves a gap of {LEFT * 1e3:g} mm."
+    return Correction(
+        cause=cause,
+        edit_class="scene",
+        group="placement",
+        action=action,
+        pointers=(pointer("entities", entity, "pose"),),
+        patch=() if offset is None else translation_patch(surfaces.candidate, entity, offset),
+    )
+
+
+def derived_row(graph: SupportGraph, entity: str) -> Row:
+    """The row that no edit of the scene graph removes (R154)."""
+    surfaces = graph.surfaces
+    surfaces.require(entity)
+    reason, evidence = _excuse(graph, entity)
+    if entity in surfaces.broken and surfaces.broken[entity] == 0:
+        reason = ""
+    common: dict[str, Any] = {"row_id": RowId("support:derived", entity), "predicate": DERIVED, "frames": (0, 0)}
+    gap = surfaces.candidate.spec.simulation.limits.contact_gap
+    if reason:
+        return make_row(
+            surfaces.candidate,
+            status="pass",
+            explanation=f"{entity!r} {reason}",
+            entities=(entity,),
+            evidence=evidence,
+            extra=_declared(surfaces, entity),
+            **common,
+        )
+    fall = drop(surfaces, entity, 0) if entity not in surfaces.broken else None
+    corrections: list[Correction] = []
+    if fall is None:
+        text = f"{entity!r} floats: nothing lies beneath it, no joint or driver holds it and it has no initial velocity"
+    elif fall[0] <= gap:
+        text = f"{entity!r} touches {fall[1]!r}, which nothing holds up either"
+        if graph.grounded(fall[1])[0]:
+            text = f"{entity!r} touches {fall[1]!r}, which does not hold it: contact and friction there cannot bear its weight"
+    else:
+        text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
+        offset = along_up(surfaces, LEFT - fall[0])
+        corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
+    text += _no_excuse(surfaces, entity)
+    sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
+    if sides:
+        text += f"; it touches {', '.join(map(repr, sides))} beside or above it, where neither friction nor a joint holds it"
+    held = Correction(
+        cause="it is meant to be dropped, thrown or hung",
+        edit_class="solver",
+        group="drivers",
+        action=f"Declare what holds {entity!r}: a joint, a `release` driver or an initial velocity >= {LAUNCH_SPEED:g} m/s, and for the "
+        "last two a beat that tells of its fall or flight.",
+        pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
+    )
+    # What hangs higher than it is large was put there on purpose more likely than by a slip.
+    hangs = fall is not None and fall[0] > _size(surfaces, entity)
+    corrections = [held, *corrections] if hangs else [*corrections, held]
+    return make_row(
+        surfaces.candidate,
+        status="fail",
+        explanation=text,
+        measured=fall[0] if fall else None,
+        bound=gap,
+        comparison="<=",
+        unit="m",
+        entities=(entity,) if fall is None else (entity, fall[1]),
+        corrections=corrections,
+        evidence={"beneath": fall[1] if fall else None},
+        extra=_declared(surfaces, entity),
+        **common,
+    )
+
+
+def _size(surfaces: Surfaces, entity: str) -> float:
+    """Diagonal of what the entity covers at frame 0 [m]."""
+    return float(np.linalg.norm(np.ptp(surfaces.candidate.vertices(entity, 0), axis=0)))
+
+
+def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
+    """Why the body need not fall at frame 0 by surprise; an empty text when there is no reason."""
+    surfaces = graph.surfaces
+    spec = surfaces.candidate.spec
+    if gravity_direction(surfaces) is None:
+        return "is in a world without gravity", {}
+    said = spec.entities[entity].afloat
+    if said is not None:
+        return f"is said to float in the air: {said}", {"afloat": said}
+    liquids = [n for n, frames in afloat(surfaces.candidate, entity).items() if frames[0]]
+    if liquids:
+        return f"lies in {liquids[0]!r}, which acts on it", {"liquids": liquids}
+    released = [n for n, d in spec.simulation.drivers.items() if isinstance(d, ReleaseDriver) and d.entity == entity]
+    told = spoken_of(spec, entity)
+    if released and told:
+        return f"is let go by driver {released[0]!r}", {"driver": released[0]}
+    if bool(graph.grounded(entity)[0]) and not _slips_through(graph, entity):
+        chain = graph.chain(entity, 0)
+        return f"is held up through {' -> '.join(chain)}", {"chain": chain}
+    weight = motion.entity_mass(surfaces.candidate, entity) * np.array(spec.simulation.gravity)
+    for name, driver in spec.simulation.drivers.items():
+        if isinstance(driver, ForceDriver) and driver.entity == entity and driver.start <= 0.0:
+            share = -float(np.dot(driver.force, weight) / np.dot(weight, weight))
+            if share >= LIFT:
+                return f"is carried by driver {name!r} with {share:.3g} of its weight", {"driver": name}
+    fields = fields_of(spec, entity)
+    if fields:
+        center = np.array([pose_of(spec.entities[entity].pose).position])
+        share = -float(np.dot(fields.acceleration(center, 0.0)[0], spec.simulation.gravity)) / float(
+            np.dot(spec.simulation.gravity, spec.simulation.gravity)
+        )
+        if share >= LIFT:
+            return f"is carried by fields {', '.join(fields.names)} with {share:.3g} of its weight", {
+                "fields": list(fields.names)
+            }
+    physics = spec.entities[entity].physics
+    if isinstance(physics, RigidPhysics | ElasticPhysics):
+        speed = float(np.linalg.norm(physics.linear_velocity))
+        if speed >= LAUNCH_SPEED and told and not _dragged(surfaces, entity):
+            return f"is launched with {speed:.4g} m/s", {"speed_m_s": speed}
+    return "", {}
+
+
+def _dragged(surfaces: Surfaces, entity: str) -> bool:
+    """True where viscous drag at the start velocity is nearly the weight: the body hangs in it."""
+    physics = surfaces.candidate.spec.entities[entity].physics
+    if not isinstance(physics, RigidPhysics):
+        return False
+    weight = motion.entity_mass(surfaces.candidate, entity) * float(np.linalg.norm(surfaces.candidate.spec.simulation.gravity))
+    return physics.linear_damping * float(np.linalg.norm(physics.linear_velocity)) >= LIFT * weight
+
+
+def _no_excuse(surfaces: Surfaces, entity: str) -> str:
+    """Words about a release, a start velocity or a drag that does not explain a body in the air; empty where it has none of them."""
+    spec: WorldSpec = surfaces.candidate.spec
+    physics = spec.entities[entity].physics
+    if spoken_of(spec, entity):
+        if isinstance(physics, RigidPhysics) and _dragged(surfaces, entity):
+            return f"; a drag of {physics.linear_damping:g} N s/m holds it up, which no air does"
+        return ""
+    for name, driver in spec.simulation.drivers.items():
+        if isinstance(driver, ReleaseDriver) and driver.entity == entity:
+            return f"; driver {name!r} lets it go at {driver.time:g} s, and no beat tells of it"
+    if isinstance(physics, RigidPhysics | ElasticPhysics) and any(physics.linear_velocity):
+        return "; it starts with a velocity, and no beat tells of it"
+    return ""
+
+
+def _slips_through(graph: SupportGraph, entity: str) -> bool:
+    """Whether a body that only friction from its sides could hold falls at once: rest was possible, but it is not pressed."""
+    surfaces = graph.surfaces
+    if not graph.gripped(entity)[0] or entity in surfaces.broken:
+        return False
+    plan = surfaces.candidate.spec.simulation
+    last = min(surfaces.frames - 1, int(np.ceil(GRIP_TIME * plan.fps)))
+    fallen = motion.centers(surfaces.candidate, entity)[[0, last]] @ np.array(plan.gravity) / np.linalg.norm(plan.gravity)
+    return bool(fallen[1] - fallen[0] > plan.limits.support_drift)
+
+
+def _declared(surfaces: Surfaces, entity: str) -> Any:
+    """What of the specification the derived row depends on besides the geometry."""
+    spec = surfaces.candidate.spec
+    drivers = {
+        n: d.model_dump(mode="json") for n, d in sorted(spec.simulation.drivers.items()) if getattr(d, "entity", None) == entity
+    }
+    joints = {n: j.model_dump(mode="json") for n, j in sorted(spec.simulation.joints.items()) if entity in (j.parent, j.child)}
+    said = spec.entities[entity].afloat
+    found: list[Any] = [spec.entities[entity].physics.model_dump(mode="json"), drivers, joints, list(spec.simulation.gravity)]
+    found += [spoken_of(spec, entity)] if drivers or any(getattr(spec.entities[entity].physics, "linear_velocity", ())) else []
+    return found if said is None else [*found, said]

@@ -1,0 +1,363 @@
+"""What holds static things: a chain of contacts down to the ground, for every piece of every one of them (R92, R93, R154).
+
+The ground of a world is its landscapes, its height fields, and the static things that reach lowest. Everything else that
+never moves hangs together with it through visible surfaces that touch, from whichever side: a shelf on its wall, a beam
+between its posts. Parts of one entity that touch nothing of it need a chain of their own. What stands on bodies that may
+move is not held by them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ...geometry import signed_clearance
+from ...worlds.arrays import F64, RigidPose, pose_of
+from ...worlds.requirements import Correction, RowId
+from ...worlds.spec import HeightField, PathDriver, WorldSpec
+from ..rows.guards import guarded_rows, pointer
+from ..rows.verdicts import make_row
+from .free_bodies import LEFT, along_up, placement
+from .graph import DROP_STEPS, NEAR, gravity_direction
+from .one_piece import own_touches
+
+if TYPE_CHECKING:
+    from ...worlds.requirements import Row
+    from ..scene.surfaces import Surfaces
+    from .landed import Ground
+
+__all__ = ["Held", "afloat_lines", "held_rows", "is_still"]
+
+DETAILED = 20
+"""Failing rows for which the way to what lies beneath and beside is measured; a scene of floating things is mended one by one."""
+TURNED = 0.02
+"""[1] of quaternions, 0.04 rad. Own choice: a path that turns by less and goes no farther than a supported body may creep stays."""
+PREDICATE = "a chain of contacts leads from every piece of it over things that never move to the ground"
+
+
+class Way(NamedTuple):
+    """A way of a floating piece to something."""
+
+    distance: float
+    """[m]"""
+    to: str
+    offset: F64
+    """The move that closes it [m], shape (3,)."""
+
+
+def is_still(spec: WorldSpec, name: str) -> bool:
+    """Whether an entity never moves: it is static, or kinematic and its path stays in one place."""
+    entity = spec.entities[name]
+    if entity.motion != "kinematic":
+        return entity.motion == "static"
+    for driver in spec.simulation.drivers.values():
+        if isinstance(driver, PathDriver) and driver.entity == name:
+            places = [pose_of(key.pose) for key in driver.keys.values()]
+            first = places[0]
+            way = max(float(np.linalg.norm(p.position - first.position)) for p in places)
+            # The two signs of a quaternion are one rotation.
+            turn = max(1.0 - abs(float(p.quaternion @ first.quaternion)) for p in places)
+            if way > spec.simulation.limits.support_drift or turn > 0.5 * TURNED**2:
+                return False
+    return any(isinstance(d, PathDriver) and d.entity == name for d in spec.simulation.drivers.values())
+
+
+def afloat_lines(spec: WorldSpec) -> list[dict[str, str]]:
+    """Lines of the approximation register: what is said to float, and why."""
+    return [
+        {"what": f"{name!r} floats in the air: {entity.afloat}", "effect": "nothing holds it up"}
+        for name, entity in spec.entities.items()
+        if entity.afloat is not None
+    ]
+
+
+class Held:
+    """Which parts of what never moves a chain of contacts joins with the ground, at frame 0."""
+
+    def __init__(self, surfaces: Surfaces, ground: Ground) -> None:
+        self.surfaces, self.ground = surfaces, ground
+        spec = surfaces.candidate.spec
+        self.names = tuple(n for n in surfaces.entities if is_still(spec, n) and n not in surfaces.broken)
+
+    @cached_property
+    def _parts(self) -> tuple[int, ...]:
+        return tuple(i for n in self.names for i in self.surfaces.parts_of[n])
+
+    @cached_property
+    def foundation(self) -> frozenset[int]:
+        """Parts that are the ground, or touch a landscape."""
+        surfaces, spec = self.surfaces, self.surfaces.candidate.spec
+        down = gravity_direction(surfaces)
+        if down is None or not self._parts:
+            return frozenset(self._parts)
+        found: set[int] = set()
+        depth: dict[int, float] = {}
+        for i in self._parts:
+            part = surfaces.parts[i]
+            declared = spec.entities[part.entity].parts.get(part.part)
+            if declared is not None and isinstance(declared.shape, HeightField):
+                found |= set(surfaces.parts_of[part.entity])
+            depth[i] = float((surfaces.track(part.entity, part.body).at(0).apply(part.solid.vertices) @ down).max())
+        lowest = max(depth.values())
+        for i, value in depth.items():
+            entity = surfaces.parts[i].entity
+            if self.ground.over(entity):
+                if self.ground.touched(entity, (i,)):
+                    found.add(i)
+            elif value >= lowest - surfaces.contact_gap(entity, entity):
+                found.add(i)
+        return frozenset(found)
+
+    @cached_property
+    def _touching(self) -> Mapping[int, list[int]]:
+        """Parts that touch each part."""
+        surfaces, among = self.surfaces, set(self._parts)
+        assert surfaces.first is not None  # measures parts of different entities
+        found: dict[int, list[int]] = {i: [] for i in self._parts}
+        met = [
+            (i, j)
+            for (i, j), gap in surfaces.at_start.items()
+            if i in among and j in among and gap <= surfaces.contact_gap(surfaces.parts[i].entity, surfaces.parts[j].entity)
+        ]
+        for i, j in [*met, *(pair for name in self.names for pair in own_touches(surfaces, surfaces.parts_of[name]))]:
+            found[i].append(j)
+            found[j].append(i)
+        return found
+
+    @cached_property
+    def _toward(self) -> Mapping[int, int | None]:
+        """For every part that is held the next part on its shortest chain to the ground; None for the ground itself."""
+        found: dict[int, int | None] = dict.fromkeys(sorted(self.foundation))
+        waiting = deque(found)
+        while waiting:
+            part = waiting.popleft()
+            for other in self._touching[part]:
+                if other not in found:
+                    found[other] = part
+                    waiting.append(other)
+        return found
+
+    def loose(self, entity: str) -> tuple[int, ...]:
+        """Parts of one piece of the entity that nothing holds: those that touch each other; empty where all are held."""
+        open_parts = [i for i in self.surfaces.parts_of[entity] if i not in self._toward]
+        if not open_parts:
+            return ()
+        piece, waiting = {open_parts[0]}, [open_parts[0]]
+        while waiting:
+            for other in self._touching[waiting.pop()]:
+                if other in open_parts and other not in piece:
+                    piece.add(other)
+                    waiting.append(other)
+        return tuple(sorted(piece))
+
+    def is_ground(self, entity: str) -> bool:
+        """Whether every part of the entity is ground or stands on a landscape by itself."""
+        return set(self.surfaces.parts_of[entity]) <= self.foundation
+
+    def chain(self, entity: str) -> list[str]:
+        """Entities from this one to the ground, along the chain of the part that is farthest from it."""
+        longest: list[str] = []
+        for part in self.surfaces.parts_of[entity]:
+            chain, at = [entity], self._toward.get(part)
+            while at is not None:
+                name = self.surfaces.parts[at].entity
+                chain += [name] if chain[-1] != name else []
+                at = self._toward[at]
+            longest = chain if len(chain) > len(longest) else longest
+        return longest
+
+
+def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
+    """Rows `support:derived:<entity>` of everything that never moves and is not the ground; none without gravity."""
+    if gravity_direction(surfaces) is None:
+        return []
+    return guarded_rows(
+        surfaces.candidate,
+        lambda: list(_rows(surfaces, ground)),
+        row_id=RowId("support:held"),
+        predicate=PREDICATE,
+    )
+
+
+def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
+    for name, lacking in surfaces.missing.items():
+        if is_still(surfaces.candidate.spec, name):
+            yield make_row(
+                surfaces.candidate,
+                status="unverified",
+                explanation=f"no evidence: {lacking}",
+                entities=(name,),
+                **_common(surfaces, name),
+            )
+    held, failed = Held(surfaces, ground), 0
+    for name in held.names:
+        if held.is_ground(name):
+            continue
+        reason = surfaces.candidate.spec.entities[name].afloat
+        loose = held.loose(name)
+        if loose and reason is None:
+            failed += 1
+            yield _floats(held, name, loose, detailed=failed <= DETAILED)
+            continue
+        chain = held.chain(name)
+        text = (
+            f"{name!r} is held up through {' -> '.join(chain)}"
+            if not loose
+            else f"{name!r} is said to float in the air: {reason}"
+        )
+        yield make_row(
+            surfaces.candidate,
+            status="pass",
+            explanation=text,
+            entities=(name, *chain[1:2]),
+            evidence={"chain": chain} if not loose else {"afloat": reason},
+            **_common(surfaces, name),
+        )
+
+
+def _common(surfaces: Surfaces, name: str) -> dict[str, Any]:
+    entity = surfaces.candidate.spec.entities[name]
+    return {
+        "row_id": RowId("support:derived", name),
+        "predicate": PREDICATE,
+        "frames": (0, 0),
+        "extra": [entity.motion, entity.afloat],
+    }
+
+
+def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> Row:
+    surfaces = held.surfaces
+    gap = surfaces.contact_gap(name, name)
+    whole = len(loose) == len(surfaces.parts_of[name])
+    what = repr(name) if whole else f"part {name}/{surfaces.parts[loose[0]].part}"
+    fall = _beneath(held, loose) if detailed else None
+    near = _beside(held, loose) if detailed else None
+    corrections: list[Correction] = []
+    if fall is not None and fall.distance <= gap:
+        text = f"{what} touches {fall.to!r}, which nothing holds up either"
+    elif fall is not None:
+        text = f"{what} floats {fall.distance * 1e3:.4g} mm above {fall.to!r}, and touches nothing that is held up"
+        corrections.append(_move(held, name, loose, fall, "put it down"))
+    else:
+        text = f"{what} floats: nothing lies beneath it, and it touches nothing that is held up"
+    if near is not None and near.distance > gap and (fall is None or near.distance < 0.9 * fall.distance):
+        text += f"; the nearest thing that is held up is {near.to!r}, {near.distance * 1e3:.4g} mm away"
+        corrections.insert(0, _move(held, name, loose, near, f"bring it to {near.to!r}"))
+    corrections += _others(name, what)
+    nearest = min((w.distance for w in (fall, near) if w is not None and w.distance > gap), default=None)
+    return make_row(
+        surfaces.candidate,
+        status="fail",
+        explanation=text,
+        measured=nearest,
+        bound=gap,
+        comparison="<=",
+        unit="m",
+        entities=(name,) if fall is None else (name, fall.to),
+        first_failing_frame=0,
+        corrections=corrections,
+        evidence={
+            "beneath": None if fall is None else fall.to,
+            "nearest_held": None if near is None else near.to,
+            "parts": [surfaces.parts[i].part for i in loose],
+        },
+        **_common(surfaces, name),
+    )
+
+
+def _move(held: Held, name: str, loose: Sequence[int], way: Way, what: str) -> Correction:
+    surfaces = held.surfaces
+    if len(loose) == len(surfaces.parts_of[name]):
+        return placement(surfaces, name, way.offset, f"{name!r} is placed away from what holds it: {what}")
+    part = surfaces.parts[loose[0]].part
+    text = ", ".join(f"{c:+.5g}" for c in way.offset)
+    return Correction(
+        cause=f"part {part!r} of {name!r} touches none of its other parts",
+        edit_class="scene",
+        group="shape",
+        action=f"Move it by ({text}) m in the world ({what}), or add a part that joins it with the others.",
+        pointers=(pointer("entities", name, "parts", part, "pose"),),
+    )
+
+
+def _others(name: str, what: str) -> Iterator[Correction]:
+    yield Correction(
+        cause="what would hold it is not there",
+        edit_class="scene",
+        group="shape",
+        action=f"Add what holds {what}: a post, bracket, cable or wall, as a static entity or as a part of {name!r}, that touches it.",
+        pointers=("/entities", pointer("entities", name, "parts")),
+    )
+    yield Correction(
+        cause="it is meant to float in the air",
+        edit_class="scene",
+        group="placement",
+        action=f"Say so: `afloat` of {name!r} with the reason (a weakening after a failure: give weakening_reason). It is printed.",
+        pointers=(pointer("entities", name, "afloat"),),
+    )
+
+
+def _beneath(held: Held, loose: Sequence[int]) -> Way | None:
+    """The way of some parts down to the first thing that never moves, or to a landscape; None where nothing lies beneath."""
+    surfaces = held.surfaces
+    down = gravity_direction(surfaces)
+    assert down is not None
+    low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
+    reach = float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
+    best: tuple[float, str] | None = held.ground.beneath(surfaces.parts[loose[0]].entity, tuple(loose))
+    others = [j for n in held.names for j in surfaces.parts_of[n] if j not in loose]
+    for i in loose:
+        span = np.array([[low[i], low[i] + reach * down], [high[i], high[i] + reach * down]])
+        for j in others:
+            if (low[j] > span[1].max(axis=0)).any() or (high[j] < span[0].min(axis=0)).any():
+                continue
+            fallen = _fall(surfaces, i, j, down, reach if best is None else best[0])
+            if fallen is not None:
+                best = (fallen, surfaces.parts[j].entity)
+    if best is None:
+        return None
+    offset = along_up(surfaces, LEFT - best[0])
+    assert offset is not None
+    return Way(best[0], best[1], offset)
+
+
+def _fall(surfaces: Surfaces, i: int, j: int, down: F64, most: float) -> float | None:
+    """How far part i falls until it meets part j [m], by conservative advancement; None where that is not within `most`."""
+    pose, other = (surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j))
+    solids = surfaces.shapes.solid(i, 0), surfaces.shapes.solid(j, 0)
+    fallen = 0.0
+    for _ in range(DROP_STEPS):
+        moved = RigidPose(pose.position + fallen * down, pose.quaternion)
+        clearance = signed_clearance(solids[0], moved, solids[1], other).distance
+        if clearance <= NEAR:
+            return fallen if fallen < most else None
+        fallen += clearance
+        if fallen >= most:
+            return None
+    return None
+
+
+def _beside(held: Held, loose: Sequence[int]) -> Way | None:
+    """The shortest way of some parts to a part that is held; None where there is none."""
+    surfaces = held.surfaces
+    low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
+    fixed = np.array(sorted(held._toward), dtype=np.intp)
+    best: Way | None = None
+    for i in loose if len(fixed) else ():
+        apart = np.maximum(np.maximum(low[fixed] - high[i], low[i] - high[fixed]), 0.0)
+        bound = np.linalg.norm(apart, axis=1)
+        for k in np.argsort(bound, kind="stable"):
+            if best is not None and bound[k] >= best.distance:
+                break
+            j = int(fixed[k])
+            poses = [surfaces.track(surfaces.parts[n].entity, surfaces.parts[n].body).at(0) for n in (i, j)]
+            found = signed_clearance(surfaces.shapes.solid(i, 0), poses[0], surfaces.shapes.solid(j, 0), poses[1])
+            if found.distance > 0.0 and (best is None or found.distance < best.distance):
+                way = np.asarray(found.point_b) - np.asarray(found.point_a)
+                short = max(0.0, found.distance - LEFT) / found.distance
+                best = Way(found.distance, surfaces.parts[j].entity, short * way)
+    return best

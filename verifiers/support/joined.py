@@ -1,0 +1,388 @@
+"""Whether joints, springs, rope ends and `fastened` relations reach what they join, on the visible surfaces (R92, R154).
+
+Whatever turns about a point needs that point at both bodies; a hinge has it anywhere on its axis. A weld or a slide has no
+such point: it joins what touches. What is joined with the world needs the body alone, and is a line of the approximation
+register where nothing drawn that never moves is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...geometry import contains, distance_to_surface
+from ...worlds.arrays import F64, RigidPose, compose, pose_of
+from ...worlds.errors import EvidenceError
+from ...worlds.requirements import Correction, RowId
+from ...worlds.spec import Fastened, HingeJoint, Rope, SlideJoint, SpringJoint, WeldJoint
+from ..land.grounds import lands
+from ..rows.guards import guarded_rows, pointer, translation_patch
+from ..rows.verdicts import make_row
+from ..scene.interpenetration import correction_order
+from ..scene.surfaces import surfaces_of
+from .free_bodies import LEFT
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row
+    from ...worlds.spec.simulation import Joint
+    from ..scene.surfaces import Surfaces
+
+__all__ = ["anchor_lines", "joined_rows", "way_to"]
+
+STEPS = 400
+"""Steps along the axis of a hinge; each is as long as what is nearest to it allows, and no shorter than the tolerance."""
+
+
+class End(NamedTuple):
+    """One end of what joins: an entity, and the place at which it must be reached."""
+
+    entity: str
+    point: F64
+    """[m]"""
+    where: tuple[str | int, ...]
+    """Steps of the pointer to that place."""
+
+
+class Missed(NamedTuple):
+    """Distance of an end from the surface of its entity."""
+
+    end: End
+    distance: float
+    """[m], 0 inside"""
+    nearest: F64
+    """Point of the surface [m]."""
+
+
+def _start(surfaces: Surfaces, part: int) -> RigidPose:
+    """Where the specification places a part's body: places of joints are given there, before any preroll."""
+    candidate, own = surfaces.candidate, surfaces.parts[part]
+    return compose(pose_of(candidate.spec.entities[own.entity].pose), candidate.body(own.entity, own.body).pose)
+
+
+def way_to(surfaces: Surfaces, entity: str, points: F64) -> tuple[float, F64, F64]:
+    """Least distance of some points from the visible surface of an entity as declared [m], 0 inside; that point and its nearest one.
+
+    Args:
+        surfaces: of the candidate.
+        entity: whose surface.
+        points: [m], shape (n, 3).
+    """
+    best = (np.inf, points[0], points[0])
+    for i in surfaces.parts_of[entity]:
+        pose, solid = _start(surfaces, i), surfaces.shapes.solid(i, 0)
+        local = pose.inverse().apply(points)
+        inside = contains(solid, local)
+        if inside.any():
+            point = points[int(np.argmax(inside))]
+            return 0.0, point, point
+        distance, nearest = distance_to_surface(solid, local)
+        k = int(np.argmin(distance))
+        if distance[k] < best[0]:
+            best = (float(distance[k]), points[k], pose.apply(nearest[k][None])[0])
+    return best
+
+
+def missed(surfaces: Surfaces, end: End) -> Missed:
+    """Distance of an end from the visible surface of its entity."""
+    surfaces.require(end.entity)
+    distance, _, nearest = way_to(surfaces, end.entity, end.point[None])
+    return Missed(end, distance, nearest)
+
+
+def joined_rows(surfaces: Surfaces) -> list[Row]:
+    """Rows `support:joint:<joint>`, `support:rope:<entity>:<start|end>` and `support:fastened:<relation>`."""
+    candidate = surfaces.candidate
+    found: list[Row] = []
+    for name, joint in candidate.spec.simulation.joints.items():
+        found += guarded_rows(
+            candidate,
+            lambda n=name, j=joint: [_joint(surfaces, n, j)],  # type: ignore[misc]
+            row_id=RowId("support:joint", name),
+            predicate=f"{joint.kind} {name} reaches what it joins",
+            entities=tuple(e for e in (joint.child, joint.parent) if e is not None),
+        )
+    for name, entity in candidate.spec.entities.items():
+        if isinstance(entity.generator, Rope):
+            found += guarded_rows(
+                candidate,
+                lambda n=name, g=entity.generator: list(_rope(surfaces, n, g)),  # type: ignore[misc]
+                row_id=RowId("support:rope", name),
+                predicate=f"the ends of rope {name} reach what they are attached to",
+                entities=(name,),
+            )
+    for name, relation in candidate.spec.graph.relations.items():
+        if isinstance(relation, Fastened) and {relation.a, relation.b} <= set(candidate.solids):
+            found += guarded_rows(
+                candidate,
+                lambda n=name, r=relation: [_fastened(surfaces, n, r)],  # type: ignore[misc]
+                row_id=RowId("support:fastened", name),
+                predicate=f"{relation.a} and {relation.b} touch, as what is fastened does",
+                entities=(relation.a, relation.b),
+            )
+    return found
+
+
+# ---------------------------------------------------------------- joints
+
+
+def _tolerance(surfaces: Surfaces, *entities: str) -> float:
+    """How far a place may be from a surface that it reaches [m]: the contact tolerance (S3) and a collision skin."""
+    pair = (entities[0], entities[-1])
+    skins = [s.settings.skin for s in surfaces.candidate.spec.simulation.rigid.values() if entities[0] in s.members]
+    return surfaces.contact_gap(*pair) + max(skins, default=0.0)
+
+
+def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Row:
+    bodies = tuple(e for e in (joint.child, joint.parent) if e is not None)
+    surfaces.require(*bodies)
+    bound = _tolerance(surfaces, *bodies)
+    path = ("simulation", "joints", name)
+    if isinstance(joint, SpringJoint):
+        ends = [
+            End(e, np.array(p, dtype=np.float64), (*path, f))
+            for e, p, f in ((joint.child, joint.child_point, "child_point"), (joint.parent, joint.parent_point, "parent_point"))
+            if e is not None
+        ]
+    else:
+        place = np.array(joint.anchor, dtype=np.float64)
+        if isinstance(joint, HingeJoint):
+            place = _on_axis(surfaces, bodies, place, np.array(joint.axis, dtype=np.float64), bound)
+        ends = [End(e, place, (*path, "anchor")) for e in bodies]
+    found = [missed(surfaces, end) for end in ends]
+    worst = max(found, key=lambda m: m.distance)
+    if isinstance(joint, WeldJoint | SlideJoint) and len(bodies) == 2 and worst.distance > bound and _touch(surfaces, *bodies):
+        worst = Missed(worst.end, 0.0, worst.nearest)
+    what = f"{joint.kind} {name!r}"
+    corrections = [] if worst.distance <= bound else list(_joint_corrections(surfaces, what, joint, worst))
+    return _row(surfaces, RowId("support:joint", name), what, worst, bound, bodies, corrections)
+
+
+def _touch(surfaces: Surfaces, a: str, b: str) -> bool:
+    return surfaces.first.get((a, b), surfaces.first.get((b, a), np.inf)) <= surfaces.contact_gap(a, b)
+
+
+def _on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, bound: float) -> F64:
+    """The place on the axis of a hinge at which all its bodies are nearest [m]; the first that reaches all of them.
+
+    Marching: along the axis no distance changes faster than one goes.
+    """
+    axis = axis / np.linalg.norm(axis)
+    spans = []
+    for body in bodies:
+        corners = [_start(surfaces, i).apply(surfaces.shapes.solid(i, 0).vertices) for i in surfaces.parts_of[body]]
+        along = (np.concatenate(corners) - anchor) @ axis
+        spans.append((float(along.min()), float(along.max())))
+    low, high = max(s[0] for s in spans) - bound, min(s[1] for s in spans) + bound
+
+    def worst(at: float) -> float:
+        return max(missed(surfaces, End(b, anchor + at * axis, ())).distance for b in bodies)
+
+    best = (worst(0.0), 0.0)
+    at, step = low, max(bound, (high - low) / STEPS)
+    while at <= high and best[0] > bound:
+        here = worst(at)
+        best = min(best, (here, at))
+        at += max(step, here - bound)
+    return np.asarray(anchor + best[1] * axis)
+
+
+def _joint_corrections(surfaces: Surfaces, what: str, joint: Joint, worst: Missed) -> Iterator[Correction]:
+    target, cause = worst.end.entity, f"{what} acts over a gap"
+    place = [round(float(c), 5) for c in worst.nearest]
+    path = pointer(*worst.end.where)
+    if isinstance(joint, SpringJoint) or joint.parent is None:
+        field = worst.end.where[-1]
+        yield Correction(
+            cause=cause,
+            edit_class="scene",
+            group="joints",
+            action=f"Move its {field} by {_text(worst.nearest - worst.end.point)} m to {place}, on the surface of {target!r}.",
+            pointers=(path,),
+            patch=({"op": "replace", "path": path, "value": place},),
+        )
+    else:
+        gap = surfaces.gap(joint.child, joint.parent, 0)
+        meet = [round(float(c), 5) for c in gap.point_b]
+        if gap.distance <= surfaces.contact_gap(joint.child, joint.parent):
+            yield Correction(
+                cause=f"the anchor of {what} is not where its bodies meet",
+                edit_class="scene",
+                group="joints",
+                action=f"Move its anchor by {_text(gap.point_b - worst.end.point)} m to {meet}, where {joint.child!r} meets {joint.parent!r}.",
+                pointers=(path,),
+                patch=({"op": "replace", "path": path, "value": meet},),
+            )
+        else:
+            way = (gap.point_b - gap.point_a) * (1.0 - LEFT / gap.distance)
+            yield Correction(
+                cause=cause,
+                edit_class="scene",
+                group="placement",
+                action=f"Move {joint.child!r} by {_text(way)} m, to {joint.parent!r}; then the anchor of {what} belongs at {meet}.",
+                pointers=(pointer("entities", joint.child, "pose"), path),
+                patch=translation_patch(surfaces.candidate, joint.child, way),
+            )
+    yield Correction(
+        cause="what joins them is not drawn",
+        edit_class="scene",
+        group="shape",
+        action=f"Give {target!r} a part (a rod, bracket, hub or eye) that reaches {[round(float(c), 5) for c in worst.end.point]}.",
+        pointers=(pointer("entities", target, "parts"),),
+    )
+
+
+def _text(way: F64) -> str:
+    return "(" + ", ".join(f"{c:+.5g}" for c in way) + ")"
+
+
+def _row(
+    surfaces: Surfaces,
+    row_id: RowId,
+    what: str,
+    worst: Missed,
+    bound: float,
+    entities: Sequence[str],
+    corrections: Sequence[Correction],
+) -> Row:
+    target, ok = worst.end.entity, worst.distance <= bound
+    place = ", ".join(f"{c:.4g}" for c in worst.end.point)
+    text = f"{what} reaches {' and '.join(map(repr, entities))}"
+    if not ok:
+        text = (
+            f"{what} acts at ({place}), {worst.distance * 1e3:.4g} mm away from the surface of {target!r}, "
+            f"at most {bound * 1e3:.4g} mm are allowed: it acts over a gap"
+        )
+    return make_row(
+        surfaces.candidate,
+        row_id,
+        predicate=f"{what} reaches the visible surface of what it joins within {bound:g} m",
+        status="pass" if ok else "fail",
+        explanation=text,
+        measured=worst.distance,
+        bound=bound,
+        comparison="<=",
+        unit="m",
+        frames=(0, 0),
+        entities=(target, *(e for e in entities if e != target)),
+        first_failing_frame=None if ok else 0,
+        corrections=corrections,
+        evidence={"place": worst.end.point.tolist(), "nearest": worst.nearest.tolist()},
+        extra=[worst.end.point.tolist(), bound],
+    )
+
+
+# ---------------------------------------------------------------- ropes and fastened things
+
+
+def _rope(surfaces: Surfaces, name: str, rope: Rope) -> Iterator[Row]:
+    start = pose_of(surfaces.candidate.spec.entities[name].pose)
+    for side, index, to in (("start", 0, rope.attach_start), ("end", len(rope.points) - 1, rope.attach_end)):
+        if to is None or to == "world":
+            continue
+        point = start.apply(np.array([rope.points[index]], dtype=np.float64))[0]
+        worst = missed(surfaces, End(to, point, ("entities", name, "generator", "points", index)))
+        # The end is round: its surface is a radius from its point.
+        bound = _tolerance(surfaces, name, to) + rope.radius
+        what = f"the {side} of rope {name!r}"
+        corrections: list[Correction] = []
+        if worst.distance > bound:
+            path, local = pointer(*worst.end.where), start.inverse().apply(worst.nearest[None])[0]
+            corrections.append(
+                Correction(
+                    cause=f"{what} does not reach {to!r}",
+                    edit_class="scene",
+                    group="shape",
+                    action=f"Move that point by {_text(worst.nearest - point)} m in the world, to the surface of {to!r}.",
+                    pointers=(path,),
+                    patch=({"op": "replace", "path": path, "value": [round(float(c), 5) for c in local]},),
+                )
+            )
+        yield _row(surfaces, RowId("support:rope", name, side), what, worst, bound, (to, name), corrections)
+
+
+def _fastened(surfaces: Surfaces, name: str, relation: Fastened) -> Row:
+    a, b = correction_order(surfaces, relation.a, relation.b)
+    surfaces.require(a, b)
+    gap, bound = surfaces.gap(a, b, 0), surfaces.contact_gap(a, b)
+    ok = gap.distance <= bound
+    corrections: list[Correction] = []
+    text = f"{a!r} and {b!r} are fastened and touch"
+    if not ok:
+        way = (gap.point_b - gap.point_a) * (1.0 - LEFT / gap.distance)
+        text = f"{a!r} and {b!r} are fastened {gap.distance * 1e3:.4g} mm apart, contact means at most {bound * 1e3:.4g} mm"
+        corrections.append(
+            Correction(
+                cause=f"what fastens {a!r} to {b!r} acts over a gap",
+                edit_class="scene",
+                group="placement",
+                action=f"Move {a!r} by {_text(way)} m, or draw what joins them.",
+                pointers=(pointer("entities", a, "pose"),),
+                patch=translation_patch(surfaces.candidate, a, way),
+            )
+        )
+    return make_row(
+        surfaces.candidate,
+        row_id=RowId("support:fastened", name),
+        predicate=f"clearance({a}, {b}) <= {bound:g} m at frame 0, as they are fastened",
+        status="pass" if ok else "fail",
+        explanation=text,
+        measured=gap.distance,
+        bound=bound,
+        comparison="<=",
+        unit="m",
+        frames=(0, 0),
+        entities=(a, b),
+        first_failing_frame=None if ok else 0,
+        corrections=corrections,
+        evidence={"point_a": gap.point_a.tolist(), "point_b": gap.point_b.tolist()},
+    )
+
+
+# ---------------------------------------------------------------- the register
+
+
+def _anchors(candidate: Candidate) -> Iterator[tuple[str, str, F64]]:
+    """What is held by a place of the world: by what, which entity, and where [m]."""
+    for name, joint in candidate.spec.simulation.joints.items():
+        if joint.parent is None:
+            place = joint.parent_point if isinstance(joint, SpringJoint) else joint.anchor
+            yield f"{joint.kind} {name!r}", joint.child, np.array(place, dtype=np.float64)
+    for name, entity in candidate.spec.entities.items():
+        if isinstance(entity.generator, Rope):
+            rope, start = entity.generator, pose_of(entity.pose)
+            for side, place, to in (("start", rope.points[0], rope.attach_start), ("end", rope.points[-1], rope.attach_end)):
+                if to == "world":
+                    yield f"the {side} of rope {name!r}", name, start.apply(np.array([place], dtype=np.float64))[0]
+
+
+def anchor_lines(candidate: Candidate) -> list[dict[str, str]]:
+    """Lines of the approximation register: joints to a place of the world at which nothing is drawn that never moves."""
+    anchors = list(_anchors(candidate))
+    if not anchors:
+        return []
+    surfaces = surfaces_of(candidate)
+    found: list[dict[str, str]] = []
+    fixed = [n for n in surfaces.entities if surfaces.is_static(n)]
+    bound = candidate.spec.simulation.limits.contact_gap
+    for what, entity, place in anchors:
+        near = any(missed(surfaces, End(n, place, ())).distance <= surfaces.contact_gap(n, n) for n in fixed)
+        if not near and not _in_land(candidate, place, bound):
+            found.append(
+                {
+                    "what": f"{what} holds {entity!r} at a fixed point of space that nothing drawn holds",
+                    "effect": "it bears any load there",
+                }
+            )
+    return found
+
+
+def _in_land(candidate: Candidate, place: F64, bound: float) -> bool:
+    """Whether a place lies in or on the ground of a landscape."""
+    try:
+        heights = [land.heights_at(place[None])[0] for land in lands(candidate)]
+    except EvidenceError:
+        return False
+    return any(place[2] <= height + bound for height in heights)

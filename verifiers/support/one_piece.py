@@ -1,0 +1,126 @@
+"""Rows about moving bodies of several parts: the parts touch each other, for plates with nothing between are no table (R92, R154).
+
+Of static things this is asked part by part (`support/held.py`): each needs something that holds it. Parts of one moving body keep their
+places whatever is between them, so that the same is asked of their surfaces here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...geometry import apart
+from ...worlds.requirements import Correction, RowId
+from ..rows.guards import guarded_rows, pointer
+from ..rows.verdicts import make_row
+
+if TYPE_CHECKING:
+    from ...worlds.requirements import Row
+    from ..scene.surfaces import Surfaces
+
+__all__ = ["one_piece_rows", "own_touches"]
+
+PREDICATE = "every part of it touches another one of the same body, down to one piece"
+
+
+def own_touches(surfaces: Surfaces, parts: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Which of an entity's parts touch each other at frame 0."""
+    if len(parts) < 2:
+        return
+    low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
+    own = np.array(parts)
+    name = surfaces.parts[parts[0]].entity
+    gap = surfaces.contact_gap(name, name)
+    boxes = np.maximum(low[own][:, None] - high[own], low[own] - high[own][:, None]).max(axis=2)
+    for a, b in np.argwhere(boxes <= gap):
+        if a < b and not _apart(surfaces, int(own[a]), int(own[b]), gap):
+            yield int(own[a]), int(own[b])
+
+
+def _apart(surfaces: Surfaces, i: int, j: int, gap: float) -> bool:
+    poses = [surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j)]
+    return apart(surfaces.shapes.solid(i, 0), poses[0], surfaces.shapes.solid(j, 0), poses[1], gap=gap)
+
+
+def one_piece_rows(surfaces: Surfaces, still: frozenset[str]) -> list[Row]:
+    """Rows `support:piece:<entity>` of what moves and has several parts in one body.
+
+    Args:
+        surfaces: of the candidate.
+        still: what never moves, which is judged part by part.
+    """
+    found: list[Row] = []
+    for name in surfaces.entities:
+        if name in still or name in surfaces.broken or name in surfaces.candidate.deforming:
+            continue
+        bodies: dict[str, list[int]] = {}
+        for i in surfaces.parts_of[name]:
+            bodies.setdefault(surfaces.parts[i].body, []).append(i)
+        if max((len(own) for own in bodies.values()), default=0) > 1:
+            found += guarded_rows(
+                surfaces.candidate,
+                lambda n=name, b=bodies: [_row(surfaces, n, b)],  # type: ignore[misc]
+                row_id=RowId("support:piece", name),
+                predicate=PREDICATE,
+                entities=(name,),
+            )
+    return found
+
+
+def _pieces(surfaces: Surfaces, parts: Sequence[int]) -> list[list[int]]:
+    """Parts that hang together, the piece with most of them first."""
+    label = {i: i for i in parts}
+    for a, b in own_touches(surfaces, parts):
+        old, new = label[b], label[a]
+        label = {i: new if at == old else at for i, at in label.items()}
+    groups: dict[int, list[int]] = {}
+    for i, at in label.items():
+        groups.setdefault(at, []).append(i)
+    return sorted(groups.values(), key=len, reverse=True)
+
+
+def _row(surfaces: Surfaces, name: str, bodies: dict[str, list[int]]) -> Row:
+    reason = surfaces.candidate.spec.entities[name].afloat
+    common: dict[str, Any] = {
+        "row_id": RowId("support:piece", name),
+        "predicate": PREDICATE,
+        "frames": (0, 0),
+        "entities": (name,),
+        "extra": [reason],
+    }
+    found = {body: _pieces(surfaces, own) for body, own in bodies.items()}
+    off = [piece for groups in found.values() for piece in groups[1:]]
+    if not off or reason is not None:
+        text = f"{name!r} hangs together" if not off else f"parts of {name!r} float beside it: {reason}"
+        return make_row(surfaces.candidate, status="pass", explanation=text, **common)
+    parts = [surfaces.parts[i].part for i in off[0]]
+    return make_row(
+        surfaces.candidate,
+        status="fail",
+        explanation=f"{', '.join(map(repr, parts))} of {name!r} touches none of its other parts: nothing is between them",
+        measured=float(1 + len(off)),
+        bound=1.0,
+        comparison="<=",
+        unit="pieces",
+        first_failing_frame=0,
+        corrections=[
+            Correction(
+                cause=f"{parts[0]!r} of {name!r} is placed away from the others, or what joins them is missing",
+                edit_class="scene",
+                group="shape",
+                action="Move it until it touches them, or add the part that is between them.",
+                pointers=(pointer("entities", name, "parts", parts[0], "pose"), pointer("entities", name, "parts")),
+            ),
+            Correction(
+                cause="it is an entity of its own",
+                edit_class="scene",
+                group="shape",
+                action="Make it an entity of its own, with what holds it.",
+                pointers=("/entities",),
+            ),
+        ],
+        evidence={"parts": parts},
+        **common,
+    )

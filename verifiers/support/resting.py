@@ -1,0 +1,151 @@
+"""Whether a body that is to stay where it is at frame 0 can: it does not tip, and friction suffices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.requirements import Correction, RowId
+from ..rows.guards import pointer, translation_patch
+from ..rows.verdicts import make_row
+from .equilibrium import Balance, Group, group_of, solve
+from .graph import MISSING, OUTSIDE, rolling
+from .touching import hull_corners
+
+if TYPE_CHECKING:
+    from ...worlds.requirements import Row
+    from ..scene.surfaces import Surfaces
+    from .graph import SupportGraph
+
+__all__ = ["outside", "rest_rows"]
+
+LEVEL = 1e-3
+"""Own choice: contact normals this near to the vertical (sine) make a contact of which the polygon decides."""
+
+
+def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[Row]:
+    """Rows `support:balance` and `support:grip` of one body at frame 0; none where joints or drivers hold it.
+
+    Args:
+        graph: of the first frame.
+        entity: the body.
+        claimed: every body that is said to stay.
+    """
+    surfaces = graph.surfaces
+    surfaces.require(entity)
+    found = _balances(graph, entity, claimed)
+    if found is None:
+        return []
+    group, balance, way = found
+    touched = [c[1] if c[0] == entity else c[0] for c in group.contacts if entity in c[:2] and len(c[2].points)]
+    if not touched:
+        return []  # the relation's own row says that nothing carries it
+    common: dict[str, Any] = {"frames": (0, 0), "entities": (entity, *touched), "comparison": "<="}
+    evidence = {"carriers": touched, "group": list(group.members)[:20]}
+    bound = OUTSIDE + max(rolling(surfaces, n) for n in (entity, *touched))
+    ok = balance.shift <= bound
+    where = f"{abs(balance.shift) * 1e3:.4g} mm {'outside' if balance.shift > 0 else 'inside'}"
+    tips = make_row(
+        surfaces.candidate,
+        row_id=RowId("support:balance", entity),
+        predicate=f"the centre of mass of {entity}, seen along gravity, lies within {bound:g} m of where its contacts can hold it",
+        status="pass" if ok else "fail",
+        explanation=f"the centre of mass of {entity!r} lies {where} of where contact with {', '.join(touched)} can hold it",
+        measured=balance.shift,
+        bound=bound,
+        unit="m",
+        corrections=[
+            Correction(
+                cause=f"{entity!r} overhangs its support and tips over",
+                edit_class="scene",
+                group="placement",
+                action=f"Move {entity!r} at least {balance.shift * 1e3:.4g} mm towards the middle of its support, or widen that.",
+                pointers=(pointer("entities", entity, "pose"),),
+                patch=() if ok else translation_patch(surfaces.candidate, entity, way),
+            )
+        ],
+        evidence=evidence,
+        **common,
+    )
+    return [tips, _grip(surfaces, entity, balance.missing, common, evidence)]
+
+
+def _grip(surfaces: Surfaces, entity: str, missing: float, common: dict[str, Any], evidence: dict[str, Any]) -> Row:
+    spec = surfaces.candidate.spec
+    materials = dict.fromkeys(spec.entities[n].material for n in common["entities"])
+    return make_row(
+        surfaces.candidate,
+        row_id=RowId("support:grip", entity),
+        predicate=f"contact forces within friction bear {entity} at rest: at most {MISSING:g} of its weight is missing",
+        status="pass" if missing <= MISSING else "fail",
+        explanation=f"contact and friction lack {missing:.2%} of the weight of {entity!r}",
+        measured=missing,
+        bound=MISSING,
+        unit="1",
+        corrections=[
+            Correction(
+                cause=f"{entity!r} slides: its support is too steep or too smooth",
+                edit_class="solver",
+                group="material",
+                action=f"Raise the friction of {' or '.join(map(repr, materials))}, or make the support less steep.",
+                pointers=tuple(pointer("materials", m, "friction") for m in materials),
+            )
+        ],
+        evidence=evidence,
+        extra=[[spec.materials[m].friction for m in materials if m in spec.materials], list(spec.simulation.gravity)],
+        **common,
+    )
+
+
+def _balances(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> tuple[Group, Balance, F64] | None:
+    """The body's group, what it lacks, and a way [m] to the middle of its support; each group is solved once."""
+    known = graph.resting
+    if entity not in known:
+        group = group_of(graph, entity, 0)
+        if group is None:
+            return None
+        simple = _standing(group)
+        found = {entity: simple[0]} if simple else solve(group, claimed=claimed, shift=OUTSIDE)
+        for name, balance in found.items():
+            known[name] = (group, balance, simple[1] if simple else _middle(group, name, balance))
+    return known[entity]
+
+
+def _standing(group: Group) -> tuple[Balance, F64] | None:
+    """A single body on level contacts: rests where its centre of mass is above their polygon, whatever the friction.
+
+    Returns its signed distance to the polygon, negative inside, and the way to its middle; None for all other cases.
+    """
+    contacts = [c for c in group.contacts if len(c[2].points)]
+    if len(group.members) > 1 or not contacts:
+        return None
+    signs = [1.0 if c[0] == group.members[0] else -1.0 for c in contacts]
+    normals = np.concatenate([s * c[2].normals for s, c in zip(signs, contacts, strict=True)])
+    if (normals @ group.down > -np.sqrt(1.0 - LEVEL * LEVEL)).any():
+        return None
+    side = np.linalg.svd(group.down[None])[2][1:]
+    flat = (np.concatenate([c[2].points for c in contacts]) - group.centers[0]) @ side.T
+    back = np.asarray(flat.mean(axis=0) @ side)
+    return Balance(outside(flat), back, 0.0), back
+
+
+def _middle(group: Group, entity: str, balance: Balance) -> F64:
+    """Twice the least way, but at least that and the allowance: to where it stands surely."""
+    length = float(np.linalg.norm(balance.way))
+    return balance.way * (1.0 + max(1.0, OUTSIDE / length)) if length > 0.0 else balance.way
+
+
+def outside(points: F64) -> float:
+    """Signed distance of the origin outside the convex hull of points in the plane [m]; negative inside."""
+    corners = points[hull_corners(points)]
+    ahead = np.roll(corners, -1, axis=0)
+    along = ahead - corners
+    square = np.maximum(np.einsum("ni,ni->n", along, along), np.finfo(float).tiny)
+    t = np.clip(-np.einsum("ni,ni->n", corners, along) / square, 0.0, 1.0)
+    distance = float(np.linalg.norm(corners + t[:, None] * along, axis=1).min())
+    turns = along[:, 0] * -corners[:, 1] - along[:, 1] * -corners[:, 0]
+    inside = len(corners) > 2 and ((turns > 0.0).all() or (turns < 0.0).all())
+    return -distance if inside else distance

@@ -1,0 +1,222 @@
+"""Where two entities touch and in which directions they can push: contact points with normals, from visible surfaces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import distance_to_surface
+from ...geometry.triangles import nearest_on_triangles, segment_points
+from ...worlds.arrays import F64
+
+if TYPE_CHECKING:
+    from ...worlds.arrays import RigidPose
+    from ..scene.surfaces import PartSurface, Surfaces
+
+__all__ = ["Contacts", "contacts_of", "hull_corners"]
+
+EDGE_SLACK = 5e-4
+"""[m] Own choice: points this much farther than the nearest belong to one flat contact."""
+BEND = 0.02
+"""Own choice: a surface may fall this steeply (sine, 1.1 degrees) behind a contact plane and still touch it flatly."""
+SAME = 1e-3
+"""Own choice: normals that differ less than this are one."""
+MOST_PAIRS = 1_000_000
+"""Edge pairs or point-triangle pairs that are compared at once."""
+
+
+class Contacts(NamedTuple):
+    """Contact of two entities at one frame. A point may occur several times, with different normals."""
+
+    points: F64
+    """[m], shape (n, 3)."""
+    normals: F64
+    """Unit directions in which the second entity can push the first, shape (n, 3)."""
+    friction: F64
+    """Coulomb coefficient, shape (n,)."""
+
+
+class _Side(NamedTuple):
+    """What of one part lies near the other."""
+
+    triangles: F64
+    """[m], shape (m, 3, 3)."""
+    normals: F64
+    """Outward, shape (m, 3)."""
+    sided: bool
+    """Whether outward is known: the surface bounds a volume."""
+
+
+def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
+    """Contacts by which `b` can push `a`; empty where they are farther apart than the contact tolerance.
+
+    Points are the corners of the overlap of the touching faces: vertices of either near the other, and crossings of
+    edges. A direction is a contact normal where all of `a` at the point lies on its side and all of `b` on the other.
+    """
+    nearest = surfaces.gap(a, b, frame)
+    none = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    if nearest.distance > surfaces.contact_gap(a, b):
+        return none
+    points: list[F64] = []
+    normals: list[F64] = []
+    friction: list[F64] = []
+    for i in surfaces.parts_of[a]:
+        for j in surfaces.parts_of[b]:
+            one, two = surfaces.parts[i], surfaces.parts[j]
+            slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
+            poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
+            found, ways = _touch(one, two, poses, slack)
+            points.append(found)
+            normals.append(ways)
+            friction.append(np.full(len(found), _friction(surfaces, one, two)))
+    if sum(len(p) for p in points) == 0:
+        way = nearest.point_a - nearest.point_b if nearest.distance > 0.0 else nearest.point_b - nearest.point_a
+        length = float(np.linalg.norm(way))
+        if length == 0.0:
+            return none
+        pair = next(
+            _friction(surfaces, surfaces.parts[i], surfaces.parts[j])
+            for i in surfaces.parts_of[a]
+            for j in surfaces.parts_of[b]
+            if (surfaces.parts[i].part, surfaces.parts[j].part) == (nearest.part_a, nearest.part_b)
+        )
+        return Contacts(0.5 * (nearest.point_a + nearest.point_b)[None], way[None] / length, np.array([pair]))
+    return _corners(Contacts(np.concatenate(points), np.concatenate(normals), np.concatenate(friction)))
+
+
+def _friction(surfaces: Surfaces, one: PartSurface, two: PartSurface) -> float:
+    """Coefficient of a pair: its own, else the larger of the two materials' (as `worlds/spec/entities.py` says)."""
+    spec = surfaces.candidate.spec
+    for pair in spec.simulation.contacts.values():
+        if {pair.a, pair.b} == {one.entity, two.entity} and pair.friction is not None:
+            return pair.friction
+    names = [next(p.material for p in surfaces.candidate.entity(s.entity).parts if p.part == s.part) for s in (one, two)]
+    return max(spec.materials[n].friction if n in spec.materials else 0.0 for n in names)
+
+
+def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose], slack: float) -> tuple[F64, F64]:
+    here, there = (pose.apply(part.solid.vertices) for pose, part in zip(poses, (one, two), strict=True))
+    low = np.maximum(here.min(axis=0), there.min(axis=0)) - slack
+    high = np.minimum(here.max(axis=0), there.max(axis=0)) + slack
+    if (low > high).any():
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    points = _points(one, two, poses, (here, there), (low, high), slack)
+    sides = [_side(placed, part, low, high) for placed, part in ((here, one), (there, two))]
+    found, ways = [], []
+    for point in points:
+        for way in _normals(point, sides[0], sides[1], slack):
+            found.append(point)
+            ways.append(way)
+    return np.array(found).reshape(-1, 3), np.array(ways).reshape(-1, 3)
+
+
+def _points(
+    one: PartSurface,
+    two: PartSurface,
+    poses: tuple[RigidPose, RigidPose],
+    placed: tuple[F64, F64],
+    box: tuple[F64, F64],
+    slack: float,
+) -> F64:
+    """Vertices of either near the other, and crossings of edges, shape (n, 3)."""
+    low, high = box
+    found: list[F64] = []
+    for own, solid, pose in ((placed[0], two.solid, poses[1]), (placed[1], one.solid, poses[0])):
+        inside = own[((own >= low) & (own <= high)).all(axis=1)]
+        if len(inside):
+            found.append(inside[distance_to_surface(solid, pose.inverse().apply(inside)).distance <= slack])
+    (p, q), (r, s) = (_near_edges(own, part.solid.edges, low, high) for own, part in zip(placed, (one, two), strict=True))
+    if 0 < len(p) * len(r) <= MOST_PAIRS:
+        u, v = (q - p)[:, None], (s - r)[None]
+        t, w = segment_points(p[:, None], u, r[None], v)
+        first, second = p[:, None] + t[..., None] * u, r[None] + w[..., None] * v
+        found.append(first[np.linalg.norm(first - second, axis=-1) <= slack])
+    points = np.concatenate(found) if found else np.zeros((0, 3))
+    if len(points) == 0:
+        return points
+    _, kept = np.unique(np.round(points / (0.1 * EDGE_SLACK)), axis=0, return_index=True)
+    return points[np.sort(kept)]
+
+
+def _near_edges(points: F64, edges: NDArray[np.int32], low: F64, high: F64) -> tuple[F64, F64]:
+    """Ends of the edges whose boxes meet a box, shapes (n, 3)."""
+    ends = points[edges]
+    meets = ((ends.min(axis=1) <= high) & (ends.max(axis=1) >= low)).all(axis=1)
+    return ends[meets, 0], ends[meets, 1]
+
+
+def _side(points: F64, part: PartSurface, low: F64, high: F64) -> _Side:
+    corner = points[part.solid.faces]
+    meets = ((corner.min(axis=1) <= high) & (corner.max(axis=1) >= low)).all(axis=1)
+    corner = corner[meets]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    flat = length > 0.0
+    # Imported surfaces may be inside out.
+    sign = -1.0 if part.solid.closed and part.solid.volume < 0.0 else 1.0
+    return _Side(corner[flat], sign * normal[flat] / length[flat, None], part.solid.closed)
+
+
+def _normals(point: F64, own: _Side, other: _Side, slack: float) -> F64:
+    """Directions in which the other surface can push the own one at a point, shape (n, 3); empty where none is known."""
+    near = [
+        np.flatnonzero(nearest_on_triangles(point[None], side.triangles)[0] <= slack) if len(side.triangles) else np.zeros(0, int)
+        for side in (own, other)
+    ]
+    if min(len(n) for n in near) == 0:
+        return np.zeros((0, 3))
+    mine, theirs = own.triangles[near[0]], other.triangles[near[1]]
+    # Flush faces lie on both sides of their plane; only their outward normals tell from where they push.
+    ways = [other.normals[near[1]], -own.normals[near[0]]]
+    ways += [-w for w, side in zip(ways, (other, own), strict=True) if not side.sided]
+    kept = _separating(np.concatenate(ways), point, mine, theirs, slack)
+    if len(kept) == 0:
+        edges = [(t - np.roll(t, 1, axis=1)).reshape(-1, 3) for t in (mine, theirs)]
+        across = np.cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
+        length = np.linalg.norm(across, axis=1)
+        across = across[length > 0.0] / length[length > 0.0, None]
+        kept = _separating(np.concatenate([across, -across]), point, mine, theirs, slack)
+    if len(kept) == 0:
+        return kept
+    _, index = np.unique(np.round(kept / SAME), axis=0, return_index=True)
+    return kept[np.sort(index)]
+
+
+def _separating(ways: F64, point: F64, mine: F64, theirs: F64, slack: float) -> F64:
+    above, below = (mine - point).reshape(-1, 3), (point - theirs).reshape(-1, 3)
+    allowed = [slack + BEND * np.linalg.norm(side, axis=1) for side in (above, below)]
+    good = (ways @ above.T >= -allowed[0]).all(axis=1) & (ways @ below.T >= -allowed[1]).all(axis=1)
+    return np.asarray(ways[good])
+
+
+def _corners(contacts: Contacts) -> Contacts:
+    """Leave out points inside flat patches: forces at the corners give every force and moment that they could."""
+    groups = np.round(np.column_stack([contacts.normals, contacts.friction]) / SAME)
+    _, member = np.unique(groups, axis=0, return_inverse=True)
+    member = member.reshape(-1)
+    kept: list[NDArray[np.intp]] = []
+    for group in range(int(member.max()) + 1):
+        index = np.flatnonzero(member == group)
+        normal = contacts.normals[index[0]]
+        side = np.linalg.svd(normal[None])[2][1:]
+        offset = contacts.points[index] - contacts.points[index[0]]
+        flat = np.ptp(offset @ normal) <= EDGE_SLACK
+        kept.append(index[hull_corners(offset @ side.T)] if flat else index)
+    chosen = np.sort(np.concatenate(kept))
+    return Contacts(contacts.points[chosen], contacts.normals[chosen], contacts.friction[chosen])
+
+
+def hull_corners(points: F64) -> NDArray[np.intp]:
+    """Indices of the corners of the convex hull of points in the plane, shape (n, 2); its ends where it is a line."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    if len(points) <= 3:
+        return np.arange(len(points))
+    try:
+        return np.asarray(ConvexHull(points).vertices, dtype=np.intp)
+    except QhullError:
+        spread = points - points.mean(axis=0)
+        along = spread @ np.linalg.svd(spread)[2][0]
+        return np.unique([along.argmin(), along.argmax()])

@@ -1,0 +1,74 @@
+"""What the jobs of the tools are: how urgent, how long at most, and the call that does their work again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from ..execution import BULK, INTERACTIVE, NORMAL, Job
+from .answers import call
+
+__all__ = ["ENTRIES", "KINDS", "Again", "JobKind", "again"]
+
+ENTRIES = "worldagent.workflow.jobs"
+"""The module of the functions that do the work."""
+HOUR_S = 3600.0
+
+
+@dataclass(frozen=True)
+class JobKind:
+    """One kind of job."""
+
+    priority: int
+    wall_s: float
+    """Longest running time where the environment names no other [s]. Own choice: several times what the caps of a
+    specification allow on a slow machine, so that only work that hangs meets it."""
+    tool: str
+    """The tool that starts it."""
+    arguments: tuple[str, ...] = ()
+    """Arguments of that tool which the job's payload holds."""
+    fixed: dict[str, str] = field(default_factory=dict)
+    """Arguments of that tool which are the same for all jobs of the kind."""
+    keeps: str = ""
+    """What the same call does with the work of a job that was interrupted."""
+
+
+KINDS: dict[str, JobKind] = {
+    "check": JobKind(INTERACTIVE, 6 * HOUR_S, "run_checks", ("scope", "only")),
+    "terrain": JobKind(
+        NORMAL,
+        6 * HOUR_S,
+        "build_terrain",
+        ("terrain", "entity", "size", "center", "cells", "material", "hypothesis"),
+        keeps="keeps a landscape that is built",
+    ),
+    "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim", ("coarser",)),
+    "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
+    "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),
+    "final": JobKind(
+        BULK,
+        96 * HOUR_S,
+        "render_shot",
+        ("width", "height", "samples"),
+        {"kind": "final"},
+        keeps="keeps the frames that are rendered",
+    ),
+}
+"""All kinds by name."""
+
+
+class Again(NamedTuple):
+    """How the work of a job that was cancelled or lost goes on."""
+
+    call: str
+    """The exact call; empty where there is none: repeating what failed would fail again."""
+    keeps: str
+
+
+def again(job: Job) -> Again:
+    """The next call after a job that came to no result."""
+    kind = KINDS.get(job.kind)
+    if kind is None or job.world is None or job.state not in ("cancelled", "lost"):
+        return Again("", "")
+    given = {name: job.payload.get(name) or None for name in kind.arguments}
+    return Again(call(kind.tool, world=job.world, **kind.fixed, **given), kind.keeps)

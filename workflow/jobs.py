@@ -1,0 +1,401 @@
+"""Entries of the worker processes: each is one job, from reading the world to writing its ledger."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..execution import JobContext, Part
+from ..worlds.canonical import spec_digest
+from ..worlds.errors import EvidenceError, LimitError, RefusedError
+from ..worlds.folder import WorldFolder, write_atomically
+from ..worlds.requirements import Row
+from .estimates import Pace
+from .landscapes import terrain
+from .rows import summary
+from .session import Session
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+
+__all__ = ["accept", "bake", "check", "final", "probe", "terrain"]
+
+WARM = (
+    "cv2",
+    "fcl",
+    "mujoco",
+    "scipy.interpolate",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "scipy.sparse.csgraph",
+    "scipy.spatial.transform",
+    "scipy.stats",
+    "warp",
+    "worldagent.construction",
+    "worldagent.geometry.batch",
+    "worldagent.rendering",
+    "worldagent.simulation.bake",
+    "worldagent.simulation.probe",
+    "worldagent.simulation.rigid.solver",
+    "worldagent.tools",
+    "worldagent.workflow.measurements",
+    "worldagent.verifiers.acceptance",
+    "worldagent.verifiers.checks",
+    "worldagent.verifiers.story.phases",
+    "worldagent.worlds.candidate",
+)
+"""What a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
+no Mitsuba (Dr.Jit starts a thread)."""
+SHEET_FRAMES = 9
+JUDGED = 1.0 - 1e-9
+"""Part of an acceptance that is the judgement; the report takes a moment."""
+
+
+def _failing(rows: list[Row], last: int) -> list[str]:
+    """Mandatory rows that do not pass; what can only be judged after frame `last` waits for the bake."""
+    later = {r.id for r in rows if r.status == "unverified" and r.frames is not None and r.frames[1] > last}
+    return [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified") and r.id not in later]
+
+
+def _session(payload: dict[str, Any]) -> tuple[Session, str]:
+    """The world, and the freeze of its present specification written to its candidate folder."""
+    from ..construction import build_world, built_paths
+    from ..simulation.freeze import open_freeze
+
+    session = Session.at(WorldFolder.at(Path(payload["folder"])))
+    built, _ = build_world(session.folder, session.spec)
+    files = built_paths(session.folder, session.spec)
+    return session, open_freeze(session.folder, session.spec, built, files, session.revision)
+
+
+def _sheet(candidate: Any, folder: WorldFolder, name: str) -> str:
+    """Contact sheet over the candidate's frames, kept in `pictures/`; returns its file name."""
+    import numpy as np
+
+    from ..rendering import PreviewRenderer, contact_sheet, preview
+
+    renderer = PreviewRenderer(candidate)
+    frames = sorted(set(np.linspace(0, candidate.last_frame, SHEET_FRAMES).round().astype(int).tolist()))
+    fps = candidate.spec.simulation.fps
+    images = [preview(candidate, k, width=480, height=270, renderer=renderer) for k in frames]
+    sheet = contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=3)
+    write_atomically(folder.pictures / name, sheet)
+    return name
+
+
+def _film_sheet(folder: WorldFolder, frames: list[Path], name: str, fps: int) -> str:
+    """Contact sheet of a rendered film, kept in `pictures/`; returns its file name."""
+    import cv2
+    import numpy as np
+
+    from ..rendering import contact_sheet
+
+    chosen = sorted(set(np.linspace(0, len(frames) - 1, SHEET_FRAMES).round().astype(int).tolist()))
+    images = [np.asarray(cv2.imread(str(frames[k])))[..., ::-1].astype(np.uint8) for k in chosen]
+    sheet = contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen], columns=3)
+    write_atomically(folder.pictures / name, sheet)
+    return name
+
+
+def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Probe the present settings; a pass freezes them."""
+    from ..simulation.probe import probe_frames, run_probe
+    from ..simulation.runs import groups_of
+    from ..simulation.schedule import stretch_count
+    from ..verifiers.checks import judging_share, names_of, run_checks
+    from ..verifiers.story.phases import find_phases
+    from ..worlds.coarsening import overrides_for
+
+    session, freeze = _session(payload)
+    total, known = probe_frames(session.spec), session.ledger.freeze(freeze)
+    split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
+    pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
+    coarser = float(payload.get("coarser") or 1.0)
+    overrides = overrides_for(session.spec, coarser)
+    started, seconds = time.monotonic(), {}
+    candidate = run_probe(session.folder, freeze, overrides=overrides, progress=pace, check=context.check)
+    if pace.reports >= total * len(groups_of(session.spec)):
+        seconds["simulated"] = time.monotonic() - started
+    candidate = _keeping(candidate, session.folder, freeze)
+    rows = run_checks(candidate, progress=Part(context.progress, split, 1.0), seconds=seconds)
+    open_rows = _failing(rows, candidate.last_frame)
+    with session.ledger.together():  # a kill leaves the change untested, or all of its test
+        session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
+        rows = session.cited(rows)
+        changed = session.record(rows, stage="probe", checks=names_of("probe"))
+    try:
+        phases: dict[str, Any] = {
+            k: v for k, v in vars(find_phases(candidate)).items() if isinstance(v, (int, float, type(None)))
+        }
+    except EvidenceError as error:  # what moves without end has no phases; the rows say so
+        phases = {"none": str(error)}
+    session.ledger.put_freeze(
+        freeze,
+        session.revision,
+        passed=not open_rows,
+        detail={
+            "frames": total,
+            "failing": open_rows,
+            "digest": candidate.digest,
+            "events": _events(candidate),
+            **_spent(seconds, known),
+            **({"coarser": coarser, "overrides": overrides} if overrides else {}),
+        },
+    )
+    picture = _sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
+    return {
+        "passed": not open_rows,
+        "freeze": freeze[:16],
+        "frames_probed": total,
+        "phases": phases,
+        **({"overrides": overrides} if overrides else {}),
+        "changed_rows": len(changed),
+        **summary(rows),
+        "picture": picture,
+    }
+
+
+def _keeping(candidate: Candidate, folder: WorldFolder, freeze: str) -> Candidate:
+    """The candidate, with a place for the runs without its causes. Acceptance has none: it simulates for itself."""
+    return dataclasses.replace(candidate, variants=folder.candidate(freeze) / "variants")
+
+
+def _spent(seconds: Mapping[str, float], known: dict[str, Any] | None) -> dict[str, float]:
+    """Seconds that the frames and their judgement took; of frames that were there before, as they were measured then."""
+    before = {} if known is None else {k: v for k, v in known["detail"].items() if k in ("simulated_s", "judged_s")}
+    return before | {f"{name}_s": round(value, 2) for name, value in seconds.items()}
+
+
+def _events(candidate: Any) -> dict[str, int | None]:
+    """First true frame of every beat: what the probe promises about the bake."""
+    from ..verifiers.predicates import evaluate
+
+    return {n: evaluate(candidate, b.predicate, b.frames).first_true_frame for n, b in candidate.spec.story.beats.items()}
+
+
+def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Bake the frozen candidate and check the full sequence."""
+    import shutil
+
+    from ..simulation.bake import run_bake
+    from ..simulation.schedule import stretch_count
+    from ..verifiers.checks import judging_share, names_of, rerun_ids, run_checks
+    from ..worlds.baked import frame_digests
+    from .measurements import refuted
+    from .promises import promise_row
+
+    session, freeze = _session(payload)
+    record = session.ledger.freeze(freeze)
+    if record is None or not record["passed"]:
+        raise RefusedError(
+            "these exact settings have no passing probe: "
+            + (
+                "call probe_sim first"
+                if record is None
+                else f"the probe left {record['detail']['failing'][:6]} open; repair, then probe_sim"
+            )
+        )
+    total = session.spec.simulation.frames
+    forged = refuted(session, freeze)
+    if forged:  # a forged frame and its forged digest agree: nothing of that bake is trusted
+        shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
+    split = 1.0 - judging_share(session.spec, "full")
+    part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
+    candidate = run_bake(session.folder, freeze, progress=part, check=context.check, reuse=not forged)
+    rows = run_checks(candidate, progress=Part(context.progress, split, 1.0))
+    promised, found = record["detail"]["events"], _events(candidate)
+    rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
+    rows = session.cited(rows)
+    changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec))
+    open_rows = _failing(rows, candidate.last_frame)
+    content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches)}
+    session.ledger.put_bake(freeze, session.revision, candidate.digest, content)
+    picture = _sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
+    return {
+        "complete": True,
+        "passed": not open_rows,
+        "freeze": freeze[:16],
+        "frames": total,
+        "cache_digest": candidate.digest[:16],
+        "changed_rows": len(changed),
+        **summary(rows),
+        "picture": picture,
+    }
+
+
+def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Run the checks of one scope again on what is there."""
+    from ..verifiers.checks import names_of, rerun_ids, run_checks
+    from ..verifiers.delivery.binding import cache_row
+    from ..worlds.baked import bake_record
+    from ..worlds.candidate import open_candidate
+
+    session, freeze = _session(payload)
+    stage = payload["scope"]
+    candidate = open_candidate(session.folder, freeze, stage)
+    if stage == "probe":
+        candidate = _keeping(candidate, session.folder, freeze)
+    rows = run_checks(candidate, only=payload.get("only"), progress=Part(context.progress))
+    done = names_of(stage) if payload.get("only") is None else payload["only"]
+    if stage == "full" and "delivery" in done:
+        rows.append(cache_row(candidate, bake_record(session.folder.ledger_path, freeze)))
+    whole = stage == "probe" and payload.get("only") is None
+    open_rows = _failing(rows, candidate.last_frame)
+    with session.ledger.together():  # as in a probe
+        if whole:
+            session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
+        rows = session.cited(rows)
+        changed = session.record(rows, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec))
+    if whole:
+        # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
+        known = session.ledger.freeze(freeze)
+        kept = ("simulated_s", "judged_s", "coarser", "overrides")
+        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k in kept}
+        detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
+        detail |= spent
+        session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
+    return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
+
+
+def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Have a fresh process judge the present candidate; record its verdict."""
+    import secrets
+
+    from ..verifiers.acceptance import judge_fresh
+    from .bundles import remember_refuted
+
+    session, freeze = _session(payload)
+    if session.ledger.bake(freeze) is None:
+        raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
+    require_true_geometry(session)
+    context.progress(0, 1, "a fresh process judges the candidate")
+    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
+    if record["spec_digest"] != spec_digest(session.spec):
+        raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
+    rows = [Row.model_validate(r) for r in record["rows"]]
+    weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
+    record |= {"weakenings": weakenings, "stage": "full"}
+    with session.ledger.together():
+        remember_refuted(session.ledger, record)
+        session.record(rows, stage="full")
+    # The ledger keeps verdicts; contact events are in the caches.
+    kept = {k: v for k, v in record.items() if k != "events"}
+    session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)
+    context.progress(JUDGED, 1, "writing the report")
+    proof = _proof(session, record)
+    context.progress(1, 1, record["verdict"])
+    return {
+        "verdict": record["verdict"],
+        "freeze": freeze[:16],
+        **summary(rows),
+        "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
+        "unmet_clauses": {k: c["unmet"] for k, c in record["clauses"].items() if c["unmet"]},
+        "clauses_without_event": {k: c["static_because"] for k, c in record["clauses"].items() if c.get("static_because")},
+        "weakenings": record["weakenings"],
+        "approximations": record["approximations"][:20],
+        **proof,
+    }
+
+
+def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
+    """Writes the matrix report of a verdict, and the bundle of an accepted one; where they are, in the world folder."""
+    from .bundles import make_bundle
+    from .matrix_report import write_report
+
+    folder = session.folder
+    page = folder.acceptance / f"{record['freeze'][:16]}.html"
+    write_report(page, folder, record, spec=session.spec)
+    found = {"report": folder.relative(page)}
+    if record["verdict"] != "accepted":
+        return found
+    try:
+        written = make_bundle(folder, session.ledger, record)
+    except LimitError as error:  # the verdict stands without it
+        return {**found, "bundle_note": str(error)}
+    return {**found, "bundle": folder.relative(written.path), "bundle_digest": written.digest}
+
+
+def require_true_geometry(session: Session) -> None:
+    """Build every entity again and compare: a built file that was replaced before the probe hashes like any other.
+
+    Raises:
+        EvidenceError: one differs from what the specification gives; it is moved aside.
+    """
+    from ..construction import build_entity, build_world, built_paths
+
+    built, _ = build_world(session.folder, session.spec)
+    files = built_paths(session.folder, session.spec)
+    for name, found in built.items():
+        if build_entity(session.spec, name, session.folder.assets).digest() != found.digest():
+            path = session.folder.root / files[name]
+            path.replace(path.with_suffix(".altered"))
+            raise EvidenceError(
+                f"the built geometry of {name!r} is not what the specification gives; it was moved aside to "
+                f"{path.with_suffix('.altered').name}. Call place_object, probe_sim and bake_sim again"
+            )
+
+
+def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
+    """The acceptance of exactly this candidate.
+
+    Raises:
+        RefusedError: there is none.
+    """
+    from ..verifiers.acceptance import acceptance_subject
+    from ..worlds.candidate import open_candidate
+
+    baked = session.ledger.bake(freeze)
+    if baked is not None:
+        candidate = open_candidate(session.folder, freeze, "full")
+        found = session.ledger.acceptance(acceptance_subject(session.spec, freeze, candidate.digest))
+        if found is not None and found["verdict"] == "accepted":
+            return found
+    raise RefusedError("this very candidate is not accepted; call run_checks(world, scope='acceptance') and mend what it returns")
+
+
+def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Render the final sequence of an accepted candidate to frames and a video."""
+    from ..rendering import render_sequence, write_video
+    from ..worlds.candidate import open_candidate
+
+    session, freeze = _session(payload)
+    require_acceptance(session, freeze)
+    candidate = open_candidate(session.folder, freeze, "full")
+    for cache in candidate.caches.values():
+        digests = cache.digests()
+        altered = next((k for k in range(cache.index.frames) if cache.frame_digest(k) != digests[k]), None)
+        if altered is not None:
+            raise EvidenceError(
+                f"frame {altered} was altered since acceptance; call bake_sim, then run_checks(scope='acceptance')"
+            )
+    root = session.folder.candidate(freeze) / "final"
+    width, height, samples = (payload.get(k) for k in ("width", "height", "samples"))
+    pace = Pace(context.progress)
+    frames = render_sequence(
+        candidate,
+        root / "frames",
+        width=width,
+        height=height,
+        samples=samples,
+        progress=pace,
+        cancelled=context.cancelled,
+    )
+    context.check()
+    video = write_video(frames, root / "final.webm", session.spec.simulation.fps)
+    return {
+        "picture": _film_sheet(session.folder, frames, f"final_{freeze[:8]}.jpg", session.spec.simulation.fps),
+        "video": session.folder.relative(video.path),
+        "codec": video.codec,
+        "frames": video.frames,
+        "width": video.width,
+        "height": video.height,
+        "note": video.note,
+        "samples": samples or session.spec.look.samples,
+        "seconds_per_frame": pace.seconds_per_step and round(pace.seconds_per_step, 4),
+        "bytes": video.path.stat().st_size,
+        "duration_s": round(video.frames / session.spec.simulation.fps, 3),
+        "folder": session.folder.relative(root),
+    }

@@ -1,0 +1,140 @@
+"""Verdicts about a world folder anywhere, without the server: `worldagent verify` and `worldagent recompute`."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+from typing import Any
+
+from ..worlds.errors import InputError
+from ..worlds.folder import WorldFolder
+from ..worlds.ledger import Ledger
+from ..worlds.patch import parse_spec
+from ..worlds.requirements import Row
+from .rows import counts
+from .session import Session
+from .verify_bundle import untrue_geometry
+
+__all__ = ["recompute_folder", "verify_folder"]
+
+
+def _report(record: dict[str, Any]) -> dict[str, Any]:
+    rows = [Row.model_validate(r) for r in record["rows"]]
+    return {
+        "verdict": record["verdict"],
+        "freeze": record["freeze"],
+        "spec_digest": record["spec_digest"],
+        "cache_digest": record["cache_digest"],
+        "rows": counts(rows),
+        "failing": [
+            {
+                "id": r.id,
+                "status": r.status,
+                "measured": r.measured,
+                "bound": r.bound,
+                "entity": r.first_failing_entity,
+                "frame": r.first_failing_frame,
+            }
+            for r in rows
+            if r.mandatory and r.status in ("fail", "unverified")
+        ],
+        "unmet_clauses": {k: c["unmet"] for k, c in record["clauses"].items() if c["unmet"]},
+        "approximations": record["approximations"],
+        "versions": record["versions"],
+        "replayed": record["replayed"],
+    }
+
+
+def verify_folder(
+    folder: Path, *, replay: bool, seed: int | None = None, intervals: int | None = None, report: Path | None = None
+) -> dict[str, Any]:
+    """Judge a world folder, or an acceptance bundle, in a fresh process with this program's own verifiers.
+
+    Nothing in it is written. A bundle is always replayed: without that it proves nothing.
+
+    Args:
+        folder: a world folder, copied from anywhere, or the zip file of a bundle.
+        replay: also simulate randomly chosen intervals again and compare bytes.
+        seed: chooses the intervals; default a new one, which the answer names.
+        intervals: how many; default 3, more than there are means all.
+        report: where to write the matrix report of this judgement, as HTML.
+
+    Raises:
+        InputError: there is no such folder or bundle.
+        RefusedError: no candidate holds the folder's specification, or its bake is incomplete.
+        EvidenceError: something recorded is missing or damaged.
+    """
+    from ..verifiers.acceptance import REPLAY_INTERVALS, judge_fresh
+    from .matrix_report import write_report
+    from .verify_bundle import verify_bundle
+
+    drawn = secrets.randbelow(2**31) if seed is None else seed
+    many = REPLAY_INTERVALS if intervals is None else intervals
+    if folder.is_file():
+        return verify_bundle(folder, seed=drawn, intervals=many, report=report)
+    if not (folder / "world.json").is_file():
+        raise InputError(f"{str(folder)!r} is neither a world folder (it has no world.json) nor a bundle")
+    world = WorldFolder.at(folder)
+    record = judge_fresh(world.root, replay=replay, seed=drawn, intervals=many)
+    wrong = _untrue(world, record)
+    found = {**_report(record), "seed": drawn, "problems": wrong, "differences": _recorded_otherwise(world, record)}
+    if wrong:
+        found["verdict"] = "incomplete"
+    if report is not None:
+        write_report(report, world, {**record, "verdict": found["verdict"]}, problems=wrong)
+    return found
+
+
+def _untrue(world: WorldFolder, record: dict[str, Any]) -> list[str]:
+    """Built geometry that this installation does not get from the specification: its digest alone proves nothing."""
+    known = world.read_json(world.candidate(record["freeze"]) / "candidate.json")
+    wrong = untrue_geometry(world, parse_spec(known["spec"]), known)
+    return [f"the built geometry of {name!r} is not what the specification gives" for name in wrong]
+
+
+def _recorded_otherwise(world: WorldFolder, record: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rows that the folder's own ledger tells otherwise; the ledger is no evidence, so that these decide nothing."""
+    import shutil
+    import sqlite3
+    import tempfile
+
+    from ..verifiers.checks import rerun_ids
+    from ..verifiers.delivery.bundle import compare_rows
+
+    if not world.ledger_path.is_file():
+        return []
+    try:
+        with tempfile.TemporaryDirectory(prefix="worldagent-") as temporary:
+            # Opening a ledger may write to it.
+            copy = Path(shutil.copy(world.ledger_path, temporary))
+            known = Ledger(copy).acceptance(record["subject"])
+    except (sqlite3.Error, ValueError) as error:
+        return [{"ledger": f"cannot be read: {error}"}]
+    if known is None:
+        return []
+    theirs = known["record"]["rows"]
+    if not record["replayed"]:
+        again = {"delivery:replay", *rerun_ids(parse_spec(world.read_json(world.spec_path)))}
+        theirs = [r for r in theirs if r["id"] not in again]
+    return compare_rows(theirs, record["rows"], exact=True)
+
+
+def recompute_folder(folder: Path) -> dict[str, Any]:
+    """Build, probe, bake and judge a world folder from its specification alone (R158).
+
+    What is cached already is reused only where its digests match; delete `candidates/` and `built/` to start from nothing.
+    """
+    from ..execution import run_inline
+    from ..verifiers.acceptance import judge_fresh
+
+    root = folder.resolve()
+    session = Session.at(WorldFolder.at(root))
+    session.require_audit("recompute")
+    payload = {"folder": str(root)}
+    session.check_static()
+    probed = run_inline("worldagent.workflow.jobs:probe", payload)
+    if not probed["passed"]:
+        return {"verdict": "incomplete", "rows": probed["counts"], "failing": probed["open_rows"], "stage": "probe"}
+    run_inline("worldagent.workflow.jobs:bake", payload)
+    record = judge_fresh(root, seed=secrets.randbelow(2**31))
+    return _report(record)

@@ -1,0 +1,1 @@
+"""Audits of a specification before anything is built."""

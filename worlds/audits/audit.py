@@ -1,0 +1,335 @@
+"""Audit of a specification before anything expensive runs (R25-R31, R154-R157).
+
+Every finding is a row of the matrix. The audit also derives what construction and simulation need: bake order,
+contact pairs, camera coverage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..canonical import digest_of
+from ..categories.cloth.audit import cloth_problems
+from ..categories.elastic.audit import elastic_problems
+from ..categories.fracture.audit import fracture_problems
+from ..categories.liquid.audit import liquid_problems
+from ..categories.particles.audit import particle_problems
+from ..fields import field_drivers
+from ..groups import group_of
+from ..instances import bake_order, coupling_problems
+from ..references import closest, references, resolves
+from ..requirements import Correction, Row
+from ..spec import MOVED, WorldSpec
+from .clauses import clauses_of
+from .fields import field_problems
+from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems, replaced
+from .masses import DENSITY_RANGES, mass_problems
+from .ownership import ownership_problems
+from .reach import reach_problems
+from .story import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused
+
+__all__ = ["AuditReport", "audit"]
+
+_PARTICLES = frozenset(
+    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
+    | {"origin", "exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
+)
+_GRAINS = frozenset(
+    {f"particle/{n}" for n in ("position", "velocity", "spin", "id", "member", "radius")}
+    | {"origin", "exchange/impulse", "exchange/reaction", "field/impulse", "outflow/momentum"}
+)
+ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
+    "mujoco": frozenset(
+        {"position", "quaternion", "velocity", "angular_velocity", "joint", "contact/pair", "contact/impulse", "contact/min_gap"}
+    ),
+    "dfsph": _PARTICLES,
+    "flip": _PARTICLES,
+    "shell": frozenset({"position", "quaternion", "vertex/position", "vertex/velocity"}),
+    "dem": _GRAINS,
+    "ballistic": _GRAINS,
+}
+"""Evidence each engine of this build writes."""
+BOND_CHANNELS = frozenset({"bond/broken", "break/time", "break/bond", "break/cause"})
+"""Evidence of breakable members."""
+SKIN_SHARE = 0.9
+"""Two skins may take at most this share of the contact tolerance: a body placed at two skins must count as touching."""
+SKILL = "skill://world-building/SKILL.md"
+
+
+@dataclass(frozen=True)
+class AuditReport:
+    """Rows and what follows from the specification."""
+
+    rows: tuple[Row, ...]
+    bake_order: tuple[str, ...]
+    contact_pairs: tuple[tuple[str, str], ...]
+    coverage: Mapping[str, tuple[str, ...]]
+    """Beat -> shots that overlap its frames."""
+    clauses: Mapping[str, str]
+    lacking: tuple[str, ...] = ()
+    """What a world may do without until its acceptance, which will ask for it."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether every mandatory row passes."""
+        return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
+
+
+class _Audit:
+    def __init__(self, spec: WorldSpec) -> None:
+        self.spec = spec
+        self.document = spec.model_dump(mode="json")
+        self.rows: list[Row] = []
+        self.recipe = digest_of(self.document)[:32]
+
+    def add(
+        self,
+        row_id: str,
+        predicate: str,
+        problems: Sequence[Problem],
+        *,
+        entity: str | None = None,
+        measured: float | None = None,
+        bound: float | None = None,
+        comparison: Any = "",
+        unit: str = "",
+        status: Any = None,
+        group: Any = "delivery",
+    ) -> None:
+        """One row; it fails when there are problems the first eight become corrections."""
+        corrections = tuple(
+            Correction(
+                cause=text,
+                edit_class=group_of(place).edit_class,
+                group=group_of(place).name,
+                action=text,
+                pointers=(place,),
+                patch=() if patch is None else (patch,),
+                skill=SKILL,
+            )
+            for place, text, patch in problems[:8]
+        )
+        self.rows.append(
+            Row(
+                id=f"audit:{row_id}",
+                question=f"audit:{row_id}",
+                subject=(entity,) if entity else (),
+                check="audit",
+                group=group,
+                predicate=predicate,
+                status=status or ("fail" if problems else "pass"),
+                artifact="world.json",
+                measured=float(len(problems)) if measured is None else measured,
+                bound=0.0 if bound is None and not comparison else bound,
+                comparison=comparison or "<=",
+                unit=unit or "1",
+                entities=(entity,) if entity else (),
+                first_failing_entity=entity if problems else None,
+                corrections=corrections,
+                evidence={"problems": [f"{p.pointer}: {p.text}" for p in problems[:12]]} if problems else {},
+                recipe=self.recipe,
+            )
+        )
+
+    # ---------------------------------------------------------------- references
+
+    def _known(self) -> dict[str, set[str]]:
+        spec, plan = self.spec, self.spec.simulation
+        entities = set(spec.entities)
+        return {
+            "entity": entities,
+            "part": {f"{e}/{p}" for e, c in spec.entities.items() for p in c.parts},
+            "region": set(spec.graph.regions),
+            "node": entities | set(spec.graph.regions),
+            "beat": set(spec.story.beats),
+            "solver": set(plan.solvers),
+            "driver": set(plan.drivers),
+            "joint": set(plan.joints),
+            "material": set(spec.materials),
+            "owner": set(plan.solvers) | set(plan.drivers),
+        }
+
+    def references(self) -> None:
+        """R25, R26: every reference resolves."""
+        known = self._known()
+        problems = []
+        for place, target, value in references(self.spec, ""):
+            if value in known[target] or (value == "each" and target == "entity" and "/predicate" in place):
+                continue
+            near = closest(value, known[target])
+            text = f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first")
+            problems.append(Problem(place, text, replaced(place, near) if near else None))
+        self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
+
+    # ---------------------------------------------------------------- ownership
+
+    def ownership(self) -> None:
+        """R27: every motion has a declared owner; every collider is in a solver."""
+        text = "every moving entity has exactly one responsible solver or driver"
+        self.add("ownership", text, ownership_problems(self.spec))
+
+    def categories(self) -> None:
+        """Engines exist for the categories used."""
+        for name, entity in self.spec.entities.items():
+            if entity.physics.category not in MOVED:
+                self.add(
+                    f"engine:{name}",
+                    f"an engine of this build simulates category {entity.physics.category!r}",
+                    [
+                        Problem(
+                            f"/entities/{name}/physics",
+                            f"no engine for {entity.physics.category!r} in this build; there are engines for {', '.join(MOVED)}",
+                        )
+                    ],
+                    entity=name,
+                    status="unverified",
+                    group="physical",
+                )
+
+    # ---------------------------------------------------------------- story
+
+    def story(self) -> None:
+        """R14-R16, R28, R29: beats in range, owned, checkable, with evidence, causally ordered."""
+        text = "beats lie in the sequence, have owners, and their causes are ordered and acyclic"
+        self.add("story", text, story_problems(self.spec), group="temporal")
+        unseen = evidence_problems(self.spec, ENGINE_CHANNELS, BOND_CHANNELS)
+        self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", unseen, group="temporal")
+
+    def liquids(self) -> None:
+        """R57, R58, R66: liquids have an engine that resolves them, couplings can be carried out."""
+        plan = self.spec.simulation
+        if plan.liquid or any(e.physics.category == "liquid" for e in self.spec.entities.values()):
+            text = "liquids are members of a liquid instance that resolves them, and its domain holds them"
+            self.add("liquids", text, liquid_problems(self.spec), group="physical")
+        if any(e.physics.category == "elastic" for e in self.spec.entities.values()):
+            text = "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells"
+            self.add("elastic", text, elastic_problems(self.spec), group="physical")
+        if plan.cloth or any(
+            e.physics.category == "cloth" or any(p.shape.kind == "sheet" for p in e.parts.values())
+            for e in self.spec.entities.values()
+        ):
+            text = "cloth is made of sheets or meshes that resolve its thickness, and its pins hold it"
+            self.add("cloth", text, cloth_problems(self.spec), group="physical")
+        if plan.particles or any(e.physics.category == "particles" for e in self.spec.entities.values()):
+            text = "particles are members of an engine of their law, which holds them in its domain"
+            self.add("particles", text, particle_problems(self.spec), group="physical")
+        if field_drivers(self.spec):
+            self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
+        if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):
+            self.add(
+                "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
+            )
+
+    def fracture(self) -> None:
+        """R61: breakable bodies can be cut, carried and simulated."""
+        if any(e.breakable is not None for e in self.spec.entities.values()):
+            text = "breakable entities are free rigid bodies, cut no finer than skins and caps allow, and bear their own weight"
+            self.add("fracture", text, fracture_problems(self.spec), group="physical")
+
+    def graph(self) -> None:
+        """Support is acyclic and carried by something; relations lie in the sequence."""
+        text = "support relations are acyclic, relations lie in the sequence"
+        self.add("graph", text, graph_problems(self.spec), group="spatial")
+        if self.spec.simulation.joints or any(e.generator is not None for e in self.spec.entities.values()):
+            text = "joints, springs and rope ends reach the shapes that they join"
+            self.add("reach", text, reach_problems(self.spec), group="spatial")
+
+    # ---------------------------------------------------------------- numbers
+
+    def materials(self) -> None:
+        """R154: densities within the substance's real range; masses consistent with a real density."""
+        for name, material in self.spec.materials.items():
+            low, high = DENSITY_RANGES[material.substance]
+            ok = low <= material.density <= high
+            problem = [] if ok else [
+                Problem(f"/materials/{name}/density", f"{material.density:g} kg/m^3 is no {material.substance}: allowed {low:g} to {high:g}", replaced(f"/materials/{name}/density", min(max(material.density, low), high)))
+            ]  # fmt: skip
+            self.add(
+                f"density:{name}",
+                f"density of {name!r} lies in the range of {material.substance} [{low:g}, {high:g}] kg/m^3",
+                problem,
+                measured=material.density,
+                bound=low if material.density < low else high,
+                comparison=">=" if material.density < low else "<=",
+                unit="kg/m^3",
+                group="physical",
+            )
+
+    def masses(self) -> None:
+        """R154: declared masses are those of the bodies' volumes of their substances."""
+        text = "declared masses lie within what the substances allow the bodies' volumes and the sheets' thicknesses to weigh"
+        self.add("masses", text, list(mass_problems(self.spec)), group="physical")
+
+    def bounds(self) -> None:
+        """Limits fit the solver's settings."""
+        limits, problems = self.spec.simulation.limits, []
+        for name, instance in self.spec.simulation.rigid.items():
+            if 2 * instance.settings.skin > SKIN_SHARE * limits.contact_gap:
+                problems.append(
+                    Problem(
+                        f"/simulation/solvers/{name}/settings/skin",
+                        f"two skins of {instance.settings.skin:g} m exceed {SKIN_SHARE:g} of the contact tolerance {limits.contact_gap:g} m; "
+                        f"use a skin of at most {SKIN_SHARE * limits.contact_gap / 2:g} m or a smaller step",
+                    )
+                )
+        problems += bound_problems(self.spec) + overlap_problems(self.spec) + hold_problems(self.spec)
+        text = "collision skins stay within the contact tolerance, bounds of events above noise, intended overlaps below the bodies' size, holds that end"
+        self.add("bounds", text, problems, group="physical")
+
+    def clauses(self) -> Mapping[str, str]:
+        """R155: every clause of the prompt is mapped or listed as unmet."""
+        found = clauses_of(self.spec.prompt)
+        problems = []
+        for key, text in found.items():
+            clause = self.spec.clauses.get(key)
+            if clause is None or (not clause.met_by and not clause.unmet):
+                problems.append(
+                    Problem(f"/clauses/{key}", f"clause {key} {text!r} is not mapped; give met_by pointers or an unmet reason")
+                )
+                continue
+            for pointer in clause.met_by:
+                if not resolves(self.document, pointer):
+                    problems.append(Problem(f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
+        problems += clause_problems(self.spec, found)
+        for key in self.spec.clauses:
+            if key not in found:
+                problems.append(Problem(f"/clauses/{key}", f"the prompt has no clause {key!r}; its clauses are {list(found)}"))
+        self.add(
+            "clauses", "every clause of the prompt is mapped to the specification or listed as unmet with a reason", problems
+        )
+        return found
+
+    def shots(self) -> Mapping[str, tuple[str, ...]]:
+        """R24: shots lie in the sequence and every observed beat has one."""
+        coverage, text = coverage_of(self.spec), "every observed beat is covered by a shot, camera keys lie inside their shots"
+        self.add("shots", text, shot_problems(self.spec, coverage), group="observational")
+        return coverage
+
+
+def audit(spec: WorldSpec) -> AuditReport:
+    """Audit a validated specification."""
+    work = _Audit(spec)
+    work.references()
+    work.ownership()
+    work.categories()
+    work.story()
+    work.liquids()
+    work.fracture()
+    work.graph()
+    work.materials()
+    work.masses()
+    work.bounds()
+    coverage = work.shots()
+    clauses = work.clauses()
+    pairs = sorted(
+        {
+            tuple(sorted((r.a, r.b)))
+            for r in spec.graph.relations.values()
+            if r.kind in ("supports", "interacts", "contains", "fastened")
+        }
+    )
+    lacking = uncaused(spec)
+    told = () if lacking is None else (lacking,)
+    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses, told)

@@ -1,0 +1,346 @@
+"""What a specification may not define away (R154-R157): the agent writes it, so the server asks these by itself.
+
+A clause of the prompt that tells an event asks for a beat that can be seen and is not optional; one that tells of a way
+asks for a route. Bounds of events stand clear of noise. An intended overlap stays smaller than the bodies. The word lists
+are English; a clause in another language asks for no more than a pointer to something that is judged.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from ..categories.liquid.words import missing_liquid
+from ..drivers import behind
+from ..predicates import atoms_of, entities_of, is_invariant
+from ..references import kinds_of
+from ..spec import Beat, Clause, Connects, Fastened, ReleaseDriver, WorldSpec
+from ..walkers import carrier_words, easier_than_a_person
+from .scenery_words import missing_scenery
+from .wording import (
+    EVENTS,
+    event_words,
+    goals_in,
+    has_pronoun,
+    lasting_words,
+    names_in,
+    numbers_in,
+    objects_in,
+    piece_words,
+    walks,
+    way_words,
+)
+
+__all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems", "replaced"]
+
+UNMET_SHARE = 0.5
+"""Own choice: with more of its clauses given up, a world is not the prompt's any more."""
+LEAST_TRAVEL_SHARE = 0.02
+"""Own choice: a displacement counts as an event from this share of the entity's diagonal on, within the two limits below."""
+LEAST_TRAVEL = (0.001, 0.02)
+"""[m]: above what bodies settle into their skins, and no more than one can see on a large body."""
+LEAST = {"speed": 0.02, "tilts": 0.02, "topples": 0.2, "joint_angle": 0.005}
+"""Least bound of an event per kind of predicate [m/s, rad, rad, rad or m]. Own choice: twice what counts as rest; a lean
+one can see; a fall that does not rock back."""
+LEAST_IN_PIECES = {"debris": 2.0, "broken": 0.1}
+"""Least `min` of what tells that something is in pieces [lumps, share of its bonds]. Own choice: more than a crack."""
+PLACED = frozenset({"breach", "crosses", "drape", "pile_height", "run_out"})
+"""Kinds of predicates that say where by coordinates; others do by a region or by whom they are about."""
+OVERLAP_SHARE = 0.5
+"""Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
+
+ESCAPE = "or say in static_because why these words ask for no such thing (printed with the acceptance)"
+"""What to do where a word means something else."""
+_JUDGED = re.compile(r"^/(entities|terrains|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
+
+MOVING_OVERLAP_SHARE = 0.1
+"""Own choice: two bodies that move are joined by glue, pegs or screws, not sunk into each other."""
+
+
+class Problem(NamedTuple):
+    """One finding: where, what to do, and the edit that would do it where there is only one."""
+
+    pointer: str
+    text: str
+    patch: dict[str, Any] | None = None
+
+
+def replaced(pointer: str, value: Any) -> dict[str, Any]:
+    """The edit that puts `value` at `pointer`."""
+    return {"op": "replace", "path": pointer, "value": value}
+
+
+def _names(spec: WorldSpec, beat: Beat) -> set[str]:
+    """Words by which the specification calls what a beat is about, singular."""
+    entities = [n for n in (beat.subject, *entities_of(beat.predicate)) if n in spec.entities]
+    return {w for n in entities for w in names_in(f"{n} {spec.entities[n].role}")}
+
+
+def _called(spec: WorldSpec, word: str, *, moving: bool) -> list[str]:
+    """Entities whose id or role has the word."""
+    return [n for n, e in spec.entities.items() if (not moving or e.motion != "static") and word in names_in(f"{n} {e.role}")]
+
+
+def clause_problems(spec: WorldSpec, clauses: Mapping[str, str]) -> list[Problem]:
+    """Clauses that are met by nothing that is judged, or by less than their words ask for (R155).
+
+    Args:
+        spec: the specification.
+        clauses: text of every clause of its prompt, by id.
+    """
+    found: list[Problem] = []
+    for key, text in clauses.items():
+        clause = spec.clauses.get(key)
+        if clause is not None and clause.met_by and not clause.unmet:
+            found += _clause(spec, key, text, clause)
+    given_up = [k for k in clauses if k in spec.clauses and spec.clauses[k].unmet]
+    if len(given_up) > UNMET_SHARE * len(clauses):
+        text = f"{len(given_up)} of {len(clauses)} clauses are given up, at most {UNMET_SHARE:.0%} may be; meet more of {given_up[:6]}"
+        found.append(Problem("/clauses", text))
+    return found
+
+
+def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Problem]:
+    named = [m.groups() for p in clause.met_by if (m := _JUDGED.match(p))]
+    place = f"/clauses/{key}/met_by"
+    if not named:
+        yield Problem(
+            place, f"clause {key} {text!r} is met by nothing that is judged; add an entity, beat, requirement, relation or shot"
+        )
+    optional = [n for kind, n in named if kind == "story/beats" and n in spec.story.beats and not spec.story.beats[n].mandatory]
+    if optional and len(optional) == len(named):
+        yield Problem(place, f"clause {key} {text!r} is met by optional beats only ({', '.join(optional)}); make one mandatory")
+    if clause.static_because:
+        return
+    yield from _numbers(spec, key, text)
+    for word, _, what in missing_scenery(spec, text):
+        yield Problem(
+            place,
+            f"clause {key} {text!r} names {word!r} and nothing is it: declare {what}, or a static entity called so; {ESCAPE}",
+        )
+    for word, what in missing_liquid(spec, text, clause.met_by):
+        yield Problem(place, f"clause {key} {text!r} tells of a liquid ({word}) that nothing simulates: {what}; {ESCAPE}")
+    beats = {n: spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats}
+    yield from _events(spec, key, text, beats)
+    lasts = lasting_words(text)
+    kept = [
+        n
+        for kind, n in named
+        if kind == "story/requirements" and n in spec.story.requirements and spec.story.requirements[n].mandatory
+    ]
+    if lasts and not kept and not any(b.mandatory and is_invariant(b.predicate) for b in beats.values()):
+        yield Problem(
+            place,
+            f"clause {key} {text!r} tells of what lasts ({', '.join(lasts)}): name a mandatory requirement in met_by, or a beat whose predicate "
+            f"holds always; {ESCAPE}",
+        )
+    yield from _ways(spec, place, f"clause {key} {text!r}", text, [n for kind, n in named if kind == "graph/relations"])
+
+
+def _ways(spec: WorldSpec, place: str, clause: str, text: str, named: list[str]) -> Iterator[Problem]:
+    """Whether a way that the clause tells of is a declared route, and one for people where people walk."""
+    ways = way_words(text)
+    routes = {n: r for n in named if isinstance(r := spec.graph.relations.get(n), Connects)}
+    if not ways:
+        return
+    if not routes:
+        yield Problem(place, f"{clause} tells of a way ({', '.join(ways)}): name a `connects` relation in met_by; {ESCAPE}")
+    elif walks(text) and not any(r.carrier == "walker" and not easier_than_a_person(r) for r in routes.values()):
+        told = "; ".join(f"{n} is for {carrier_words(r)}" for n, r in list(routes.items())[:3])
+        yield Problem(
+            place,
+            f"{clause} tells of people who walk ({', '.join(ways)}): name a `connects` relation for a walker in met_by; {told}; {ESCAPE}",
+        )
+
+
+def _events(spec: WorldSpec, key: str, text: str, beats: Mapping[str, Beat]) -> Iterator[Problem]:
+    words = event_words(text)
+    if not words:
+        return
+    place, tells = f"/clauses/{key}/met_by", f"clause {key} {text!r} tells an event ({', '.join(words)})"
+    good = {n: b for n, b in beats.items() if b.mandatory and b.observe and not is_invariant(b.predicate)}
+    if not good:
+        yield Problem(place, f"{tells}: name a beat in met_by that is mandatory, observed and no lasting state; {ESCAPE}")
+        return
+    for word, verb in words.items():
+        kinds = EVENTS[verb]
+        if kinds is not None and not any(kinds & set(kinds_of(b.predicate)) for b in good.values()):
+            yield Problem(
+                place,
+                f"{tells}: no beat in met_by can tell {word!r}; give one a predicate of {', '.join(sorted(kinds))}; {ESCAPE}",
+            )
+    yield from _pieces(place, tells, text, good)
+    yield from _goals(spec, place, tells, text, good)
+    yield from _actors(spec, place, tells, text, good)
+
+
+def _pieces(place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
+    """Whether what goes to pieces has to do more than crack."""
+    words = piece_words(text)
+    asked = [a for b in good.values() for a in atoms_of(b.predicate)]
+    enough = any(
+        (kind := str(getattr(a, "kind", ""))) == "breach"
+        or (kind in LEAST_IN_PIECES and (getattr(a, "min", None) or 0.0) >= LEAST_IN_PIECES[kind])
+        for a in asked
+    )
+    if words and not enough:
+        least = " or ".join(f"{kind} with min {value:g} or more" for kind, value in LEAST_IN_PIECES.items())
+        yield Problem(place, f"{tells} of something in pieces ({', '.join(words)}): ask {least}, or a breach; {ESCAPE}")
+
+
+def _goals(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
+    """Whether a beat says that the event leads where the clause says it does."""
+    atoms = [a for b in good.values() for a in atoms_of(b.predicate)]
+    if any(getattr(a, "region", None) is not None or getattr(a, "kind", "") in PLACED for a in atoms):
+        return
+    known = {w for b in good.values() for w in _names(spec, b)}
+    for words in goals_in(text):
+        alike = {n for w in words for n in _called(spec, w, moving=False)}
+        if alike and not known & set(words):
+            yield Problem(
+                place,
+                f"{tells} that leads to {' '.join(words)!r}, but no beat in met_by says that it gets there: give one a predicate about "
+                f"{', '.join(sorted(alike)[:3])} (contact, rests_on, submerged_fraction, liquid_arrives) or a region there; {ESCAPE}",
+            )
+
+
+def _actors(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
+    """Whether the beats are about what the clause names; what is acted on takes part and moves for a reason."""
+    # What brings a beat about takes part in it.
+    beats = spec.story.beats
+    known = {w for n, b in good.items() for c in (n, *b.causes) if c in beats for w in _names(spec, beats[c])}
+    if not has_pronoun(text) and not known & set(names_in(text)):
+        called = sorted({b.subject for b in good.values()})
+        yield Problem(
+            place,
+            f"{tells}, but nothing in the clause is called like {', '.join(called)} or what else its beats are about; give these entities "
+            f"the role that the prompt names, or name the right beat; {ESCAPE}",
+        )
+        return
+    for word in objects_in(text):
+        alike = _called(spec, word, moving=True)
+        if alike and word not in known:
+            yield Problem(place, f"{tells}, but no beat in met_by is about {word!r} ({', '.join(alike[:3])}); name one; {ESCAPE}")
+        mine = {n: b for n, b in good.items() if b.subject in alike}
+        for name, beat in mine.items():
+            # Of several that are called so the one may act and the other be acted on.
+            acts = any(beat.subject != b.subject and name in behind(spec, n) for n, b in mine.items())
+            if not beat.causes and not acts:
+                yield Problem(
+                    place,
+                    f"{tells} that something does to {word!r}, but beat {name!r} names no causes; say what brings it about; {ESCAPE}",
+                )
+
+
+def _numbers(spec: WorldSpec, key: str, text: str) -> Iterator[Problem]:
+    """Numbers of things in the clause against the entities, or parts of one entity, that are called so."""
+    for number, words in numbers_in(text):
+        for word in words:
+            alike = _called(spec, word, moving=False)
+            if not alike:
+                continue
+            have = max(len(alike), *(len(spec.entities[n].parts) for n in alike))
+            if have < number:
+                yield Problem(
+                    f"/clauses/{key}/met_by",
+                    f"clause {key} {text!r} asks for {number} {word!r}, the specification has {len(alike)} ({', '.join(alike[:4])}); {ESCAPE}",
+                )
+            break
+
+
+# ---------------------------------------------------------------- bounds
+
+
+def bound_problems(spec: WorldSpec) -> list[Problem]:
+    """Bounds of beats that noise alone would meet (R154)."""
+    found: list[Problem] = []
+    for name, beat in spec.story.beats.items():
+        if not is_invariant(beat.predicate):
+            found += _bounds(
+                spec, beat.predicate.model_dump(mode="json", exclude_none=True), f"/story/beats/{name}/predicate", beat.subject
+            )
+    for name, requirement in spec.story.requirements.items():
+        predicate = requirement.predicate.model_dump(mode="json", exclude_none=True)
+        found += [p for p in _bounds(spec, predicate, f"/story/requirements/{name}/predicate", "") if "always true" in p.text]
+    return found
+
+
+def _bounds(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: str) -> Iterator[Problem]:
+    kind = predicate["kind"]
+    for index, inner in enumerate(predicate.get("of", ())):
+        yield from _bounds(spec, inner, f"{place}/of/{index}", subject)
+    for field in ("predicate", "goal"):
+        if isinstance(predicate.get(field), Mapping) and kind != "not":
+            yield from _bounds(spec, predicate[field], f"{place}/{field}", subject)
+    if kind == "count":
+        low, high, total = predicate.get("min", 0), predicate.get("max"), len(predicate["entities"])
+        if low <= 0 and (high is None or high >= total):
+            yield Problem(
+                place, f"a count of {total} entities with min {low:g} is always true; ask for min >= 1 or a smaller max"
+            )
+    elif kind == "tilts" and predicate.get("min", 0.0) <= 0.0 and predicate.get("max", 0.0) >= math.pi:
+        yield Problem(
+            f"{place}/max", f"a tilt of at most {predicate['max']:g} rad is always true, angles end at pi; ask for a smaller max"
+        )
+    elif kind == "displacement":
+        least = _least_travel(spec, predicate.get("entity", subject))
+        for field, sign in (("min", 1.0), ("max", -1.0)):
+            value = sign * predicate.get(field, 0.0)
+            if 0.0 < value < least:
+                yield Problem(
+                    f"{place}/{field}", f"a displacement of {value:g} m is within noise; ask for at least {least:g} m",
+                    {"op": "replace", "path": f"{place}/{field}", "value": sign * least},
+                )  # fmt: skip
+    elif kind in LEAST:
+        field = "min_angle" if kind == "topples" else "min"
+        value = predicate.get(field)
+        if value is not None and 0.0 < value < LEAST[kind]:
+            yield Problem(
+                f"{place}/{field}", f"{kind} with {field} {value:g} is within noise; ask for at least {LEAST[kind]:g}",
+                {"op": "replace", "path": f"{place}/{field}", "value": LEAST[kind]},
+            )  # fmt: skip
+
+
+def _least_travel(spec: WorldSpec, entity: str) -> float:
+    sizes = [spec.entities[n].dimensions.size for n in ([entity] if entity in spec.entities else [])]
+    diagonal = min((sum(s * s for s in size) ** 0.5 for size in sizes), default=0.0)
+    return round(min(max(LEAST_TRAVEL_SHARE * diagonal, LEAST_TRAVEL[0]), LEAST_TRAVEL[1]), 6)
+
+
+def overlap_problems(spec: WorldSpec) -> list[Problem]:
+    """Overlaps declared intended that are as large as the bodies themselves (R91, R154)."""
+    found = []
+    for name, relation in spec.graph.relations.items():
+        if not isinstance(relation, Fastened) or not {relation.a, relation.b} <= set(spec.entities):
+            continue
+        sizes = [(n, spec.entities[n].dimensions.size) for n in (relation.a, relation.b)]
+        _, length, small = min((sum(s * s for s in size), max(size), n) for n, size in sizes)
+        moving = all(spec.entities[n].motion != "static" for n in (relation.a, relation.b))
+        most = (MOVING_OVERLAP_SHARE if moving else OVERLAP_SHARE) * length
+        if relation.max_depth > most:
+            place = f"/graph/relations/{name}/max_depth"
+            found.append(
+                Problem(
+                    place,
+                    f"an intended overlap of {relation.max_depth:g} m is more than {most / length:.0%} of the length {length:g} m of "
+                    f"{small!r}; give at most {most:g} m",
+                    {"op": "replace", "path": place, "value": round(most, 6)},
+                )
+            )
+    return found
+
+
+def hold_problems(spec: WorldSpec) -> list[Problem]:
+    """Holds that never let go within the sequence: they would keep a body in mid-air without a support (R154)."""
+    end = (spec.simulation.frames - 1) / spec.simulation.fps
+    return [
+        Problem(
+            f"/simulation/drivers/{name}/time",
+            f"driver {name!r} lets go of {driver.entity!r} at {driver.time:g} s, after the last frame at {end:g} s: a hold is no support; "
+            "let go within the sequence, or put the body on something, hang it on a joint, or make it static",
+        )
+        for name, driver in spec.simulation.drivers.items()
+        if isinstance(driver, ReleaseDriver) and driver.time >= end
+    ]

@@ -1,0 +1,298 @@
+"""Audit of what happens when: beats, their evidence, relations and shots lie in the sequence and follow from one another (R14-R16, R24, R28, R29)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ..categories.cloth.facts import pins_of, tears
+from ..categories.liquid.facts import declares_heat
+from ..drivers import deed, to_declare, undeclared
+from ..errors import EvidenceError
+from ..fields import acting_on
+from ..predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, entities_of
+from ..references import cycle_in, kinds_of, mentions_joint
+from ..spec import ElasticPhysics, FieldDriver, RigidPhysics, SpecModel, Supports, WorldSpec
+from .gate import Problem, replaced
+
+__all__ = ["STARTED", "coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
+
+STARTED = 1e-3
+"""[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
+TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
+"""Evidence of cloth that can tear."""
+BODILY = frozenset(
+    {*("contact", "no_contact", "reaches", "stays_in", "crosses", "rests_on"),
+     *("supported", "tilts", "topples", "speed", "displacement", "separation")}
+)  # fmt: skip
+"""Kinds of predicates that ask for the place or the surface of bodies."""
+ASKED = {
+    "liquid": "liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets",
+    "particles": "particle_count_in, particle_volume_in, pile_height, run_out or particles_settled of it, reaches or speed of what it meets",
+}
+"""What can be asked of matter that is not a body, by category."""
+
+
+def story_problems(spec: WorldSpec) -> list[Problem]:
+    """R14-R16, R28: beats in range, owned, checkable, causally ordered."""
+    plan, beats, problems = spec.simulation, spec.story.beats, []
+    for name, beat in beats.items():
+        place = f"/story/beats/{name}"
+        if beat.frames[1] > _last(spec):
+            problems.append(
+                Problem(
+                    f"{place}/frames",
+                    f"frames {list(beat.frames)} end after the last frame {_last(spec)}",
+                    _clip(spec, f"{place}/frames", beat.frames),
+                )
+            )
+        members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
+        driver = plan.drivers.get(beat.owner)
+        if members is not None and beat.subject not in members:
+            problems.append(Problem(f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))
+        acts_on = acting_on(spec, driver) if isinstance(driver, FieldDriver) else None
+        if (acts_on is not None and beat.subject not in acts_on) or (
+            driver is not None and getattr(driver, "entity", beat.subject) != beat.subject
+        ):
+            problems.append(Problem(f"{place}/owner", f"driver {beat.owner!r} does not act on {beat.subject!r}"))
+        for cause in beat.causes:
+            if cause in beats and beats[cause].frames[0] > beat.frames[1]:
+                problems.append(
+                    Problem(f"{place}/causes", f"cause {cause!r} starts at frame {beats[cause].frames[0]}, after this beat ends")
+                )
+        for cause in beat.margins:
+            if cause not in beat.causes:
+                text = f"the margin names {cause!r}, which is not among the causes"
+                problems.append(Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"}))
+        problems += _unsaid(spec, name)
+        problems += _own_start(spec, name)
+        if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):
+            problems.append(Problem(f"{place}/predicate", f"the predicate says nothing about the subject {beat.subject!r}"))
+    cycle = cycle_in({n: list(b.causes) for n, b in beats.items()})
+    if cycle:
+        problems.append(Problem(f"/story/beats/{cycle[0]}/causes", f"causes form a cycle {' -> '.join(cycle)}"))
+    if not any(b.mandatory for b in beats.values()) and not any(r.mandatory for r in spec.story.requirements.values()):
+        problems.append(
+            Problem("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
+        )
+    return problems
+
+
+def _unsaid(spec: WorldSpec, name: str) -> list[Problem]:
+    """A driver that is sure to act on the subject of an outcome before it can come true, and that no beat which leads there owns.
+
+    An outcome that is true at frame 0 is none, so it comes true at frame 1 or at the first of its frames.
+    """
+    beat, plan = spec.story.beats[name], spec.simulation
+    try:
+        helper = undeclared(spec, name, max(1, beat.frames[0]) / plan.fps) if beat.mandatory else None
+    except EvidenceError:
+        return []  # a joint that is not there: the references tell of it
+    if helper is None:
+        return []
+    owns, field = ("no beat that leads to it is owned by", "causes") if beat.causes else ("no beat is owned by", "owner")
+    text = f"{deed(spec, helper, beat.subject)}, before {name} can come true, and {owns} {helper}"
+    return [Problem(f"/story/beats/{name}/{field}", f"{text}: {to_declare(spec, helper, name)}")]
+
+
+def _own_start(spec: WorldSpec, name: str) -> list[Problem]:
+    """An effect whose subject starts with a velocity of its own, of which no beat without causes tells: it would move without them."""
+    beat = spec.story.beats[name]
+    physics = spec.entities[beat.subject].physics if beat.subject in spec.entities else None
+    if not beat.causes or not beat.mandatory or not isinstance(physics, RigidPhysics | ElasticPhysics):
+        return []
+    speeds = math.hypot(*physics.linear_velocity), math.hypot(*getattr(physics, "angular_velocity", (0.0,)))
+    first = [b for b in spec.story.beats.values() if not b.causes]
+    if max(speeds) < STARTED or any(beat.subject in (b.subject, *entities_of(b.predicate)) for b in first):
+        return []
+    text = (
+        f"{beat.subject} starts with {speeds[0]:g} m/s and {speeds[1]:g} rad/s of its own, so that it moves without {', '.join(beat.causes)}: "
+        f"give that start a beat without causes about {beat.subject}, or take the velocity away"
+    )
+    return [Problem(f"/entities/{beat.subject}/physics", text)]
+
+
+def uncaused(spec: WorldSpec) -> str | None:
+    """Why an acceptance would find no cause to judge, and what to add; None where it finds one, or nothing can happen."""
+    beats = spec.story.beats
+    if any(b.causes for b in beats.values()):
+        return None
+    if not beats and not spec.simulation.drivers and all(e.motion == "static" for e in spec.entities.values()):
+        return None
+    text = "no beat names causes, and without one an acceptance stays incomplete: "
+    if len(beats) < 2:
+        return (
+            text
+            + "add a beat of what starts the event (owned by its driver, if it has one) and name it in the `causes` of the event's"
+        )
+    first, *_, last = sorted(beats, key=lambda n: beats[n].frames)
+    return text + f'say which beat brings about which, such as "causes": ["{first}"] in /story/beats/{last}, if that is so'
+
+
+def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bonds: frozenset[str]) -> list[Problem]:
+    """R29: what predicates read is written by an engine in use.
+
+    Args:
+        spec: the specification.
+        written: channels per engine.
+        bonds: channels of breakable members.
+    """
+    plan, problems = spec.simulation, []
+    channels = frozenset().union(*(written.get(s.engine, frozenset()) for s in plan.solvers.values()))
+    channels |= bonds if any(e.breakable is not None for e in spec.entities.values()) else frozenset()
+    channels |= {"particle/temperature"} if any(declares_heat(spec, n) for n in plan.liquid) else frozenset()
+    # Elastic members and cloth make their instances write vertices.
+    soft = {n for n, e in spec.entities.items() if e.physics.category in ("elastic", "cloth")}
+    if any(soft & set(s.members) for s in plan.solvers.values()):
+        channels |= {"vertex/position", "vertex/velocity"}
+    if any(tears(spec, n) for s in plan.cloth.values() for n in s.members):
+        channels |= TEAR_CHANNELS
+    for place, predicate in _said(spec):
+        missing = [c for k in kinds_of(predicate) for c in PREDICATES[k].channels if c not in channels]
+        if missing:
+            problems.append(Problem(place, f"no engine in use writes {sorted(set(missing))}"))
+    return [*problems, *_without_bodies(spec), *_without_record(spec)]
+
+
+def _said(spec: WorldSpec) -> list[tuple[str, Predicate]]:
+    """Every predicate of the story and where it stands."""
+    said = [(f"/story/beats/{n}/predicate", b.predicate) for n, b in spec.story.beats.items()]
+    return said + [(f"/story/requirements/{n}/predicate", r.predicate) for n, r in spec.story.requirements.items()]
+
+
+def _without_record(spec: WorldSpec) -> list[Problem]:
+    """Contacts of cloth that its record cannot tell: it holds an impulse for each solid, of contacts and pins, of all members together."""
+    problems = []
+    for place, predicate in _said(spec):
+        for atom in atoms_of(predicate):
+            if isinstance(atom, Contact | NoContact):
+                pairs = dict.fromkeys((a, b) for a in _meant(atom.a, predicate) for b in _meant(atom.b, predicate) if a != b)
+                told = (text for pair in pairs for text in [_untold(spec, *pair)] if text)
+                problems += [Problem(place, f"{atom.kind}: {text}") for text in list(told)[:1]]
+    return problems
+
+
+def _meant(name: str, predicate: SpecModel) -> tuple[str, ...]:
+    return entities_of(predicate) if name == "each" else (name,)
+
+
+def _untold(spec: WorldSpec, a: str, b: str) -> str:
+    """Why no record tells contacts of two entities of which one is cloth, and what to ask instead; empty where one does."""
+    sheets = [n for n in (a, b) if n in spec.entities and spec.entities[n].physics.category == "cloth"]
+    if not sheets or not {a, b} <= set(spec.entities):
+        return ""
+    sheet, other = sheets[0], b if sheets[0] == a else a
+    contract, category = spec.entities[sheet], spec.entities[other].physics.category
+    if category == "cloth":
+        return f"no record holds contacts among cloth, such as {a!r} and {b!r}: ask separation of them"
+    if category not in ("rigid", "elastic"):
+        return ""
+    alike = next((i.members for i in spec.simulation.cloth.values() if sheet in i.members), [sheet])
+    if len(alike) > 1:
+        return (
+            f"the record of pushes on {other!r} does not tell {sheet!r} from {', '.join(m for m in alike if m != sheet)}: "
+            f"give it an instance of its own, or ask separation or reaches"
+        )
+    pins = pins_of(contract)
+    if any(p.to == other for p in pins.values()):
+        return f"{other!r} holds a pin of {sheet!r}, and its pull is recorded with contacts: ask pinned or separation"
+    if contract.physics.category == "cloth" and other in contract.physics.ignores:
+        return f"{sheet!r} passes through {other!r} (`ignores`): take it out of there, or ask separation or reaches"
+    parts = spec.entities[other].parts.values()
+    if category == "rigid" and parts and not any(p.collides for p in parts):
+        return f"no part of {other!r} collides, so {sheet!r} never meets it: let one collide, or ask separation or reaches"
+    return ""
+
+
+def _without_bodies(spec: WorldSpec) -> list[Problem]:
+    """Liquids and particles are many: nothing is asked of their one place, surface or contact."""
+    problems = []
+    for place, predicate in _said(spec):
+        for atom in atoms_of(predicate):
+            kind = str(getattr(atom, "kind", ""))
+            for entity in entities_of(atom) if kind in BODILY else ():
+                category = spec.entities[entity].physics.category if entity in spec.entities else ""
+                if category in ASKED:
+                    text = f"{kind} asks for a body, and {entity!r} is {category}: ask {ASKED[category]}"
+                    problems.append(Problem(place, text))
+    return problems
+
+
+def graph_problems(spec: WorldSpec) -> list[Problem]:
+    """Support is acyclic and carried by something; relations lie in the sequence."""
+    relations, problems = spec.graph.relations, []
+    below: dict[str, list[str]] = {}
+    for name, relation in relations.items():
+        place = f"/graph/relations/{name}"
+        if relation.a == relation.b:
+            problems.append(Problem(place, f"{relation.a!r} is related to itself"))
+        if isinstance(relation, Supports):
+            below.setdefault(relation.b, []).append(relation.a)
+        frames = getattr(relation, "frames", None)
+        if frames is not None and frames[1] > _last(spec):
+            problems.append(
+                Problem(
+                    f"{place}/frames",
+                    f"frames {list(frames)} end after the last frame {_last(spec)}",
+                    _clip(spec, f"{place}/frames", frames),
+                )
+            )
+    cycle = cycle_in(below)
+    if cycle:
+        problems.append(
+            Problem(
+                "/graph/relations",
+                f"support runs in a circle: {' on '.join(cycle)}; one of them must stand on something else",
+            )
+        )
+    return problems
+
+
+def shot_problems(spec: WorldSpec, coverage: Mapping[str, tuple[str, ...]]) -> list[Problem]:
+    """R24: shots lie in the sequence and every observed beat has one."""
+    problems = []
+    for name, shot in spec.shots.items():
+        place = f"/shots/{name}"
+        if shot.frames[1] > _last(spec):
+            problems.append(
+                Problem(
+                    f"{place}/frames",
+                    f"frames {list(shot.frames)} end after the last frame {_last(spec)}",
+                    _clip(spec, f"{place}/frames", shot.frames),
+                )
+            )
+        if not shot.covers and not shot.subjects:
+            problems.append(Problem(f"{place}/covers", "the shot covers no beat and names no subject"))
+        for key, camera in shot.keys.items():
+            if not shot.frames[0] <= camera.frame <= shot.frames[1]:
+                problems.append(
+                    Problem(f"{place}/keys/{key}/frame", f"frame {camera.frame} lies outside the shot {list(shot.frames)}")
+                )
+    for name, beat in spec.story.beats.items():
+        if beat.observe and beat.mandatory and not coverage[name]:
+            problems.append(
+                Problem("/shots", f"beat {name!r} (frames {list(beat.frames)}) is covered by no shot that overlaps it")
+            )
+    return problems
+
+
+def coverage_of(spec: WorldSpec) -> dict[str, tuple[str, ...]]:
+    """Shots that overlap each beat's frames and cover it."""
+    return {
+        name: tuple(
+            s for s, shot in spec.shots.items()
+            if shot.frames[0] <= beat.frames[1] and shot.frames[1] >= beat.frames[0] and name in shot.covers
+        )
+        for name, beat in spec.story.beats.items()
+    }  # fmt: skip
+
+
+def _last(spec: WorldSpec) -> int:
+    """The last frame."""
+    return spec.simulation.frames - 1
+
+
+def _clip(spec: WorldSpec, pointer: str, frames: tuple[int, int]) -> dict[str, Any] | None:
+    """The edit that ends an interval with the sequence; None when it lies wholly beyond."""
+    return replaced(pointer, [frames[0], _last(spec)]) if frames[0] <= _last(spec) else None

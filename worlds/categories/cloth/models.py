@@ -1,0 +1,82 @@
+"""Cloth in the simulation plan and what holds it (R63, R64)."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
+
+__all__ = ["ClothInstance", "ClothPin", "ClothSettings", "ClothTear"]
+
+
+class ClothPin(SpecModel):
+    """Vertices of a sheet that are held: where they are at frame 0, or by a body that takes them along.
+
+    Give `edge`, or `center` with `radius`.
+    """
+
+    edge: Literal["-x", "+x", "-y", "+y", "-z", "+z"] | None = Field(
+        default=None, description="all vertices on this side of the sheet's bounding box, in the entity's frame"
+    )
+    center: Vec3 | None = Field(default=None, description="all vertices within `radius` of this point of the entity's frame [m]")
+    radius: NonNegative = Field(default=0.0, description="[m]; 0: the nearest vertex alone")
+    to: EntityRef | None = Field(
+        default=None, description="rigid entity of one body that takes them along; default: they stay in space"
+    )
+
+    @model_validator(mode="after")
+    def _one_place(self) -> ClothPin:
+        if (self.edge is None) == (self.center is None):
+            raise ValueError("give either edge or center")
+        return self
+
+
+class ClothTear(SpecModel):
+    """The sheet tears where it is pulled too hard: edges of its triangles open, across the pull.
+
+    Each corner of each triangle is then a vertex of its own, which moves with its neighbours' until they part.
+    """
+
+    strength: Positive = Field(
+        description="largest force per length across any line that it bears [N/m], as a mean over the triangles around a vertex; "
+        "it stretches there by strength / stretch_stiffness, which max_stretch has to allow"
+    )
+
+
+class ClothSettings(SpecModel):
+    """Settings of sheets. Stretch is the declared stiffness's and nothing else's, whichever the steps."""
+
+    integrator: Literal["implicit", "explicit"] = Field(
+        default="implicit",
+        description="implicit: steps of max_step where the cloth meets nothing or lies nearly still, short ones elsewhere; explicit: those alone",
+    )
+    max_step: float = Field(
+        default=1 / 240,
+        ge=1e-6,
+        le=1e-2,
+        description="longest step [s]; explicit ones are as short as the sheets' stiffness asks for",
+    )
+    exchange: float | None = Field(
+        default=None,
+        ge=1e-5,
+        le=1e-2,
+        description="time between two looks at the bodies' motion [s]; default: max_step, at most 1 ms where the cloth pushes them or tears",
+    )
+    margin: NonNegative | None = Field(
+        default=None,
+        le=0.05,
+        description="distance at which layers touch [m], at least the thickness; default: the thickness or 0.15 of the shortest edge",
+    )
+    iterations: int = Field(default=2, ge=1, le=20, description="rounds of contact impulses in a step")
+    device: Literal["cpu", "cuda"] = "cpu"
+
+
+class ClothInstance(SpecModel):
+    """Running cloth. All rigid entities are what it meets; with a two_way coupling it pushes them."""
+
+    moves: ClassVar[tuple[str, ...]] = ("cloth",)
+    engine: Literal["shell"] = "shell"
+    members: Annotated[list[EntityRef], Field(min_length=1, max_length=64)]
+    settings: ClothSettings = ClothSettings()

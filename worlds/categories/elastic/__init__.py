@@ -1,0 +1,1 @@
+"""Elastic bodies in specifications."""

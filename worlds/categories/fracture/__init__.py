@@ -1,0 +1,1 @@
+"""Breakable bodies in specifications."""

@@ -1,0 +1,1 @@
+"""Liquids in specifications."""

@@ -1,0 +1,123 @@
+"""Rows of the audit about liquids: resolution, domain, openings (R57, R58)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...arrays import F64, pose_of
+from ...audits.gate import Problem
+from .facts import LEAST_MOUTH, LEAST_SPACINGS, domain_box, inflows_of, initial_box, spacing_of
+from .wave_audit import wave_problems
+
+if TYPE_CHECKING:
+    from ...spec import LiquidInstance, WorldSpec
+
+__all__ = ["liquid_problems"]
+
+ROUNDED = 1e-3
+"""What sizes may be short by: messages tell spacings with three digits, and corners are sums."""
+
+
+def liquid_problems(spec: WorldSpec) -> list[Problem]:
+    """What is wrong with liquids, their instances and their drivers."""
+    found = [*_entities(spec)]
+    for name, instance in spec.simulation.liquid.items():
+        found += _instance(spec, name, instance)
+        if np.isfinite(spacing_of(spec, name)):
+            found += wave_problems(spec, name, instance)
+    found += _drivers(spec)
+    return found
+
+
+def _entities(spec: WorldSpec) -> Iterator[Problem]:
+    for name, entity in spec.entities.items():
+        if entity.physics.category != "liquid":
+            continue
+        if entity.motion != "dynamic":
+            text = f"the liquid {name!r} is {entity.motion}; liquids are dynamic"
+            place = f"/entities/{name}/motion"
+            yield Problem(place, text, {"op": "replace", "path": place, "value": "dynamic"})
+        if entity.generator is not None:
+            yield Problem(
+                f"/entities/{name}/generator", f"the liquid {name!r} has a generator; give it parts that hold its volume"
+            )
+
+
+def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[Problem]:
+    place = f"/simulation/solvers/{name}/settings"
+    low, high = domain_box(instance)
+    spacing = spacing_of(spec, name)
+    if not np.isfinite(spacing):
+        return
+    least = LEAST_SPACINGS * spacing
+    if (high - low).min() < (1.0 - ROUNDED) * least:
+        yield Problem(
+            f"{place}/domain/size",
+            f"the domain is {(high - low).min():g} m wide, less than {LEAST_SPACINGS:g} spacings of {spacing:g} m",
+        )
+    for member in instance.members:
+        entity = spec.entities.get(member)
+        if entity is None or entity.physics.category != "liquid":
+            continue
+        if entity.physics.resolution != spacing:
+            where = f"/entities/{member}/physics/resolution"
+            yield Problem(
+                where,
+                f"{member!r} has resolution {entity.physics.resolution:g} m, another member of {name!r} {spacing:g} m; an instance has one",
+                {"op": "replace", "path": where, "value": spacing},
+            )
+        box = initial_box(entity)
+        if box is None:
+            continue
+        thin = float((box[1] - box[0]).min())
+        if thin < (1.0 - ROUNDED) * least:
+            yield Problem(
+                f"/entities/{member}/physics/resolution",
+                f"{member!r} is {thin:g} m thin, less than {LEAST_SPACINGS:g} spacings of {spacing:g} m; use at most {thin / LEAST_SPACINGS:.3g} m",
+            )
+        if (box[0] < low - 1e-9).any() or (box[1] > high + 1e-9).any():
+            yield Problem(
+                f"{place}/domain",
+                f"the domain {_box(low, high)} cuts the initial volume of {member!r} {_box(*box)}; it must hold all of it",
+            )
+    for key, inflow in inflows_of(spec, name).items():
+        where = f"/simulation/drivers/{key}"
+        pose, half = pose_of(inflow.pose), 0.5 * np.array(inflow.size)
+        corners = pose.apply(np.array([[sx * half[0], sy * half[1], 0.0] for sx in (-1, 1) for sy in (-1, 1)]))
+        if (corners < low - 1e-9).any() or (corners > high + 1e-9).any():
+            yield Problem(
+                f"{where}/pose",
+                f"inflow {key!r} {_box(corners.min(0), corners.max(0))} reaches out of the domain {_box(low, high)}",
+            )
+        mouth = LEAST_MOUTH[instance.engine]
+        if min(inflow.size) < mouth * spacing:
+            yield Problem(
+                f"{where}/size",
+                f"inflow {key!r} is {min(inflow.size):g} m wide, less than {mouth:g} spacings of {spacing:g} m; "
+                f"widen it or use a resolution of at most {min(inflow.size) / mouth:.3g} m",
+            )
+        if not inflow.start < (spec.simulation.frames - 1) / spec.simulation.fps:
+            yield Problem(f"{where}/start", f"inflow {key!r} starts at {inflow.start:g} s, after the last frame")
+
+
+def _drivers(spec: WorldSpec) -> Iterator[Problem]:
+    for name, driver in spec.simulation.drivers.items():
+        if driver.kind in ("inflow", "outflow", "waves"):
+            entity = spec.entities.get(driver.entity)
+            if entity is not None and entity.physics.category != "liquid":
+                yield Problem(
+                    f"/simulation/drivers/{name}/entity", f"{driver.kind} {name!r} acts on {driver.entity!r}, which is no liquid"
+                )
+        moved = spec.entities.get(getattr(driver, "entity", ""))
+        if driver.kind not in ("inflow", "outflow", "waves") and moved is not None and moved.physics.category == "liquid":
+            yield Problem(
+                f"/simulation/drivers/{name}",
+                f"driver {driver.kind!r} cannot act on a liquid; use inflow, outflow, waves, gravity, or a kinematic solid that moves it",
+            )
+
+
+def _box(low: F64, high: F64) -> str:
+    return f"[{', '.join(f'{v:.4g}' for v in low)}] to [{', '.join(f'{v:.4g}' for v in high)}] m"

@@ -1,0 +1,98 @@
+"""What the specification alone says about particles: domains, numbers, steps; and the drag of a sphere (R65)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...arrays import F64
+from ..liquid.facts import shape_volume
+
+if TYPE_CHECKING:
+    from ...fields import Medium
+    from ...spec import Entity, ParticleInstance, ParticlePhysics, WorldSpec
+
+__all__ = ["CLOSE_PACKING", "ParticleEstimate", "emitters_of", "particle_box", "particle_estimate", "sphere_drag"]
+
+CLOSE_PACKING = 0.64
+"""Random close packing of equal spheres (Scott, Kilgour 1969); with radii spread by half of the mean about 0.66."""
+NEWTON = 0.44
+"""Drag coefficient of a sphere from a Reynolds number of 1000 on."""
+
+
+class ParticleEstimate(NamedTuple):
+    """What an instance will take."""
+
+    particles: float
+    """At most at one time."""
+    steps: float
+    """Of the whole run, preroll included."""
+
+
+def particle_box(instance: ParticleInstance) -> tuple[F64, F64]:
+    """Least and greatest corner of a domain [m]."""
+    center, half = np.array(instance.settings.domain.center), 0.5 * np.array(instance.settings.domain.size)
+    return center - half, center + half
+
+
+def emitters_of(spec: WorldSpec, name: str) -> dict[str, object]:
+    """Emitters into the members of an instance, by driver id."""
+    members = spec.simulation.particles[name].members
+    return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "emitter" and d.entity in members}
+
+
+def _volume(entity: Entity) -> float:
+    volumes = [shape_volume(p.shape) for p in entity.parts.values()]
+    known = [v for v in volumes if v is not None]
+    return sum(known) if len(known) == len(volumes) else math.prod(entity.dimensions.size)
+
+
+def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
+    """Step of grains by the time in which a Rayleigh wave crosses the smallest of them [s]."""
+    shear = 0.5 * physics.young_modulus / (1.0 + physics.poisson_ratio)
+    smallest = physics.radius * (1.0 - physics.radius_spread)
+    crossing = math.pi * smallest * math.sqrt(density / shear) / (0.1631 * physics.poisson_ratio + 0.8766)
+    return share * crossing
+
+
+def particle_estimate(spec: WorldSpec, name: str) -> ParticleEstimate:
+    """Particles and steps that an instance will take."""
+    plan, instance = spec.simulation, spec.simulation.particles[name]
+    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    count, step = 0.0, math.inf
+    for member in instance.members:
+        entity = spec.entities.get(member)
+        if entity is None or entity.physics.category != "particles":
+            continue
+        physics = entity.physics
+        if instance.engine == "dem":
+            one = 4.0 / 3.0 * math.pi * physics.radius**3 * (1.0 + physics.radius_spread**2)
+            count += physics.packing * _volume(entity) / one
+            density = spec.materials[entity.material].density if entity.material in spec.materials else 1000.0
+            step = min(step, grain_step(physics, density, instance.settings.step_share))
+            continue
+        step = instance.settings.max_step
+        count += physics.count
+        lasting = physics.life * (1.0 + physics.life_spread) if physics.life is not None else math.inf
+        for driver in plan.drivers.values():
+            if driver.kind == "emitter" and driver.entity == member:
+                lasts = max(0.0, min(driver.end or seconds, seconds) - driver.start)
+                count += driver.rate * min(lasts, lasting)
+    return ParticleEstimate(count, seconds / step if math.isfinite(step) else 0.0)
+
+
+def sphere_drag(medium: Medium, radius: F64, mass: F64, velocity: F64) -> F64:
+    """Rate at which a medium takes the relative velocity of spheres [1/s], shape (n,).
+
+    Stokes' law with the correction of Schiller and Naumann (1933), at least the coefficient 0.44 of high Reynolds numbers.
+    """
+    speed = np.linalg.norm(medium.velocity - velocity, axis=1)
+    stokes = 6.0 * np.pi * medium.viscosity * radius
+    number = 2.0 * medium.density * speed * radius / np.maximum(medium.viscosity, 1e-12)
+    corrected = stokes * (1.0 + 0.15 * np.minimum(number, 1000.0) ** 0.687)
+    inertial = 0.5 * NEWTON * np.pi * radius**2 * medium.density * speed
+    drag = np.where(number > 1000.0, np.maximum(inertial, 0.0), np.maximum(corrected, 0.0))
+    result: F64 = np.where(medium.density > 0, drag, 0.0) / mass
+    return result

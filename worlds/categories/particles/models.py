@@ -1,0 +1,89 @@
+"""Grains and particles that fly alone: engines, their settings, and what emits particles (R65)."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from ...spec.shapes import Pose
+from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
+
+__all__ = ["BallisticInstance", "BallisticSettings", "DemInstance", "DemSettings", "EmitterDriver", "ParticleDomain"]
+
+
+class ParticleDomain(SpecModel):
+    """Axis-aligned box in which particles are followed; what leaves it is counted as outflow and is gone."""
+
+    center: Vec3 = Field(description="[m]")
+    size: tuple[Positive, Positive, Positive] = Field(description="full extents x, y, z [m]")
+
+
+class DemSettings(SpecModel):
+    """Settings of grains that touch (discrete element method)."""
+
+    domain: ParticleDomain
+    step_share: float = Field(
+        default=0.15,
+        ge=0.02,
+        le=0.3,
+        description="step in times that a Rayleigh wave takes across the smallest grain; a fast collision shortens it further",
+    )
+    exchange: float = Field(
+        default=1e-3, ge=1e-5, le=5e-3, description="longest time between exchanges with bodies and fields [s]"
+    )
+    device: Literal["cpu", "cuda"] = "cpu"
+
+
+class DemInstance(SpecModel):
+    """Grains with Hertz-Mindlin contacts, and the granular entities that it moves.
+
+    Rigid entities that reach into the domain are their walls; a two-way coupling lets them give way.
+    """
+
+    moves: ClassVar[tuple[str, ...]] = ("particles",)
+    engine: Literal["dem"] = "dem"
+    members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)]
+    settings: DemSettings
+
+
+class BallisticSettings(SpecModel):
+    """Settings of particles that fly alone."""
+
+    domain: ParticleDomain
+    max_step: float = Field(default=2e-3, ge=1e-5, le=0.02, description="longest step [s]")
+    device: Literal["cpu", "cuda"] = "cpu"
+
+
+class BallisticInstance(SpecModel):
+    """Sparks, dust, rain, ash: particles that do not meet each other and push nothing, and the entities that it moves."""
+
+    moves: ClassVar[tuple[str, ...]] = ("particles",)
+    engine: Literal["ballistic"] = "ballistic"
+    members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)]
+    settings: BallisticSettings
+
+
+class EmitterDriver(SpecModel):
+    """Lets ballistic particles out of a disc, in a cone about its local +z, during [start, end) seconds."""
+
+    kind: Literal["emitter"] = "emitter"
+    entity: EntityRef = Field(description="the ballistic particles")
+    pose: Pose = Field(default=Pose(), description="of the disc in the world")
+    size: tuple[NonNegative, NonNegative] = Field(
+        default=(0.0, 0.0), description="full extents of the disc (an ellipse) along its x and y [m]; 0: a point"
+    )
+    rate: Positive = Field(description="[1/s]")
+    speed: NonNegative = Field(description="mean [m/s]")
+    speed_spread: float = Field(default=0.0, ge=0, le=1, description="speeds lie evenly within 1 +- this share of the mean")
+    cone: float = Field(
+        default=0.0, ge=0, le=3.141592653589793, description="half angle of the cone [rad]; directions are even in it"
+    )
+    start: NonNegative = 0.0
+    end: Positive | None = Field(default=None, description="[s]; default: to the end")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> EmitterDriver:
+        if self.end is not None and self.end <= self.start:
+            raise ValueError("end must be > start")
+        return self

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
-from worldagent.verifiers.diagnosis import cite, diagnose
+from worldagent.verifiers.diagnosis.cite import cite, diagnose
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.patch import apply_patch, parse_spec

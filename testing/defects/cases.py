@@ -19,7 +19,7 @@ class World:
 
     candidate: Candidate
     culprits: tuple[str, ...] = ()
-    """Broken worlds: a detection must name one of these in its row (entity, region, beat, shot or solver); empty for clean ones."""
+    """Broken worlds: a detection must name one of these in its row (entity, region, beat, shot or solver), or its question; empty for clean ones."""
 
 
 @dataclass(frozen=True)

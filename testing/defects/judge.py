@@ -58,7 +58,7 @@ def judge(check: str, mechanism: Mechanism, world: World) -> Judged:
 
 
 def _names(row: Row, culprits: tuple[str, ...]) -> bool:
-    named = {*row.entities, row.first_failing_entity, *row.subject}
+    named = {*row.entities, row.first_failing_entity, row.question, *row.subject}
     return bool(named & set(culprits))
 
 

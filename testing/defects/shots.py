@@ -49,7 +49,7 @@ def _hole(folder: Path, m: float, rng: RNG) -> World:
     ][kind]
     rig.shot("a", first)
     rig.shot("b", second)
-    return rig.world(folder, "tiling")
+    return rig.world(folder, "shots:tiling")
 
 
 def _double(folder: Path, m: float, rng: RNG) -> World:
@@ -63,7 +63,7 @@ def _double(folder: Path, m: float, rng: RNG) -> World:
         rig.shot("a")
         if shared > 0:
             rig.shot("b", (5, 5 + shared - 1))
-    return rig.world(folder, "tiling")
+    return rig.world(folder, "shots:tiling")
 
 
 def _elsewhere(folder: Path, m: float, rng: RNG) -> World:

@@ -139,7 +139,7 @@ class _Land:
             gone = self.rng.choice(len(whole.render.faces), count, replace=False)
             part = replace(whole, render=TriangleMesh(whole.render.vertices, np.delete(whole.render.faces, gone, axis=0)))
             entities[name] = replace(entities[name], parts=(part,))
-        return World(Candidate(folder, spec, entities, "static"), claims)
+        return World(Candidate(folder, spec, entities, "static"), (*claims, *(f"terrain:{claim}" for claim in claims)))
 
     def grounds(self, folder: Path, gap: float, *, lift: float = 0.0) -> None:
         """Two grounds beside each other, `gap` apart, the second raised."""

@@ -8,7 +8,7 @@ from typing import get_args
 
 from worldagent.testing.worlds.small_worlds import box, ground, make_candidate, world
 from worldagent.verifiers.checks import run_checks
-from worldagent.verifiers.delivery import check
+from worldagent.verifiers.delivery.check import check
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.cache import Cache, read_container, write_container
 from worldagent.worlds.candidate import Candidate

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.register.assemble import approximations
-from worldagent.verifiers.shots import check
+from worldagent.verifiers.shots.check import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.requirements import Row

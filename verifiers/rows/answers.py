@@ -75,7 +75,9 @@ def row_of(
         entity, frame = next(iter(concerned), None), found.frame
         if frame is None and question.group == "spatial":
             frame = frames[0]
-    row_id, numbers = question.row_id(subject), found.measured is not None
+    row_id = question.row_id(subject)
+    measured, bound = _finite(found.measured), _finite(found.bound)
+    numbers = [n is not None for n in (found.measured, found.bound)]
     row = Row(
         id=row_id,
         question=question.id,
@@ -87,10 +89,10 @@ def row_of(
         status=status,
         artifact=candidate.artifact if artifact is None else artifact,
         frames=frames,
-        measured=_finite(found.measured),
-        bound=_finite(found.bound),
-        comparison=(found.comparison or question.comparison) if numbers and found.bound is not None else "",
-        unit=found.unit or (question.unit if numbers else ""),
+        measured=measured,
+        bound=bound,
+        comparison=(found.comparison or question.comparison) if all(numbers) else "",
+        unit=found.unit or (question.unit if any(numbers) else ""),
         entities=concerned,
         first_failing_entity=entity,
         first_failing_frame=frame,

@@ -11,7 +11,18 @@ from ...worlds.requirements import Correction, RowClass
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["EDIT_CLASS", "bake_again", "correction", "halve_step", "move_by", "pointer", "postponed", "separate", "set_value"]
+__all__ = [
+    "EDIT_CLASS",
+    "LEAST_STEP",
+    "bake_again",
+    "correction",
+    "halve_step",
+    "move_by",
+    "pointer",
+    "postponed",
+    "separate",
+    "set_value",
+]
 
 EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
 """Class of an edit to each causal parameter group (R111, R112)."""

@@ -54,7 +54,7 @@ class Finding:
     """Whatever else of the specification the answer depends on, for the recipe."""
 
 
-def lacking(error: EvidenceError) -> Finding:
+def lacking(error: EvidenceError | str) -> Finding:
     """The finding of a judge that lacks evidence."""
     return Finding("unverified", f"no evidence: {error}", evidence={"missing": str(error)})
 

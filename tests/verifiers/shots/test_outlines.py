@@ -15,7 +15,7 @@ from worldagent.testing.worlds.small_liquids import tank_spec
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.verifiers.shots.outlines import filled_cells, liquid_outline
 from worldagent.verifiers.shots.sight import Sight
-from worldagent.verifiers.support import check as check_support
+from worldagent.verifiers.support.check import check as check_support
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.candidate import Candidate

@@ -63,3 +63,8 @@ class Question:
     def row_id(self, subject: tuple[str, ...]) -> str:
         """Id of the row that answers the question for a subject: `support:rope:lamp:0`."""
         return self.order.format(*subject) if self.order else ":".join((self.id, *subject))
+
+    @property
+    def pattern(self) -> str:
+        """Pattern of the row ids: `support:rope:<entity>:<start or end>`."""
+        return self.row_id(tuple(f"<{name}>" for name in self.subject))

@@ -17,7 +17,7 @@ from .diagnosis.cite import diagnose
 from .land import terrain
 from .ledgers import numerical
 from .routes import navigability
-from .rows.guards import only_seen
+from .rows.seen import only_seen
 from .scene import interpenetration, relations, scale
 from .shots import check as shots
 from .story import beats, causal, counterfactual, phases, robustness

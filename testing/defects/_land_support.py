@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...verifiers.support.landed import HANGING, SUNK
+from ...verifiers.support.bounds import HANGING, SUNK
 from ...worlds.predicates import Crosses, Displacement, Reaches
 from ...worlds.spec import Beat, Box, BoxRegion, Cylinder, Entity, Part, Sphere
 from ..worlds.small_worlds import ball, box, entity, ground, make_candidate, pose, world

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...verifiers.routes.open_land import WADING
+from ...verifiers.routes.bounds import WADING
 from ...worlds.arrays import F64
 from ...worlds.spec import BoxRegion, Connects, Entity
 from ..worlds.small_worlds import box, make_candidate, world

@@ -8,10 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...verifiers.routes.conduits import CELLS_ACROSS
-from ...verifiers.routes.conduits import NOISE as FLOW_NOISE
-from ...verifiers.routes.navigability import PITCH, RASTER_NOISE
-from ...verifiers.routes.walkable import GAP, SAME
+from ...verifiers.routes.bounds import CELLS_ACROSS, GAP, OPENING_NOISE, PITCH, RASTER_NOISE, SAME_HEIGHT
 from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, Part, Sphere
 from ..worlds.small_worlds import entity, pose
 from ._land_ways import LAND_MECHANISMS
@@ -444,13 +441,13 @@ SUITE = Suite(
     (
         Mechanism("narrow door", "one of several doors", True, _narrow_door, 0.004, 0.5, "m", bound=RASTER_NOISE),
         Mechanism("crate in door", "furniture reaches in", True, _crate_in_door, 0.004, 0.5, "m", bound=RASTER_NOISE),
-        Mechanism("low beam", "too low at one place", True, _low_beam, 0.001, 0.5, "m", bound=SAME),
-        Mechanism("high riser", "one riser in the middle", True, _high_riser, 0.001, 0.3, "m", bound=SAME),
+        Mechanism("low beam", "too low at one place", True, _low_beam, 0.001, 0.5, "m", bound=SAME_HEIGHT),
+        Mechanism("high riser", "one riser in the middle", True, _high_riser, 0.001, 0.3, "m", bound=SAME_HEIGHT),
         Mechanism("missing tread", "a hole in the flight", True, _missing_tread, 0.002, 0.19, "m", bound=0.0),
         Mechanism("tiny treads", "a flight like a ladder", True, _tiny_treads, 1.2, 2.5, "1"),
         Mechanism("steep piece", "too steep on a short stretch", True, _steep_piece, 0.002, 0.6, "rad", bound=0.0),
-        Mechanism("threshold", "a sill just too high", True, _threshold, 0.001, 0.3, "m", bound=SAME),
-        Mechanism("kerb at ramp", "a step where a ramp begins", True, _kerb_at_ramp, 0.002, 0.1, "m", bound=SAME),
+        Mechanism("threshold", "a sill just too high", True, _threshold, 0.001, 0.3, "m", bound=SAME_HEIGHT),
+        Mechanism("kerb at ramp", "a step where a ramp begins", True, _kerb_at_ramp, 0.002, 0.1, "m", bound=SAME_HEIGHT),
         Mechanism("gap", "a bridge ends short", True, _gap, 1.02, 30.0, "1", bound=1.0),
         Mechanism("door ajar", "a door that opens too little", True, _door_ajar, 0.004, 0.9, "m", bound=RASTER_NOISE),
         Mechanism("falls shut", "shut for one frame", True, _falls_shut, 0.004, 0.9, "m", bound=RASTER_NOISE),
@@ -459,7 +456,7 @@ SUITE = Suite(
         Mechanism("ghost bridge", "only drawn", True, _ghost_bridge, 0.1, 2.0, "m"),
         Mechanism("floating region", "no floor under it", True, _floating_region, 0.001, 1.0, "m", bound=0.0),
         Mechanism("through the wall", "a region on both sides", True, _through_the_wall, 0.05, 1.1, "m"),
-        Mechanism("narrow opening", "for a fluid", True, _narrow_opening, 1.1 * FLOW_NOISE, 0.97, "1", bound=FLOW_NOISE),
+        Mechanism("narrow opening", "for a fluid", True, _narrow_opening, 1.1 * OPENING_NOISE, 0.97, "1", bound=OPENING_NOISE),
         Mechanism("unresolved opening", "cells as coarse as it", True, _unresolved_opening, 1.02, 4.0, "1", bound=1.0),
         Mechanism("no person", "a walker smaller than people are", True, no_person, 1.001, 40.0, "1", bound=1.0),
         Mechanism("small carrier", "no person, and it says so", False, small_carrier, 1.01, 4.0, "1"),

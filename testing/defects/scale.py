@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...verifiers.scene.extents import SPECK
-from ...verifiers.scene.scale import FACETS, LARGEST, NOMINAL_FACTOR, RATIOS, SCENERY
+from ...verifiers.scene.bounds import FACETS, LARGEST, NOMINAL_FACTOR, SCENERY, SPECK
+from ...verifiers.scene.ratios import RATIOS
 from ...worlds.arrays import F64
 from ...worlds.built import BuiltEntity, BuiltPart, TriangleMesh
 from ...worlds.spec import (

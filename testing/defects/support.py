@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...verifiers.support.graph import MISSING, OUTSIDE
+from ...verifiers.support.bounds import MISSING, OUTSIDE
 from ...worlds.predicates import Displacement
 from ...worlds.spec import (
     BallJoint,

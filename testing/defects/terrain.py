@@ -13,9 +13,8 @@ import numpy as np
 
 from ...construction.store import build_world
 from ...construction.terrain.store import build_terrain_file, cut_patch
-from ...verifiers.land.landscapes import D8, LEDGER, LEVEL_M
-from ...verifiers.land.terrain import PATCH_M
-from ...verifiers.land.tightness import SEAM
+from ...verifiers.land.bounds import LEDGER, LEVEL_M, PATCH_M, SEAM
+from ...verifiers.land.landscapes import D8
 from ...worlds.arrays import F64
 from ...worlds.built import TriangleMesh
 from ...worlds.candidate import Candidate

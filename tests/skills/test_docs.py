@@ -25,8 +25,8 @@ LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")
 PATH = re.compile(r"`([\w\-./]+/[\w\-./]*|[\w\-]+\.(?:md|toml))(?:::(\w+))?`")
 
 
-def _generator() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("generate_tools", DOCS / "generate_tools.py")
+def _generator(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"generate_{name}", DOCS / f"generate_{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -34,8 +34,20 @@ def _generator() -> ModuleType:
     return module
 
 
-def test_the_tools_page_is_fresh() -> None:
-    assert (DOCS / "tools.md").read_text() == _generator().page(), "run: python docs/generate_tools.py"
+@pytest.mark.parametrize("name", ["tools", "rows", "choices"])
+def test_a_generated_page_is_fresh(name: str) -> None:
+    assert (DOCS / f"{name}.md").read_text() == _generator(name).page(), f"run: python docs/generate_{name}.py"
+
+
+def test_a_bound_without_unit_or_reason_is_refused(tmp_path: Path) -> None:
+    read = _generator("choices").bounds_of
+    module = tmp_path / "bounds.py"
+    module.write_text('"""Bounds."""\n\nGAP = 0.003\n"""[m] Own choice: two skins."""\n')
+    assert list(read(module)) == [("GAP", "0.003", "m", "Own choice: two skins.")]
+    for wrong in ('GAP = 0.003\n"""Own choice."""', 'GAP = 0.003\n"""[m]"""', "GAP = 0.003", 'import os\n"""[m] Why."""'):
+        module.write_text(f'"""Bounds."""\n\n{wrong}\n')
+        with pytest.raises(ValueError, match=r"bounds\.py:3"):
+            list(read(module))
 
 
 def test_every_requirement_stands_in_the_coverage_table_once() -> None:

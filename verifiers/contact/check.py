@@ -7,54 +7,37 @@ static check's. Bodies that pass a static surface between two frames are found b
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from ...worlds.categories.elastic.audit import elastic_problems
-from ...worlds.categories.fracture.audit import crumble_limit, fracture_problems
-from ...worlds.categories.fracture.facts import crumble_of
+from ...worlds.categories.fracture.audit import crumble_limit
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, RowId
-from ..rows.guards import guarded, guarded_rows, pointer
-from ..rows.verdicts import make_row
+from ..rows.answers import guarded, row_of, rows_of
+from ..rows.findings import Finding
 from ..scene.own_bodies import own_gap, own_pairs
 from ..scene.surfaces import surfaces_of
+from .bounds import TUNNEL_SHARE
+from .corrections import finer_contact, not_colliding, overlap_corrections, solver_of
+from .questions import CONTACT_SCENE, OVERLAP, THROUGH
 from .tunnelling import find_passages
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
-    from ...worlds.spec import WorldSpec
+    from ...worlds.requirements import Correction, Row
     from ..scene.own_bodies import OwnPair
     from ..scene.surfaces import Gap, Surfaces
     from .tunnelling import Passage
 
 __all__ = ["check"]
 
-SKIN_FACTOR = 1.5
-"""Own choice: the suggested skin covers the measured depth this many times, since finer steps shift the deepest frame."""
-SKIN_SHARE = 0.9
-"""Share of the contact tolerance that two skins may take (`worlds/audits/audit.py`)."""
-SKIN_MAX = 0.02
-"""[m] Largest skin that the specification takes."""
-STEP_MIN = 2e-5
-"""[s] Smallest step that the specification takes."""
-CRUMBLE_FACTOR = 1.2
-"""Own choice: faces crumble by so many times the overlap that was measured: what yields more lets the next blow go deeper."""
-TUNNEL_SHARE = 0.25
-"""Own choice: deeper than this share of the thinner body, in two frames running, is no contact any more. Depth is that of
-the deepest surface point and cannot exceed half the thinner body, so this is half of what is possible."""
-
 Pair = tuple[str, str]
 
 
-OVERLAP = "visible surfaces do not overlap on any written frame"
-
-
-@guarded("contact", OVERLAP)
+@guarded(CONTACT_SCENE)
 def check(candidate: Candidate) -> list[Row]:
     """One row per pair that ever comes within twice the contact tolerance, one per passage, and one for the scene."""
     if candidate.stage == "static":
@@ -65,22 +48,18 @@ def check(candidate: Candidate) -> list[Row]:
     near = [(a, b, series, None) for (a, b), series in surfaces.moving.items()]
     own = [(e, e, np.min([p.series for p in pairs], axis=0), pairs) for e, pairs in own_pairs(surfaces, _all(surfaces)).items()]
     for a, b, series, pairs in [*near, *own]:
-        rows += guarded_rows(
-            candidate,
-            lambda a=a, b=b, series=series, pairs=pairs: [_pair(surfaces, a, b, series, peaks, pairs)],  # type: ignore[misc]
-            row_id=RowId("contact", a, b),
-            predicate=_predicate(surfaces, a, b),
-            entities=(a, b),
-        )
-    scene, *through = guarded_rows(candidate, lambda: _between(surfaces, rows), row_id=RowId("contact:scene"), predicate=OVERLAP)
+        judge = partial(_pair, surfaces, (a, b), series, peaks, pairs)
+        rows.append(row_of(candidate, OVERLAP, (a, b), judge, entities=(a, b)))
+    scene, *through = rows_of(candidate, CONTACT_SCENE, (), partial(_between, surfaces, rows))
     return [scene, *rows, *through]
 
 
 def _between(surfaces: Surfaces, rows: list[Row]) -> list[Row]:
     """The row of the scene and one for each passage between frames."""
     passages = find_passages(surfaces, known={(r.subject[0], r.subject[1]) for r in rows if r.status == "fail"})
-    through = [_through(surfaces, passage) for passage in passages.found]
-    return [_scene(surfaces, rows, through, passages.inspected), *through]
+    candidate = surfaces.candidate
+    through = [row_of(candidate, THROUGH, (p.entity, p.through), _through(surfaces, p)) for p in passages.found]
+    return [row_of(candidate, CONTACT_SCENE, (), _scene(surfaces, rows, through, passages.inspected)), *through]
 
 
 def _all(surfaces: Surfaces) -> NDArray[np.intp]:
@@ -120,8 +99,9 @@ def _peaks(candidate: Candidate) -> dict[Pair, tuple[float, int]]:
 
 
 def _pair(
-    surfaces: Surfaces, a: str, b: str, series: F64, peaks: dict[Pair, tuple[float, int]], own: list[OwnPair] | None
-) -> Row:
+    surfaces: Surfaces, pair: Pair, series: F64, peaks: dict[Pair, tuple[float, int]], own: list[OwnPair] | None
+) -> Finding:
+    a, b = pair
     allowed, noise = surfaces.allowed_depth(a, b), surfaces.noise(a, b)
     bound = -(allowed + noise)
     worst = int(np.argmin(series))
@@ -146,27 +126,25 @@ def _pair(
             "tunnelling": tunnel,
             "depth_at_first_m": -gap.distance,
         }
-        corrections = _corrections(surfaces, order, ((a, gap.part_a), (b, gap.part_b)), bad, float(-series[worst]), tunnel=tunnel)
+        corrections = overlap_corrections(
+            surfaces, order, ((a, gap.part_a), (b, gap.part_b)), bad, float(-series[worst]), tunnel=tunnel
+        )
         text = (
             f"{a}/{gap.part_a} and {b}/{gap.part_b} overlap at {len(bad)} of {surfaces.frames} frames, first at frame {bad[0]} "
             f"by {-gap.distance * 1e3:.4g} mm, worst at frame {worst} by {-series[worst] * 1e3:.4g} mm"
         )
     else:
         text = f"{a!r} and {b!r} come within {series[worst] * 1e3:.4g} mm at frame {worst} and never overlap beyond the bound"
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("contact", a, b),
-        predicate=_predicate(surfaces, a, b),
-        status="fail" if len(bad) else "pass",
-        explanation=text,
-        measured=float(series[worst]),
-        bound=bound,
-        comparison=">=",
-        unit="m",
-        entities=order,
-        first_failing_frame=int(bad[0]) if len(bad) else None,
-        corrections=corrections,
+    return Finding(
+        "fail" if len(bad) else "pass",
+        text,
+        float(series[worst]),
+        bound,
+        frame=int(bad[0]) if len(bad) else None,
+        hints=tuple(corrections),
         evidence=evidence,
+        entities=order,
+        predicate=_predicate(surfaces, a, b),
         extra=[allowed],
     )
 
@@ -177,191 +155,35 @@ def _tunnels(surfaces: Surfaces, a: str, b: str, series: F64) -> bool:
     return bool((deep[1:] & deep[:-1]).any())
 
 
-def _solver_of(surfaces: Surfaces, *entities: str) -> str | None:
-    for name, solver in surfaces.candidate.spec.simulation.rigid.items():
-        if set(entities) <= set(solver.members):
-            return name
-    return None
-
-
-def _corrections(
-    surfaces: Surfaces, order: Pair, parts: tuple[Pair, Pair], bad: NDArray[np.intp], depth: float, *, tunnel: bool
-) -> list[Correction]:
-    """Ranked: what makes contact impossible first, then a wrong start, then resolution."""
-    mover, other = order
-    spec = surfaces.candidate.spec
-    found = _not_colliding(surfaces, parts)
-    if bad[0] == 0:
-        found.append(
-            Correction(
-                cause="the two overlap before anything moves",
-                edit_class="scene",
-                group="placement",
-                action=f"Move {mover!r} by {depth * 1e3:.4g} mm out of {other!r}; see the row interpenetration:{mover}:{other}.",
-                pointers=(pointer("entities", mover, "pose"),),
-            )
-        )
-    if spec.entities[mover].motion == "kinematic":
-        plan = spec.simulation.drivers
-        drivers = [pointer("simulation", "drivers", n) for n, d in plan.items() if getattr(d, "entity", "") == mover]
-        found.append(
-            Correction(
-                cause=f"the authored path of {mover!r} leads through {other!r}",
-                edit_class="solver",
-                group="drivers",
-                action=f"Change the path of {mover!r} near frame {bad[0]} to stay {depth * 1e3:.4g} mm farther from {other!r}.",
-                pointers=tuple(drivers),
-            )
-        )
-    solver = _solver_of(surfaces, mover, other)
-    if solver is None:
-        found.append(
-            Correction(
-                cause="no solver instance has both as members, so they cannot feel each other",
-                edit_class="scene",
-                group="shape",
-                action=f"List {mover!r} and {other!r} as members of one solver instance.",
-                pointers=("/simulation/solvers",),
-            )
-        )
-        return found
-    return [*found, *_crumbled(surfaces, order, depth), *_resolution(surfaces, solver, depth, tunnel=tunnel)]
-
-
-def _not_colliding(surfaces: Surfaces, parts: tuple[Pair, Pair]) -> list[Correction]:
-    """Reasons why the engine does not keep two entities apart at all, given the part of each that overlaps."""
-    spec = surfaces.candidate.spec
-    found = []
-    for entity, part in parts:
-        content = spec.entities[entity].parts.get(part)
-        if content is not None and not content.collides:
-            path = pointer("entities", entity, "parts", part, "collides")
-            found.append(
-                Correction(
-                    cause=f"part {part!r} of {entity!r} does not collide",
-                    edit_class="scene",
-                    group="shape",
-                    action=f"Let {entity}/{part} collide, or move it out of the way.",
-                    pointers=(path,),
-                    patch=({"op": "add", "path": path, "value": True},),
-                )
-            )
-    for name, joint in spec.simulation.joints.items():
-        if {joint.parent, joint.child} == {entity for entity, _ in parts} and getattr(joint, "collide", True) is False:
-            path = pointer("simulation", "joints", name, "collide")
-            found.append(
-                Correction(
-                    cause=f"joint {name!r} switches contacts between its two bodies off",
-                    edit_class="scene",
-                    group="joints",
-                    action=f"Set `collide` of joint {name!r}, or declare the overlap at the joint as `fastened` with its depth.",
-                    pointers=(path,),
-                    patch=({"op": "add", "path": path, "value": True},),
-                )
-            )
-    return found
-
-
-def _crumbled(surfaces: Surfaces, order: Pair, depth: float) -> list[Correction]:
-    """Of pieces of one body that were pressed together: faces that crumble as far, where the audit lets them."""
-    entity = surfaces.candidate.spec.entities[order[0]]
-    if order[0] != order[1] or entity.breakable is None:
-        return []
-    most, now = crumble_limit(entity), crumble_of(entity.breakable, surfaces.candidate.entity(order[0]))
-    if depth > most:
-        return []
-    path = pointer("entities", order[0], "breakable", "bond", "crumble")
-    wanted = math.floor(min(most, CRUMBLE_FACTOR * depth) * 1e6) / 1e6
-    return [
-        Correction(
-            cause=f"pieces of {order[0]!r} are pressed together further than the {now * 1e3:.4g} mm that their faces crumble",
-            edit_class="solver",
-            group="bonds",
-            action=f"Let faces crumble over {wanted * 1e3:.4g} mm, the overlap and some to spare; at most {most * 1e3:.4g} mm.",
-            pointers=(path,),
-            patch=({"op": "add", "path": path, "value": wanted},),
-        )
-    ]
-
-
-def _refused(spec: WorldSpec, solver: str, skin: float) -> bool:
-    """Whether the schema or the audit would not take this skin [m]."""
-    # Two skins must stay below the contact tolerance.
-    if skin > min(SKIN_MAX, SKIN_SHARE * spec.simulation.limits.contact_gap / 2):
-        return True
-    rigid = spec.simulation.rigid[solver]
-    wider = rigid.model_copy(update={"settings": rigid.settings.model_copy(update={"skin": skin})})
-    plan = spec.simulation.model_copy(update={"solvers": {**spec.simulation.solvers, solver: wider}})
-    changed = spec.model_copy(update={"simulation": plan})
-    place = pointer("simulation", "solvers", solver, "settings", "skin")
-    return any(p.pointer == place for p in (*fracture_problems(changed), *elastic_problems(changed)))
-
-
-def _resolution(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) -> list[Correction]:
-    settings = surfaces.candidate.spec.simulation.rigid[solver].settings
-    path = pointer("simulation", "solvers", solver, "settings")
-    skin = math.ceil((settings.skin + SKIN_FACTOR * depth) * 1e5) / 1e5
-    wider = Correction(
-        cause="the collision skin is thinner than the overlap that one step allows",
-        edit_class="solver",
-        group="contact",
-        action=f"Raise the skin of solver {solver!r} from {settings.skin * 1e3:.4g} mm to {skin * 1e3:.4g} mm "
-        f"(+ {SKIN_FACTOR:g} x the overlap of {depth * 1e3:.4g} mm).",
-        pointers=(path + "/skin",),
-        patch=({"op": "add", "path": path + "/skin", "value": skin},),
-    )
-    offered = [] if _refused(surfaces.candidate.spec, solver, skin) else [wider]
-    step = max(STEP_MIN, settings.step / (4.0 if tunnel else 2.0))
-    if step == settings.step and (settings.speculative or not tunnel):
-        return offered
-    finer = Correction(
-        cause="the bodies pass through each other within few steps" if tunnel else "the step is too long for this contact",
-        edit_class="solver",
-        group="step",
-        action=f"Cut the step of solver {solver!r} from {settings.step:g} s to {step:g} s"
-        + (" and switch `speculative` contacts on." if tunnel and not settings.speculative else "."),
-        pointers=(path + "/step", path + "/speculative"),
-        patch=(
-            {"op": "add", "path": path + "/step", "value": step},
-            *(({"op": "add", "path": path + "/speculative", "value": True},) if tunnel else ()),
-        ),
-    )
-    return [finer, *offered] if tunnel else [*offered, finer]
-
-
-def _through(surfaces: Surfaces, passage: Passage) -> Row:
+def _through(surfaces: Surfaces, passage: Passage) -> Finding:
     order = (passage.entity, passage.through)
-    solver = _solver_of(surfaces, *order)
+    solver = solver_of(surfaces, *order)
     point = ", ".join(f"{c:.4g}" for c in passage.point)
     parts = ((passage.entity, passage.parts[0]), (passage.through, passage.parts[1]))
     felt = "although the engine felt a contact" if passage.felt else "and the engine felt no contact of the two"
-    resolution = _resolution(surfaces, solver, passage.depth, tunnel=True) if solver else []
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("contact:through", passage.entity, passage.through),
-        predicate=f"{passage.entity} does not pass through {passage.through} between two frames: overlap on every path that "
-        f"the states allow <= {TUNNEL_SHARE:g} of the thinner wall",
-        status="fail",
-        explanation=f"{passage.entity!r} moves {passage.travel:.4g} m between frames {passage.frame - 1} and {passage.frame}, "
+    resolution = finer_contact(surfaces, solver, passage.depth, tunnel=True) if solver else []
+    return Finding(
+        "fail",
+        f"{passage.entity!r} moves {passage.travel:.4g} m between frames {passage.frame - 1} and {passage.frame}, "
         f"overlaps {passage.through!r} by {passage.depth * 1e3:.4g} mm on the way at ({point}) m, {felt}",
-        measured=passage.depth,
-        bound=passage.bound,
-        comparison="<=",
-        unit="m",
-        entities=order,
-        first_failing_frame=passage.frame,
-        corrections=[*_not_colliding(surfaces, parts), *resolution],
+        passage.depth,
+        passage.bound,
+        frame=passage.frame,
+        hints=(*not_colliding(surfaces, parts), *resolution),
         evidence={
             "point": passage.point.tolist(),
             "travel_m": passage.travel,
             "felt": passage.felt,
             "parts": list(passage.parts),
         },
+        entities=order,
+        predicate=f"{passage.entity} does not pass through {passage.through} between two frames: overlap on every path that "
+        f"the states allow <= {TUNNEL_SHARE:g} of the thinner wall",
         extra=[surfaces.allowed_depth(*order)],
     )
 
 
-def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: int) -> Row:
+def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: int) -> Finding:
     candidate = surfaces.candidate
     movers = [n for n in candidate.solids if not surfaces.is_static(n)]
     bad = [r for r in [*rows, *through] if r.status == "fail"]
@@ -384,18 +206,12 @@ def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: i
             f"{len(rows)} pairs within {surfaces.reach:g} m, {len(bad)} rows fail, {inspected} fast moves of pairs tested for passages"
         )
     failing = [*broken, *(r.first_failing_entity for r in bad if r.first_failing_entity)]
-    return make_row(
-        candidate,
-        row_id=RowId("contact:scene"),
-        predicate="every pair that can touch is inspected at every frame and none overlaps",
-        status="fail" if bad or broken else "unverified" if unverified else "pass",
-        explanation=text,
-        measured=float(len(bad) + len(broken)),
-        bound=0.0,
-        comparison="<=",
-        unit="1",
-        entities=failing or movers,
-        first_failing_frame=frames[0] if frames else None,
+    return Finding(
+        "fail" if bad or broken else "unverified" if unverified else "pass",
+        text,
+        float(len(bad) + len(broken)),
+        0.0,
+        frame=frames[0] if frames else None,
         evidence={
             "pairs_near": len(rows),
             "frames": surfaces.frames,
@@ -405,4 +221,5 @@ def _scene(surfaces: Surfaces, rows: list[Row], through: list[Row], inspected: i
             "missing": list(surfaces.missing)[:20],
             "broken": broken,
         },
+        entities=tuple(failing or movers),
     )

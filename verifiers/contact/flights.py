@@ -12,14 +12,12 @@ import numpy as np
 from ...geometry import Motion, State
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
+from .bounds import JOIN
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
 __all__ = ["ContactLog", "Flight", "reconstructed"]
-
-JOIN = 1e-3
-"""Own choice: share of an interval before and after logged contacts in which the path is drawn straight."""
 
 
 class ContactLog:

@@ -7,17 +7,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .bounds import CONE, LOG, PAUSE
+
 if TYPE_CHECKING:
     from ...worlds.arrays import F64
 
-__all__ = ["LOG", "Fault", "log_fault"]
-
-LOG = 1e-6
-"""Relative: sums over the same steps in another order; measured 1e-15."""
-CONE = 1e-3
-"""Relative: to this the engine meets the cone of friction while a body slides."""
-PAUSE = 0.005
-"""[s] A pair that has not touched for longer than this begins a new contact, as the solvers log it."""
+__all__ = ["Fault", "log_fault"]
 
 
 class Fault(NamedTuple):

@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from ...geometry import Solid, wall_thickness
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
+from ..rows.corrections import LEAST_STEP, correction, set_value
 from ..rows.findings import Finding
-from ..rows.verdicts import correction
+from .bounds import EXPLAINED, THICKNESS_SHARE
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltPart, Convex
@@ -32,12 +33,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Status
 
-__all__ = ["THICKNESS_SHARE", "step_travel", "thickness"]
-
-THICKNESS_SHARE = 0.5
-"""A body that travels more than half of a collider's thickness in one step may be pushed out on the far side."""
-EXPLAINED = 1.02
-"""Own choice: the recorded travel is that of a body whose own, by the frames' ends and gravity, is within two per cent of it."""
+__all__ = ["step_travel", "thickness"]
 
 
 def thickness(piece: Convex) -> float:
@@ -245,14 +241,14 @@ def step_travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     )
     pointer = f"/simulation/solvers/{solver}/settings/step"
     step = candidate.spec.simulation.rigid[solver].settings.step
-    fitting = float(f"{max(2e-5, 0.9 * step / max(ratio, 1e-12)):.2g}")
+    fitting = float(f"{max(LEAST_STEP['step'], 0.9 * step / max(ratio, 1e-12)):.2g}")
     hints = (
         correction(
             "a body may pass through the thin one within a step",
             "step",
             f"cut the step to {fitting:.2g} s",
             pointers=(pointer,),
-            patch=({"op": "add", "path": pointer, "value": fitting},),
+            patch=set_value(pointer, fitting),
         ),
         correction("the collider is thin", "shape", f"thicken {wall}", pointers=(f"/entities/{wall}/parts",)),
     )

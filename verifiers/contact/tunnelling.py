@@ -2,7 +2,7 @@
 
 Criterion. Between two frames each body moves on the cubic through its recorded velocities and turns at a constant rate
 (`geometry/motions.py`), which is exact where only gravity acts. A passage is an overlap on the way deeper than
-`SHARE` of the thinner of the two walls, unless
+`TUNNEL_SHARE` of the thinner of the two walls, unless
 
 - the engine felt it: the pair is in the contact log of that frame, its collision shapes never overlapped that deep at
   a step, and a step is too short to hide such a depth; or
@@ -43,23 +43,16 @@ from ...worlds.arrays import F64, RigidPose
 from ...worlds.errors import EvidenceError
 from ..scene.own_bodies import joined
 from ..scene.surfaces import NOWHERE
+from .bounds import BENT, BEYOND, PRECISION, TUNNEL_SHARE
 from .flights import ContactLog, Flight, reconstructed
 
 if TYPE_CHECKING:
     from ..scene.surfaces import PartSurface, Surfaces
 
-__all__ = ["SHARE", "Passage", "Passages", "find_passages"]
+__all__ = ["Passage", "Passages", "find_passages"]
 
-SHARE = 0.25
-"""Own choice, the same as for written frames (`contact.TUNNEL_SHARE`): a body that goes through a wall reaches half of it."""
-PRECISION = 0.5
-"""Own choice: the deepest place of a path that might be displaced is found within this share of the wanted depth."""
-BENT = 0.1
-"""Own choice: a path counts as bent when it may leave the cubic by more than this share of the wanted depth."""
 BENDS = 6
 """Displacements tried, each away from the deepest place of the last."""
-BEYOND = 1.1
-"""Own choice: a displacement goes this much farther than the depth it escapes."""
 
 
 class Passage(NamedTuple):
@@ -233,7 +226,7 @@ def _case(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> _Case | No
         return None
     walls = min(search.wall(i), search.wall(j))
     # Two open sheets have no wall: any crossing counts.
-    bound = allowed + (max(SHARE * walls, noise) if np.isfinite(walls) else noise)
+    bound = allowed + (max(TUNNEL_SHARE * walls, noise) if np.isfinite(walls) else noise)
     fast = travel > 2.0 * bound
     meet, travel = meet[fast], travel[fast]
     if len(meet) == 0:

@@ -15,10 +15,11 @@ from scipy.spatial import cKDTree
 from ...worlds.arrays import F64
 from ...worlds.landscape import SavedLandscape
 from ...worlds.spec.terrain import Terrain
+from .bounds import LEVEL_M
 from .clearings import in_clearings, line_distance
 
 __all__ = [
-    "Finding",
+    "Measurement",
     "drainage_finding",
     "fill_finding",
     "ledger_finding",
@@ -29,13 +30,9 @@ __all__ = [
 D8 = {1: (0, 1), 2: (-1, 1), 4: (-1, 0), 8: (-1, -1), 16: (0, -1), 32: (1, -1), 64: (1, 0), 128: (1, 1)}
 """Code -> (row step, column step); row 0 is south."""
 OUTLET, NO_LAND = 0, 247
-LEVEL_M = 1e-4
-"""Levels agree within this: fields other than height are kept in float32."""
-LEDGER = 1e-6
-"""Largest relative error of the mass balance (R46 and the gate of the erosion studies)."""
 
 
-class Finding(NamedTuple):
+class Measurement(NamedTuple):
     """What a measurement of a landscape says."""
 
     measured: float
@@ -50,7 +47,7 @@ def _place(land: SavedLandscape, index: int) -> tuple[float, float]:
     return (col - 0.5 * (cols - 1)) * land.cell, (row - 0.5 * (rows - 1)) * land.cell
 
 
-def fill_finding(land: SavedLandscape) -> Finding:
+def fill_finding(land: SavedLandscape) -> Measurement:
     """Difference between the kept fill and greyscale reconstruction (Soille & Gratin 1994) of the ground [m]."""
     from skimage.morphology import reconstruction
 
@@ -66,10 +63,12 @@ def fill_finding(land: SavedLandscape) -> Finding:
     error = np.where(valid, np.abs(truth - np.where(valid, filled, truth)), 0.0)
     error = np.where(np.isfinite(error), error, np.inf)
     worst = int(error.argmax())
-    return Finding(float(error.max()), f"fill differs from reconstruction by at most {error.max():.3g} m", _place(land, worst))
+    return Measurement(
+        float(error.max()), f"fill differs from reconstruction by at most {error.max():.3g} m", _place(land, worst)
+    )
 
 
-def drainage_finding(land: SavedLandscape) -> Finding:
+def drainage_finding(land: SavedLandscape) -> Measurement:
     """Cells whose link is not the steepest way down, runs in a circle, or whose area is not that of all upstream."""
     code, filled = land.raw("flow_direction"), land.field("filled")
     rows, cols = land.shape
@@ -106,10 +105,10 @@ def drainage_finding(land: SavedLandscape) -> Finding:
     bad |= wrong
     count = int(bad.sum())
     text = f"{count:,} of {int(land_cells.sum()):,} cells drain otherwise than steepest descent, in circles, or lose area"
-    return Finding(float(count), text, _place(land, int(bad.argmax())) if count else None)
+    return Measurement(float(count), text, _place(land, int(bad.argmax())) if count else None)
 
 
-def water_finding(land: SavedLandscape, terrain: Terrain) -> Finding:
+def water_finding(land: SavedLandscape, terrain: Terrain) -> Measurement:
     """Water that does not lie as water does: lakes with two levels or over dry ground, reaches that rise or end nowhere."""
     problems: list[tuple[str, int]] = []
     ground, filled, lake = land.field("ground"), land.field("filled"), land.raw("lake")
@@ -140,7 +139,7 @@ def water_finding(land: SavedLandscape, terrain: Terrain) -> Finding:
         "; ".join(t for t, _ in problems[:4])
         or f"{len(land.about['lakes'])} lakes and {len(land.about['reaches'])} reaches lie as water does"
     )
-    return Finding(float(len(problems)), text, _place(land, problems[0][1]) if problems else None)
+    return Measurement(float(len(problems)), text, _place(land, problems[0][1]) if problems else None)
 
 
 def _reach_problems(
@@ -164,7 +163,7 @@ def _reach_problems(
     return []
 
 
-def ledger_finding(land: SavedLandscape) -> Finding:
+def ledger_finding(land: SavedLandscape) -> Measurement:
     """Mass that erosion lost or made, relative to what it moved: ground = start + uplift + works - wear + deposit in every cell."""
     ground, start = land.field("ground"), land.field("start")
     wear, deposit, uplift, works = (land.field(n) for n in ("wear", "deposit", "uplift", "earthworks"))
@@ -180,10 +179,10 @@ def ledger_finding(land: SavedLandscape) -> Finding:
         exported = float((wear - deposit)[valid].sum()) * land.cell**2
         lost = max(lost, abs(exported - written) / max(abs(worn), 1e-9))
         text += f"; {exported:.6g} m^3 left the land, the ledger says {written:.6g}"
-    return Finding(lost if np.isfinite(lost) else float("inf"), text, _place(land, int(gap.argmax())))
+    return Measurement(lost if np.isfinite(lost) else float("inf"), text, _place(land, int(gap.argmax())))
 
 
-def plant_finding(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> Finding:
+def plant_finding(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> Measurement:
     """Plants in water, on beds or roads, off the ground, nearer to each other than both need, or in a clearing.
 
     Args:
@@ -192,7 +191,7 @@ def plant_finding(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str,
         outlines: corners (n, 2) [m], in order, of what entities cover in plan.
     """
     if "plant_position" not in land.names:
-        return Finding(0.0, "nothing is planted")
+        return Measurement(0.0, "nothing is planted")
     position, radius = land.raw("plant_position"), land.raw("plant_radius").astype(np.float64)
     rows, cols = land.shape
     col = np.clip(np.round(position[:, 0] / land.cell + 0.5 * (cols - 1)), 0, cols - 1).astype(int)
@@ -225,4 +224,4 @@ def plant_finding(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str,
         ", ".join(f"{int(v.sum())} {k}" for k, v in counts.items() if v.any()) or f"{len(position):,} plants stand where they may"
     )
     place = (float(position[bad.argmax(), 0]), float(position[bad.argmax(), 1])) if bad.any() else None
-    return Finding(float(bad.sum()), text, place)
+    return Measurement(float(bad.sum()), text, place)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,75 +14,63 @@ from ...worlds.candidate import Candidate
 from ...worlds.canonical import digest_of
 from ...worlds.errors import EvidenceError
 from ...worlds.landscape import SavedLandscape, open_landscape
-from ...worlds.requirements import Row, RowId
+from ...worlds.requirements import Row, Status
 from ...worlds.spec import HeightField, StemField
 from ...worlds.spec.terrain import Terrain
-from ..rows.guards import guarded_rows, pointer
-from ..rows.verdicts import correction, make_row
+from ..rows.answers import row_of, rows_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from ..rows.questions import Question
+from .bounds import LEDGER, PATCH_M
 from .clearings import outlines_of
 from .ground_stems import stem_gap
 from .grounds import patches
 from .landscapes import (
-    LEDGER,
-    Finding,
+    Measurement,
     drainage_finding,
     fill_finding,
     ledger_finding,
     plant_finding,
     water_finding,
 )
+from .questions import DRAINAGE, FILL, GROUND, LANDSCAPE, MATTER, PLANTS, TIGHT, WATER
 from .tightness import tight_finding
 
 __all__ = ["check"]
 
 KEPT = 4
 """Landscapes whose findings are remembered."""
-PATCH_M = 1e-3
-"""A ground cut from a landscape keeps its heights within this at its own corners: float32 at 10 km is 1 mm."""
 
 
 class _Claim(NamedTuple):
-    name: str
-    predicate: str
+    question: Question
     bound: float
-    unit: str
-    measure: Callable[[SavedLandscape, Terrain, Mapping[str, F64]], Finding]
-    action: str
+    measure: Callable[[SavedLandscape, Terrain, Mapping[str, F64]], Measurement]
 
 
 CLAIMS = (
-    _Claim("fill", "the surface height is the least fill of the ground (R34)", 0.0, "m", lambda land, *_: fill_finding(land), "build it again"),
-    _Claim(
-        "drainage", "every cell drains by steepest descent, without circles, and areas close (R36)", 0.0, "cells",
-        lambda land, *_: drainage_finding(land), "build it again",
-    ),
-    _Claim("water", "lakes are level and full, reaches fall and end in water or at the edge (R35, R39, R40)", 0.0, "problems",
-           lambda land, terrain, _: water_finding(land, terrain), "build it again"),
-    _Claim("ledger", "erosion neither loses nor makes matter (R46)", LEDGER, "1", lambda land, *_: ledger_finding(land), "build it again"),
-    _Claim("plants", "no plant stands in water, on a bed or road, in a clearing, off the ground or too near to another (R45)", 0.0,
-           "plants", plant_finding, "build it again"),
-)  # fmt: skip
+    _Claim(FILL, 0.0, lambda land, *_: fill_finding(land)),
+    _Claim(DRAINAGE, 0.0, lambda land, *_: drainage_finding(land)),
+    _Claim(WATER, 0.0, lambda land, terrain, _: water_finding(land, terrain)),
+    _Claim(MATTER, LEDGER, lambda land, *_: ledger_finding(land)),
+    _Claim(PLANTS, 0.0, plant_finding),
+)
+"""What is measured of the landscape itself."""
 
 
 def check(candidate: Candidate) -> list[Row]:
     """Rows `terrain:<id>:<claim>` of every landscape, and `terrain:<id>:ground` of the entities cut from it."""
     rows: list[Row] = []
     for name in candidate.spec.terrains:
-        rows += guarded_rows(
-            candidate,
-            partial(_landscape_rows, candidate, name),
-            row_id=RowId("terrain", name),
-            predicate="the landscape is built and holds",
-            entities=(),
-        )
+        rows += rows_of(candidate, LANDSCAPE, (name,), partial(_landscape_rows, candidate, name))
     return rows
 
 
-_known: dict[tuple[str, int, int, str], tuple[str, tuple[Finding, ...]]] = {}
+_known: dict[tuple[str, int, int, str], tuple[str, tuple[Measurement, ...]]] = {}
 """What was found of the last landscapes, by file, its time and size, and the specification."""
 
 
-def _measured(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> tuple[str, tuple[Finding, ...]]:
+def _measured(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> tuple[str, tuple[Measurement, ...]]:
     """Digest of a landscape and what each claim finds; a file that has not changed since is not measured again."""
     state = land.path.stat()
     key = (str(land.path), state.st_mtime_ns, state.st_size, digest_of(terrain, {k: v.tolist() for k, v in outlines.items()}))
@@ -99,102 +87,68 @@ def _landscape_rows(candidate: Candidate, name: str) -> list[Row]:
     terrain = candidate.spec.terrains[name]
     land = open_landscape(candidate.folder, candidate.spec, name)
     digest, findings = _measured(land, terrain, outlines_of(candidate, terrain))
-    rows = []
-    for claim, found in zip(CLAIMS, findings, strict=True):
-        good = found.measured <= claim.bound
-        hint = correction(
-            found.text, "terrain", f"build_terrain(terrain={name!r}): {claim.action}", pointers=(pointer("terrains", name),)
+    answers = [
+        (
+            claim.question,
+            _answer(name, found, claim.bound, "build it again", evidence={"landscape": digest}, extra=digest),
         )
-        rows.append(
-            make_row(
-                candidate,
-                row_id=RowId(f"terrain:{claim.name}", name, text=f"terrain:{name}:{claim.name}"),
-                predicate=claim.predicate,
-                status="pass" if good else "fail",
-                explanation=found.text,
-                measured=found.measured,
-                bound=claim.bound,
-                comparison="<=",
-                unit=claim.unit,
-                frames=(0, 0),
-                corrections=() if good else (hint,),
-                evidence={"landscape": digest, **({"place": list(found.place)} if found.place and not good else {})},
-                extra=digest,
-            )
-        )
-    return [*rows, _tight_row(candidate, name, land, digest), *_ground_rows(candidate, name, land)]
+        for claim, found in zip(CLAIMS, findings, strict=True)
+    ]
+    answers.append((TIGHT, _tight(candidate, name, land, digest)))
+    rows = [row_of(candidate, question, (name,), answer) for question, answer in answers]
+    return [*rows, *_ground_rows(candidate, name, land)]
 
 
-def _tight_row(candidate: Candidate, name: str, land: SavedLandscape, digest: str) -> Row:
+def _answer(name: str, found: Measurement, bound: float, action: str, *, evidence: dict[str, Any], extra: Any) -> Finding:
+    """Finding about a landscape; it fails at the worst place."""
+    good = found.measured <= bound
+    hint = correction(found.text, "terrain", f"build_terrain(terrain={name!r}): {action}", pointers=(pointer("terrains", name),))
+    worst = {"place": list(found.place)} if found.place and not good else {}
+    status: Status = "pass" if good else "fail"
+    return Finding(
+        status, found.text, found.measured, bound, hints=(hint,), evidence=evidence | worst, frames=(0, 0), extra=extra
+    )
+
+
+def _tight(candidate: Candidate, name: str, land: SavedLandscape, digest: str) -> Finding:
     """Whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
-    found = tight_finding(candidate, name, land)
-    good = found.measured == 0.0
-    hint = correction(
-        found.text,
-        "terrain",
-        f"give the dem layer holes='fill', or call build_terrain(terrain={name!r}, entity=...) with centers and sizes that adjoin",
-        pointers=(pointer("terrains", name),),
-    )
-    return make_row(
-        candidate,
-        row_id=RowId("terrain:tight", name, text=f"terrain:{name}:tight"),
-        predicate="the land has no holes, and the grounds cut from it are closed and adjoin without gaps",
-        status="pass" if good else "fail",
-        explanation=found.text,
-        measured=found.measured,
-        bound=0.0,
-        comparison="<=",
-        unit="leaks",
-        frames=(0, 0),
-        corrections=() if good else (hint,),
-        evidence={"place": list(found.place)} if found.place else {},
-        extra=[candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), digest],
-    )
+    mend = "give its dem layer holes='fill', or give entity=... with centers and sizes that adjoin"
+    extra = [candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), digest]
+    return _answer(name, tight_finding(candidate, name, land), 0.0, mend, evidence={}, extra=extra)
 
 
 def _ground_rows(candidate: Candidate, name: str, land: SavedLandscape) -> list[Row]:
-    found = []
-    height = land.field("height")
-    rows, cols = land.shape
-    for entity, contract in candidate.spec.entities.items():
-        for part in contract.parts.values():
-            shape = part.shape
-            if not isinstance(shape, HeightField) or shape.file is None or not shape.file.startswith(f"{name}-"):
-                continue
-            gap = _gap(candidate, entity, height, rows, cols, land.cell)
-            stems = stem_gap(candidate, entity, name, land)
-            off = max(gap, stems or 0.0)
-            good = off <= PATCH_M
-            hint = correction(
-                f"the ground of {entity!r} is not that of the landscape",
-                "terrain",
-                f"build_terrain(terrain={name!r}, entity={entity!r}) cuts it anew",
-                pointers=(pointer("entities", entity),),
-            )
-            found.append(
-                make_row(
-                    candidate,
-                    row_id=RowId("terrain:ground", name, entity, text=f"terrain:{name}:ground:{entity}"),
-                    predicate="the ground that bodies stand on is the landscape's",
-                    status="pass" if good else "fail",
-                    explanation=f"the ground is off by at most {gap:.3g} m at its corners"
-                    + ("" if stems is None else f", its trunks and boulders by {stems:.3g} m from those of the landscape"),
-                    measured=off,
-                    bound=PATCH_M,
-                    comparison="<=",
-                    unit="m",
-                    frames=(0, 0),
-                    entities=(entity,),
-                    corrections=() if good else (hint,),
-                )
-            )
-    return found
+    """Rows of the height fields that were cut from the landscape."""
+    grounds = [
+        entity
+        for entity, contract in candidate.spec.entities.items()
+        for shape in (part.shape for part in contract.parts.values())
+        if isinstance(shape, HeightField) and shape.file is not None and shape.file.startswith(f"{name}-")
+    ]
+    return [row_of(candidate, GROUND, (name, n), _ground(candidate, n, name, land), entities=(n,)) for n in grounds]
 
 
-def _gap(candidate: Candidate, entity: str, height: np.ndarray, rows: int, cols: int, cell: float) -> float:
+def _ground(candidate: Candidate, entity: str, name: str, land: SavedLandscape) -> Finding:
+    gap = _gap(candidate, entity, land)
+    stems = stem_gap(candidate, entity, name, land)
+    off = max(gap, stems or 0.0)
+    text = f"the ground is off by at most {gap:.3g} m at its corners"
+    if stems is not None:
+        text += f", its trunks and boulders by {stems:.3g} m from those of the landscape"
+    hint = correction(
+        f"the ground of {entity!r} is not that of the landscape",
+        "terrain",
+        f"build_terrain(terrain={name!r}, entity={entity!r}) cuts it anew",
+        pointers=(pointer("entities", entity),),
+    )
+    return Finding("pass" if off <= PATCH_M else "fail", text, off, PATCH_M, hints=(hint,), frames=(0, 0))
+
+
+def _gap(candidate: Candidate, entity: str, land: SavedLandscape) -> float:
     """Largest vertical distance between the corners of a built ground and the landscape [m]."""
     from scipy import ndimage
 
+    height, (rows, cols), cell = land.field("height"), land.shape, land.cell
     built = candidate.entity(entity)
     pose = candidate.pose(entity, 0)
     worst = 0.0

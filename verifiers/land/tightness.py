@@ -11,24 +11,22 @@ from scipy import ndimage
 from ...geometry import Solid, kept_solid
 from ...worlds.errors import InputError
 from ...worlds.landscape import SavedLandscape
+from .bounds import SEAM
 from .grounds import Patch, patches
-from .landscapes import Finding
+from .landscapes import Measurement
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["SEAM", "tight_finding"]
-
-SEAM = 1e-4
-"""[m] Own choice: a gap between grounds that no particle of a liquid gets through."""
+__all__ = ["tight_finding"]
 
 
-def tight_finding(candidate: Candidate, name: str, land: SavedLandscape) -> Finding:
+def tight_finding(candidate: Candidate, name: str, land: SavedLandscape) -> Measurement:
     """Leaks of a landscape and of the grounds cut from it, and the place of the first [m]."""
     leaks = [*_holes(land), *_open_grounds(candidate, name), *_gaps(candidate, name, land)]
     grounds = len(patches(candidate.spec, name))
     text = "; ".join(t for t, _ in leaks[:4]) or f"the land has no hole, and its {grounds} grounds are closed and adjoin"
-    return Finding(float(len(leaks)), text, leaks[0][1] if leaks else None)
+    return Measurement(float(len(leaks)), text, leaks[0][1] if leaks else None)
 
 
 def _holes(land: SavedLandscape) -> list[tuple[str, tuple[float, float]]]:

@@ -19,8 +19,8 @@ from ..categories.liquid import check as liquid
 from ..categories.particles import check as particles
 from ..categories.rigid.check import energy_scale, moves_nothing
 from ..contact.step_travel import step_travel
-from ..rows.findings import Finding, again, answered, cache_of, halve, judged, separate
-from ..rows.verdicts import correction
+from ..rows.findings import Finding, again, cache_of, halve, judged, separate
+from ..rows.verdicts import answered, correction
 from ..scene import initial_state
 from . import motion
 from .balance import books_of

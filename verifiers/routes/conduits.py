@@ -20,22 +20,18 @@ from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
 from ...worlds.spec.entities import GasPhysics, LiquidPhysics
 from ..predicates.kinematic import region_offset
+from .bounds import CELLS_ACROSS, OPENING_NOISE
 from .columns import Ints
-from .search import Finding, frame_of, region_box
+from .places import RouteResult, frame_of, region_box
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
     from ..scene.surfaces import Surfaces
 
-__all__ = ["CELLS_ACROSS", "NOISE", "find_conduit"]
+__all__ = ["find_conduit"]
 
-NOISE = 0.02
-"""Share of the width by which a way may be measured too narrow: points search the middle of their cube in steps of a 64th,
-and surfaces are sampled at half a cube."""
 CUBES_ACROSS = 6.0
 """Cubes of the search across the declared width."""
-CELLS_ACROSS = 3.0
-"""Own choice: cells of the fluid's solver across an opening; with fewer the flow through it is not computed but guessed."""
 MOST_CUBES = 4_000_000
 MOST_SAMPLES = 3_000_000
 """Own choices: about 1 GB."""
@@ -49,7 +45,7 @@ WAYS = np.array([w for w in itertools.product((-1.0, 0.0, 1.0), repeat=3) if np.
 """Where a point may move in its cube: across faces, and across corners, since the nearest of several walls makes ridges."""
 
 
-def find_conduit(surfaces: Surfaces, relation: Connects, frame: int) -> Finding:
+def find_conduit(surfaces: Surfaces, relation: Connects, frame: int) -> RouteResult:
     """The widest way for a fluid at one frame.
 
     Raises:
@@ -67,7 +63,7 @@ def find_conduit(surfaces: Surfaces, relation: Connects, frame: int) -> Finding:
     across, evidence = found.measured / cell, {**found.evidence, "solver_cells_across": found.measured / cell}
     if across < CELLS_ACROSS:
         text = f"the opening is {found.measured:.4g} m wide, {across:.2g} cells of {name!r}, which needs {CELLS_ACROSS:g} across"
-        return Finding(False, text, across, CELLS_ACROSS, ">=", "1", "unresolved", (name,), evidence)
+        return RouteResult(False, text, across, CELLS_ACROSS, ">=", "1", "unresolved", (name,), evidence)
     return found._replace(evidence=evidence)
 
 
@@ -146,7 +142,7 @@ class _Space:
                 free[rows[contains(part.solid, pose.inverse().apply(points[rows]))]] = False
         return free
 
-    def finding(self) -> Finding:
+    def finding(self) -> RouteResult:
         """The widest way, judged by its width alone."""
         from scipy.ndimage import distance_transform_edt
         from scipy.spatial import cKDTree
@@ -167,7 +163,7 @@ class _Space:
             rows = rows[self._free(every[rows])]
             if len(rows) == 0:
                 text = f"region {name!r} has no open space that a fluid could take"
-                return Finding(False, text, 0.0, width, ">=", "m", "no space", (), {"cell_m": cell})
+                return RouteResult(False, text, 0.0, width, ">=", "m", "no space", (), {"cell_m": cell})
             stops.append(rows)
         ways = [
             np.flatnonzero(np.linalg.norm(every[:, :2] - np.array(w), axis=1) <= 0.5 * width) for w in self.relation.waypoints
@@ -212,8 +208,8 @@ class _Space:
             f"{ROUNDS} rounds did not settle the widest opening between {self.relation.a!r} and {self.relation.b!r}"
         )
 
-    def _judge(self, clear: float, place: F64, route: F64) -> Finding:
-        width, bound = self.relation.width, (1.0 - NOISE) * self.relation.width
+    def _judge(self, clear: float, place: F64, route: F64) -> RouteResult:
+        width, bound = self.relation.width, (1.0 - OPENING_NOISE) * self.relation.width
         evidence: dict[str, Any] = {
             "clear_width_m": clear,
             "narrowest_place": place.tolist(),
@@ -224,13 +220,13 @@ class _Space:
         where = ", ".join(f"{c:.3f}" for c in place)
         if clear >= bound:
             text = f"an opening of at least {min(clear, width):.4g} m leads from {self.relation.a!r} to {self.relation.b!r}"
-            return Finding(True, text, clear, bound, ">=", "m", "", (), evidence, route)
+            return RouteResult(True, text, clear, bound, ">=", "m", "", (), evidence, route)
         names = list(self.surfaces.entities)
         near = np.linalg.norm(self.samples - place, axis=1)
         blame = tuple(names[k] for k in dict.fromkeys(self.owner[np.argsort(near, kind="stable")[:200]].tolist()))
         closed = clear < 2.0 * self.cell
         text = f"the way is {'closed' if closed else f'{clear:.4g} m wide'} at ({where}) by {', '.join(map(repr, blame))}, the fluid needs {width:g} m"
-        return Finding(False, text, clear, bound, ">=", "m", "blocked" if closed else "too narrow", blame, evidence)
+        return RouteResult(False, text, clear, bound, ">=", "m", "blocked" if closed else "too narrow", blame, evidence)
 
 
 def _distinct(points: F64, origin: F64, apart: float) -> F64:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..land.grounds import Land, lands, patches
-from .open_land import WADING, Asked, Field, Track, ground_in
-from .places import Finding, region_box
+from .bounds import NEAR, WADING
+from .open_land import Asked, Field, Track, ground_in
+from .places import RouteResult, region_box
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
@@ -21,15 +22,13 @@ __all__ = ["follow"]
 
 STEEPEST = math.tan(1.5)
 """Slopes up to this are tried when looking for the reason of a failure."""
-NEAR = 60.0
-"""[m] Own choice: the first search looks this far, or half the distance, around the regions; then over the whole land."""
 CORNERS = 200
 """Corners of a route that are kept as evidence."""
 THINNEST = 0.05
 """Share of the width down to which a gap between plants is searched."""
 
 
-def follow(surfaces: Surfaces, relation: Connects, frame: int, absent: Collection[str] = ()) -> Finding | None:
+def follow(surfaces: Surfaces, relation: Connects, frame: int, absent: Collection[str] = ()) -> RouteResult | None:
     """The route over a landscape; None where the regions are not both on the ground of one.
 
     Raises:
@@ -43,7 +42,7 @@ def follow(surfaces: Surfaces, relation: Connects, frame: int, absent: Collectio
     return None
 
 
-def _follow(surfaces: Surfaces, land: Land, relation: Connects, frame: int, absent: Collection[str]) -> Finding:
+def _follow(surfaces: Surfaces, land: Land, relation: Connects, frame: int, absent: Collection[str]) -> RouteResult:
     asked = Asked(relation.width, relation.headroom, math.tan(relation.max_slope), relation.max_step, WADING[relation.carrier])
     boxes = [b[:2] for n in (relation.a, relation.b) for b in region_box(surfaces, n, frame)]
     flat = np.array([*boxes, *(list(w) for w in relation.waypoints)])
@@ -63,7 +62,7 @@ def _follow(surfaces: Surfaces, land: Land, relation: Connects, frame: int, abse
         f"steep and through at most {track.depth:.2g} m of water"
     )
     floors = tuple(p.entity for p in patches(surfaces.candidate.spec, land.name))
-    return Finding(True, text, slope, relation.max_slope, "<=", "rad", "", (), _evidence(field, track), track.route, floors)
+    return RouteResult(True, text, slope, relation.max_slope, "<=", "rad", "", (), _evidence(field, track), track.route, floors)
 
 
 def _length(track: Track) -> float:
@@ -84,7 +83,7 @@ def _evidence(field: Field, track: Track | None) -> dict[str, Any]:
     return found
 
 
-def _why(field: Field, relation: Connects, asked: Asked) -> Finding:
+def _why(field: Field, relation: Connects, asked: Asked) -> RouteResult:
     """There is no way: find the one limit without which there is, and the value that it would have to have."""
     for name, region in (("a", relation.a), ("b", relation.b)):
         if not len(field.stops(relation, field.free(asked))[0 if name == "a" else -1]):
@@ -111,11 +110,11 @@ def _failed(
     unit: str,
     reason: str,
     blame: tuple[str, ...],
-) -> Finding:
-    return Finding(False, text, measured, bound, comparison, unit, reason, blame, _evidence(field, track))
+) -> RouteResult:
+    return RouteResult(False, text, measured, bound, comparison, unit, reason, blame, _evidence(field, track))
 
 
-def _no_place(field: Field, relation: Connects, asked: Asked, region: str) -> Finding:
+def _no_place(field: Field, relation: Connects, asked: Asked, region: str) -> RouteResult:
     squares = field.stops(replace_ends(relation, region), np.ones(field.shape, dtype=bool))[0]
     if not len(squares):
         return _failed(field, None, f"region {region!r} has no ground", 0.0, relation.width, ">=", "m", "no floor", ())
@@ -141,7 +140,7 @@ def _at(place: Any) -> str:
     return "(" + ", ".join(f"{c:.2f}" for c in place) + ")"
 
 
-def _too_steep(field: Field, relation: Connects, asked: Asked) -> Finding | None:
+def _too_steep(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
     if not field.exists(relation, replace(asked, tangent=STEEPEST)):
         return None
     limit = field.least(relation, asked, "tangent", STEEPEST, asked.tangent)
@@ -155,7 +154,7 @@ def _too_steep(field: Field, relation: Connects, asked: Asked) -> Finding | None
     return _failed(field, track, text, angle, relation.max_slope, "<=", "rad", "too steep", ())
 
 
-def _too_deep(field: Field, relation: Connects, asked: Asked) -> Finding | None:
+def _too_deep(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
     track = field.way(relation, replace(asked, wade=math.inf))
     if track is None:
         return None
@@ -165,7 +164,7 @@ def _too_deep(field: Field, relation: Connects, asked: Asked) -> Finding | None:
     return _failed(field, track, text, track.depth, asked.wade, "<=", "m", "too deep", ())
 
 
-def _too_narrow(field: Field, relation: Connects, asked: Asked) -> Finding | None:
+def _too_narrow(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
     if not field.exists(relation, replace(asked, stems=False)):
         return None
     thin = THINNEST * asked.width
@@ -179,7 +178,7 @@ def _too_narrow(field: Field, relation: Connects, asked: Asked) -> Finding | Non
     return _failed(field, track, text, width, asked.width, ">=", "m", "overgrown", ())
 
 
-def _blocked(field: Field, relation: Connects, asked: Asked) -> Finding | None:
+def _blocked(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
     track = field.way(relation, replace(asked, built=False))
     if track is None:
         return None

@@ -8,18 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, rotation_matrix
+from .bounds import FITS, STILL
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
     from ..scene.surfaces import Surfaces
-    from .search import Finding
+    from .places import RouteResult
 
 __all__ = ["disturbances", "travellers"]
-
-STILL = 1e-4
-"""[m] Own choice: a part whose corners moved less than this has not moved; a twentieth of the noise of measured widths."""
-FITS = 1.01
-"""Own choice: tolerance of sizes when asking whether an entity is what travels."""
 
 
 def travellers(surfaces: Surfaces, relation: Connects) -> tuple[str, ...]:
@@ -39,7 +35,7 @@ def travellers(surfaces: Surfaces, relation: Connects) -> tuple[str, ...]:
     return tuple(found)
 
 
-def disturbances(surfaces: Surfaces, relation: Connects, known: Finding, since: int, last: int) -> int | None:
+def disturbances(surfaces: Surfaces, relation: Connects, known: RouteResult, since: int, last: int) -> int | None:
     """First frame after `since` at which the route of `known` is in doubt; None where it holds up to `last`.
 
     Boxes decide, so that a frame may be searched needlessly, never missed: a part that moved since and whose box

@@ -11,55 +11,56 @@ failures other than of width search about ten times to find their reason.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import Connects
 from ...worlds.walkers import PERSON, carrier_words, easier_than_a_person
-from ..rows.guards import guarded, guarded_rows, pointer
-from ..rows.verdicts import make_row
+from ..rows.answers import guarded, row_of
+from ..rows.corrections import correction, pointer, set_value
+from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
 from .conduits import find_conduit
 from .motion import disturbances, travellers
-from .search import PITCH, RASTER_NOISE, Finding, find_route
+from .places import RouteResult
+from .questions import NAVIGABILITY_SCENE, WAY
+from .search import find_route
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ...worlds.spec import WorldSpec
     from ..scene.surfaces import Surfaces
 
-__all__ = ["PITCH", "RASTER_NOISE", "check"]
+__all__ = ["check"]
 
 
-@guarded("navigability", "declared connections are traversable routes")
+@guarded(NAVIGABILITY_SCENE)
 def check(candidate: Candidate) -> list[Row]:
     """One row per `connects` relation; `not_applicable` where the scene graph declares none."""
     relations = {n: r for n, r in candidate.spec.graph.relations.items() if isinstance(r, Connects)}
     if not relations:
-        return [
-            make_row(
-                candidate,
-                row_id=RowId("navigability:scene"),
-                predicate="declared connections are traversable routes",
-                status="not_applicable",
-                explanation="the scene graph declares no connection",
-                extra=[],
-            )
-        ]
+        none = Finding("not_applicable", "the scene graph declares no connection", extra=[])
+        return [row_of(candidate, NAVIGABILITY_SCENE, (), none)]
     surfaces = surfaces_of(candidate)
-    rows: list[Row] = []
-    for name, relation in relations.items():
-        rows += guarded_rows(
-            candidate,
-            partial(_relation, surfaces, name, relation),
-            row_id=RowId("navigability", name),
-            predicate=_predicate(relation),
-        )
-    return rows
+    return [
+        row_of(candidate, WAY, (name,), partial(_way, surfaces, name, relation))
+        for name, relation in relations.items()
+        if not _later(surfaces, relation)
+    ]
+
+
+def _later(surfaces: Surfaces, relation: Connects) -> bool:
+    """Whether a bake judges it: a probe does not reach its first frame, and nothing fails before it."""
+    candidate, begins = surfaces.candidate, (relation.frames or (0, 0))[0]
+    wrong = _no_walker(relation) or bool(surfaces.missing)
+    return candidate.stage != "full" and begins > candidate.last_frame and not wrong
+
+
+def _no_walker(relation: Connects) -> bool:
+    return relation.carrier == "walker" and bool(easier_than_a_person(relation))
 
 
 def _predicate(relation: Connects) -> str:
@@ -71,17 +72,15 @@ def _predicate(relation: Connects) -> str:
     )
 
 
-def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
+def _way(surfaces: Surfaces, name: str, relation: Connects) -> Finding:
     candidate = surfaces.candidate
-    if relation.carrier == "walker" and easier_than_a_person(relation):
-        return [_no_person(candidate, name, relation)]
+    if _no_walker(relation):
+        return _no_person(name, relation)
     if surfaces.missing:
         raise EvidenceError(f"the scene is incomplete: {next(iter(surfaces.missing.values()))}")
     first, last = relation.frames or (0, 0)
     if candidate.stage == "full" and last > candidate.last_frame:
         raise EvidenceError(f"frame {last} is not there, the last is {candidate.last_frame}")
-    if first > candidate.last_frame:
-        return []  # judged by the bake
     last = min(last, candidate.last_frame)
     if any(broken <= last for broken in surfaces.broken.values()):
         raise EvidenceError(f"the pose of {next(iter(surfaces.broken))!r} is not finite; see the numerical rows")
@@ -89,62 +88,53 @@ def _relation(surfaces: Surfaces, name: str, relation: Connects) -> list[Row]:
     failed = [k for k in found if not found[k].ok]
     frame = failed[0] if failed else min(found, key=lambda k: found[k].measured)
     one = found[frame]
-    return [
-        make_row(
-            candidate,
-            row_id=RowId("navigability", name),
-            predicate=_predicate(relation),
-            status="fail" if failed else "pass",
-            explanation=one.text,
-            measured=one.measured,
-            bound=one.bound,
-            comparison=one.comparison,
-            unit=one.unit,
-            frames=(first, last),
-            entities=[n for n in one.blame if n in candidate.spec.entities] if failed else (),
-            first_failing_frame=frame if failed else None,
-            corrections=_corrections(candidate.spec, name, relation, one) if failed else (),
-            evidence={"reason": one.reason, "frame": frame, "frames_searched": len(found), **one.evidence},
-            extra=[relation.model_dump(mode="json"), _layout(surfaces)],
-        )
-    ]
+    return Finding(
+        "fail" if failed else "pass",
+        one.text,
+        one.measured,
+        one.bound,
+        one.unit,
+        frame=frame,
+        hints=(_mend(candidate.spec, name, relation, one),) if failed else (),
+        evidence={"reason": one.reason, "frame": frame, "frames_searched": len(found), **one.evidence},
+        comparison=one.comparison,
+        entities=tuple(n for n in one.blame if n in candidate.spec.entities) if failed else (),
+        frames=(first, last),
+        predicate=_predicate(relation),
+        extra=[relation.model_dump(mode="json"), _layout(surfaces)],
+    )
 
 
-def _no_person(candidate: Candidate, name: str, relation: Connects) -> Row:
+def _no_person(name: str, relation: Connects) -> Finding:
     """A walker that a person does not follow: its way, if there is one, is no way for a walker."""
     worst, *_ = fields = easier_than_a_person(relation)
     value, person = getattr(relation, worst), PERSON[worst]
     told = ", ".join(f"{f} {getattr(relation, f):g} {PERSON[f].unit}, a person's is {PERSON[f].value:g}" for f in fields)
-    return make_row(
-        candidate,
-        row_id=RowId("navigability", name),
-        predicate=_predicate(relation),
-        status="fail",
-        explanation=f"the walker is {carrier_words(relation)}: {told} {person.unit}",
-        measured=value,
-        bound=person.value,
-        comparison=">=" if value < person.value else "<=",
-        unit=person.unit,
-        frames=relation.frames or (0, 0),
-        corrections=[
-            Correction(
-                cause="the walker has not the measures of a person",
-                edit_class="scene",
-                group="relations",
-                action=f"Give the walker of {name!r} a {worst} of {person.value:g} {person.unit}; {person.source}. "
+    return Finding(
+        "fail",
+        f"the walker is {carrier_words(relation)}: {told} {person.unit}",
+        value,
+        person.value,
+        person.unit,
+        hints=(
+            correction(
+                "the walker has not the measures of a person",
+                "relations",
+                f"Give the walker of {name!r} a {worst} of {person.value:g} {person.unit}; {person.source}. "
                 "What is no person is carrier 'object', which is named with its measures.",
                 pointers=tuple(pointer("graph", "relations", name, f) for f in fields),
-                patch=tuple(
-                    {"op": "replace", "path": pointer("graph", "relations", name, f), "value": PERSON[f].value} for f in fields
-                ),
-            )
-        ],
+                patch=[p for f in fields for p in set_value(pointer("graph", "relations", name, f), PERSON[f].value)],
+            ),
+        ),
         evidence={"reason": "no person", "fields": fields, "source": person.source},
+        comparison=">=" if value < person.value else "<=",
+        frames=relation.frames or (0, 0),
+        predicate=_predicate(relation),
         extra=[relation.model_dump(mode="json")],
     )
 
 
-def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict[int, Finding]:
+def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict[int, RouteResult]:
     """What was found at the first frame and wherever the known route is disturbed, up to the first failure."""
     found = {first: _find(surfaces, relation, first)}
     known = first
@@ -158,7 +148,7 @@ def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict
     return found
 
 
-def _find(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> Finding:
+def _find(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> RouteResult:
     if relation.carrier == "fluid":
         return find_conduit(surfaces, relation, frame)
     return find_route(surfaces, relation, frame, absent=absent)
@@ -173,7 +163,7 @@ def _layout(surfaces: Surfaces) -> Any:
     return [candidate.recipe("navigability", candidate.spec.entities), regions]
 
 
-def _corrections(spec: WorldSpec, name: str, relation: Connects, one: Finding) -> Iterator[Correction]:
+def _mend(spec: WorldSpec, name: str, relation: Connects, one: RouteResult) -> Correction:
     blame = next((n for n in one.blame if n in spec.entities), "")
     parts = pointer("entities", blame, "parts") if blame else "/entities"
     pose = pointer("entities", blame, "pose") if blame else "/entities"
@@ -204,10 +194,4 @@ def _corrections(spec: WorldSpec, name: str, relation: Connects, one: Finding) -
         ),
         "gap": (f"Bridge the gap of {one.measured:.3g} m in the floor.", "shape", "/entities"),
     }.get(one.reason, ("Place the region over a floor, or build one under it.", "placement", "/graph/regions"))
-    yield Correction(
-        cause=f"{one.reason}: {one.text}",
-        edit_class="scene",
-        group=group,
-        action=action,
-        pointers=(path, pointer("graph", "relations", name)),
-    )
+    return correction(f"{one.reason}: {one.text}", group, action, pointers=(path, pointer("graph", "relations", name)))

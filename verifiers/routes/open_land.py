@@ -29,11 +29,8 @@ if TYPE_CHECKING:
     from ...worlds.spec import Connects
     from ..scene.surfaces import Surfaces
 
-__all__ = ["WADING", "Asked", "Field", "Track", "ground_in"]
+__all__ = ["Asked", "Field", "Track", "ground_in"]
 
-WADING = {"walker": 0.5, "object": 0.3}
-"""Depth of still water that stops a carrier [m]. Source: Cox, Shand & Blacka 2010 (Australian Rainfall and Runoff, project 10):
-0.5 m is the limit for the smaller half of people, 0.3 m floats small cars."""
 MOST_SQUARES = 1_200_000
 """Own choice: squares of one search, about 1 GB."""
 SAMPLES = 9

@@ -1,4 +1,4 @@
-"""What a search for a route found, and where regions lie."""
+"""Result of the search for a route, and where regions lie."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64, RigidPose
-from ..rows.verdicts import Comparison
+from ..rows.questions import Comparison
 
 if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces
 
-__all__ = ["Finding", "frame_of", "region_box"]
+__all__ = ["RouteResult", "frame_of", "region_box"]
 
 
-class Finding(NamedTuple):
-    """What was found at one frame."""
+class RouteResult(NamedTuple):
+    """Result of the search for one route at one frame."""
 
     ok: bool
     text: str
@@ -27,7 +27,6 @@ class Finding(NamedTuple):
     reason: str
     blame: tuple[str, ...]
     evidence: dict[str, Any]
-
     route: F64 | None = None
     """Middle of the way that was found [m], shape (n, 3)."""
     floors: tuple[str, ...] = ()

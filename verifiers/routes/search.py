@@ -19,22 +19,20 @@ from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
 from ..land.grounds import Land, lands, patches, stem_triangles, surface_triangles
 from ..predicates.kinematic import region_offset
-from ..rows.verdicts import Comparison
+from ..rows.questions import Comparison
+from .bounds import CELL, PITCH, RASTER_NOISE, REST, SAME_HEIGHT, STRETCH, THRESHOLD, WADING
 from .columns import Columns, Grid, Ints, Soup, rasterise
 from .land_routes import follow
-from .open_land import WADING
-from .places import Finding, frame_of, region_box
-from .walkable import SAME, Carrier, Floor, Obstacles, lay_floor, measure_clearance, standing
+from .places import RouteResult, frame_of, region_box
+from .walkable import Carrier, Floor, Obstacles, lay_floor, measure_clearance, standing
 from .widths import Way, passable, pieces_of, reachable, widest_way
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
     from ..scene.surfaces import Surfaces
 
-__all__ = ["PITCH", "RASTER_NOISE", "Finding", "find_route", "frame_of", "region_box"]
+__all__ = ["find_route"]
 
-CELL = 0.05
-"""[m] Own choice: largest cell; an eighth of the width where that is finer."""
 CELLS_PER_WIDTH = 8.0
 CELLS_PER_REGION = 4.0
 MARGINS = (3.0, 20.0)
@@ -42,13 +40,6 @@ MARGINS = (3.0, 20.0)
 box's diagonal)."""
 MOST_CELLS = 600_000
 """Own choice: cells of one search, about 1 GB; larger areas get coarser cells down to a quarter of the width."""
-RASTER_NOISE = 0.002
-"""[m] How much narrower than real the search may measure a way: points move within cells to a 250th of 5 cm, and corners
-of obstacles are sampled."""
-PITCH = 1.2
-"""Own choice: steepest mean rise / run over a stretch (50 degrees); building codes end stairs at 42 degrees."""
-STRETCH = 0.6
-"""[m] Own choice: the stretch, one and a half paces; three quarters of the width for narrower carriers."""
 STEEPEST = 1.4
 """[rad] Slopes up to this are tried when looking for the reason of a failure."""
 SEARCH = 8
@@ -57,13 +48,9 @@ SUSPECTS = 8
 """Entities that are tried as the one that blocks the way."""
 OPEN_CELLS = 150_000
 """Own choice: cells of a search beside one over open land, which has judged the land already."""
-REST = 0.5
-"""Own choice: a piece of a region's floor below this share of the largest is a rest behind a wall, and no place to start."""
-THRESHOLD = 2.5
-"""Own choice: a step up to this many times the allowed one is an oversized step; a higher one is an obstacle."""
 
 
-def find_route(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> Finding:
+def find_route(surfaces: Surfaces, relation: Connects, frame: int, *, absent: Collection[str] = ()) -> RouteResult:
     """Search nearby first; only what fails there is searched again in a wider area.
 
     Args:
@@ -235,7 +222,7 @@ class _Search:
         obstacles = measure_clearance(floor, 0.5 * carrier.width, ignore=ignore)
         return passable(floor, obstacles, stops, 0.25 * carrier.width)
 
-    def finding(self) -> Finding:
+    def finding(self) -> RouteResult:
         """Verdict at this frame."""
         way, floor, obstacles = self.direct
         if way is None:
@@ -258,18 +245,18 @@ class _Search:
             place = ", ".join(f"{c:.2f}" for c in way.place)
             between = " and ".join(map(repr, beside)) or " and ".join(["the edges of the floor", *map(repr, blame)])
             text = f"the way is {clear:.3f} m wide at ({place}), the carrier needs {width:g} m; narrowed by {between}"
-            return Finding(False, text, clear, bound, ">=", "m", "too narrow", blame, evidence)
+            return RouteResult(False, text, clear, bound, ">=", "m", "too narrow", blame, evidence)
         pitch, where = _pitch(
             way.route, min(STRETCH, max(0.75 * width, 6 * self.columns.grid.cell)), self.carrier, self.columns.grid.cell
         )
         if pitch > max(PITCH, self.carrier.tangent):
             owner = self._owners(floor.nodes.owner[way.nodes[where : where + 1]])
             text = f"the stairs rise by {math.atan(pitch):.3f} rad on average, at most {math.atan(PITCH):.3f} rad can be walked"
-            return Finding(False, text, math.atan(pitch), math.atan(PITCH), "<=", "rad", "too steep", owner, evidence)
+            return RouteResult(False, text, math.atan(pitch), math.atan(PITCH), "<=", "rad", "too steep", owner, evidence)
         text = f"a route of {evidence['route_length_m']:.2f} m leads from {self.relation.a!r} to {self.relation.b!r}, "
         text += f"{'at least ' if capped else ''}{clear:.3f} m wide at its narrowest"
         floors = self._owners(np.unique(floor.nodes.owner[way.nodes]))
-        return Finding(True, text, clear, bound, ">=", "m", "", (), evidence, way.route, floors)
+        return RouteResult(True, text, clear, bound, ">=", "m", "", (), evidence, way.route, floors)
 
     def _profile(self, floor: Floor, way: Way) -> dict[str, Any]:
         """Least headroom, steepest slope and highest step along the middle of the way, and where."""
@@ -313,7 +300,7 @@ class _Search:
         # What moves, then what is small, is moved aside more easily than a wall.
         return tuple(sorted(beside, key=lambda n: (self._is_static(n), self._size(n))))
 
-    def _why(self, floor: Floor) -> Finding:
+    def _why(self, floor: Floor) -> RouteResult:
         """There is no way at all: find out which limit, or which entity, is the reason."""
         start, *_, goal = self._stops(floor)
         for name, nodes in ((self.relation.a, start), (self.relation.b, goal)):
@@ -328,9 +315,9 @@ class _Search:
 
     def _finding(
         self, text: str, measured: float, bound: float, comparison: Comparison, unit: str, reason: str, blame: tuple[str, ...]
-    ) -> Finding:
+    ) -> RouteResult:
         evidence = {"cell_m": self.columns.grid.cell, "search_clipped": self.clipped}
-        return Finding(False, text, measured, bound, comparison, unit, reason, blame, evidence)
+        return RouteResult(False, text, measured, bound, comparison, unit, reason, blame, evidence)
 
     def _limit(self, good: float, bad: float, carrier_of: Any) -> tuple[float, Way, Floor]:
         """Bisect between a value that lets the carrier through and one that does not."""
@@ -341,7 +328,7 @@ class _Search:
         assert way is not None
         return good, way, floor
 
-    def _too_low(self, _floor: Floor, _start: Ints) -> Finding | None:
+    def _too_low(self, _floor: Floor, _start: Ints) -> RouteResult | None:
         def lower(height: float) -> Carrier:
             return replace(self.carrier, headroom=height)
 
@@ -357,7 +344,7 @@ class _Search:
         text = f"the clear height is {height:.3f} m under {under}, the carrier needs {self.relation.headroom:g} m"
         return self._finding(text, height, self.relation.headroom, ">=", "m", "too low", blame)
 
-    def _too_steep(self, _floor: Floor, _start: Ints) -> Finding | None:
+    def _too_steep(self, _floor: Floor, _start: Ints) -> RouteResult | None:
         def steeper(angle: float) -> Carrier:
             return replace(self.carrier, tangent=math.tan(angle))
 
@@ -371,7 +358,7 @@ class _Search:
         text = f"{', '.join(map(repr, blame))} slopes {angle:.3f} rad, the carrier takes {self.relation.max_slope:g} rad"
         return self._finding(text, angle, self.relation.max_slope, "<=", "rad", "too steep", blame)
 
-    def _step_too_high(self, _floor: Floor, _start: Ints) -> Finding | None:
+    def _step_too_high(self, _floor: Floor, _start: Ints) -> RouteResult | None:
         def higher(step: float) -> Carrier:
             return replace(self.carrier, step=step)
 
@@ -398,13 +385,13 @@ class _Search:
             self.columns, self.carrier, floor.nodes.cell[way.nodes], z, floor.nodes.gradient[way.nodes], ignore=-1
         )
         over = self.columns.pieces.high[piece] - z[group]
-        over = np.where(over <= floor.carrier.step + SAME, over, 0.0)
+        over = np.where(over <= floor.carrier.step + SAME_HEIGHT, over, 0.0)
         if len(over) and over.max() > best:
             k = int(np.argmax(over))
             best, onto = float(over[k]), int(self.columns.soup.owner[self.columns.pieces.triangle[piece[k]]])
         return best, onto
 
-    def _blocked(self, floor: Floor, start: Ints) -> Finding | None:
+    def _blocked(self, floor: Floor, start: Ints) -> RouteResult | None:
         """The entity without which there is a way; those that border on the reachable floor are tried."""
         reached = reachable(floor, start)
         beside = floor.links[reached]
@@ -418,7 +405,7 @@ class _Search:
                 return self._finding(text, 0.0, self.relation.width - RASTER_NOISE, ">=", "m", "blocked", (self.names[k],))
         return None
 
-    def _gap(self, floor: Floor, start: Ints) -> Finding:
+    def _gap(self, floor: Floor, start: Ints) -> RouteResult:
         from scipy.spatial import cKDTree
 
         goal = self._stops(floor)[-1]
@@ -465,7 +452,7 @@ def _pitch(route: F64, stretch: float, carrier: Carrier, cell: float) -> tuple[f
     A route sees a step at the next centre of a cell, so the run is taken one cell [m] longer than it was seen.
     """
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route[:, :2], axis=0), axis=1))])
-    steps = 1 + np.flatnonzero(np.abs(np.diff(route[:, 2])) > carrier.tangent * np.diff(run) + SAME)
+    steps = 1 + np.flatnonzero(np.abs(np.diff(route[:, 2])) > carrier.tangent * np.diff(run) + SAME_HEIGHT)
     if len(steps) < 2:
         return 0.0, 0
     run, height = run[steps], route[steps, 2]

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .bounds import GAP, GAPS_PER_WIDTH, SAME_HEIGHT
 from .columns import Columns, Ints, expand
 
 __all__ = [
     "DIRECTIONS",
     "GAP",
-    "SAME",
     "Carrier",
     "Floor",
     "Obstacles",
@@ -33,12 +33,6 @@ __all__ = [
 ]
 
 DIRECTIONS: tuple[tuple[int, int], ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
-SAME = 1e-4
-"""[m] Surfaces closer than this in height are one."""
-GAP = 0.05
-"""[m] Own choice: cracks up to this are stepped or rolled over, or an eighth of narrower carriers. Wider than the 13 mm of
-ADA 302.3 for floor openings, narrower than the 75 mm between platform and train of 49 CFR 38.53."""
-GAPS_PER_WIDTH = 8.0
 PROFILE = 16
 """Samples along a link whose step or crack must be measured: 3 mm apart at a cell of 5 cm."""
 FINE = 512
@@ -156,7 +150,7 @@ def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
         if not same.any():
             break
         rise = z[here + k] - z[here]
-        above = same & (rise > SAME)
+        above = same & (rise > SAME_HEIGHT)
         within = above & (rise <= carrier.step)
         covered[here] |= within & up[here + k]
         low_thing[here] |= within & ~up[here + k]
@@ -164,7 +158,7 @@ def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
         inside[here] |= above & ~first_seen[here] & up[here + k] & closed[here + k]
         first_seen[here] |= above
         stepped[here + k] |= within & gentle[here]
-        duplicate = same & (rise <= SAME) & up[here] & up[here + k]
+        duplicate = same & (rise <= SAME_HEIGHT) & up[here] & up[here + k]
         covered[here] |= duplicate
     floor = up & ~covered & (gentle | stepped)
     slope = np.where(gentle[:, None], gradient, 0.0)[floor]
@@ -176,7 +170,7 @@ def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
 
 def _band(columns: Columns, carrier: Carrier, gradient: F64) -> F64:
     """Height above floors below which things are stepped over; the floor's own slope within a cell is no obstacle."""
-    return np.asarray(np.maximum(carrier.step, 0.75 * columns.grid.cell * np.hypot(gradient[:, 0], gradient[:, 1])) + SAME)
+    return np.asarray(np.maximum(carrier.step, 0.75 * columns.grid.cell * np.hypot(gradient[:, 0], gradient[:, 1])) + SAME_HEIGHT)
 
 
 def standing(columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F64, ignore: int) -> tuple[Ints, Ints, F64]:
@@ -190,7 +184,7 @@ def standing(columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F
     over = (columns.pieces.high[piece] > (z + _band(columns, carrier, gradient))[group]) & (
         columns.soup.owner[triangle] != ignore
     )
-    over &= ~(columns.gentle(carrier.tangent)[triangle] & (above <= carrier.step + SAME))
+    over &= ~(columns.gentle(carrier.tangent)[triangle] & (above <= carrier.step + SAME_HEIGHT))
     return group[over], piece[over], np.maximum(above[over], 0.0)
 
 
@@ -204,7 +198,7 @@ def _overhead(
     first = order[np.unique(group[order], return_index=True)[1]] if len(order) else order
     ceiling, blocker = np.full(len(cell), np.inf), np.full(len(cell), -1, dtype=np.intp)
     ceiling[group[first]], blocker[group[first]] = height[first], owner[first]
-    return ceiling < carrier.headroom - SAME, ceiling, blocker
+    return ceiling < carrier.headroom - SAME_HEIGHT, ceiling, blocker
 
 
 def _neighbour(columns: Columns, cell: Ints, way: tuple[int, int]) -> Ints:
@@ -227,12 +221,12 @@ def _link(columns: Columns, carrier: Carrier, nodes: Nodes, way: tuple[int, int]
     # The step at the edge of two slopes lies between what either slope leaves over the whole way.
     one, two = rise - nodes.gradient[row] @ stride, rise - nodes.gradient[other] @ stride
     least = np.where(one * two <= 0.0, 0.0, np.minimum(np.abs(one), np.abs(two)))
-    ok = least <= carrier.step + SAME
+    ok = least <= carrier.step + SAME_HEIGHT
     row, other, rise, unsure = (
         row[ok],
         other[ok],
         np.abs(rise[ok]),
-        np.maximum(np.abs(one), np.abs(two))[ok] > carrier.step + SAME,
+        np.maximum(np.abs(one), np.abs(two))[ok] > carrier.step + SAME_HEIGHT,
     )
     if unsure.any():
         sound = ~unsure
@@ -265,15 +259,15 @@ def _sound(columns: Columns, carrier: Carrier, start: F64, z: F64, goal: F64, st
     sound, level, lost = np.ones(len(start), dtype=bool), z.copy(), np.zeros(len(start))
     for k in range(1, PROFILE + 1):
         here = columns.height_at(
-            start + stride * (k / PROFILE), level, carrier.step + slack * (1.0 + PROFILE) + SAME, carrier.tangent
+            start + stride * (k / PROFILE), level, carrier.step + slack * (1.0 + PROFILE) + SAME_HEIGHT, carrier.tangent
         )
         there = np.isfinite(here)
         rise = np.abs(here - level)
-        sound &= ~(there & (rise > carrier.step + SAME + slack * (1.0 + np.round(lost / apart))))
+        sound &= ~(there & (rise > carrier.step + SAME_HEIGHT + slack * (1.0 + np.round(lost / apart))))
         lost = np.where(there, 0.0, lost + apart)
         sound &= lost <= carrier.gap + apart
         level = np.where(there, here, level)
-    return np.asarray(sound & (np.abs(level - goal) <= carrier.step + SAME))
+    return np.asarray(sound & (np.abs(level - goal) <= carrier.step + SAME_HEIGHT))
 
 
 def _links(columns: Columns, carrier: Carrier, nodes: Nodes) -> Ints:
@@ -302,7 +296,7 @@ def _bridge_cracks(columns: Columns, carrier: Carrier, nodes: Nodes, ignore: int
         for span in spans:
             far = _link(columns, carrier, nodes, (span * way[0], span * way[1]))
             gap = np.flatnonzero(open_rows & (far >= 0))
-            gap = gap[np.abs(nodes.z[far[gap]] - nodes.z[gap]) <= carrier.step + SAME]
+            gap = gap[np.abs(nodes.z[far[gap]] - nodes.z[gap]) <= carrier.step + SAME_HEIGHT]
             if len(gap) == 0:
                 continue
             stride = columns.grid.cell * np.array(way, dtype=np.float64)
@@ -320,7 +314,7 @@ def _bridge_cracks(columns: Columns, carrier: Carrier, nodes: Nodes, ignore: int
     order = np.lexsort((z, cell))
     cell, z = cell[order], z[order]
     # One of several that lie within a step of each other, and none where there is floor already.
-    keep = np.concatenate([[True], (np.diff(cell) > 0) | (np.diff(z) > max(carrier.step, SAME))])
+    keep = np.concatenate([[True], (np.diff(cell) > 0) | (np.diff(z) > max(carrier.step, SAME_HEIGHT))])
     cell, z = cell[keep], z[keep]
     gradient = np.zeros((len(cell), 2))
     blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, gradient, ignore)
@@ -438,7 +432,7 @@ def _blocking_points(floor: Floor, blocked: Ints, ignore: int) -> tuple[F64, Int
     group, piece, height = standing(
         columns, floor.carrier, nodes.cell[blocked], nodes.z[blocked], nodes.gradient[blocked], ignore
     )
-    inside = height < floor.carrier.headroom - SAME
+    inside = height < floor.carrier.headroom - SAME_HEIGHT
     group, piece = group[inside], piece[inside]
     outline = columns.pieces.outline[piece]
     middle = 0.5 * (outline + np.roll(outline, -1, axis=1))
@@ -466,7 +460,7 @@ def _floor_ends(columns: Columns, floor: Floor, row: Ints, way: Ints) -> F64:
 def _floor_end(columns: Columns, carrier: Carrier, nodes: Nodes, row: Ints, stride: F64) -> F64:
     """Where the floor ends along strides from nodes, by bisection [m], shape (n, 2)."""
     start = columns.grid.centers(nodes.cell[row])
-    reach = carrier.step + 1.5 * columns.grid.cell * carrier.tangent + SAME
+    reach = carrier.step + 1.5 * columns.grid.cell * carrier.tangent + SAME_HEIGHT
     low, high = np.zeros(len(row)), np.ones(len(row))
     for _ in range(EDGE_HALVINGS):
         middle = 0.5 * (low + high)

@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...worlds.requirements import RowId
-from .findings import answered
-from .verdicts import correction
+from .corrections import bake_again as baked_again
+from .verdicts import answered
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Check, Correction, Row
+    from ...worlds.requirements import Check, Row
     from .findings import Finding
 
 __all__ = ["baked_again", "instance_row"]
@@ -52,8 +52,3 @@ def instance_row(
         evidence={"solver": solver, "category": category},
         extra=candidate.spec.simulation.limits.model_dump(mode="json"),
     )
-
-
-def baked_again(cause: str = "the cache was edited or is of another run") -> Correction:
-    """Bake again."""
-    return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))

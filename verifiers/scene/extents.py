@@ -11,16 +11,13 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Sheet, Sphere, StemField, Wedge
+from .bounds import SPECK
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
     from ...worlds.spec import Part, Region, Shape
 
-__all__ = ["SPECK", "Extent", "built_extent", "part_extents", "region_diagonal", "specified_extent"]
-
-SPECK = 1e-6
-"""Own choice: a loose piece with less than this share of the surface (6 mm^2 on a cube of 1 m), or a triangle lower than this
-share of the diagonal, is dust and gives nothing its size. Else a stray vertex could stand in for a missing length."""
+__all__ = ["Extent", "built_extent", "part_extents", "region_diagonal", "specified_extent"]
 
 
 class Extent(NamedTuple):

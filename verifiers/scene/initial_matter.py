@@ -15,9 +15,9 @@ from ..categories.liquid.ledger import declared_filling
 from ..categories.liquid.samples import spread
 from ..categories.liquid.solids import pieces_of
 from ..categories.particles.frames import swarm_of
+from ..rows.corrections import bake_again, correction
 from ..rows.findings import Finding
-from ..rows.instance_rows import baked_again
-from ..rows.verdicts import correction
+from .bounds import FEW, FILLED, LIQUID_MIDDLE, PARTICLE_SPEED
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
@@ -28,14 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["amounts", "grains_started", "liquid_placed", "liquid_started"]
 
-MIDDLE = 0.5
-"""[spacings] Own choice: of a liquid's middle from that of the volume declared for it; layers beside walls and slopes are cut unevenly."""
-NOISE = 1e-3
-"""[m/s] Own choice: velocities of particles are single precision, those of a current lie between its points."""
-FILLED = 0.05
-"""Own choice: of the grains that the declared share gives (0.003 off in a tray of 714 grains, 0.001 in one of 351)."""
-FEW = 1.0
-"""Of the root of their number, beside that: some lie on one side or the other of the surface by chance."""
 GRAIN_POINTS = 8000
 """Points in a part's box at which it is asked whether the middle of a grain may be there: 1 % of a half-filled box."""
 
@@ -46,7 +38,7 @@ GRAIN_POINTS = 8000
 def liquid_placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Whether every liquid's middle is that of its declared volume."""
     liquid, frame = liquid_of(candidate, solver), liquid_of(candidate, solver).read(0)
-    bound = MIDDLE * liquid.spacing
+    bound = LIQUID_MIDDLE * liquid.spacing
     worst, culprit, told = -1.0, liquid.members[0], {}
     for row, (member, (volume, middle)) in enumerate(declared_filling(liquid).items()):
         mine = frame.fluid == row
@@ -63,7 +55,7 @@ def liquid_placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     if candidate.spec.simulation.preroll > 0:
         return Finding("pass", text + ", after the preroll in which it settled", evidence={"moved_m": told})
     hints = (
-        baked_again(),
+        bake_again(),
         correction(
             "its parts overlap solids, the domain's sides or each other", "placement", "move the liquid's parts apart and out of solids",
             pointers=(f"/entities/{culprit}/pose", f"/entities/{culprit}/parts"),
@@ -89,7 +81,7 @@ def liquid_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         if len(off) and off.max() > worst:
             worst, culprit = float(off.max()), member
     text = f"particles of {culprit!r} have another velocity than declared, by at most {worst:.3g} m/s"
-    return Finding("pass" if worst <= NOISE else "fail", text, worst, NOISE, "m/s", culprit, 0, (baked_again(),))
+    return Finding("pass" if worst <= PARTICLE_SPEED else "fail", text, worst, PARTICLE_SPEED, "m/s", culprit, 0, (bake_again(),))
 
 
 def _in_currents(liquid: Liquid, member: str, physics: LiquidPhysics, points: F64) -> NDArray[np.bool_]:
@@ -125,7 +117,7 @@ def amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             text = f"{have} particles of {member!r} are there, {wanted:.4g} were declared"
     off = worst + bound
     hints = (
-        baked_again(),
+        bake_again(),
         correction(
             "solids or other grains take much of its volume", "placement", "move its parts apart and out of solids",
             pointers=(f"/entities/{culprit}/pose", f"/entities/{culprit}/parts"),
@@ -184,4 +176,13 @@ def grains_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     row = int(off.argmax())
     culprit = swarm.members[int(frame.member[row])]
     text = f"particles of {culprit!r} have another velocity than declared, by at most {off[row]:.3g} m/s"
-    return Finding("pass" if off[row] <= NOISE else "fail", text, float(off[row]), NOISE, "m/s", culprit, 0, (baked_again(),))
+    return Finding(
+        "pass" if off[row] <= PARTICLE_SPEED else "fail",
+        text,
+        float(off[row]),
+        PARTICLE_SPEED,
+        "m/s",
+        culprit,
+        0,
+        (bake_again(),),
+    )

@@ -24,12 +24,11 @@ from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ...worlds.categories.cloth.facts import release_time
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import PathDriver, ReleaseDriver, Supports
-from ..rows.findings import Finding, separate
-from ..rows.instance_rows import baked_again
-from ..rows.verdicts import correction
+from ..rows.corrections import bake_again, correction, separate
+from ..rows.findings import Finding
+from .bounds import CORNERS, GAP_CAP, ROUNDING, SETTLED, SPEED, SPEED_SHARE
 from .declared import Declared
 from .initial_matter import amounts, grains_started, liquid_placed, liquid_started
-from .surfaces import GAP_CAP
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
@@ -37,16 +36,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CLAIMS", "FUNCTIONS", "Opened", "opened", "start_lines"]
 
-ROUNDING = 1e-6
-"""[m] Own choice: quaternions and transforms in double precision, places up to kilometres from the origin; nobody sees a micrometre."""
-CORNERS = 2.0
-"""Opened along three faces at once a body moves by the root of three summed skins; the rest is for pushes that are not straight."""
-SETTLED = 0.1
-"""Own choice: of its own diagonal, what a body may move in a preroll that is declared to rest on something."""
-SPEED = 1e-4
-"""[m/s] Own choice: velocities of bodies are set in double precision, half a step behind their places; those of vertices in single."""
-SHARE = 1e-4
-"""Of the declared speed: the same, where that is large."""
 EXACT = 300
 """Members of a group up to which the way from each to its farthest is looked for: it takes their number squared."""
 CLAIMS = {
@@ -273,7 +262,7 @@ def _of_places(candidate: Candidate, found: list[Opened]) -> Finding:
             f"declare {entity!r} where it is at frame 0, or hold it during the preroll with a release",
             pointers=(pointer,),
         ),
-        baked_again(),
+        bake_again(),
     )
     return Finding("fail", text, measured, bound, unit, entity, 0, hints, evidence)
 
@@ -319,7 +308,7 @@ class _Speed(NamedTuple):
 
 
 def _bound(declared: float) -> float:
-    return SPEED + SHARE * declared
+    return SPEED + SPEED_SHARE * declared
 
 
 def _speeds_of_bodies(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
@@ -382,7 +371,7 @@ def _of_speeds(found: list[_Speed]) -> Finding:
         return Finding("pass", f"velocities are off by at most {worst.off:.2g} m/s", worst.off, worst.bound, "m/s", worst.entity)
     text = f"{worst.entity!r} starts with another velocity than declared: {worst.off:.4g} m/s off, its turning included"
     hints = (
-        baked_again(),
+        bake_again(),
         correction(
             "it was declared with another velocity", "drivers", "declare the velocity that it is to start with",
             pointers=(f"/entities/{worst.entity}/physics",),

@@ -7,56 +7,49 @@ rope. A surface that passes through itself gets a row of its own (`scene/self_cr
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...geometry import apart
 from ...worlds.arrays import F64, RigidPose
-from ...worlds.requirements import Correction, RowId
-from ..rows.guards import guarded, guarded_rows, pointer, translation_patch
-from ..rows.verdicts import make_row
+from ..rows.answers import guarded, row_of
+from ..rows.corrections import correction, move_by, pointer
+from ..rows.findings import Finding
+from .bounds import MARGIN, SAME_MOVE, WIDEST
 from .own_bodies import own_gap, own_pairs
+from .questions import OVERLAP, OVERLAP_SCENE
 from .self_crossing import self_rows
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from .own_bodies import OwnPair
     from .surfaces import Gap, Surfaces
 
-__all__ = ["MARGIN", "check", "correction_order", "separating_move"]
+__all__ = ["check", "correction_order", "separating_move"]
 
-MARGIN = 1e-4
-"""[m] Own choice: a suggested move leaves this clearance, so that its rounding cannot touch again."""
-WIDEST = 4.0
-"""Own choice: a suggested move longer than this many sizes of the moved body is not suggested."""
-SAME_MOVE = 0.05
-"""Own choice: of two suggested moves that differ by less than this part of their length, one is enough."""
 HALVINGS = 8
+"""Bisections of a suggested move: short to within 1 %."""
 DETAILED = 20
 """Failing pairs whose separating move is computed; a pile of failures is mended one by one anyway."""
 
 
-@guarded("interpenetration", "visible surfaces of different entities do not overlap at frame 0")
+@guarded(OVERLAP_SCENE)
 def check(candidate: Candidate) -> list[Row]:
     """One row per pair that comes within twice the contact tolerance, and one for the scene."""
     surfaces = surfaces_of(candidate)
     rows: list[Row] = []
     for a, b in surfaces.first:
-        failed = sum(r.status == "fail" for r in rows)
-        rows += guarded_rows(
-            candidate,
-            lambda a=a, b=b, n=failed: [_pair(surfaces, a, b, detailed=n < DETAILED)],  # type: ignore[misc]
-            row_id=RowId("interpenetration", a, b),
-            predicate=_predicate(surfaces, a, b),
-            entities=(a, b),
-        )
+        detailed = sum(r.status == "fail" for r in rows) < DETAILED
+        judge = partial(_pair, surfaces, a, b, detailed=detailed)
+        rows.append(row_of(candidate, OVERLAP, (a, b), judge, entities=(a, b)))
     for entity, pairs in own_pairs(surfaces, np.zeros(1, dtype=np.intp)).items():
-        rows.append(_own(surfaces, entity, pairs))
+        rows.append(row_of(candidate, OVERLAP, (entity, entity), _own(surfaces, entity, pairs), entities=(entity,)))
     crossed = [r for entity in surfaces.entities for r in self_rows(surfaces, entity)]
-    return [_scene(surfaces, rows, crossed), *rows, *crossed]
+    return [row_of(candidate, OVERLAP_SCENE, (), _scene(surfaces, rows, crossed)), *rows, *crossed]
 
 
 def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
@@ -66,37 +59,36 @@ def _predicate(surfaces: Surfaces, a: str, b: str) -> str:
     return f"clearance({a}, {b}) >= -eps at frame 0, eps = query noise {surfaces.noise(a, b):.2g} m"
 
 
-def _own(surfaces: Surfaces, entity: str, pairs: list[OwnPair]) -> Row:
+def _own(surfaces: Surfaces, entity: str, pairs: list[OwnPair]) -> Finding:
     """The nearest two bodies of one entity that are not joined."""
     gap = min((own_gap(surfaces, pair, 0) for pair in pairs), key=lambda g: g.distance)
     allowed, noise = surfaces.allowed_depth(entity, entity), surfaces.noise(entity, entity)
     ok = gap.distance >= -(allowed + noise)
-    bend = Correction(
-        cause=f"{entity!r} is laid out through itself",
-        edit_class="scene",
-        group="placement",
-        action=f"Lay {entity}/{gap.part_a} and {entity}/{gap.part_b} at least {-gap.distance * 1e3:.4g} mm farther apart.",
+    bend = correction(
+        f"{entity!r} is laid out through itself",
+        "placement",
+        f"Lay {entity}/{gap.part_a} and {entity}/{gap.part_b} at least {-gap.distance * 1e3:.4g} mm farther apart.",
         pointers=(pointer("entities", entity, "generator", "points"),),
     )
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("interpenetration", entity, entity),
-        predicate=f"clearance between bodies of {entity} that are not joined >= -eps at frame 0, eps = query noise {noise:.2g} m",
-        status="pass" if ok else "fail",
-        explanation=f"{entity}/{gap.part_a} and {entity}/{gap.part_b} have a clearance of {gap.distance * 1e3:.4g} mm",
-        measured=gap.distance,
-        bound=-(allowed + noise),
-        comparison=">=",
-        unit="m",
+    return Finding(
+        "pass" if ok else "fail",
+        f"{entity}/{gap.part_a} and {entity}/{gap.part_b} have a clearance of {gap.distance * 1e3:.4g} mm",
+        gap.distance,
+        -(allowed + noise),
+        hints=(bend,),
+        evidence={
+            "point_a": gap.point_a.tolist(),
+            "point_b": gap.point_b.tolist(),
+            "part_a": gap.part_a,
+            "part_b": gap.part_b,
+        },
         frames=(0, 0),
-        entities=(entity,),
-        corrections=() if ok else (bend,),
-        evidence={"point_a": gap.point_a.tolist(), "point_b": gap.point_b.tolist(), "part_a": gap.part_a, "part_b": gap.part_b},
+        predicate=f"clearance between bodies of {entity} that are not joined >= -eps at frame 0, eps = query noise {noise:.2g} m",
         extra=[allowed],
     )
 
 
-def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
+def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Finding:
     names = list(surfaces.candidate.solids)
     broken = [n for n, frame in surfaces.broken.items() if frame == 0]
     bad = [r for r in [*rows, *crossed] if r.status != "pass"]
@@ -116,18 +108,11 @@ def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
     else:
         pairs = len(names) * (len(names) - 1) // 2
         text = f"{pairs} pairs of {len(names)} entities searched, {len(rows)} within {surfaces.reach:g} m, {len(bad)} overlap"
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("interpenetration:scene"),
-        predicate="every pair of entities is inspected and none overlaps at frame 0",
-        status="fail" if failed else "unverified" if unverified else "not_applicable" if liquid_only else "pass",
-        explanation=text,
-        measured=float(len(bad) + len(broken)),
-        bound=0.0,
-        comparison="<=",
-        unit="1",
-        frames=(0, 0),
-        entities=failing or names,
+    return Finding(
+        "fail" if failed else "unverified" if unverified else "not_applicable" if liquid_only else "pass",
+        text,
+        float(len(bad) + len(broken)),
+        0.0,
         evidence={
             "entities": len(names),
             "missing": list(surfaces.missing)[:20],
@@ -135,11 +120,12 @@ def _scene(surfaces: Surfaces, rows: list[Row], crossed: list[Row]) -> Row:
             "worst_clearance_m": worst,
             "overlapping": [r.id for r in bad][:20],
         },
+        entities=tuple(failing or names),
+        frames=(0, 0),
     )
 
 
-def _pair(surfaces: Surfaces, a: str, b: str, *, detailed: bool) -> Row:
-    candidate = surfaces.candidate
+def _pair(surfaces: Surfaces, a: str, b: str, *, detailed: bool) -> Finding:
     gap = surfaces.gap(a, b, 0)
     allowed = surfaces.allowed_depth(a, b)
     noise = surfaces.noise(a, b)
@@ -151,19 +137,12 @@ def _pair(surfaces: Surfaces, a: str, b: str, *, detailed: bool) -> Row:
     else:
         text = f"{a}/{gap.part_a} and {b}/{gap.part_b} overlap by {-gap.distance * 1e3:.4g} mm"
         text += f", allowed {allowed * 1e3:.4g} mm" if allowed else ", which no relation declares"
-    return make_row(
-        candidate,
-        row_id=RowId("interpenetration", a, b),
-        predicate=_predicate(surfaces, a, b),
-        status="pass" if ok else "fail",
-        explanation=text,
-        measured=gap.distance,
-        bound=bound,
-        comparison=">=",
-        unit="m",
-        frames=(0, 0),
-        entities=names,
-        corrections=() if ok else _corrections(surfaces, names, gap, swapped=names[0] != a, detailed=detailed),
+    return Finding(
+        "pass" if ok else "fail",
+        text,
+        gap.distance,
+        bound,
+        hints=() if ok else _corrections(surfaces, names, gap, swapped=names[0] != a, detailed=detailed),
         evidence={
             "point_a": gap.point_a.tolist(),
             "point_b": gap.point_b.tolist(),
@@ -172,6 +151,9 @@ def _pair(surfaces: Surfaces, a: str, b: str, *, detailed: bool) -> Row:
             "eps_m": noise,
             "allowed_depth_m": allowed,
         },
+        entities=names,
+        frames=(0, 0),
+        predicate=_predicate(surfaces, a, b),
         extra=[allowed],
     )
 
@@ -275,7 +257,8 @@ def _different(moves: dict[str, F64]) -> dict[str, F64]:
     return found
 
 
-def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool) -> list[Correction]:
+def _moves(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool) -> dict[str, F64]:
+    """Moves of the first entity that clear the second [m], by the words for their direction."""
     mover, other = names
     out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
     length = float(np.linalg.norm(out))
@@ -292,11 +275,19 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
         directions["away from its neighbour"] = level / float(np.linalg.norm(level))
     moves = {}
     for name, direction in directions.items():
-        distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance) if detailed else None
+        distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance)
         if distance is not None:
             moves[name] = distance * direction
-    if detailed and "cloth" in (_category(surfaces, n) for n in names):
+    if "cloth" in (_category(surfaces, n) for n in names):
         moves = _different(moves | _along_axes(surfaces, names, -gap.distance))
+    return moves
+
+
+def _corrections(
+    surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool
+) -> tuple[Correction, ...]:
+    mover, other = names
+    moves = _moves(surfaces, names, gap, swapped=swapped) if detailed else {}
     pose = pointer("entities", mover, "pose")
     either = f" Both are fixed: either may move, {other!r} the opposite way." if all(_fixed(surfaces, n) for n in names) else ""
     found = []
@@ -304,35 +295,32 @@ def _corrections(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swappe
     for name, offset in sorted(moves.items(), key=lambda item: (hits[item[0]] is not None, float(np.linalg.norm(item[1])))):
         text = ", ".join(f"{c:+.4g}" for c in offset)
         found.append(
-            Correction(
-                cause=f"{mover!r} is placed inside {other!r}",
-                edit_class="scene",
-                group="placement",
-                action=f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m."
+            move_by(
+                surfaces.candidate,
+                mover,
+                offset,
+                f"{mover!r} is placed inside {other!r}",
+                f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m."
                 + (f" It would then overlap {hits[name]!r}." if hits[name] else "")
                 + either,
-                pointers=(pose,),
-                patch=translation_patch(surfaces.candidate, mover, offset),
             )
         )
     if not found:
         found.append(
-            Correction(
-                cause=f"{mover!r} is inside {other!r}",
-                edit_class="scene",
-                group="placement",
-                action=f"Place {mover!r} elsewhere, at least {-gap.distance:.4g} m away, or make an opening in {other!r}.",
+            correction(
+                f"{mover!r} is inside {other!r}",
+                "placement",
+                f"Place {mover!r} elsewhere, at least {-gap.distance:.4g} m away, or make an opening in {other!r}.",
                 pointers=(pose, pointer("entities", other, "parts")),
             )
         )
     found.append(
-        Correction(
-            cause="the two are meant to be embedded or fastened",
-            edit_class="scene",
-            group="relations",
-            action=f"If the prompt says so, declare a `fastened` relation of {mover!r} and {other!r} with max_depth >= "
+        correction(
+            "the two are meant to be embedded or fastened",
+            "relations",
+            f"If the prompt says so, declare a `fastened` relation of {mover!r} and {other!r} with max_depth >= "
             f"{-gap.distance:.4g} m and the reason.",
             pointers=("/graph/relations",),
         )
     )
-    return found
+    return tuple(found)

@@ -11,20 +11,16 @@ import numpy as np
 
 from ...worlds.audits.masses import LEAST_WALL, ROUNDING, allowed
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import RigidPhysics
-from ..rows.guards import pointer
-from ..rows.verdicts import make_row
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
 
 if TYPE_CHECKING:
     from ...worlds.built import TriangleMesh
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
     from ...worlds.spec import Entity
 
-__all__ = ["PREDICATE", "declares_mass", "mass_row"]
-
-PREDICATE = "declared mass lies within what the substances allow the visible volume to weigh"
+__all__ = ["declares_mass", "mass_finding"]
 
 
 def declares_mass(entity: Entity) -> bool:
@@ -32,8 +28,8 @@ def declares_mass(entity: Entity) -> bool:
     return isinstance(entity.physics, RigidPhysics) and entity.physics.mass is not None and entity.generator is None
 
 
-def mass_row(candidate: Candidate, name: str) -> Row:
-    """Row `scale:mass:<entity>`.
+def mass_finding(candidate: Candidate, name: str) -> Finding:
+    """Whether the declared mass of an entity is one that its substances allow.
 
     Raises:
         EvidenceError: its surfaces bound no volume.
@@ -60,32 +56,24 @@ def mass_row(candidate: Candidate, name: str) -> Row:
     volume, substances = sum(v for v, _ in pieces), " and ".join(dict.fromkeys(k for _, k in pieces))
     place = pointer("entities", name, "physics", "mass")
     shell = f", hollow with a wall of at least {LEAST_WALL:g} m" if physics.hollow else ""
-    return make_row(
-        candidate,
-        row_id=RowId("scale:mass", name),
-        predicate=PREDICATE,
-        status="fail" if heavy or light else "pass",
-        explanation=f"{name!r} weighs {physics.mass:g} kg; {volume:.4g} m^3 of {substances}{shell} weighs {least:.4g} to {weights.most:.4g} kg",
-        measured=physics.mass,
-        bound=(1.0 + ROUNDING) * weights.most if heavy else low,
-        comparison="<=" if heavy else ">=",
-        unit="kg",
-        frames=(0, 0),
-        entities=(name,),
-        corrections=[
-            Correction(
-                cause="the declared mass is not that of the body's volume of its substances",
-                edit_class="solver",
-                group="mass",
-                action=f"Leave the mass of {name!r} out (density x volume), or give {least:.4g} to {weights.most:.4g} kg; "
+    return Finding(
+        "fail" if heavy or light else "pass",
+        f"{name!r} weighs {physics.mass:g} kg; {volume:.4g} m^3 of {substances}{shell} weighs {least:.4g} to {weights.most:.4g} kg",
+        physics.mass,
+        (1.0 + ROUNDING) * weights.most if heavy else low,
+        hints=(
+            correction(
+                "the declared mass is not that of the body's volume of its substances",
+                "mass",
+                f"Leave the mass of {name!r} out (density x volume), or give {least:.4g} to {weights.most:.4g} kg; "
                 "a closed shell says physics.hollow true, what is open is built of thinner parts.",
                 pointers=(place,),
                 patch=({"op": "remove", "path": place},),
-            )
-        ]
-        if heavy or light
-        else (),
+            ),
+        ),
         evidence={"volume_m3": volume, "substances": substances, "least_kg": least, "most_kg": weights.most},
+        comparison="<=" if heavy else ">=",
+        frames=(0, 0),
         extra=physics.model_dump(mode="json"),
     )
 

@@ -9,11 +9,13 @@ import numpy as np
 
 from ...worlds.candidate import Candidate
 from ...worlds.predicates import Reaches
-from ...worlds.requirements import Row, RowId
+from ...worlds.requirements import Row
 from ...worlds.spec import Adjacent, Contains
 from ..predicates import evaluate
-from ..rows.guards import guarded_rows, only_seen, pointer
-from ..rows.verdicts import correction, make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .questions import RELATION
 from .surfaces import surfaces_of
 
 __all__ = ["check"]
@@ -23,28 +25,18 @@ def check(candidate: Candidate) -> list[Row]:
     """Rows `relations:<id>` of every `contains` and `adjacent` relation, over the frames that can be inspected."""
     rows: list[Row] = []
     for name, relation in candidate.spec.graph.relations.items():
-        judge: Callable[[], Row]
+        judge: Callable[[], Finding]
         if isinstance(relation, Contains) and (relation.frames or (0, 0))[0] <= candidate.last_frame:
             judge = partial(_contains, candidate, name, relation)
         elif isinstance(relation, Adjacent) and {relation.a, relation.b} <= set(candidate.spec.entities):
-            judge = partial(_adjacent, candidate, name, relation)
+            judge = partial(_adjacent, candidate, relation)
         else:
             continue
-        rows += guarded_rows(
-            candidate,
-            partial(_listed, judge),
-            row_id=RowId("relations", name),
-            predicate="the relation holds in the measured geometry",
-            entities=(relation.b,),
-        )
+        rows.append(row_of(candidate, RELATION, (name,), judge, entities=(relation.b,)))
     return rows
 
 
-def _listed(judge: Callable[[], Row]) -> list[Row]:
-    return [judge()]
-
-
-def _contains(candidate: Candidate, name: str, relation: Contains) -> Row:
+def _contains(candidate: Candidate, name: str, relation: Contains) -> Finding:
     first, last = relation.frames or (0, candidate.spec.simulation.frames - 1)
     seen = (first, min(last, candidate.last_frame))
     if relation.a in candidate.spec.graph.regions:
@@ -61,24 +53,19 @@ def _contains(candidate: Candidate, name: str, relation: Contains) -> Row:
         f"put {relation.b!r} inside {relation.a!r}",
         pointers=(pointer("graph", "relations", name), pointer("entities", relation.b, "pose")),
     )
-    found = make_row(
-        candidate,
-        row_id=RowId("relations", name),
-        predicate=f"the centre of {relation.b!r} stays inside {relation.a!r}",
-        status="pass" if when is None else "fail",
-        explanation=f"{relation.b!r} is {max(worst, 0.0):.4g} m outside {relation.a!r} at worst",
-        measured=max(worst, 0.0),
-        bound=0.0,
-        comparison="<=",
-        unit="m",
+    return Finding(
+        "pass" if when is None else "fail",
+        f"{relation.b!r} is {max(worst, 0.0):.4g} m outside {relation.a!r} at worst",
+        max(worst, 0.0),
+        0.0,
+        frame=when,
+        hints=(hint,),
         frames=seen,
-        entities=(relation.b,),
-        first_failing_frame=when,
-        corrections=() if when is None else (hint,),
+        # A probe speaks of the frames that it has; a bake of all that the relation asks for.
+        needed=(first, last) if candidate.stage == "full" else None,
+        predicate=f"the centre of {relation.b!r} stays inside {relation.a!r}",
         extra=relation.model_dump(mode="json"),
     )
-    # A probe speaks of the frames that it has; a bake of all that the relation asks for.
-    return only_seen(candidate, found, (first, last)) if candidate.stage == "full" else found
 
 
 def _outside(candidate: Candidate, holder: str, held: str, frame: int) -> float:
@@ -90,24 +77,18 @@ def _outside(candidate: Candidate, holder: str, held: str, frame: int) -> float:
     return float(np.maximum(box.min(0) - center, center - box.max(0)).max())
 
 
-def _adjacent(candidate: Candidate, name: str, relation: Adjacent) -> Row:
+def _adjacent(candidate: Candidate, relation: Adjacent) -> Finding:
     distance = surfaces_of(candidate).gap(relation.a, relation.b, 0).distance
     ok = distance <= relation.gap
     move = f"bring them {distance - relation.gap:.4g} m closer"
-    return make_row(
-        candidate,
-        row_id=RowId("relations", name),
-        predicate=f"{relation.a!r} and {relation.b!r} stand at most {relation.gap:g} m apart at frame 0",
-        status="pass" if ok else "fail",
-        explanation=f"their visible surfaces are {distance:.4g} m apart",
-        measured=distance,
-        bound=relation.gap,
-        comparison="<=",
-        unit="m",
-        frames=(0, 0),
+    return Finding(
+        "pass" if ok else "fail",
+        f"their visible surfaces are {distance:.4g} m apart",
+        distance,
+        relation.gap,
+        hints=(correction("they stand too far apart", "placement", move, pointers=(f"/entities/{relation.b}/pose",)),),
         entities=(relation.b, relation.a),
-        corrections=()
-        if ok
-        else (correction("they stand too far apart", "placement", move, pointers=(f"/entities/{relation.b}/pose",)),),
+        frames=(0, 0),
+        predicate=f"{relation.a!r} and {relation.b!r} stand at most {relation.gap:g} m apart at frame 0",
         extra=relation.model_dump(mode="json"),
     )

@@ -16,9 +16,11 @@ import numpy as np
 
 from ...geometry import Solid, is_convex_union, is_height_field, self_crossings, winding_number
 from ...worlds.arrays import F64
-from ...worlds.requirements import Correction, RowId
-from ..rows.guards import pointer
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .bounds import BETWEEN, CROSSING_NOISE
+from .questions import SELF_CROSSING
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
@@ -26,17 +28,12 @@ if TYPE_CHECKING:
 
 __all__ = ["self_rows"]
 
-NOISE = 1e-6
-"""Relative to the size: files in single precision round vertices by 6e-8 of their coordinates, so that surfaces that
-touch may cross by a few of these."""
 SAMPLES = 256
 """Own choice: triangles over whose outer side the winding number is taken, besides those that cross."""
 LIFT = 1e-4
 """Relative to the size of the triangle: height over it at which the winding number is taken."""
 MANY = 4000
 """Own choice: triangles from which on a union of convex pieces is proven, not searched: 64,000 of a forest take a minute."""
-BETWEEN = 0.5
-"""Half way between the winding numbers -1 and 0."""
 
 
 class _Found(NamedTuple):
@@ -67,7 +64,7 @@ def _proven(solid: Solid) -> bool:
 
 
 def _crossed(solid: Solid) -> _Found | None:
-    found = self_crossings(solid, noise=NOISE * solid.size)
+    found = self_crossings(solid, noise=CROSSING_NOISE * solid.size)
     if len(found.pairs) == 0:
         return None
     deepest = int(found.reach.argmax())
@@ -91,33 +88,24 @@ def self_rows(surfaces: Surfaces, entity: str) -> list[Row]:
     text = f"{entity}/{part} passes through itself in {found.pairs} pairs of triangles, by up to {found.reach * 1e3:.4g} mm; "
     text += "inside stays definite" if ok else "a lobe is turned inside out, so that inside is not definite"
     path = pointer("entities", entity, "parts", part, "shape")
-    mend = Correction(
-        cause=f"the surface of {entity}/{part} crosses itself and one of its lobes faces inwards",
-        edit_class="scene",
-        group="shape",
-        action=f"Write the mesh of {entity}/{part} as one outward surface without crossings, or as several parts.",
+    mend = correction(
+        f"the surface of {entity}/{part} crosses itself and one of its lobes faces inwards",
+        "shape",
+        f"Write the mesh of {entity}/{part} as one outward surface without crossings, or as several parts.",
         pointers=(path,),
     )
-    return [
-        make_row(
-            surfaces.candidate,
-            row_id=RowId("interpenetration:self", entity),
-            predicate=f"the surface of {entity} has a definite inside: where it crosses itself, the winding number on the outer "
-            "side of its triangles is nowhere negative",
-            status="pass" if ok else "fail",
-            explanation=text,
-            measured=float(np.round(found.lowest, 6)),
-            bound=-BETWEEN,
-            comparison=">=",
-            unit="1",
-            frames=(0, 0),
-            entities=(entity,),
-            corrections=() if ok else (mend,),
-            evidence={
-                "parts": [surfaces.parts[i].part for i, _ in crossed],
-                "crossing_pairs": found.pairs,
-                "reach_m": found.reach,
-                "point_local": found.place.tolist(),
-            },
-        )
-    ]
+    answer = Finding(
+        "pass" if ok else "fail",
+        text,
+        float(np.round(found.lowest, 6)),
+        -BETWEEN,
+        hints=(mend,),
+        evidence={
+            "parts": [surfaces.parts[i].part for i, _ in crossed],
+            "crossing_pairs": found.pairs,
+            "reach_m": found.reach,
+            "point_local": found.place.tolist(),
+        },
+        frames=(0, 0),
+    )
+    return [row_of(surfaces.candidate, SELF_CROSSING, (entity,), answer, entities=(entity,))]

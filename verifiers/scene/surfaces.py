@@ -32,21 +32,14 @@ from ...worlds.built import TriangleMesh
 from ...worlds.categories.fracture.facts import piece_overlap
 from ...worlds.errors import EvidenceError, InputError
 from ...worlds.spec import Fastened, Rope
+from .bounds import GAP_CAP, MOVED_SHARE, SUPPORT_SLOPE, UNIT_QUATERNION
 from .shapes import Shapes
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["GAP_CAP", "Gap", "PartSurface", "Surfaces", "Track", "surfaces_of"]
+__all__ = ["Gap", "PartSurface", "Surfaces", "Track", "surfaces_of"]
 
-UNIT = 1e-6
-"""A quaternion whose length differs from 1 by more than this is not an orientation."""
-GAP_CAP = 0.01
-"""[m] Facet error cannot widen the contact tolerance beyond this, the largest `limits.contact_gap` (S3)."""
-SUPPORT_SLOPE = 0.1
-"""Own choice: a contact carries when its normal rises at least this steeply (sine), about 6 degrees above level."""
-MOVED_SHARE = 0.1
-"""Share of that rise by which a depth may be too small where a body is moved to see what carries it."""
 NOWHERE = 1e300
 """[m] Corner of the empty box that stands for a broken pose."""
 
@@ -209,7 +202,9 @@ class Surfaces:
             for body in self.candidate.entity(entity).bodies:
                 position, quaternion = self.track(entity, body.name)
                 with np.errstate(invalid="ignore", over="ignore"):
-                    good = np.isfinite(position).all(axis=1) & (np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) <= UNIT)
+                    good = np.isfinite(position).all(axis=1) & (
+                        np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) <= UNIT_QUATERNION
+                    )
                 if not good.all():
                     frame = int(np.argmin(good))
                     found[entity] = min(frame, found.get(entity, frame))

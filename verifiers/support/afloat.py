@@ -13,14 +13,12 @@ from ...worlds.errors import EvidenceError
 from ...worlds.spec.entities import LiquidPhysics
 from ..ledgers import motion
 from ..ledgers.exchanged import CHANNEL
+from .bounds import HELPS
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["LIFT", "afloat", "carriers", "lift"]
-
-LIFT = 0.1
-"""Own choice: a liquid helps to carry a body when it pushes it up with this share of its weight over a frame."""
+__all__ = ["afloat", "carriers", "lift"]
 
 
 def carriers(candidate: Candidate, entity: str) -> dict[str, str]:
@@ -80,5 +78,5 @@ def afloat(candidate: Candidate, entity: str) -> dict[str, NDArray[np.bool_]]:
         if candidate.stage == "static":
             found[liquid] = np.array([_lies_in(candidate, entity, liquid)])
         elif solver in candidate.caches:
-            found[liquid] = lift(candidate, entity, solver) >= LIFT
+            found[liquid] = lift(candidate, entity, solver) >= HELPS
     return {n: frames for n, frames in found.items() if frames.any()}

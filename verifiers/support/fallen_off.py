@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import BoxRegion
 from ..ledgers import motion
-from ..rows.guards import guarded_rows, pointer
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .bounds import FALLING
 from .graph import gravity_direction
 from .moved import atoms
+from .questions import KEPT
 
 if TYPE_CHECKING:
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ..scene.surfaces import Surfaces
 
-__all__ = ["FALLING", "kept_rows"]
+__all__ = ["kept_rows"]
 
-FALLING = 0.5
-"""[m/s] Own choice: slower bodies may still be held by something; a free fall is faster after 13 mm."""
 MOST_NAMED = 20
 
 
@@ -42,16 +42,10 @@ def kept_rows(surfaces: Surfaces) -> list[Row]:
     fixed = [n for n in surfaces.entities if candidate.spec.entities[n].motion != "dynamic"]
     if candidate.stage == "static" or surfaces.frames < 2 or not free or not fixed or gravity_direction(surfaces) is None:
         return []
-    return guarded_rows(
-        candidate,
-        lambda: [_row(surfaces, free, fixed)],
-        row_id=RowId("support:kept"),
-        predicate="no body leaves the ground for good",
-        entities=(),
-    )
+    return [row_of(candidate, KEPT, (), partial(_kept, surfaces, free, fixed))]
 
 
-def _row(surfaces: Surfaces, free: list[str], fixed: list[str]) -> Row:
+def _kept(surfaces: Surfaces, free: list[str], fixed: list[str]) -> Finding:
     candidate, last = surfaces.candidate, surfaces.frames - 1
     turn = _upright(surfaces)
     beneath = _boxes(surfaces, fixed, last, turn)
@@ -73,45 +67,39 @@ def _row(surfaces: Surfaces, free: list[str], fixed: list[str]) -> Row:
     if lost:
         name, frame, place = lost[0]
         text = f"{len(lost)} bodies leave the ground and fall: {name!r} from frame {frame} on, last at ({', '.join(f'{c:.2f}' for c in place)})"
-    return make_row(
-        candidate,
-        row_id=RowId("support:kept"),
-        predicate="at the last frame no body falls beside all ground, with nothing static beneath it, unless a beat sends it there",
-        status="fail" if lost else "pass",
-        explanation=text,
-        measured=float(len(lost)),
-        bound=0.0,
-        comparison="<=",
-        unit="1",
-        frames=(0, last),
-        entities=[n for n, _, _ in lost[:MOST_NAMED]],
-        first_failing_frame=lost[0][1] if lost else None,
-        corrections=_corrections(surfaces, lost[0][0]) if lost else (),
+    return Finding(
+        "fail" if lost else "pass",
+        text,
+        float(len(lost)),
+        0.0,
+        frame=lost[0][1] if lost else None,
+        hints=_corrections(lost[0][0]) if lost else (),
         evidence={"fallen": [{"entity": n, "frame": f, "place": p.tolist()} for n, f, p in lost[:MOST_NAMED]]},
+        entities=tuple(n for n, _, _ in lost[:MOST_NAMED]),
+        frames=(0, last),
     )
 
 
-def _corrections(surfaces: Surfaces, name: str) -> Iterator[Correction]:
-    yield Correction(
-        cause=f"{name!r} rolls, slides or is thrown past the edge of the ground",
-        edit_class="scene",
-        group="shape",
-        action="Make the ground larger (build_terrain with a larger size), or put something there that stops it.",
-        pointers=("/entities",),
-    )
-    yield Correction(
-        cause="it moves faster or farther than meant",
-        edit_class="solver",
-        group="initial_state",
-        action=f"Lower the velocity of {name!r}, or raise friction.",
-        pointers=(pointer("entities", name, "physics", "linear_velocity"), "/materials"),
-    )
-    yield Correction(
-        cause="it is meant to fall away",
-        edit_class="story",
-        group="story",
-        action=f"Say so: a beat in which {name!r} reaches a region, or crosses a plane, that lies beside or below all ground.",
-        pointers=("/story/beats",),
+def _corrections(name: str) -> tuple[Correction, ...]:
+    return (
+        correction(
+            f"{name!r} rolls, slides or is thrown past the edge of the ground",
+            "shape",
+            "Make the ground larger (build_terrain with a larger size), or put something there that stops it.",
+            pointers=("/entities",),
+        ),
+        correction(
+            "it moves faster or farther than meant",
+            "initial_state",
+            f"Lower the velocity of {name!r}, or raise friction.",
+            pointers=(pointer("entities", name, "physics", "linear_velocity"), "/materials"),
+        ),
+        correction(
+            "it is meant to fall away",
+            "story",
+            f"Say so: a beat in which {name!r} reaches a region, or crosses a plane, that lies beside or below all ground.",
+            pointers=("/story/beats",),
+        ),
     )
 
 

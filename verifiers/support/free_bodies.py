@@ -8,33 +8,22 @@ import numpy as np
 
 from ...worlds.arrays import F64, pose_of
 from ...worlds.fields import fields_of
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
 from ..ledgers import motion
-from ..rows.guards import pointer, translation_patch
-from ..rows.verdicts import make_row
+from ..rows.corrections import correction, move_by, pointer
+from ..rows.findings import Finding
 from .afloat import afloat
+from .bounds import CARRIES, GRIP_TIME, LAUNCH_SPEED, LEFT
 from .graph import beside, drop, gravity_direction
 from .moved import spoken_of
 
 if TYPE_CHECKING:
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction
     from ...worlds.spec import WorldSpec
     from ..scene.surfaces import Surfaces
     from .graph import SupportGraph
 
-__all__ = ["DERIVED", "LEFT", "along_up", "derived_row", "placement"]
-
-LAUNCH_SPEED = 0.1
-"""[m/s] Own choice: a slower initial velocity is no launch and does not explain a body in the air."""
-LIFT = 0.9
-"""Own choice: a force driver holds a body when it carries this share of its weight at frame 0."""
-GRIP_TIME = 0.1
-"""[s] Own choice: a body that nothing presses has fallen 49 mm by then, ten times the default `support_drift`."""
-LEFT = 1e-4
-"""[m] Own choice: clearance that a suggested move leaves."""
-DERIVED = "at frame 0 a chain of contacts, joints or drivers leads from the free body to something static, or it is launched"
-"""Predicate of the derived rows."""
+__all__ = ["along_up", "derived", "placement"]
 
 
 def along_up(surfaces: Surfaces, distance: float) -> F64 | None:
@@ -49,35 +38,19 @@ def placement(surfaces: Surfaces, entity: str, offset: F64 | None, cause: str) -
     if offset is not None:
         text = ", ".join(f"{c:+.5g}" for c in offset)
         action = f"Move {entity!r} by ({text}) m, which leaves a gap of {LEFT * 1e3:g} mm."
-    return Correction(
-        cause=cause,
-        edit_class="scene",
-        group="placement",
-        action=action,
-        pointers=(pointer("entities", entity, "pose"),),
-        patch=() if offset is None else translation_patch(surfaces.candidate, entity, offset),
-    )
+    return move_by(surfaces.candidate, entity, offset, cause, action)
 
 
-def derived_row(graph: SupportGraph, entity: str) -> Row:
-    """The row that no edit of the scene graph removes (R154)."""
+def derived(graph: SupportGraph, entity: str) -> Finding:
+    """What holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
     surfaces = graph.surfaces
     surfaces.require(entity)
     reason, evidence = _excuse(graph, entity)
     if entity in surfaces.broken and surfaces.broken[entity] == 0:
         reason = ""
-    common: dict[str, Any] = {"row_id": RowId("support:derived", entity), "predicate": DERIVED, "frames": (0, 0)}
-    gap = surfaces.candidate.spec.simulation.limits.contact_gap
+    gap, declared = surfaces.candidate.spec.simulation.limits.contact_gap, _declared(surfaces, entity)
     if reason:
-        return make_row(
-            surfaces.candidate,
-            status="pass",
-            explanation=f"{entity!r} {reason}",
-            entities=(entity,),
-            evidence=evidence,
-            extra=_declared(surfaces, entity),
-            **common,
-        )
+        return Finding("pass", f"{entity!r} {reason}", evidence=evidence, frames=(0, 0), extra=declared)
     fall = drop(surfaces, entity, 0) if entity not in surfaces.broken else None
     corrections: list[Correction] = []
     if fall is None:
@@ -94,30 +67,26 @@ def derived_row(graph: SupportGraph, entity: str) -> Row:
     sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
     if sides:
         text += f"; it touches {', '.join(map(repr, sides))} beside or above it, where neither friction nor a joint holds it"
-    held = Correction(
-        cause="it is meant to be dropped, thrown or hung",
-        edit_class="solver",
-        group="drivers",
-        action=f"Declare what holds {entity!r}: a joint, a `release` driver or an initial velocity >= {LAUNCH_SPEED:g} m/s, and for the "
+    held = correction(
+        "it is meant to be dropped, thrown or hung",
+        "drivers",
+        f"Declare what holds {entity!r}: a joint, a `release` driver or an initial velocity >= {LAUNCH_SPEED:g} m/s, and for the "
         "last two a beat that tells of its fall or flight.",
         pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
     hangs = fall is not None and fall[0] > _size(surfaces, entity)
     corrections = [held, *corrections] if hangs else [*corrections, held]
-    return make_row(
-        surfaces.candidate,
-        status="fail",
-        explanation=text,
-        measured=fall[0] if fall else None,
-        bound=gap,
-        comparison="<=",
-        unit="m",
-        entities=(entity,) if fall is None else (entity, fall[1]),
-        corrections=corrections,
+    return Finding(
+        "fail",
+        text,
+        fall[0] if fall else None,
+        gap,
+        hints=tuple(corrections),
         evidence={"beneath": fall[1] if fall else None},
-        extra=_declared(surfaces, entity),
-        **common,
+        entities=(entity,) if fall is None else (entity, fall[1]),
+        frames=(0, 0),
+        extra=declared,
     )
 
 
@@ -149,7 +118,7 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
     for name, driver in spec.simulation.drivers.items():
         if isinstance(driver, ForceDriver) and driver.entity == entity and driver.start <= 0.0:
             share = -float(np.dot(driver.force, weight) / np.dot(weight, weight))
-            if share >= LIFT:
+            if share >= CARRIES:
                 return f"is carried by driver {name!r} with {share:.3g} of its weight", {"driver": name}
     fields = fields_of(spec, entity)
     if fields:
@@ -157,7 +126,7 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
         share = -float(np.dot(fields.acceleration(center, 0.0)[0], spec.simulation.gravity)) / float(
             np.dot(spec.simulation.gravity, spec.simulation.gravity)
         )
-        if share >= LIFT:
+        if share >= CARRIES:
             return f"is carried by fields {', '.join(fields.names)} with {share:.3g} of its weight", {
                 "fields": list(fields.names)
             }
@@ -175,7 +144,7 @@ def _dragged(surfaces: Surfaces, entity: str) -> bool:
     if not isinstance(physics, RigidPhysics):
         return False
     weight = motion.entity_mass(surfaces.candidate, entity) * float(np.linalg.norm(surfaces.candidate.spec.simulation.gravity))
-    return physics.linear_damping * float(np.linalg.norm(physics.linear_velocity)) >= LIFT * weight
+    return physics.linear_damping * float(np.linalg.norm(physics.linear_velocity)) >= CARRIES * weight
 
 
 def _no_excuse(surfaces: Surfaces, entity: str) -> str:

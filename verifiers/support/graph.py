@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.spec import ReleaseDriver
 from .afloat import afloat
+from .bounds import MISSING, OUTSIDE, SAME_PLACE
 from .equilibrium import Balance, Group, group_of, solve, touching
 from .links import Link, links_of
 from .moved import spoken_of
@@ -22,14 +23,8 @@ from .moved import spoken_of
 if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces
 
-__all__ = ["MISSING", "OUTSIDE", "SupportGraph", "beside", "drop", "gravity_direction", "rolling"]
+__all__ = ["SupportGraph", "beside", "drop", "gravity_direction", "rolling"]
 
-OUTSIDE = 0.002
-"""[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
-MISSING = 0.01
-"""Own choice: share of a body's weight that contact and friction may seem to lack (facets, rounded friction pyramids)."""
-SAME_PLACE = 1e-4
-"""[m], and [1] of rotation matrices. Own choice: frames that differ less have one balance of forces."""
 DROP_STEPS = 200
 NEAR = 1e-5
 """[m] Conservative advancement stops at this clearance."""

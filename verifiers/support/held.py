@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,16 +18,18 @@ import numpy as np
 
 from ...geometry import signed_clearance
 from ...worlds.arrays import F64, RigidPose, pose_of
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import HeightField, PathDriver, WorldSpec
-from ..rows.guards import guarded_rows, pointer
-from ..rows.verdicts import make_row
-from .free_bodies import LEFT, along_up, placement
+from ..rows.answers import row_of, rows_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding, lacking
+from .bounds import LEFT, TURNED
+from .free_bodies import along_up, placement
 from .graph import DROP_STEPS, NEAR, gravity_direction
 from .one_piece import own_touches
+from .questions import DERIVED, HELD
 
 if TYPE_CHECKING:
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ..scene.surfaces import Surfaces
     from .landed import Ground
 
@@ -34,9 +37,6 @@ __all__ = ["Held", "afloat_lines", "held_rows", "is_still"]
 
 DETAILED = 20
 """Failing rows for which the way to what lies beneath and beside is measured; a scene of floating things is mended one by one."""
-TURNED = 0.02
-"""[1] of quaternions, 0.04 rad. Own choice: a path that turns by less and goes no farther than a supported body may creep stays."""
-PREDICATE = "a chain of contacts leads from every piece of it over things that never move to the ground"
 
 
 class Way(NamedTuple):
@@ -175,24 +175,18 @@ def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
     """Rows `support:derived:<entity>` of everything that never moves and is not the ground; none without gravity."""
     if gravity_direction(surfaces) is None:
         return []
-    return guarded_rows(
-        surfaces.candidate,
-        lambda: list(_rows(surfaces, ground)),
-        row_id=RowId("support:held"),
-        predicate=PREDICATE,
-    )
+    candidate = surfaces.candidate
+
+    def found() -> list[Row]:
+        return [row_of(candidate, DERIVED, (name,), one, entities=(name,)) for name, one in _findings(surfaces, ground)]
+
+    return rows_of(candidate, HELD, (), found)
 
 
-def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
-    for name, lacking in surfaces.missing.items():
+def _findings(surfaces: Surfaces, ground: Ground) -> Iterator[tuple[str, Finding]]:
+    for name, missing in surfaces.missing.items():
         if is_still(surfaces.candidate.spec, name):
-            yield make_row(
-                surfaces.candidate,
-                status="unverified",
-                explanation=f"no evidence: {lacking}",
-                entities=(name,),
-                **_common(surfaces, name),
-            )
+            yield name, replace(lacking(missing), **_common(surfaces, name))
     held, failed = Held(surfaces, ground), 0
     for name in held.names:
         if held.is_ground(name):
@@ -201,7 +195,7 @@ def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
         loose = held.loose(name)
         if loose and reason is None:
             failed += 1
-            yield _floats(held, name, loose, detailed=failed <= DETAILED)
+            yield name, _floats(held, name, loose, detailed=failed <= DETAILED)
             continue
         chain = held.chain(name)
         text = (
@@ -209,27 +203,24 @@ def _rows(surfaces: Surfaces, ground: Ground) -> Iterator[Row]:
             if not loose
             else f"{name!r} is said to float in the air: {reason}"
         )
-        yield make_row(
-            surfaces.candidate,
-            status="pass",
-            explanation=text,
-            entities=(name, *chain[1:2]),
-            evidence={"chain": chain} if not loose else {"afloat": reason},
-            **_common(surfaces, name),
+        yield (
+            name,
+            Finding(
+                "pass",
+                text,
+                evidence={"chain": chain} if not loose else {"afloat": reason},
+                entities=(name, *chain[1:2]),
+                **_common(surfaces, name),
+            ),
         )
 
 
 def _common(surfaces: Surfaces, name: str) -> dict[str, Any]:
     entity = surfaces.candidate.spec.entities[name]
-    return {
-        "row_id": RowId("support:derived", name),
-        "predicate": PREDICATE,
-        "frames": (0, 0),
-        "extra": [entity.motion, entity.afloat],
-    }
+    return {"predicate": HELD.predicate, "frames": (0, 0), "extra": [entity.motion, entity.afloat]}
 
 
-def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> Row:
+def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> Finding:
     surfaces = held.surfaces
     gap = surfaces.contact_gap(name, name)
     whole = len(loose) == len(surfaces.parts_of[name])
@@ -249,22 +240,18 @@ def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> R
         corrections.insert(0, _move(held, name, loose, near, f"bring it to {near.to!r}"))
     corrections += _others(name, what)
     nearest = min((w.distance for w in (fall, near) if w is not None and w.distance > gap), default=None)
-    return make_row(
-        surfaces.candidate,
-        status="fail",
-        explanation=text,
-        measured=nearest,
-        bound=gap,
-        comparison="<=",
-        unit="m",
-        entities=(name,) if fall is None else (name, fall.to),
-        first_failing_frame=0,
-        corrections=corrections,
+    return Finding(
+        "fail",
+        text,
+        nearest,
+        gap,
+        hints=tuple(corrections),
         evidence={
             "beneath": None if fall is None else fall.to,
             "nearest_held": None if near is None else near.to,
             "parts": [surfaces.parts[i].part for i in loose],
         },
+        entities=(name,) if fall is None else (name, fall.to),
         **_common(surfaces, name),
     )
 
@@ -275,28 +262,25 @@ def _move(held: Held, name: str, loose: Sequence[int], way: Way, what: str) -> C
         return placement(surfaces, name, way.offset, f"{name!r} is placed away from what holds it: {what}")
     part = surfaces.parts[loose[0]].part
     text = ", ".join(f"{c:+.5g}" for c in way.offset)
-    return Correction(
-        cause=f"part {part!r} of {name!r} touches none of its other parts",
-        edit_class="scene",
-        group="shape",
-        action=f"Move it by ({text}) m in the world ({what}), or add a part that joins it with the others.",
+    return correction(
+        f"part {part!r} of {name!r} touches none of its other parts",
+        "shape",
+        f"Move it by ({text}) m in the world ({what}), or add a part that joins it with the others.",
         pointers=(pointer("entities", name, "parts", part, "pose"),),
     )
 
 
 def _others(name: str, what: str) -> Iterator[Correction]:
-    yield Correction(
-        cause="what would hold it is not there",
-        edit_class="scene",
-        group="shape",
-        action=f"Add what holds {what}: a post, bracket, cable or wall, as a static entity or as a part of {name!r}, that touches it.",
+    yield correction(
+        "what would hold it is not there",
+        "shape",
+        f"Add what holds {what}: a post, bracket, cable or wall, as a static entity or as a part of {name!r}, that touches it.",
         pointers=("/entities", pointer("entities", name, "parts")),
     )
-    yield Correction(
-        cause="it is meant to float in the air",
-        edit_class="scene",
-        group="placement",
-        action=f"Say so: `afloat` of {name!r} with the reason (a weakening after a failure: give weakening_reason). It is printed.",
+    yield correction(
+        "it is meant to float in the air",
+        "placement",
+        f"Say so: `afloat` of {name!r} with the reason (a weakening after a failure: give weakening_reason). It is printed.",
         pointers=(pointer("entities", name, "afloat"),),
     )
 

@@ -8,6 +8,7 @@ register where nothing drawn that never moves is there.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -15,18 +16,19 @@ import numpy as np
 from ...geometry import contains, distance_to_surface
 from ...worlds.arrays import F64, RigidPose, compose, pose_of
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import Fastened, HingeJoint, Rope, SlideJoint, SpringJoint, WeldJoint
 from ..land.grounds import lands
-from ..rows.guards import guarded_rows, pointer, translation_patch
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of, rows_of
+from ..rows.corrections import correction, move_by, pointer, set_value
+from ..rows.findings import Finding
 from ..scene.interpenetration import correction_order
 from ..scene.surfaces import surfaces_of
-from .free_bodies import LEFT
+from .bounds import LEFT
+from .questions import FASTENED, JOINT, ROPE
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ...worlds.spec.simulation import Joint
     from ..scene.surfaces import Surfaces
 
@@ -97,31 +99,16 @@ def joined_rows(surfaces: Surfaces) -> list[Row]:
     candidate = surfaces.candidate
     found: list[Row] = []
     for name, joint in candidate.spec.simulation.joints.items():
-        found += guarded_rows(
-            candidate,
-            lambda n=name, j=joint: [_joint(surfaces, n, j)],  # type: ignore[misc]
-            row_id=RowId("support:joint", name),
-            predicate=f"{joint.kind} {name} reaches what it joins",
-            entities=tuple(e for e in (joint.child, joint.parent) if e is not None),
-        )
+        bodies = tuple(e for e in (joint.child, joint.parent) if e is not None)
+        found.append(row_of(candidate, JOINT, (name,), partial(_joint, surfaces, name, joint), entities=bodies))
     for name, entity in candidate.spec.entities.items():
         if isinstance(entity.generator, Rope):
-            found += guarded_rows(
-                candidate,
-                lambda n=name, g=entity.generator: list(_rope(surfaces, n, g)),  # type: ignore[misc]
-                row_id=RowId("support:rope", name),
-                predicate=f"the ends of rope {name} reach what they are attached to",
-                entities=(name,),
-            )
+            ends = partial(_rope, surfaces, name, entity.generator)
+            found += rows_of(candidate, ROPE, (name,), ends, entities=(name,))
     for name, relation in candidate.spec.graph.relations.items():
         if isinstance(relation, Fastened) and {relation.a, relation.b} <= set(candidate.solids):
-            found += guarded_rows(
-                candidate,
-                lambda n=name, r=relation: [_fastened(surfaces, n, r)],  # type: ignore[misc]
-                row_id=RowId("support:fastened", name),
-                predicate=f"{relation.a} and {relation.b} touch, as what is fastened does",
-                entities=(relation.a, relation.b),
-            )
+            judge = partial(_fastened, surfaces, relation)
+            found.append(row_of(candidate, FASTENED, (name,), judge, entities=(relation.a, relation.b)))
     return found
 
 
@@ -135,7 +122,7 @@ def _tolerance(surfaces: Surfaces, *entities: str) -> float:
     return surfaces.contact_gap(*pair) + max(skins, default=0.0)
 
 
-def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Row:
+def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Finding:
     bodies = tuple(e for e in (joint.child, joint.parent) if e is not None)
     surfaces.require(*bodies)
     bound = _tolerance(surfaces, *bodies)
@@ -157,7 +144,7 @@ def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Row:
         worst = Missed(worst.end, 0.0, worst.nearest)
     what = f"{joint.kind} {name!r}"
     corrections = [] if worst.distance <= bound else list(_joint_corrections(surfaces, what, joint, worst))
-    return _row(surfaces, RowId("support:joint", name), what, worst, bound, bodies, corrections)
+    return _reach(what, worst, bound, bodies, tuple(corrections))
 
 
 def _touch(surfaces: Surfaces, a: str, b: str) -> bool:
@@ -195,41 +182,32 @@ def _joint_corrections(surfaces: Surfaces, what: str, joint: Joint, worst: Misse
     path = pointer(*worst.end.where)
     if isinstance(joint, SpringJoint) or joint.parent is None:
         field = worst.end.where[-1]
-        yield Correction(
-            cause=cause,
-            edit_class="scene",
-            group="joints",
-            action=f"Move its {field} by {_text(worst.nearest - worst.end.point)} m to {place}, on the surface of {target!r}.",
+        yield correction(
+            cause,
+            "joints",
+            f"Move its {field} by {_text(worst.nearest - worst.end.point)} m to {place}, on the surface of {target!r}.",
             pointers=(path,),
-            patch=({"op": "replace", "path": path, "value": place},),
+            patch=set_value(path, place),
         )
     else:
         gap = surfaces.gap(joint.child, joint.parent, 0)
         meet = [round(float(c), 5) for c in gap.point_b]
         if gap.distance <= surfaces.contact_gap(joint.child, joint.parent):
-            yield Correction(
-                cause=f"the anchor of {what} is not where its bodies meet",
-                edit_class="scene",
-                group="joints",
-                action=f"Move its anchor by {_text(gap.point_b - worst.end.point)} m to {meet}, where {joint.child!r} meets {joint.parent!r}.",
+            yield correction(
+                f"the anchor of {what} is not where its bodies meet",
+                "joints",
+                f"Move its anchor by {_text(gap.point_b - worst.end.point)} m to {meet}, where {joint.child!r} meets {joint.parent!r}.",
                 pointers=(path,),
-                patch=({"op": "replace", "path": path, "value": meet},),
+                patch=set_value(path, meet),
             )
         else:
             way = (gap.point_b - gap.point_a) * (1.0 - LEFT / gap.distance)
-            yield Correction(
-                cause=cause,
-                edit_class="scene",
-                group="placement",
-                action=f"Move {joint.child!r} by {_text(way)} m, to {joint.parent!r}; then the anchor of {what} belongs at {meet}.",
-                pointers=(pointer("entities", joint.child, "pose"), path),
-                patch=translation_patch(surfaces.candidate, joint.child, way),
-            )
-    yield Correction(
-        cause="what joins them is not drawn",
-        edit_class="scene",
-        group="shape",
-        action=f"Give {target!r} a part (a rod, bracket, hub or eye) that reaches {[round(float(c), 5) for c in worst.end.point]}.",
+            action = f"Move {joint.child!r} by {_text(way)} m, to {joint.parent!r}; then the anchor of {what} belongs at {meet}."
+            yield move_by(surfaces.candidate, joint.child, way, cause, action)
+    yield correction(
+        "what joins them is not drawn",
+        "shape",
+        f"Give {target!r} a part (a rod, bracket, hub or eye) that reaches {[round(float(c), 5) for c in worst.end.point]}.",
         pointers=(pointer("entities", target, "parts"),),
     )
 
@@ -238,15 +216,7 @@ def _text(way: F64) -> str:
     return "(" + ", ".join(f"{c:+.5g}" for c in way) + ")"
 
 
-def _row(
-    surfaces: Surfaces,
-    row_id: RowId,
-    what: str,
-    worst: Missed,
-    bound: float,
-    entities: Sequence[str],
-    corrections: Sequence[Correction],
-) -> Row:
+def _reach(what: str, worst: Missed, bound: float, entities: tuple[str, ...], corrections: tuple[Correction, ...]) -> Finding:
     target, ok = worst.end.entity, worst.distance <= bound
     place = ", ".join(f"{c:.4g}" for c in worst.end.point)
     text = f"{what} reaches {' and '.join(map(repr, entities))}"
@@ -255,21 +225,16 @@ def _row(
             f"{what} acts at ({place}), {worst.distance * 1e3:.4g} mm away from the surface of {target!r}, "
             f"at most {bound * 1e3:.4g} mm are allowed: it acts over a gap"
         )
-    return make_row(
-        surfaces.candidate,
-        row_id,
-        predicate=f"{what} reaches the visible surface of what it joins within {bound:g} m",
-        status="pass" if ok else "fail",
-        explanation=text,
-        measured=worst.distance,
-        bound=bound,
-        comparison="<=",
-        unit="m",
-        frames=(0, 0),
-        entities=(target, *(e for e in entities if e != target)),
-        first_failing_frame=None if ok else 0,
-        corrections=corrections,
+    return Finding(
+        "pass" if ok else "fail",
+        text,
+        worst.distance,
+        bound,
+        hints=corrections,
         evidence={"place": worst.end.point.tolist(), "nearest": worst.nearest.tolist()},
+        entities=(target, *(e for e in entities if e != target)),
+        frames=(0, 0),
+        predicate=f"{what} reaches the visible surface of what it joins within {bound:g} m",
         extra=[worst.end.point.tolist(), bound],
     )
 
@@ -291,19 +256,18 @@ def _rope(surfaces: Surfaces, name: str, rope: Rope) -> Iterator[Row]:
         if worst.distance > bound:
             path, local = pointer(*worst.end.where), start.inverse().apply(worst.nearest[None])[0]
             corrections.append(
-                Correction(
-                    cause=f"{what} does not reach {to!r}",
-                    edit_class="scene",
-                    group="shape",
-                    action=f"Move that point by {_text(worst.nearest - point)} m in the world, to the surface of {to!r}.",
+                correction(
+                    f"{what} does not reach {to!r}",
+                    "shape",
+                    f"Move that point by {_text(worst.nearest - point)} m in the world, to the surface of {to!r}.",
                     pointers=(path,),
-                    patch=({"op": "replace", "path": path, "value": [round(float(c), 5) for c in local]},),
+                    patch=set_value(path, [round(float(c), 5) for c in local]),
                 )
             )
-        yield _row(surfaces, RowId("support:rope", name, side), what, worst, bound, (to, name), corrections)
+        yield row_of(surfaces.candidate, ROPE, (name, side), _reach(what, worst, bound, (to, name), tuple(corrections)))
 
 
-def _fastened(surfaces: Surfaces, name: str, relation: Fastened) -> Row:
+def _fastened(surfaces: Surfaces, relation: Fastened) -> Finding:
     a, b = correction_order(surfaces, relation.a, relation.b)
     surfaces.require(a, b)
     gap, bound = surfaces.gap(a, b, 0), surfaces.contact_gap(a, b)
@@ -314,30 +278,24 @@ def _fastened(surfaces: Surfaces, name: str, relation: Fastened) -> Row:
         way = (gap.point_b - gap.point_a) * (1.0 - LEFT / gap.distance)
         text = f"{a!r} and {b!r} are fastened {gap.distance * 1e3:.4g} mm apart, contact means at most {bound * 1e3:.4g} mm"
         corrections.append(
-            Correction(
-                cause=f"what fastens {a!r} to {b!r} acts over a gap",
-                edit_class="scene",
-                group="placement",
-                action=f"Move {a!r} by {_text(way)} m, or draw what joins them.",
-                pointers=(pointer("entities", a, "pose"),),
-                patch=translation_patch(surfaces.candidate, a, way),
+            move_by(
+                surfaces.candidate,
+                a,
+                way,
+                f"what fastens {a!r} to {b!r} acts over a gap",
+                f"Move {a!r} by {_text(way)} m, or draw what joins them.",
             )
         )
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("support:fastened", name),
-        predicate=f"clearance({a}, {b}) <= {bound:g} m at frame 0, as they are fastened",
-        status="pass" if ok else "fail",
-        explanation=text,
-        measured=gap.distance,
-        bound=bound,
-        comparison="<=",
-        unit="m",
-        frames=(0, 0),
-        entities=(a, b),
-        first_failing_frame=None if ok else 0,
-        corrections=corrections,
+    return Finding(
+        "pass" if ok else "fail",
+        text,
+        gap.distance,
+        bound,
+        hints=tuple(corrections),
         evidence={"point_a": gap.point_a.tolist(), "point_b": gap.point_b.tolist()},
+        entities=(a, b),
+        frames=(0, 0),
+        predicate=f"clearance({a}, {b}) <= {bound:g} m at frame 0, as they are fastened",
     )
 
 

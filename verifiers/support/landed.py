@@ -3,39 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from ...worlds.requirements import Correction, RowId
 from ..land.grounds import Land, Patch, lands, patches
 from ..routes.columns import heights_of
-from ..rows.guards import guarded_rows, pointer
-from ..rows.verdicts import make_row
-from .free_bodies import LEFT, along_up, placement
+from ..rows.answers import row_of, rows_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .bounds import BASE, BROAD, HANGING, LEFT, LEVEL_BASE, OVER_EDGE, SUNK
+from .free_bodies import along_up, placement
+from .questions import GROUND
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
     from ..scene.surfaces import Surfaces
 
-__all__ = ["HANGING", "SUNK", "Ground", "landed_rows"]
+__all__ = ["Ground", "landed_rows"]
 
-HANGING = 0.05
-"""[m] Own choice: gap that may stay open under a level base on natural ground; turf and gravel close it."""
-SUNK = 0.5
-"""[m] Own choice: depth of a foundation; what stands deeper has its ground floor in the ground, unless a `fastened` relation
-says how deep it is meant to be."""
-BASE = 0.05
-"""[m] Own choice: level underside this near to an entity's lowest point is its base."""
-LEVEL = 0.999
-"""Own choice: cosine up to which an underside is level (2.6 degrees)."""
-BROAD = 0.02
-"""Own choice: a level base has at least this share of the footprint; round things have none and are not asked to lie flat."""
-OVER_EDGE = 0.002
-"""[m] How far the centre may seem to lie outside the places that it stands on."""
 POINTS = 12_000
 """Places under an entity that are looked at."""
 PAIRS = 2_000_000
@@ -136,13 +126,7 @@ def landed_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
     candidate = surfaces.candidate
     if not candidate.spec.terrains:
         return []
-    return guarded_rows(
-        candidate,
-        partial(_rows, surfaces, ground),
-        row_id=RowId("support:ground"),
-        predicate="static things stand on the ground",
-        entities=(),
-    )
+    return rows_of(candidate, GROUND, (), partial(_rows, surfaces, ground))
 
 
 def _rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
@@ -151,7 +135,7 @@ def _rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
         names = [n for n in surfaces.entities if surfaces.is_static(n) and n not in cut]
         standing = {n: s for n in names for s in ground.standing(n) if s.land == ground.lands[k][0].name}
         for group in _groups(surfaces, list(standing)):
-            found += list(_judge(surfaces, [standing[n] for n in group]))
+            found += [row_of(surfaces.candidate, GROUND, (n,), one) for n, one in _judge(surfaces, [standing[n] for n in group])]
     return found
 
 
@@ -219,7 +203,7 @@ def _underside(corners: F64, spacing: float, lattice: F64) -> tuple[F64, NDArray
     if not down.any():  # open or inside out
         down[:] = True
     corners, facing, area = corners[down], -normal[down, 2] / size[down], 0.5 * size[down]
-    level = (facing >= LEVEL) & (corners[:, :, 2].max(axis=1) <= corners[:, :, 2].min() + BASE)
+    level = (facing >= LEVEL_BASE) & (corners[:, :, 2].max(axis=1) <= corners[:, :, 2].min() + BASE)
     wide = np.ptp(corners[:, :, :2], axis=(0, 1))
     level &= float(area[level].sum()) >= BROAD * float(wide[0] * wide[1])
     points, flat = _sampled(corners, level, spacing)
@@ -268,15 +252,15 @@ def _groups(surfaces: Surfaces, names: list[str]) -> Iterator[list[str]]:
         yield group
 
 
-def _judge(surfaces: Surfaces, group: list[_Standing]) -> Iterator[Row]:
+def _judge(surfaces: Surfaces, group: list[_Standing]) -> Iterator[tuple[str, Finding]]:
     nearest = {s.entity: float(np.nanmin(s.gap)) for s in group}
     reach = {s.entity: _tolerance(surfaces, s) for s in group}
     standing = [s for s in group if nearest[s.entity] <= reach[s.entity]]
     if not standing and any(surfaces.candidate.spec.entities[s.entity].afloat is None for s in group):
         lowest = min(group, key=lambda s: nearest[s.entity])
-        yield _floats(surfaces, lowest, nearest[lowest.entity], reach[lowest.entity])
+        yield lowest.entity, _floats(surfaces, lowest, nearest[lowest.entity], reach[lowest.entity])
     for one in standing:
-        yield _stands(surfaces, one, reach[one.entity], alone=len(group) == 1)
+        yield one.entity, _stands(surfaces, one, reach[one.entity], alone=len(group) == 1)
 
 
 def _tolerance(surfaces: Surfaces, one: _Standing) -> float:
@@ -284,21 +268,20 @@ def _tolerance(surfaces: Surfaces, one: _Standing) -> float:
     return float(surfaces.candidate.spec.simulation.limits.contact_gap + min(own, 0.01))
 
 
-def _floats(surfaces: Surfaces, one: _Standing, gap: float, bound: float) -> Row:
+def _floats(surfaces: Surfaces, one: _Standing, gap: float, bound: float) -> Finding:
     place = one.points[int(np.nanargmin(one.gap))]
     text = f"{one.entity!r} floats {gap:.4g} m over {one.owner!r} at ({place[0]:.2f}, {place[1]:.2f}), and touches nothing that stands"
     move = placement(surfaces, one.entity, along_up(surfaces, LEFT - gap), f"{one.entity!r} is placed above the ground")
-    hover = Correction(
-        cause="it is meant to hover",
-        edit_class="scene",
-        group="placement",
-        action=f"Say so: `afloat` of {one.entity!r} with the reason, which is printed; or let something carry it.",
+    hover = correction(
+        "it is meant to hover",
+        "placement",
+        f"Say so: `afloat` of {one.entity!r} with the reason, which is printed; or let something carry it.",
         pointers=(pointer("entities", one.entity, "afloat"),),
     )
-    return _row(surfaces, one, "fail", text, gap, bound, "<=", (move, hover), place)
+    return _answer(surfaces, one, Finding("fail", text, gap, bound, hints=(move, hover)), place)
 
 
-def _stands(surfaces: Surfaces, one: _Standing, reach: float, *, alone: bool) -> Row:
+def _stands(surfaces: Surfaces, one: _Standing, reach: float, *, alone: bool) -> Finding:
     known = np.isfinite(one.gap)
     points, gap = one.points[known], one.gap[known]
     deepest = int(np.argmin(gap))
@@ -314,19 +297,19 @@ def _stands(surfaces: Surfaces, one: _Standing, reach: float, *, alone: bool) ->
             f"{one.entity!r} is buried: {one.owner!r} stands {sunk:.4g} m above its underside at ({place[0]:.2f}, {place[1]:.2f})"
         )
         mend = placement(surfaces, one.entity, lift, "it stands in the slope: raise it, or level the ground with a flatten layer")
-        return _row(surfaces, one, "fail", text, sunk, allowed, "<=", (mend,), place)
+        return _answer(surfaces, one, Finding("fail", text, sunk, allowed, hints=(mend,)), place)
     if alone and hanging > HANGING:
         place = points[widest]
         text = f"{one.entity!r} hangs {hanging:.4g} m over {one.owner!r} at ({place[0]:.2f}, {place[1]:.2f})"
         mend = placement(surfaces, one.entity, None, "its base is level and the ground is not: level it, or give it a foundation")
-        return _row(surfaces, one, "fail", text, hanging, HANGING, "<=", (mend,), place)
+        return _answer(surfaces, one, Finding("fail", text, hanging, HANGING, hints=(mend,)), place)
     over = _outside(points[gap <= max(reach, HANGING), :2], surfaces.candidate.center(one.entity, 0)[:2]) if alone else 0.0
     if over > OVER_EDGE:
         text = f"the centre of {one.entity!r} lies {over:.4g} m outside the places at which it stands on {one.owner!r}"
         mend = placement(surfaces, one.entity, None, "it overhangs and would tip")
-        return _row(surfaces, one, "fail", text, over, OVER_EDGE, "<=", (mend,), points[widest])
+        return _answer(surfaces, one, Finding("fail", text, over, OVER_EDGE, hints=(mend,)), points[widest])
     text = f"{one.entity!r} stands on {one.owner!r}: at most {max(sunk, 0.0):.3g} m in it, {max(hanging, 0.0):.3g} m over it under its base"
-    return _row(surfaces, one, "pass", text, max(sunk, 0.0), allowed, "<=", (), points[deepest])
+    return _answer(surfaces, one, Finding("pass", text, max(sunk, 0.0), allowed), points[deepest])
 
 
 def _outside(stands: F64, center: F64) -> float:
@@ -336,30 +319,12 @@ def _outside(stands: F64, center: F64) -> float:
     return max(0.0, outside(stands - center)) if len(stands) else float("inf")
 
 
-def _row(
-    surfaces: Surfaces,
-    one: _Standing,
-    status: Any,
-    text: str,
-    measured: float,
-    bound: float,
-    comparison: Any,
-    corrections: tuple[Correction, ...],
-    place: F64,
-) -> Row:
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("support:ground", one.entity),
-        predicate=f"{one.entity} stands on the ground: within {HANGING:g} m under its base, at most as deep in it as declared",
-        status=status,
-        explanation=text,
-        measured=measured,
-        bound=bound,
-        comparison=comparison,
-        unit="m",
-        frames=(0, 0),
-        entities=(one.entity,) if one.owner not in surfaces.entities else (one.entity, one.owner),
-        corrections=corrections,
+def _answer(surfaces: Surfaces, one: _Standing, found: Finding, place: F64) -> Finding:
+    return replace(
+        found,
         evidence={"ground": one.owner, "place": place.tolist()},
+        entities=(one.entity,) if one.owner not in surfaces.entities else (one.entity, one.owner),
+        frames=(0, 0),
+        predicate=f"{one.entity} stands on the ground: within {HANGING:g} m under its base, at most as deep in it as declared",
         extra=[surfaces.allowed_depth(one.entity, one.owner), one.owner],
     )

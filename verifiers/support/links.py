@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, compose, pose_of
 from ...worlds.spec import DetachDriver, MotorDriver, Rope, SlideJoint, SpringJoint
 from ..ledgers import motion
-from ..scene.surfaces import SUPPORT_SLOPE
+from ..scene.bounds import SUPPORT_SLOPE
 
 if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces

@@ -7,22 +7,22 @@ places whatever is between them, so that the same is asked of their surfaces her
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...geometry import apart
-from ...worlds.requirements import Correction, RowId
-from ..rows.guards import guarded_rows, pointer
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .questions import PIECE
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
     from ..scene.surfaces import Surfaces
 
 __all__ = ["one_piece_rows", "own_touches"]
-
-PREDICATE = "every part of it touches another one of the same body, down to one piece"
 
 
 def own_touches(surfaces: Surfaces, parts: Sequence[int]) -> Iterator[tuple[int, int]]:
@@ -59,13 +59,8 @@ def one_piece_rows(surfaces: Surfaces, still: frozenset[str]) -> list[Row]:
         for i in surfaces.parts_of[name]:
             bodies.setdefault(surfaces.parts[i].body, []).append(i)
         if max((len(own) for own in bodies.values()), default=0) > 1:
-            found += guarded_rows(
-                surfaces.candidate,
-                lambda n=name, b=bodies: [_row(surfaces, n, b)],  # type: ignore[misc]
-                row_id=RowId("support:piece", name),
-                predicate=PREDICATE,
-                entities=(name,),
-            )
+            judge = partial(_piece, surfaces, name, bodies)
+            found.append(row_of(surfaces.candidate, PIECE, (name,), judge, entities=(name,)))
     return found
 
 
@@ -81,46 +76,34 @@ def _pieces(surfaces: Surfaces, parts: Sequence[int]) -> list[list[int]]:
     return sorted(groups.values(), key=len, reverse=True)
 
 
-def _row(surfaces: Surfaces, name: str, bodies: dict[str, list[int]]) -> Row:
+def _piece(surfaces: Surfaces, name: str, bodies: dict[str, list[int]]) -> Finding:
     reason = surfaces.candidate.spec.entities[name].afloat
-    common: dict[str, Any] = {
-        "row_id": RowId("support:piece", name),
-        "predicate": PREDICATE,
-        "frames": (0, 0),
-        "entities": (name,),
-        "extra": [reason],
-    }
     found = {body: _pieces(surfaces, own) for body, own in bodies.items()}
     off = [piece for groups in found.values() for piece in groups[1:]]
     if not off or reason is not None:
         text = f"{name!r} hangs together" if not off else f"parts of {name!r} float beside it: {reason}"
-        return make_row(surfaces.candidate, status="pass", explanation=text, **common)
+        return Finding("pass", text, frames=(0, 0), extra=[reason])
     parts = [surfaces.parts[i].part for i in off[0]]
-    return make_row(
-        surfaces.candidate,
-        status="fail",
-        explanation=f"{', '.join(map(repr, parts))} of {name!r} touches none of its other parts: nothing is between them",
-        measured=float(1 + len(off)),
-        bound=1.0,
-        comparison="<=",
-        unit="pieces",
-        first_failing_frame=0,
-        corrections=[
-            Correction(
-                cause=f"{parts[0]!r} of {name!r} is placed away from the others, or what joins them is missing",
-                edit_class="scene",
-                group="shape",
-                action="Move it until it touches them, or add the part that is between them.",
+    return Finding(
+        "fail",
+        f"{', '.join(map(repr, parts))} of {name!r} touches none of its other parts: nothing is between them",
+        float(1 + len(off)),
+        1.0,
+        hints=(
+            correction(
+                f"{parts[0]!r} of {name!r} is placed away from the others, or what joins them is missing",
+                "shape",
+                "Move it until it touches them, or add the part that is between them.",
                 pointers=(pointer("entities", name, "parts", parts[0], "pose"), pointer("entities", name, "parts")),
             ),
-            Correction(
-                cause="it is an entity of its own",
-                edit_class="scene",
-                group="shape",
-                action="Make it an entity of its own, with what holds it.",
+            correction(
+                "it is an entity of its own",
+                "shape",
+                "Make it an entity of its own, with what holds it.",
                 pointers=("/entities",),
             ),
-        ],
+        ),
         evidence={"parts": parts},
-        **common,
+        frames=(0, 0),
+        extra=[reason],
     )

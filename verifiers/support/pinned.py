@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,11 +10,12 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, pose_of
 from ...worlds.categories.cloth.facts import grids_of, held_by
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import ClothPhysics, ElasticPhysics
-from ..rows.guards import guarded_rows, pointer, translation_patch
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction, move_by, pointer
+from ..rows.findings import Finding
 from .joined import way_to
+from .questions import PIN
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
@@ -31,18 +33,9 @@ def pinned_rows(surfaces: Surfaces) -> list[Row]:
             continue
         for key, pin in entity.physics.pins.items():
             if pin.to is not None and pin.to in candidate.solids:
-                found += guarded_rows(
-                    candidate,
-                    lambda n=name, k=key, c=pin.to: [_row(surfaces, n, k, c)],  # type: ignore[misc]
-                    row_id=RowId("support:pin", name, key),
-                    predicate=_predicate(name, key, pin.to),
-                    entities=(name, pin.to),
-                )
+                judge = partial(_pin, surfaces, name, key, pin.to)
+                found.append(row_of(candidate, PIN, (name, key), judge, entities=(name, pin.to)))
     return found
-
-
-def _predicate(name: str, key: str, carrier: str) -> str:
-    return f"what pin {key} of {name} holds is at {carrier}"
 
 
 def _held(entity: Entity, key: str, rest: F64) -> F64:
@@ -64,53 +57,40 @@ def _bound(surfaces: Surfaces, name: str, carrier: str) -> float:
     return max(surfaces.contact_gap(name, carrier) + 2.0 * max(skins, default=0.0), min(edges, default=0.0))
 
 
-def _row(surfaces: Surfaces, name: str, key: str, carrier: str) -> Row:
+def _pin(surfaces: Surfaces, name: str, key: str, carrier: str) -> Finding:
     candidate = surfaces.candidate
     entity = candidate.spec.entities[name]
     surfaces.require(name, carrier)
     rest = [p.simulation.vertices for p in candidate.entity(name).parts if p.simulation is not None]
     held = pose_of(entity.pose).apply(_held(entity, key, np.concatenate(rest)))
-    common: dict[str, Any] = {
-        "row_id": RowId("support:pin", name, key),
-        "predicate": _predicate(name, key, carrier),
-        "frames": (0, 0),
-        "entities": (name, carrier),
-    }
     distance, point, nearest = way_to(surfaces, carrier, held)
     way = nearest - point
     bound = _bound(surfaces, name, carrier)
+    common: dict[str, Any] = {"frames": (0, 0), "predicate": f"what pin {key} of {name} holds is at {carrier}"}
     if distance <= bound:
         text = f"what pin {key!r} of {name!r} holds is {distance:.3g} m from {carrier!r}"
-        return make_row(
-            candidate, status="pass", explanation=text, measured=distance, bound=bound, comparison="<=", unit="m", **common
-        )
+        return Finding("pass", text, distance, bound, **common)
     move = ", ".join(f"{c:+.4g}" for c in way)
     place = pointer("entities", name, "physics", "pins", key)
-    return make_row(
-        candidate,
-        status="fail",
-        explanation=f"pin {key!r} holds {name!r} to {carrier!r} over {distance:.4g} m of nothing",
-        measured=distance,
-        bound=bound,
-        comparison="<=",
-        unit="m",
-        first_failing_frame=0,
-        corrections=[
-            Correction(
-                cause=f"{name!r} is placed away from what carries it",
-                edit_class="scene",
-                group="placement",
-                action=f"Move it by ({move}) m, to {carrier!r}.",
-                pointers=(pointer("entities", name, "pose"),),
-                patch=translation_patch(candidate, name, way),
+    return Finding(
+        "fail",
+        f"pin {key!r} holds {name!r} to {carrier!r} over {distance:.4g} m of nothing",
+        distance,
+        bound,
+        hints=(
+            move_by(
+                candidate,
+                name,
+                way,
+                f"{name!r} is placed away from what carries it",
+                f"Move it by ({move}) m, to {carrier!r}.",
             ),
-            Correction(
-                cause="the pin holds another place than the one that touches its carrier, or what joins them is not drawn",
-                edit_class="scene",
-                group="joints",
-                action=f"Let it hold what is at {carrier!r}, or give {carrier!r} a part (a ring, hook or rail) that reaches it.",
+            correction(
+                "the pin holds another place than the one that touches its carrier, or what joins them is not drawn",
+                "joints",
+                f"Let it hold what is at {carrier!r}, or give {carrier!r} a part (a ring, hook or rail) that reaches it.",
                 pointers=(place, pointer("entities", carrier, "parts")),
             ),
-        ],
+        ),
         **common,
     )

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.requirements import Correction, RowId
-from ..rows.guards import pointer, translation_patch
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction, move_by, pointer
+from ..rows.findings import Finding
+from .bounds import LEVEL_CONTACT, MISSING, OUTSIDE
 from .equilibrium import Balance, Group, group_of, solve
-from .graph import MISSING, OUTSIDE, rolling
+from .graph import rolling
+from .questions import BALANCE, GRIP
 from .touching import hull_corners
 
 if TYPE_CHECKING:
@@ -21,9 +24,6 @@ if TYPE_CHECKING:
     from .graph import SupportGraph
 
 __all__ = ["outside", "rest_rows"]
-
-LEVEL = 1e-3
-"""Own choice: contact normals this near to the vertical (sine) make a contact of which the polygon decides."""
 
 
 def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[Row]:
@@ -43,60 +43,53 @@ def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[
     touched = [c[1] if c[0] == entity else c[0] for c in group.contacts if entity in c[:2] and len(c[2].points)]
     if not touched:
         return []  # the relation's own row says that nothing carries it
-    common: dict[str, Any] = {"frames": (0, 0), "entities": (entity, *touched), "comparison": "<="}
-    evidence = {"carriers": touched, "group": list(group.members)[:20]}
-    bound = OUTSIDE + max(rolling(surfaces, n) for n in (entity, *touched))
-    ok = balance.shift <= bound
-    where = f"{abs(balance.shift) * 1e3:.4g} mm {'outside' if balance.shift > 0 else 'inside'}"
-    tips = make_row(
-        surfaces.candidate,
-        row_id=RowId("support:balance", entity),
+    concerned = (entity, *touched)
+    proof = {"carriers": touched, "group": list(group.members)[:20]}
+    answers = ((BALANCE, _tips(surfaces, concerned, balance.shift, way)), (GRIP, _grip(surfaces, concerned, balance.missing)))
+    candidate = surfaces.candidate
+    return [row_of(candidate, q, (entity,), replace(f, evidence=proof, frames=(0, 0)), entities=concerned) for q, f in answers]
+
+
+def _tips(surfaces: Surfaces, concerned: tuple[str, ...], shift: float, way: F64) -> Finding:
+    entity, *touched = concerned
+    bound = OUTSIDE + max(rolling(surfaces, n) for n in concerned)
+    where = f"{abs(shift) * 1e3:.4g} mm {'outside' if shift > 0 else 'inside'}"
+    return Finding(
+        "pass" if shift <= bound else "fail",
+        f"the centre of mass of {entity!r} lies {where} of where contact with {', '.join(touched)} can hold it",
+        shift,
+        bound,
+        hints=(
+            move_by(
+                surfaces.candidate,
+                entity,
+                way,
+                f"{entity!r} overhangs its support and tips over",
+                f"Move {entity!r} at least {shift * 1e3:.4g} mm towards the middle of its support, or widen that.",
+            ),
+        ),
         predicate=f"the centre of mass of {entity}, seen along gravity, lies within {bound:g} m of where its contacts can hold it",
-        status="pass" if ok else "fail",
-        explanation=f"the centre of mass of {entity!r} lies {where} of where contact with {', '.join(touched)} can hold it",
-        measured=balance.shift,
-        bound=bound,
-        unit="m",
-        corrections=[
-            Correction(
-                cause=f"{entity!r} overhangs its support and tips over",
-                edit_class="scene",
-                group="placement",
-                action=f"Move {entity!r} at least {balance.shift * 1e3:.4g} mm towards the middle of its support, or widen that.",
-                pointers=(pointer("entities", entity, "pose"),),
-                patch=() if ok else translation_patch(surfaces.candidate, entity, way),
-            )
-        ],
-        evidence=evidence,
-        **common,
     )
-    return [tips, _grip(surfaces, entity, balance.missing, common, evidence)]
 
 
-def _grip(surfaces: Surfaces, entity: str, missing: float, common: dict[str, Any], evidence: dict[str, Any]) -> Row:
-    spec = surfaces.candidate.spec
-    materials = dict.fromkeys(spec.entities[n].material for n in common["entities"])
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("support:grip", entity),
-        predicate=f"contact forces within friction bear {entity} at rest: at most {MISSING:g} of its weight is missing",
-        status="pass" if missing <= MISSING else "fail",
-        explanation=f"contact and friction lack {missing:.2%} of the weight of {entity!r}",
-        measured=missing,
-        bound=MISSING,
-        unit="1",
-        corrections=[
-            Correction(
-                cause=f"{entity!r} slides: its support is too steep or too smooth",
-                edit_class="solver",
-                group="material",
-                action=f"Raise the friction of {' or '.join(map(repr, materials))}, or make the support less steep.",
+def _grip(surfaces: Surfaces, concerned: tuple[str, ...], missing: float) -> Finding:
+    spec, entity = surfaces.candidate.spec, concerned[0]
+    materials = dict.fromkeys(spec.entities[n].material for n in concerned)
+    return Finding(
+        "pass" if missing <= MISSING else "fail",
+        f"contact and friction lack {missing:.2%} of the weight of {entity!r}",
+        missing,
+        MISSING,
+        hints=(
+            correction(
+                f"{entity!r} slides: its support is too steep or too smooth",
+                "material",
+                f"Raise the friction of {' or '.join(map(repr, materials))}, or make the support less steep.",
                 pointers=tuple(pointer("materials", m, "friction") for m in materials),
-            )
-        ],
-        evidence=evidence,
+            ),
+        ),
+        predicate=f"contact forces within friction bear {entity} at rest: at most {MISSING:g} of its weight is missing",
         extra=[[spec.materials[m].friction for m in materials if m in spec.materials], list(spec.simulation.gravity)],
-        **common,
     )
 
 
@@ -124,7 +117,7 @@ def _standing(group: Group) -> tuple[Balance, F64] | None:
         return None
     signs = [1.0 if c[0] == group.members[0] else -1.0 for c in contacts]
     normals = np.concatenate([s * c[2].normals for s, c in zip(signs, contacts, strict=True)])
-    if (normals @ group.down > -np.sqrt(1.0 - LEVEL * LEVEL)).any():
+    if (normals @ group.down > -np.sqrt(1.0 - LEVEL_CONTACT * LEVEL_CONTACT)).any():
         return None
     side = np.linalg.svd(group.down[None])[2][1:]
     flat = (np.concatenate([c[2].points for c in contacts]) - group.centers[0]) @ side.T

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...worlds.arrays import F64, compose, pose_of
 from ...worlds.spec import SpringJoint
+from .bounds import RESOLVED
 
 if TYPE_CHECKING:
     from ..ledgers.balance import Books
@@ -18,9 +19,6 @@ __all__ = ["Spring", "springs_of"]
 
 NODES = 9
 """Points of Simpson's rule per interval."""
-RESOLVED = 1.0
-"""[rad] Own choice: a spring that turns further in its phase within a frame is not resolved by the frames' states. A cubic
-through them is then wrong by up to 1 / 384 of the amplitude (Hermite interpolation)."""
 HERMITE = 1.0 / 384.0
 """Error of cubic Hermite interpolation: h^4 max|x''''| / 384."""
 

@@ -9,7 +9,7 @@ itself, and nothing says that it should.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cached_property, partial
 from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING
 
@@ -19,24 +19,24 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from ...worlds.audits.story import STARTED
 from ...worlds.fields import fields_of
-from ...worlds.requirements import Correction, RowId
 from ...worlds.spec import DetachDriver, ForceDriver, MotorDriver, ReleaseDriver, RigidPhysics, Rope, Supports
 from ..ledgers import motion
 from ..ledgers.exchanged import CHANNEL
-from ..rows.guards import guarded_rows, pointer
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of, rows_of
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .bounds import STIRRED
 from .graph import gravity_direction
 from .held import is_still
 from .moved import moves_of, spoken_of, support_interval
+from .questions import STAYS
 
 if TYPE_CHECKING:
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ..scene.surfaces import Surfaces
 
 __all__ = ["Reached", "stays_rows"]
 
-STIRRED = 2e-4
-"""[m] Own choice: what has not left its place by this much passes no motion on; bodies settle into their skins by less."""
 NEVER = np.iinfo(np.int64).max
 Frames = NDArray[np.int64]
 
@@ -207,12 +207,7 @@ def stays_rows(surfaces: Surfaces) -> list[Row]:
     candidate = surfaces.candidate
     if candidate.stage == "static" or surfaces.frames < 2 or gravity_direction(surfaces) is None:
         return []
-    return guarded_rows(
-        candidate,
-        lambda: list(_rows(surfaces)),
-        row_id=RowId("support:stays"),
-        predicate="free bodies stay where they are until something moves them",
-    )
+    return rows_of(candidate, STAYS, (), partial(_rows, surfaces))
 
 
 def _rows(surfaces: Surfaces) -> Iterator[Row]:
@@ -227,10 +222,10 @@ def _rows(surfaces: Surfaces) -> Iterator[Row]:
         entity = spec.entities[name]
         judged = entity.motion == "dynamic" and name not in covered and surfaces.broken.get(name, surfaces.frames) > 0
         if judged and reached.source(name) is None:
-            yield _row(reached, name)
+            yield row_of(candidate, STAYS, (name,), _stays(reached, name), entities=(name,))
 
 
-def _row(reached: Reached, name: str) -> Row:
+def _stays(reached: Reached, name: str) -> Finding:
     surfaces, spec = reached.surfaces, reached.spec
     bound, away = spec.simulation.limits.support_drift, reached.away[name]
     free = reached.arrival[name]
@@ -239,7 +234,6 @@ def _row(reached: Reached, name: str) -> Row:
     held = away[: last + 1]
     wrong = ~(held <= bound)
     frame = int(np.argmax(wrong)) if wrong.any() else None
-    common = {"entities": (name,), "frames": (0, last), "comparison": "<=", "unit": "m", "bound": bound}
     if frame is None:
         text = f"{name!r} stays within {held.max() * 1e3:.4g} mm of its place over {len(held)} frames"
         if free < surfaces.frames:
@@ -251,41 +245,37 @@ def _row(reached: Reached, name: str) -> Row:
             f"{name!r} leaves its place by itself: at frame {frame} it is {away[frame] * 1e3:.4g} mm away from it, by ({way}) m, "
             f"and nothing that a beat or driver moves has reached it"
         )
-    return make_row(
-        surfaces.candidate,
-        row_id=RowId("support:stays", name),
-        predicate=f"{name} stays within {bound:g} m of its place until something that moves reaches it",
-        status="pass" if frame is None else "fail",
-        explanation=text,
-        measured=float(held.max()) if frame is None else float(away[frame]),
-        first_failing_frame=frame,
-        corrections=() if frame is None else tuple(_corrections(surfaces, name)),
+    return Finding(
+        "pass" if frame is None else "fail",
+        text,
+        float(held.max()) if frame is None else float(away[frame]),
+        bound,
+        frame=frame,
+        hints=() if frame is None else tuple(_corrections(surfaces, name)),
         evidence={"reached_at": free if free < surfaces.frames else None},
-        **common,  # type: ignore[arg-type]
+        frames=(0, last),
+        predicate=f"{name} stays within {bound:g} m of its place until something that moves reaches it",
     )
 
 
 def _corrections(surfaces: Surfaces, name: str) -> Iterator[Correction]:
     beneath = [n for n in surfaces.neighbours.get(name, ()) if surfaces.carries(n, name, until=1)[0]]
     on = f" on {', '.join(map(repr, beneath[:3]))}" if beneath else ""
-    yield Correction(
-        cause=f"{name!r} falls, tips, slides or rolls{on}: where it stands it cannot rest",
-        edit_class="scene",
-        group="placement",
-        action=f"Place {name!r} so that it rests, with its centre over what carries it; then declare what `supports` it.",
+    yield correction(
+        f"{name!r} falls, tips, slides or rolls{on}: where it stands it cannot rest",
+        "placement",
+        f"Place {name!r} so that it rests, with its centre over what carries it; then declare what `supports` it.",
         pointers=(pointer("entities", name, "pose"),),
     )
-    yield Correction(
-        cause="it is meant to move, and no beat says so",
-        edit_class="story",
-        group="story",
-        action=f"Add a beat with the subject {name!r} that says what it does, and what causes it.",
+    yield correction(
+        "it is meant to move, and no beat says so",
+        "story",
+        f"Add a beat with the subject {name!r} that says what it does, and what causes it.",
         pointers=("/story/beats",),
     )
-    yield Correction(
-        cause="it is meant to be let go or pushed",
-        edit_class="solver",
-        group="drivers",
-        action=f"Declare a `release` or `force` driver of {name!r} or give it an initial velocity, and add a beat that tells of it.",
+    yield correction(
+        "it is meant to be let go or pushed",
+        "drivers",
+        f"Declare a `release` or `force` driver of {name!r} or give it an initial velocity, and add a beat that tells of it.",
         pointers=("/simulation/drivers", pointer("entities", name, "physics", "linear_velocity")),
     )

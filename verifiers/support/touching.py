@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
 from ...worlds.arrays import F64
+from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
     from ...worlds.arrays import RigidPose
@@ -17,12 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Contacts", "contacts_of", "hull_corners"]
 
-EDGE_SLACK = 5e-4
-"""[m] Own choice: points this much farther than the nearest belong to one flat contact."""
-BEND = 0.02
-"""Own choice: a surface may fall this steeply (sine, 1.1 degrees) behind a contact plane and still touch it flatly."""
-SAME = 1e-3
-"""Own choice: normals that differ less than this are one."""
 MOST_PAIRS = 1_000_000
 """Edge pairs or point-triangle pairs that are compared at once."""
 
@@ -180,7 +175,7 @@ def _normals(point: F64, own: _Side, other: _Side, slack: float) -> F64:
         kept = _separating(np.concatenate([across, -across]), point, mine, theirs, slack)
     if len(kept) == 0:
         return kept
-    _, index = np.unique(np.round(kept / SAME), axis=0, return_index=True)
+    _, index = np.unique(np.round(kept / SAME_NORMAL), axis=0, return_index=True)
     return kept[np.sort(index)]
 
 
@@ -193,7 +188,7 @@ def _separating(ways: F64, point: F64, mine: F64, theirs: F64, slack: float) -> 
 
 def _corners(contacts: Contacts) -> Contacts:
     """Leave out points inside flat patches: forces at the corners give every force and moment that they could."""
-    groups = np.round(np.column_stack([contacts.normals, contacts.friction]) / SAME)
+    groups = np.round(np.column_stack([contacts.normals, contacts.friction]) / SAME_NORMAL)
     _, member = np.unique(groups, axis=0, return_inverse=True)
     member = member.reshape(-1)
     kept: list[NDArray[np.intp]] = []

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import ball, box, entity, make_candidate, pose, world
-from worldagent.verifiers.routes import navigability
+from worldagent.verifiers.routes import bounds, navigability
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, BoxRegion, Connects, CylinderRegion, Extrusion, Part, Wedge
 
-NOISE = navigability.RASTER_NOISE
+NOISE = bounds.RASTER_NOISE
 
 
 def slab(x0, x1, y0, y1, top=0.0, thick=0.2, **more):

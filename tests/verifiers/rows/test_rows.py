@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from worldagent.tests.verifiers.categories.test_category import falling
 from worldagent.verifiers.checks import run_checks
-from worldagent.verifiers.rows.findings import Finding, answered, cache_of, judged
-from worldagent.verifiers.rows.verdicts import GROUP_OF, correction, make_row
+from worldagent.verifiers.rows.findings import Finding, cache_of, judged
+from worldagent.verifiers.rows.verdicts import GROUP_OF, answered, correction, make_row
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.requirements import Row, RowId
@@ -71,7 +71,7 @@ def test_a_judge_without_evidence_is_unverified_and_other_errors_surface(world: 
     def lacking() -> Finding:
         raise EvidenceError("no channel")
 
-    assert judged(lacking) == Finding("unverified", "no channel")
+    assert judged(lacking) == Finding("unverified", "no evidence: no channel", evidence={"missing": "no channel"})
     assert judged(lambda: Finding("pass", str(cache_of(world, "nobody")))).status == "unverified"
     with pytest.raises(ZeroDivisionError):
         judged(lambda: Finding("pass", "t", 1 / 0))

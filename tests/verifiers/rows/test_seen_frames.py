@@ -12,7 +12,7 @@ from worldagent.simulation.freeze import open_freeze
 from worldagent.simulation.schedule import run_frames
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.checks import run_checks
-from worldagent.verifiers.rows.guards import last_claimed, only_seen
+from worldagent.verifiers.rows.seen import last_claimed, only_seen
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import parse_spec

@@ -18,7 +18,7 @@ from worldagent.testing.worlds.small_worlds import (
     pose,
     world,
 )
-from worldagent.verifiers.scene import scale
+from worldagent.verifiers.scene import bounds, ratios, scale
 from worldagent.verifiers.scene.extents import specified_extent
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.requirements import Row
@@ -207,13 +207,13 @@ def test_parts_inside_the_box_are_compared_with_their_shapes(tmp_path):
     assert missing.evidence["part"] == "p1"
     moved = replace(inner, render=TriangleMesh(inner.render.vertices + np.array([0.0, 0.003, 0.0]), inner.render.faces))
     row = judged(board, moved)
-    assert (row.status, row.evidence["part"], row.evidence["axis"], row.bound) == ("fail", "p1", "y", scale.FACETS)
+    assert (row.status, row.evidence["part"], row.evidence["axis"], row.bound) == ("fail", "p1", "y", bounds.FACETS)
     assert row.measured == pytest.approx(0.03)
 
 
 def test_every_kind_of_relation_has_documented_bounds_and_regions_are_measured(tmp_path):
-    assert set(scale.RATIOS) == {"supports", "contains", "adjacent", "connects", "interacts", "fastened"}
-    assert all(r.reason for r in scale.RATIOS.values())
+    assert set(ratios.RATIOS) == {"supports", "contains", "adjacent", "connects", "interacts", "fastened"}
+    assert all(r.reason for r in ratios.RATIOS.values())
     regions = {"hall": BoxRegion(min=(0, 0, 0), max=(100, 100, 100)), "mat": BoxRegion(min=(0, 0, 0), max=(0.1, 0.1, 0.1))}
     relations = {
         "way": Connects(a="hall", b="mat"),

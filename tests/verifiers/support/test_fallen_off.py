@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import ball, box, ground, make_candidate, world
-from worldagent.verifiers.support import check
+from worldagent.verifiers.support.check import check
 from worldagent.worlds.predicates.models import Crosses, Displacement, Reaches
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, BoxRegion, HingeJoint

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from worldagent.testing.defects._lands import NAME, axes, declared, keep
 from worldagent.testing.worlds.small_worlds import ball, box, make_candidate, world
-from worldagent.verifiers.support import check
+from worldagent.verifiers.support.check import check
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, Cylinder, Entity, Part

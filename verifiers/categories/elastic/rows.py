@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from ....worlds.requirements import RowId
 from ....worlds.spec import ElasticPhysics
-from ...rows.findings import Finding, answered
+from ...rows.findings import Finding
+from ...rows.verdicts import answered
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate

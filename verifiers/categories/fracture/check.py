@@ -27,8 +27,8 @@ from ....worlds.categories.fracture.bonds import WORLD, components
 from ....worlds.categories.fracture.facts import middle_size
 from ....worlds.errors import EvidenceError
 from ....worlds.requirements import RowId
-from ...rows.findings import Finding, answered, judged
-from ...rows.verdicts import correction
+from ...rows.findings import Finding, judged
+from ...rows.verdicts import answered, correction
 from ..rigid.laws import IMPULSE, PLACE
 from .budget import Budget
 from .flight import free_flight

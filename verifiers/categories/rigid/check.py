@@ -29,8 +29,8 @@ from ....worlds.spec import BoxRegion, CylinderRegion, SphereRegion
 from ...ledgers import fields as field_ledger
 from ...ledgers import motion
 from ...ledgers.balance import books_of
-from ...rows.findings import Finding, answered, cache_of, judged
-from ...rows.verdicts import correction
+from ...rows.findings import Finding, cache_of, judged
+from ...rows.verdicts import answered, correction
 from ..elastic.exchange import outside_work
 from ..elastic.ledger import elastic_energies
 from . import books as rigid_books

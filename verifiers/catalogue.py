@@ -1,0 +1,21 @@
+"""Catalogue of all questions that checks ask: one table per folder, joined here explicitly. `docs/rows.md` is written from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType, ModuleType
+
+from .contact import questions as contact
+from .land import questions as land
+from .routes import questions as routes
+from .rows.questions import Question
+from .scene import questions as scene
+from .support import questions as support
+
+__all__ = ["QUESTIONS", "TABLES"]
+
+TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact)
+"""Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
+
+QUESTIONS: Mapping[str, Question] = MappingProxyType({q.id: q for table in TABLES for q in table.QUESTIONS})
+"""Every question by its id."""

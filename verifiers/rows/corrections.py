@@ -1,0 +1,102 @@
+"""Library of corrections: each way to mend a failing row exists once, as a `Correction` with its pointers and patch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from ...worlds.groups import GROUPS
+from ...worlds.requirements import Correction, RowClass
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+
+__all__ = [
+    "EDIT_CLASS",
+    "LEAST_STEP",
+    "bake_again",
+    "correction",
+    "halve_step",
+    "move_by",
+    "pointer",
+    "postponed",
+    "separate",
+    "set_value",
+]
+
+EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
+"""Class of an edit to each causal parameter group (R111, R112)."""
+
+LEAST_STEP: Mapping[str, float] = {"step": 2e-5, "max_step": 1e-5, "step_share": 0.02}
+"""Smallest value that the settings of an engine allow, by the name of its step: [s], [s], and [1] of the stable step."""
+
+
+def correction(
+    cause: str, group: str, action: str, *, pointers: Iterable[str] = (), patch: Iterable[dict[str, Any]] = ()
+) -> Correction:
+    """A suggested edit; its class follows from the parameter group."""
+    return Correction(
+        cause=cause, edit_class=EDIT_CLASS[group], group=group, action=action, pointers=tuple(pointers), patch=tuple(patch)
+    )
+
+
+def pointer(*steps: str | int) -> str:
+    """JSON pointer (RFC 6901) of the steps."""
+    return "".join("/" + str(s).replace("~", "~0").replace("/", "~1") for s in steps)
+
+
+def set_value(place: str, value: Any) -> tuple[dict[str, Any], ...]:
+    """RFC 6902 patch that sets a value; `add` also holds where world.json leaves the default out."""
+    return ({"op": "add", "path": place, "value": value},)
+
+
+def halve_step(candidate: Candidate, solver: str, cause: str) -> Correction:
+    """Halve the step of an instance, whatever its engine calls it; down to what its settings allow."""
+    settings = candidate.spec.simulation.solvers[solver].settings
+    name = next(n for n in LEAST_STEP if getattr(settings, n, None) is not None)
+    value = float(getattr(settings, name))
+    place = pointer("simulation", "solvers", solver, "settings", name)
+    named = ("the step" if name == "step" else name) + f" from {value:g}" + ("" if name == "step_share" else " s")
+    shorter = float(f"{max(LEAST_STEP[name], value / 2):.6g}")
+    return correction(cause, "step", f"halve {named}", pointers=(place,), patch=set_value(place, shorter))
+
+
+def bake_again(cause: str = "the cache was edited or is of another run") -> Correction:
+    """Bake again: what is recorded does not belong to what was run."""
+    return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))
+
+
+def separate(entity: str | None) -> Correction:
+    """Take bodies apart that overlap at the start."""
+    return correction(
+        "colliders overlap at the start and push each other apart",
+        "placement",
+        f"separate {entity or 'the bodies'} from its neighbours at frame 0",
+        pointers=(f"/entities/{entity}/pose",) if entity else (),
+    )
+
+
+def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, cause: str, action: str = "") -> Correction:
+    """Move an entity.
+
+    Args:
+        candidate: what is judged.
+        entity: what to move.
+        offset: by which vector [m], rounded to 10 micrometres; None where the numbers do not determine one.
+        cause: why it stands wrong.
+        action: the sentence; default names the offset.
+    """
+    place = pointer("entities", entity, "pose")
+    if offset is None:
+        return correction(cause, "placement", action or f"Move {entity!r}.", pointers=(place,))
+    way = [float(v) for v in offset]
+    pose = candidate.spec.entities[entity].pose
+    position = tuple(round(float(a) + b, 5) for a, b in zip(pose.position, way, strict=True))
+    value = pose.model_copy(update={"position": position}).model_dump(mode="json", exclude_none=True)
+    text = action or f"Move {entity!r} by ({', '.join(f'{v:+.5g}' for v in way)}) m."
+    return correction(cause, "placement", text, pointers=(place,), patch=set_value(place, value))
+
+
+def postponed(failing: str) -> str:
+    """Why a row that takes further simulations was not judged: a row of the motion itself fails."""
+    return f"not simulated while {failing} fails: most that mends it makes another motion; this row follows, and is judged once it passes"

@@ -1,0 +1,53 @@
+"""Bounds of the check `support`: what counts as held, at rest, landed or launched."""
+
+OUTSIDE = 0.002
+"""[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
+MISSING = 0.01
+"""[1] Own choice: share of a body's weight that contact and friction may seem to lack (facets, rounded friction pyramids)."""
+LEVEL_CONTACT = 1e-3
+"""[1] Own choice: contact normals this near to the vertical (sine) make a contact of which the polygon decides."""
+SAME_PLACE = 1e-4
+"""[m] and [1] of rotation matrices. Own choice: frames that differ less have one balance of forces."""
+EDGE_SLACK = 5e-4
+"""[m] Own choice: points this much farther than the nearest belong to one flat contact."""
+BEND = 0.02
+"""[1] Own choice: a surface may fall this steeply (sine, 1.1 degrees) behind a contact plane and still touch it flatly."""
+SAME_NORMAL = 1e-3
+"""[1] Own choice: normals that differ less than this are one."""
+
+HELPS = 0.1
+"""[1] Own choice: a liquid helps to carry a body when it pushes it up with this share of its weight over a frame."""
+BEARS = 0.5
+"""[1] Own choice: a liquid carries a body when it bears this share of its weight over the interval."""
+CARRIES = 0.9
+"""[1] Own choice: a force driver or a field holds a body when it carries this share of its weight at frame 0."""
+LAUNCH_SPEED = 0.1
+"""[m/s] Own choice: a slower initial velocity is no launch and does not explain a body in the air."""
+GRIP_TIME = 0.1
+"""[s] Own choice: a body that nothing presses has fallen 49 mm by then, ten times the default `support_drift`."""
+LEFT = 1e-4
+"""[m] Own choice: clearance that a suggested move leaves."""
+
+TURNED = 0.02
+"""[1] of quaternions, 0.04 rad. Own choice: a path that turns by less and goes no farther than a supported body may creep stays."""
+STIRRED = 2e-4
+"""[m] Own choice: a body that has not left its place by this much passes no motion on; bodies settle into their skins by less."""
+FALLING = 0.5
+"""[m/s] Own choice: slower bodies may still be held by something; a free fall is faster after 13 mm."""
+RESOLVED = 1.0
+"""[rad] Own choice: a spring that turns further in its phase within a frame is not resolved by the frames' states. A cubic
+through them is then wrong by up to 1 / 384 of the amplitude (Hermite interpolation)."""
+
+HANGING = 0.05
+"""[m] Own choice: gap that may stay open under a level base on natural ground; turf and gravel close it."""
+SUNK = 0.5
+"""[m] Own choice: depth of a foundation; a house that stands deeper has its ground floor in the ground, unless a `fastened`
+relation says how deep it is meant to be."""
+BASE = 0.05
+"""[m] Own choice: level underside this near to an entity's lowest point is its base."""
+LEVEL_BASE = 0.999
+"""[1] Own choice: cosine up to which an underside is level (2.6 degrees)."""
+BROAD = 0.02
+"""[1] Own choice: a level base has at least this share of the footprint; round things have none and are not asked to lie flat."""
+OVER_EDGE = 0.002
+"""[m] Own choice, that of OUTSIDE: how far the centre may seem to lie outside the places that it stands on."""

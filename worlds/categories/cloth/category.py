@@ -1,0 +1,7 @@
+"""Cloth."""
+
+from ..category import CategorySpec
+
+__all__ = ["CLOTH"]
+
+CLOTH = CategorySpec(name="cloth", shape="deforming")

@@ -1,0 +1,7 @@
+"""Elastic bodies."""
+
+from ..category import CategorySpec
+
+__all__ = ["ELASTIC"]
+
+ELASTIC = CategorySpec(name="elastic", shape="deforming")

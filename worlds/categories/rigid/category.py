@@ -1,0 +1,7 @@
+"""Rigid bodies."""
+
+from ..category import CategorySpec
+
+__all__ = ["RIGID"]
+
+RIGID = CategorySpec(name="rigid", shape="solid")

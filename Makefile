@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 TEST_JOBS ?= 2
 BIN := $(VENV)/bin
-FLOORS := worlds execution geometry construction simulation verifiers rendering workflow tools server examples bench testing
+FLOORS := physics worlds execution geometry construction simulation verifiers rendering workflow tools server examples bench testing
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 

@@ -25,8 +25,9 @@ def engine_versions() -> dict[str, str]:
 
 
 def solver_source() -> str:
-    """SHA-256 over the source of what computes the motion."""
-    return source_digest(Path(__file__).parent)
+    """SHA-256 over the source of what computes the motion: the engines, and the laws that they follow."""
+    here = Path(__file__).parent
+    return source_digest(here, here.parent / "physics")
 
 
 def freeze_hash(

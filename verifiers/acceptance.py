@@ -167,7 +167,7 @@ def judge(
         "approximations": approximations(candidate),
         "versions": engine_versions(),
         "environment": environment(),
-        "verifier_source": source_digest(Path(__file__).parent),
+        "verifier_source": source_digest(Path(__file__).parent, Path(__file__).parent.parent / "physics"),
         "events": event_list(candidate),
         "replayed": replay,
         "seed": seed,

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..physics.arrays import F64, I64
+
 if TYPE_CHECKING:
     from .spec.shapes import Pose
 
@@ -25,9 +27,7 @@ __all__ = [
     "rotation_matrix",
 ]
 
-F64: TypeAlias = NDArray[np.float64]
 I32: TypeAlias = NDArray[np.int32]
-I64: TypeAlias = NDArray[np.int64]
 
 
 class RigidPose(NamedTuple):

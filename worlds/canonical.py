@@ -97,10 +97,11 @@ def spec_digest(spec: BaseModel) -> str:
 
 
 @lru_cache(maxsize=64)
-def source_digest(folder: Path) -> str:
-    """SHA-256 over the Python files of a producer's folder: part of what its artifacts derive from."""
+def source_digest(*folders: Path) -> str:
+    """SHA-256 over the Python files of a producer's folders: part of what its artifacts derive from."""
     state = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        state.update(path.relative_to(folder).as_posix().encode())
-        state.update(path.read_bytes())
+    for folder in folders:
+        for path in sorted(folder.rglob("*.py")):
+            state.update(path.relative_to(folder).as_posix().encode())
+            state.update(path.read_bytes())
     return state.hexdigest()

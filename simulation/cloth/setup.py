@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ...physics.substances import AIR_DENSITY
 from ...worlds.arrays import F64, I32
 from .mesh import Sheet
 
@@ -18,14 +19,12 @@ __all__ = ["Air", "ClothReport", "ClothSetup", "Hold", "still_air"]
 
 Air = Callable[[F64, float], F64]
 """Of points (n, 3) [m] and a time [s]: velocity [m/s] and density [kg/m^3] of the air, (n, 4); or acceleration [m/s^2], (n, 3)."""
-USUAL = 1.204
-"""Density of air at 20 degrees C [kg/m^3]."""
 
 
 def still_air(points: F64, time: float) -> F64:
     """Air at rest."""
     del time
-    return np.tile([0.0, 0.0, 0.0, USUAL], (len(points), 1))
+    return np.tile([0.0, 0.0, 0.0, AIR_DENSITY], (len(points), 1))
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from ...physics.waves import Sea
 from ...worlds.arrays import F64, I32
 from ...worlds.fields import Fields
-from ...worlds.waves import Sea
 from ..boundaries import BodyState, Boundary
 
 __all__ = [

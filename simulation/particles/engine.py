@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...geometry.launch import chosen_device, warp
+from ...physics.grains import rayleigh_time
 from ...worlds.arrays import F64
 from ...worlds.errors import EngineError
 from ..boundaries import BodyState
@@ -135,9 +136,8 @@ class Grains:
         fastest = max(self.speed if speed is None else speed, 1e-3)
         longest = math.inf
         for kind in self.setup.kinds:
-            shear = 0.5 * kind.young / (1.0 + kind.poisson)
             r = self.smallest
-            rayleigh = math.pi * r * math.sqrt(kind.density / shear) / (0.1631 * kind.poisson + 0.8766)
+            rayleigh = rayleigh_time(r, kind.density, kind.young, kind.poisson)
             mass = 2.0 / 3.0 * math.pi * kind.density * r**3
             young = 0.5 * kind.young / (1 - kind.poisson**2)
             collision = 2.87 * (mass**2 / (0.5 * r * young**2 * fastest)) ** 0.2

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 
 from ...geometry.launch import chosen_device, launch, warp
+from ...physics.drag import Medium, sphere_drag_rate
 from ...worlds.arrays import F64
-from ...worlds.categories.particles.facts import sphere_drag
 from ...worlds.errors import EvidenceError
-from ...worlds.fields import Medium
 from ..boundaries import BodyState, Surround
 from .frames import FramedParticles, Taken
 from .scatter import emitted, scattered
@@ -149,7 +148,7 @@ class SolverFlight(FramedParticles):
             span = spans[own, None]
             velocity[own] += span * fields.acceleration(now["position"][own], time)
             medium: Medium = fields.medium(now["position"][own], time)
-            rate = sphere_drag(medium, now["radius"][own], mass[own], velocity[own])[:, None] * span
+            rate = sphere_drag_rate(medium, now["radius"][own], mass[own], velocity[own])[:, None] * span
             velocity[own] = (velocity[own] + rate * medium.velocity) / (1.0 + rate)
             given = mass[own, None] * (velocity[own] - before)
             blown[k] = given.sum(axis=0)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ...physics.drag import sphere_drag_rate
 from ...worlds.arrays import F64
-from ...worlds.categories.particles.facts import sphere_drag
 from ..boundaries import BodyState, Surround
 from .energy import Elastic, elastic
 from .engine import Grains
@@ -87,7 +87,7 @@ class SolverGrains(FramedParticles):
             if fields.has_medium:
                 medium = fields.medium(c["position"][own], time)
                 velocity[own] = medium.velocity
-                rate[own] = sphere_drag(medium, c["radius"][own], c["mass"][own], c["velocity"][own])
+                rate[own] = sphere_drag_rate(medium, c["radius"][own], c["mass"][own], c["velocity"][own])
         self.engine.set_air(velocity, rate, pull)
         return pull
 

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ...physics.drag import area_vectors, drag_force, projected_area
 from ...worlds.arrays import F64
 from ...worlds.built import BuiltEntity
-from ...worlds.fields import Fields, area_vectors, drag_force, fields_of, projected_area
+from ...worlds.fields import Fields, fields_of
 from ...worlds.spec import WorldSpec
 from .model import RigidModel
 from .rows import row_centers, spread

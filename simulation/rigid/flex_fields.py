@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...physics.drag import face_drag
 from ...worlds.arrays import F64
 from ...worlds.errors import EngineError
-from ...worlds.fields import Fields, face_drag, fields_of
+from ...worlds.fields import Fields, fields_of
 from ..protocol import Channel
 
 if TYPE_CHECKING:
@@ -84,7 +85,9 @@ class FlexFields:
         if fields.has_medium:
             lattice = body.lattice
             faces, vertices = lattice.mesh.faces, lattice.at_vertices(places)
-            found = face_drag(fields, vertices[faces], lattice.at_vertices(speeds)[faces].mean(axis=1), time)
+            corners = vertices[faces]
+            medium = fields.medium(corners.mean(axis=1), time)
+            found = face_drag(medium, corners, lattice.at_vertices(speeds)[faces].mean(axis=1))
             # As on rigid bodies, never more than what stops the relative motion within the step.
             damped = found.force / (1.0 + dt * found.rate.sum() / body.masses.sum())
             pushed = np.zeros_like(vertices)

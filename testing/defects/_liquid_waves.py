@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ...physics.waves import Sea, wavelength
 from ...worlds.arrays import F64
 from ...worlds.spec import WavesDriver
-from ...worlds.waves import Sea, sea_of, wavelength
+from ...worlds.waves import sea_of
 from ..worlds.liquid_worlds import DENSITY, Flow, G, lattice, liquid_world, water
 from .cases import World
 

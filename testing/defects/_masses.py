@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...worlds.audits.masses import DENSITY_RANGES, LEAST_WALL
+from ...physics.substances import DENSITY_RANGES
+from ...worlds.audits.masses import LEAST_WALL
 from ...worlds.spec import Box, Cylinder, Entity, Material, RigidPhysics, Shape, Sphere
 from ..worlds.small_worlds import entity, make_candidate, world
 from .cases import World

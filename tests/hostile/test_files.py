@@ -375,7 +375,18 @@ def test_a_bundle_that_unpacks_to_more_than_it_says_is_refused(tmp_path: Path) -
 
 def test_no_module_reads_pickles() -> None:
     root = Path(__file__).resolve().parents[2]
-    for folder in ("worlds", "execution", "geometry", "construction", "simulation", "verifiers", "rendering", "tools", "server"):
+    for folder in (
+        "physics",
+        "worlds",
+        "execution",
+        "geometry",
+        "construction",
+        "simulation",
+        "verifiers",
+        "rendering",
+        "tools",
+        "server",
+    ):
         paths = list((root / folder).rglob("*.py"))
         assert paths, folder
         for path in paths:

@@ -11,8 +11,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from worldagent.physics.waves import wavelength
 from worldagent.tests.simulation.liquid.wave_flume import FPS, Surface, Waves, engine_of, fitted, flume, watch
-from worldagent.worlds.waves import wavelength
 
 PERIOD, DEPTH, G = 1.0, 0.5, 9.81
 LENGTH = wavelength(PERIOD, DEPTH, G)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
+from worldagent.physics.substances import DENSITY_RANGES
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.simulation.liquid.resolved import LEAST_WALL
 from worldagent.verifiers.categories.cloth.check import CLAIMS as CLOTH
@@ -17,7 +18,6 @@ from worldagent.verifiers.categories.liquid.check import WATCHES
 from worldagent.verifiers.categories.liquid.numerical import Numbers
 from worldagent.verifiers.diagnosis.table import TABLES
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.audits.masses import DENSITY_RANGES
 from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec
@@ -76,7 +76,7 @@ def test_a_skill_has_frontmatter_and_a_bounded_length(name: str) -> None:
 def test_every_skill_resource_that_a_skill_or_the_audit_names_exists() -> None:
     sources = [
         *SKILLS.rglob("*.md"),
-        SKILLS.parent / "worlds" / "audit.py",
+        SKILLS.parent / "worlds" / "audits" / "audit.py",
         SKILLS.parent / "server" / "app.py",
     ]
     named = [

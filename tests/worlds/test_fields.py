@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from worldagent.tests.physics.rigid_world import ball, floor, world
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.drivers import acts_from
-from worldagent.worlds.fields import Fields, area_vectors, projected_area
+from worldagent.worlds.fields import Fields
 from worldagent.worlds.spec import FieldDriver
 
 
@@ -88,20 +88,6 @@ def test_velocities_add_up_and_the_densest_medium_holds():
     both = Fields({k: FieldDriver.model_validate(d) for k, d in drivers.items()}).medium(np.zeros((1, 3)), 0.0)
     assert both.velocity[0] == pytest.approx([3, 1, 0])
     assert (both.density[0], both.viscosity[0]) == (1000.0, 1e-3)
-
-
-def test_the_area_that_a_body_shows_is_that_of_its_hull():
-    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-1, 1) for z in (-1.5, 1.5)])
-    vectors = area_vectors(corners)
-    owner = np.zeros(len(vectors), dtype=np.int64)
-    for flow, area in (((1, 0, 0), 6.0), ((0, 0, -2), 2.0), ((1, 1, 0), 9 / np.sqrt(2))):
-        assert projected_area(vectors, owner, np.eye(3)[None], np.array([flow], dtype=float))[0] == pytest.approx(area)
-    sphere = np.random.default_rng(1).normal(size=(3000, 3))
-    sphere /= np.linalg.norm(sphere, axis=1)[:, None]
-    many = area_vectors(sphere)
-    seen = projected_area(many, np.zeros(len(many), dtype=np.int64), np.eye(3)[None], np.array([[0.3, 0.2, -0.7]]))
-    assert len(many) == 128
-    assert seen[0] == pytest.approx(np.pi, rel=0.01)
 
 
 @pytest.mark.parametrize(

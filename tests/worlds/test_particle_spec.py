@@ -1,4 +1,4 @@
-"""What the audit says of particles, what they are estimated to cost, and the drag of a sphere."""
+"""What the audit says of particles, and what they are estimated to cost."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.categories.particles.facts import grain_step, particle_estimate, sphere_drag
+from worldagent.worlds.categories.particles.facts import grain_step, particle_estimate
 from worldagent.worlds.coarsening import coarsened, overrides_for
 from worldagent.worlds.errors import LimitError
-from worldagent.worlds.fields import Medium
 from worldagent.worlds.limits import check_limits
 from worldagent.worlds.spec import WorldSpec
 
@@ -82,12 +81,3 @@ def test_a_probe_may_take_larger_grains() -> None:
     overrides = overrides_for(spec, 1.5)
     assert overrides == {"/entities/sand/physics/radius": pytest.approx(0.012)}
     assert coarsened(spec, overrides).entities["sand"].physics.radius == pytest.approx(0.012)  # type: ignore[union-attr]
-
-
-def test_the_drag_of_a_sphere_is_stokes_and_newtons_at_its_ends() -> None:
-    def drag(radius: float, speed: float) -> float:
-        medium = Medium(np.array([[speed, 0.0, 0.0]]), np.array([1.2]), np.array([1.8e-5]), np.array([1.0]))
-        return float(sphere_drag(medium, np.array([radius]), np.array([1.0]), np.zeros((1, 3)))[0])
-
-    assert drag(1e-6, 0.01) == pytest.approx(6 * np.pi * 1.8e-5 * 1e-6, rel=0.01)
-    assert drag(0.05, 10.0) == pytest.approx(0.5 * 0.44 * np.pi * 0.05**2 * 1.2 * 10.0, rel=1e-9)

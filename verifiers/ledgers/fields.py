@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...physics.drag import area_vectors, drag_force, projected_area
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
-from ...worlds.fields import Fields, acting_on, area_vectors, drag_force, field_drivers, fields_of, projected_area
+from ...worlds.fields import Fields, acting_on, field_drivers, fields_of
 from ..categories.rigid.rows import judged_law, largest
 from ..rows.findings import Finding
 from ..rows.verdicts import correction

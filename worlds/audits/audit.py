@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ...physics.substances import DENSITY_RANGES
 from ..canonical import digest_of
 from ..categories.cloth.audit import cloth_problems
 from ..categories.elastic.audit import elastic_problems
@@ -25,7 +26,7 @@ from ..spec import MOVED, WorldSpec
 from .clauses import clauses_of
 from .fields import field_problems
 from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems, replaced
-from .masses import DENSITY_RANGES, mass_problems
+from .masses import mass_problems
 from .ownership import ownership_problems
 from .reach import reach_problems
 from .story import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused

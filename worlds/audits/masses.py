@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...physics.substances import DENSITY_RANGES
 from ..categories.liquid.facts import shape_volume
 from ..spec import ClothPhysics, RigidPhysics
 from .gate import Problem
@@ -15,33 +16,8 @@ from .gate import Problem
 if TYPE_CHECKING:
     from ..spec import Entity, WorldSpec
 
-__all__ = ["DENSITY_RANGES", "LEAST_WALL", "Weights", "allowed", "mass_problems"]
+__all__ = ["LEAST_WALL", "Weights", "allowed", "mass_problems"]
 
-DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
-    "steel": (7700, 8100),
-    "iron": (6800, 7900),
-    "aluminium": (2600, 2850),
-    "wood": (120, 1200),
-    "stone": (1500, 3300),
-    "concrete": (1200, 2600),
-    "brick": (1000, 2400),
-    "sand": (1300, 2750),
-    "soil": (900, 2300),
-    "glass": (2200, 3200),
-    "plastic": (850, 1600),
-    "rubber": (850, 1600),
-    "ceramic": (1800, 4000),
-    "ice": (880, 930),
-    "paper": (250, 1200),
-    "foam": (10, 400),
-    "fabric": (50, 1600),
-    "gel": (900, 1300),
-    "water": (950, 1250),
-    "oil": (700, 1000),
-    "lava": (2000, 3000),
-    "other": (0.5, 23000),
-}
-"""[kg/m^3], in bulk (sand: from the heap to the grain; fabric: from fleece to fibre); from the material tables of the CRC Handbook, widened to the nearest round number."""
 LEAST_WALL = 1e-4
 """[m] Thinnest wall of a hollow body: that of a drinks can."""
 SPHERE = (36.0 * math.pi) ** (1.0 / 3.0)

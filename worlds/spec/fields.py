@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ...physics.substances import AIR_DENSITY, AIR_VISCOSITY
 from ..vocabulary import EntityRef, Finite, NonNegative, Positive, SpecModel, Vec3
 from .shapes import Pose
 
@@ -43,9 +44,9 @@ FieldRegion = Annotated[FieldBox | FieldSphere, Field(discriminator="kind")]
 class _Medium(SpecModel):
     """What things move through where the field acts. Velocities of overlapping fields add up; of their media the densest holds."""
 
-    density: Positive = Field(default=1.204, le=2000, description="of the medium [kg/m^3]; air at 20 degrees C")
+    density: Positive = Field(default=AIR_DENSITY, le=2000, description="of the medium [kg/m^3]; air at 20 degrees C")
     viscosity: NonNegative = Field(
-        default=1.81e-5, le=100, description="of the medium, dynamic [Pa s]: felt by grains and sparks"
+        default=AIR_VISCOSITY, le=100, description="of the medium, dynamic [Pa s]: felt by grains and sparks"
     )
     coefficient: NonNegative = Field(
         default=1.0,

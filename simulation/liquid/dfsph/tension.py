@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....geometry.launch import warp
-from ....worlds.capillarity import is_felt
+from ....physics.capillarity import is_felt
 
 if TYPE_CHECKING:
     from ...passes import Passes

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from worldagent.physics.waves import Sea, wavelength
 from worldagent.simulation.boundaries import BodyState
 from worldagent.simulation.liquid.engine import Fluid, LiquidSetup, WaveZones
 from worldagent.worlds.spec import WavesDriver
-from worldagent.worlds.waves import Sea, sea_of, wavelength
+from worldagent.worlds.waves import sea_of
 
 G = 9.81
 FPS = 20

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ....physics.drag import face_drag
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ....worlds.fields import Fields, face_drag, fields_of
+from ....worlds.fields import Fields, fields_of
 from ...ledgers.strains import require_deforming
 from ...rows.findings import Finding
 from ...rows.verdicts import correction
@@ -117,7 +118,9 @@ def _force(soft: Deforming, found: Fields, loose: NDArray[np.bool_], frame: int,
     if found.has_medium:
         for part, mesh in soft.meshes.items():
             vertices, speeds = soft.positions(frame, part), soft.velocities(frame, part)
-            push = face_drag(found, vertices[mesh.faces], speeds[mesh.faces].mean(axis=1), time).force
+            corners = vertices[mesh.faces]
+            medium = found.medium(corners.mean(axis=1), time)
+            push = face_drag(medium, corners, speeds[mesh.faces].mean(axis=1)).force
             total = total + loose[soft.ranges[part]][mesh.faces].mean(axis=1) @ push
     return np.asarray(total)
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....physics.drag import area_vectors
 from ....worlds.categories.fracture.bonds import WORLD
 from ....worlds.categories.fracture.facts import crumble_of
-from ....worlds.fields import area_vectors, fields_of
+from ....worlds.fields import fields_of
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64

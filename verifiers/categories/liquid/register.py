@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....worlds.capillarity import is_felt
+from ....physics.capillarity import is_felt
 from ....worlds.categories.liquid.facts import spacing_of
 from ....worlds.errors import EvidenceError
 from ....worlds.instances import coupled_groups

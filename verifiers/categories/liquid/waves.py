@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ....physics.waves import Sea, wavelength
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ....worlds.waves import Sea, developed, heading, inward, sea_of, wavelength, waves_of
+from ....worlds.waves import developed, heading, inward, sea_of, waves_of
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from ...rows.verdicts import correction

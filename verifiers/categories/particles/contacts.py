@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ....physics.grains import CLOSE_PACKING
 from ....worlds.arrays import F64
-from ....worlds.categories.particles.facts import CLOSE_PACKING
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from .packing import LEAST, chosen, local_packing

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ....physics.drag import sphere_drag_rate
 from ....worlds.arrays import F64
-from ....worlds.categories.particles.facts import sphere_drag
 from ....worlds.fields import fields_of
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
@@ -108,7 +108,7 @@ class Flight:
                 continue
             a[own] += fields.acceleration(x[own], time)
             medium = fields.medium(x[own], time)
-            rate = sphere_drag(medium, frame.radius[rows][own], frame.mass[rows][own], v[own])
+            rate = sphere_drag_rate(medium, frame.radius[rows][own], frame.mass[rows][own], v[own])
             a[own] += rate[:, None] * (medium.velocity - v[own])
         return a
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ....physics.waves import breaking_steepness, wavelength
 from ...audits.gate import Problem
-from ...waves import developed, heading, inward, steepest, wavelength, waves_of
+from ...waves import developed, heading, inward, waves_of
 from .facts import domain_box, initial_box, spacing_of
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def wave_problems(spec: WorldSpec, name: str, instance: LiquidInstance) -> Itera
 
 def _sea(place: str, key: str, driver: WavesDriver, gravity: float, spacing: float) -> Iterator[Problem]:
     length = wavelength(driver.period, driver.depth, gravity)
-    most = steepest(driver.period, driver.depth, gravity)
+    most = breaking_steepness(driver.period, driver.depth, gravity)
     if driver.height / length > most:
         yield Problem(
             f"{place}/height",

@@ -1,4 +1,4 @@
-"""What the specification alone says about particles: domains, numbers, steps; and the drag of a sphere (R65)."""
+"""Facts that the specification alone gives about particles: domains, numbers, steps (R65)."""
 
 from __future__ import annotations
 
@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ....physics.grains import rayleigh_time
 from ...arrays import F64
 from ..liquid.facts import shape_volume
 
 if TYPE_CHECKING:
-    from ...fields import Medium
     from ...spec import Entity, ParticleInstance, ParticlePhysics, WorldSpec
 
-__all__ = ["CLOSE_PACKING", "ParticleEstimate", "emitters_of", "particle_box", "particle_estimate", "sphere_drag"]
-
-CLOSE_PACKING = 0.64
-"""Random close packing of equal spheres (Scott, Kilgour 1969); with radii spread by half of the mean about 0.66."""
-NEWTON = 0.44
-"""Drag coefficient of a sphere from a Reynolds number of 1000 on."""
+__all__ = ["ParticleEstimate", "emitters_of", "grain_step", "particle_box", "particle_estimate"]
 
 
 class ParticleEstimate(NamedTuple):
@@ -51,10 +46,8 @@ def _volume(entity: Entity) -> float:
 
 def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
     """Step of grains by the time in which a Rayleigh wave crosses the smallest of them [s]."""
-    shear = 0.5 * physics.young_modulus / (1.0 + physics.poisson_ratio)
     smallest = physics.radius * (1.0 - physics.radius_spread)
-    crossing = math.pi * smallest * math.sqrt(density / shear) / (0.1631 * physics.poisson_ratio + 0.8766)
-    return share * crossing
+    return share * rayleigh_time(smallest, density, physics.young_modulus, physics.poisson_ratio)
 
 
 def particle_estimate(spec: WorldSpec, name: str) -> ParticleEstimate:
@@ -81,18 +74,3 @@ def particle_estimate(spec: WorldSpec, name: str) -> ParticleEstimate:
                 lasts = max(0.0, min(driver.end or seconds, seconds) - driver.start)
                 count += driver.rate * min(lasts, lasting)
     return ParticleEstimate(count, seconds / step if math.isfinite(step) else 0.0)
-
-
-def sphere_drag(medium: Medium, radius: F64, mass: F64, velocity: F64) -> F64:
-    """Rate at which a medium takes the relative velocity of spheres [1/s], shape (n,).
-
-    Stokes' law with the correction of Schiller and Naumann (1933), at least the coefficient 0.44 of high Reynolds numbers.
-    """
-    speed = np.linalg.norm(medium.velocity - velocity, axis=1)
-    stokes = 6.0 * np.pi * medium.viscosity * radius
-    number = 2.0 * medium.density * speed * radius / np.maximum(medium.viscosity, 1e-12)
-    corrected = stokes * (1.0 + 0.15 * np.minimum(number, 1000.0) ** 0.687)
-    inertial = 0.5 * NEWTON * np.pi * radius**2 * medium.density * speed
-    drag = np.where(number > 1000.0, np.maximum(inertial, 0.0), np.maximum(corrected, 0.0))
-    result: F64 = np.where(medium.density > 0, drag, 0.0) / mass
-    return result

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from .spec import Shot, WorldSpec
 __all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
 
 Stage = Literal["static", "probe", "full"]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,13 @@ class Candidate:
     """Pairs of entities that this run lets pass through each other (a counterfactual one): neither carries the other."""
     variants: Path | None = None
     """Where simulated variants of it are kept and taken from; None writes nothing, and trusts nothing that was written."""
+    _memory: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def memo(self, key: Hashable, make: Callable[[], T]) -> T:
+        """The value kept under a key, made at the first call: whatever is worked out once per candidate."""
+        if key not in self._memory:
+            self._memory[key] = make()
+        return cast("T", self._memory[key])
 
     @cached_property
     def rigid_caches(self) -> dict[str, Cache]:

@@ -7,7 +7,6 @@ normal impulse). What is left of a change of momentum when gravity, drivers, dra
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -38,7 +37,6 @@ NAP_SPEED = 0.05
 """[m/s] A body that is faster at both frames was not asleep between them: it would have had to stop and to start."""
 NAP_STEPS = 9
 """Steps at rest that precede sleep, less one (MuJoCo's `mjMINAWAKE` is 10)."""
-_BOOKS: weakref.WeakKeyDictionary[Cache, Books] = weakref.WeakKeyDictionary()
 
 
 def books_of(candidate: Candidate, cache: Cache) -> Books:
@@ -47,10 +45,7 @@ def books_of(candidate: Candidate, cache: Cache) -> Books:
     Raises:
         EvidenceError: a channel is missing, damaged or of another shape than the index says.
     """
-    found = _BOOKS.get(cache)
-    if found is None or found.candidate is not candidate:
-        found = _BOOKS[cache] = Books(candidate, cache)
-    return found
+    return candidate.memo(("books", cache), lambda: Books(candidate, cache))
 
 
 def frictions(candidate: Candidate, colliders: Sequence[str]) -> tuple[F64, F64]:

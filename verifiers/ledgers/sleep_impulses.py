@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -29,15 +28,9 @@ class Rests(NamedTuple):
     """Most that contacts of what slept for a part of the interval can have given, shape (F - 1, E)."""
 
 
-_RESTS: weakref.WeakKeyDictionary[Books, Rests] = weakref.WeakKeyDictionary()
-
-
 def rests_of(books: Books) -> Rests:
     """The same for one ledger, computed once."""
-    found = _RESTS.get(books)
-    if found is None:
-        found = _RESTS[books] = _rests(books)
-    return found
+    return books.candidate.memo(("sleep impulses", books), lambda: _rests(books))
 
 
 def _rests(books: Books) -> Rests:

@@ -108,8 +108,4 @@ def evaluate(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]
 
 def beat_times(candidate: Candidate) -> BeatTimes:
     """The candidate's beats, evaluated at most once however many verifiers ask."""
-    store = vars(candidate)
-    if "_beat_times" not in store:
-        store["_beat_times"] = BeatTimes(candidate, lambda c, p, f, b: evaluate(c, p, f, beats=b))
-    times: BeatTimes = store["_beat_times"]
-    return times
+    return candidate.memo("beat times", lambda: BeatTimes(candidate, lambda c, p, f, b: evaluate(c, p, f, beats=b)))

@@ -53,11 +53,7 @@ class Watching:
 
     def findings_of(self, candidate: Candidate, solver: str) -> Verdicts:
         """Predicate and verdict of every claim by watch; worked out once per candidate."""
-        store: dict[tuple[str, str], Verdicts] = vars(candidate).setdefault("_watched", {})
-        key = (self.numbers.__module__, solver)
-        if key not in store:
-            store[key] = self._run(candidate, solver)
-        return store[key]
+        return candidate.memo((self.numbers, solver), lambda: self._run(candidate, solver))
 
     def check_instance(self, candidate: Candidate, solver: str) -> list[Row]:
         """The rows of the category check of one instance."""

@@ -196,7 +196,4 @@ class ClothRun:
 
 def cloth_run(candidate: Candidate, solver: str) -> ClothRun:
     """The run of an instance, kept with its candidate."""
-    store: dict[str, ClothRun] = vars(candidate).setdefault("_cloth_runs", {})
-    if solver not in store:
-        store[solver] = ClothRun(candidate, solver)
-    return store[solver]
+    return candidate.memo(("cloth run", solver), lambda: ClothRun(candidate, solver))

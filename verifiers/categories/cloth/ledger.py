@@ -52,18 +52,19 @@ def kept_mass(run: ClothRun) -> Finding:
 
 
 def _vertices(run: ClothRun) -> tuple[F64, F64, F64]:
-    """Momentum (F, 3), kinetic and potential energy (F,) of the vertices."""
-    store: dict[str, tuple[F64, F64, F64]] = vars(run).setdefault("_sums", {})
-    if "sums" not in store:
-        gravity = np.array(run.candidate.spec.simulation.gravity)
-        momenta, kinetic, potential = [], [], []
-        for k in range(run.candidate.frame_count):
-            x, v = run.frame(k)
-            momenta.append(run.mass @ v)
-            kinetic.append(0.5 * float(run.mass @ (v**2).sum(1)))
-            potential.append(-float(run.mass @ (x @ gravity)))
-        store["sums"] = (np.array(momenta), np.array(kinetic), np.array(potential))
-    return store["sums"]
+    """Momentum (F, 3), kinetic and potential energy (F,) of the vertices; summed once per run."""
+    return run.candidate.memo(("sums over vertices", run), lambda: _summed(run))
+
+
+def _summed(run: ClothRun) -> tuple[F64, F64, F64]:
+    gravity = np.array(run.candidate.spec.simulation.gravity)
+    momenta, kinetic, potential = [], [], []
+    for k in range(run.candidate.frame_count):
+        x, v = run.frame(k)
+        momenta.append(run.mass @ v)
+        kinetic.append(0.5 * float(run.mass @ (v**2).sum(1)))
+        potential.append(-float(run.mass @ (x @ gravity)))
+    return np.array(momenta), np.array(kinetic), np.array(potential)
 
 
 def kept_records(run: ClothRun) -> Finding:

@@ -149,11 +149,10 @@ class TearingPiece:
 
 def tearing_pieces(run: ClothRun) -> tuple[TearingPiece, ...]:
     """All parts of an instance that can tear."""
-    store: dict[str, tuple[TearingPiece, ...]] = vars(run).setdefault("_tearing", {})
-    if "all" not in store:
-        spec = run.candidate.spec
-        store["all"] = tuple(TearingPiece(run, p) for p in run.pieces if tears(spec, p.entity))
-    return store["all"]
+    spec = run.candidate.spec
+    return run.candidate.memo(
+        ("tearing pieces", run), lambda: tuple(TearingPiece(run, p) for p in run.pieces if tears(spec, p.entity))
+    )
 
 
 # ---------------------------------------------------------------------- rows

@@ -209,12 +209,13 @@ def liquid_space(liquid: Liquid) -> tuple[F64, F64, float] | None:
 
 def still_barrier(liquid: Liquid) -> Barrier | None:
     """All solids that stand still where the liquid gets to, made once per liquid; None where there are none."""
-    store: dict[str, Barrier | None] = vars(liquid).setdefault("_barriers", {})
-    if "still" not in store:
-        space = liquid_space(liquid)
-        still = () if space is None else tuple(p for p in pieces_of(liquid.candidate) if p.still and _meet(p.box(0), space[:2]))
-        store["still"] = Barrier(still, space[0] - OFF * space[2], space[1], space[2]) if space is not None and still else None
-    return store["still"]
+    return liquid.candidate.memo(("still barrier", liquid), lambda: _still_barrier(liquid))
+
+
+def _still_barrier(liquid: Liquid) -> Barrier | None:
+    space = liquid_space(liquid)
+    still = () if space is None else tuple(p for p in pieces_of(liquid.candidate) if p.still and _meet(p.box(0), space[:2]))
+    return Barrier(still, space[0] - OFF * space[2], space[1], space[2]) if space is not None and still else None
 
 
 def barriers_of(liquid: Liquid) -> list[Barrier]:

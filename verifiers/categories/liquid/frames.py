@@ -21,6 +21,7 @@ from ....worlds.errors import EvidenceError
 from ....worlds.fields import fields_of
 from ....worlds.spec import InflowDriver, LiquidPhysics, OutflowDriver
 from ....worlds.waves import waves_of
+from ...rows.findings import cache_of
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
@@ -324,10 +325,4 @@ def liquid_of(candidate: Candidate, solver: str) -> Liquid:
     Raises:
         EvidenceError: it has no cache yet, or one of another plan.
     """
-    store: dict[str, Liquid] = vars(candidate).setdefault("_liquids", {})
-    if solver not in store:
-        cache = candidate.liquid_caches.get(solver)
-        if cache is None:
-            raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-        store[solver] = Liquid(candidate, solver, cache)
-    return store[solver]
+    return candidate.memo(("liquid", solver), lambda: Liquid(candidate, solver, cache_of(candidate, solver)))

@@ -168,10 +168,9 @@ def declared_volume(liquid: Liquid) -> float:
 
 def declared_filling(liquid: Liquid) -> dict[str, tuple[float, F64]]:
     """The same of every member, and the middle of what is left, shape (3,) [m]; worked out once."""
-    store: dict[str, tuple[float, F64]] = vars(liquid).setdefault("_declared", {})
-    if not store:
-        store |= {member: _filling(liquid, member) for member in liquid.members}
-    return store
+    return liquid.candidate.memo(
+        ("declared filling", liquid), lambda: {member: _filling(liquid, member) for member in liquid.members}
+    )
 
 
 def _filling(liquid: Liquid, member: str) -> tuple[float, F64]:

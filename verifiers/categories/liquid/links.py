@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,8 +27,6 @@ REACH = 1.25
 SOME = 4000
 """About how many of the particles beside a part are asked."""
 
-_MOTIONS: weakref.WeakKeyDictionary[Cache, dict[tuple[str, int], tuple[F64, F64]]] = weakref.WeakKeyDictionary()
-
 
 def liquid_cache(candidate: Candidate, liquid: str) -> tuple[Cache, int]:
     """Cache that holds a liquid entity, and its row in the index.
@@ -45,10 +42,11 @@ def liquid_cache(candidate: Candidate, liquid: str) -> tuple[Cache, int]:
 
 def liquid_motion(candidate: Candidate, liquid: str) -> tuple[F64, F64]:
     """Root mean square speed [m/s] and size of the momentum [N s] at every frame, each shape (frames,); 0 where none is there."""
+    return candidate.memo(("motion", liquid), lambda: _motion(candidate, liquid))
+
+
+def _motion(candidate: Candidate, liquid: str) -> tuple[F64, F64]:
     cache, row = liquid_cache(candidate, liquid)
-    known = _MOTIONS.setdefault(cache, {})
-    if (liquid, candidate.frame_count) in known:
-        return known[liquid, candidate.frame_count]
     density = candidate.spec.materials[candidate.spec.entities[liquid].material].density
     speed, momentum = np.zeros((2, candidate.frame_count))
     for k, found in enumerate(cache.ragged("particle/velocity", "particle/volume", "particle/fluid")[: candidate.frame_count]):
@@ -60,7 +58,6 @@ def liquid_motion(candidate: Candidate, liquid: str) -> tuple[F64, F64]:
         if own.any():
             speed[k] = np.sqrt(mass @ np.sum(velocity**2, axis=1) / mass.sum())
             momentum[k] = np.linalg.norm(mass @ velocity)
-    known[liquid, candidate.frame_count] = speed, momentum
     return speed, momentum
 
 

@@ -126,14 +126,10 @@ def _corners(solid: Solid) -> F64:
 
 def pieces_of(candidate: Candidate) -> tuple[Piece, ...]:
     """All parts of all rigid entities, made once per candidate."""
-    store = vars(candidate)
-    if "_liquid_pieces" not in store:
-        store["_liquid_pieces"] = tuple(_pieces(candidate))
-    found: tuple[Piece, ...] = store["_liquid_pieces"]
-    return found
+    return candidate.memo("pieces beside liquids", lambda: _pieces(candidate))
 
 
-def _pieces(candidate: Candidate) -> list[Piece]:
+def _pieces(candidate: Candidate) -> tuple[Piece, ...]:
     found = []
     for name, contract in candidate.spec.entities.items():
         if contract.physics.category != "rigid":
@@ -156,7 +152,7 @@ def _pieces(candidate: Candidate) -> list[Piece]:
                     part.closed and solid.is_watertight,
                 )
             )
-    return found
+    return tuple(found)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....physics.grains import CLOSE_PACKING
 from ....worlds.arrays import F64
@@ -31,7 +32,7 @@ PACKED = CLOSE_PACKING + 0.04
 """Random close packing; radii spread by half of the mean pack up to 0.66, and parts of a bed scatter by 0.01 (measured)."""
 
 
-def _pairs(frame: SwarmFrame) -> tuple[F64, F64, F64]:
+def _pairs(frame: SwarmFrame) -> tuple[NDArray[np.intp], F64, F64]:
     """Grains that overlap: rows (p, 2), depth (p,) [m], direction unused."""
     from scipy.spatial import cKDTree
 
@@ -44,13 +45,18 @@ def _pairs(frame: SwarmFrame) -> tuple[F64, F64, F64]:
     return pairs[met], depth[met], gap[met]
 
 
-def stored_energy(swarm: Swarm, frame: SwarmFrame) -> float:
-    """Elastic energy of the contacts among grains by Hertz's law [J]: 8/15 E sqrt(R) depth^(5/2). Kept on the frame."""
-    kept = vars(swarm).setdefault("_contacts", {})
+def _touching(swarm: Swarm, frame: SwarmFrame) -> tuple[NDArray[np.intp], F64, F64]:
+    """The pairs of a frame, found once for all that look at it; those of other frames are forgotten."""
+    kept: dict[int, tuple[NDArray[np.intp], F64, F64]] = swarm.candidate.memo(("pairs of grains", swarm), dict)
     if frame.index not in kept:
         kept.clear()
         kept[frame.index] = _pairs(frame)
-    pairs, depth, _ = kept[frame.index]
+    return kept[frame.index]
+
+
+def stored_energy(swarm: Swarm, frame: SwarmFrame) -> float:
+    """Elastic energy of the contacts among grains by Hertz's law [J]: 8/15 E sqrt(R) depth^(5/2)."""
+    pairs, depth, _ = _touching(swarm, frame)
     if not len(depth):
         return 0.0
     young = np.array(
@@ -81,8 +87,7 @@ class Contacts:
         """Look at one frame."""
         if not self.swarm.granular or not now.count:
             return
-        stored_energy(self.swarm, now)
-        pairs, depth, _ = vars(self.swarm)["_contacts"][now.index]
+        pairs, depth, _ = _touching(self.swarm, now)
         if len(depth):
             share = depth / now.radius[pairs].min(axis=1)
             if float(share.max()) > self.depth:

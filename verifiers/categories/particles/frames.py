@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64, I32
 from ....worlds.categories.particles.facts import particle_box
 from ....worlds.errors import EvidenceError, NotFiniteError
+from ...rows.findings import cache_of
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
@@ -162,10 +163,4 @@ def swarm_of(candidate: Candidate, solver: str) -> Swarm:
     Raises:
         EvidenceError: it has no cache, or one of another specification.
     """
-    store: dict[str, Swarm] = vars(candidate).setdefault("_swarms", {})
-    if solver not in store:
-        cache = candidate.particle_caches.get(solver)
-        if cache is None:
-            raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
-        store[solver] = Swarm(candidate, solver, cache)
-    return store[solver]
+    return candidate.memo(("swarm", solver), lambda: Swarm(candidate, solver, cache_of(candidate, solver)))

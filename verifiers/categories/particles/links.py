@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import weakref
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,15 +14,12 @@ from ...ledgers.exchanged import CHANNEL
 from .frames import swarm_of
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
 
 __all__ = ["RUNNING", "grain_motion", "grain_pushes", "running"]
 
 RUNNING = 0.01
 """[m/s] Root mean square speed from which on particles are not still. Own choice: a bed at rest creeps by a tenth of it."""
-
-_MOTIONS: weakref.WeakKeyDictionary[Cache, dict[tuple[str, int], tuple[F64, F64]]] = weakref.WeakKeyDictionary()
 
 
 def grain_motion(candidate: Candidate, entity: str) -> tuple[F64, F64]:
@@ -32,22 +29,23 @@ def grain_motion(candidate: Candidate, entity: str) -> tuple[F64, F64]:
         EvidenceError: no cache holds these particles.
     """
     for solver, cache in candidate.particle_caches.items():
-        if entity not in cache.index.bodies:
-            continue
-        known = _MOTIONS.setdefault(cache, {})
-        if (entity, candidate.frame_count) not in known:
-            swarm, row = swarm_of(candidate, solver), cache.index.bodies.index(entity)
-            speed, momentum = np.zeros((2, candidate.frame_count))
-            for k in range(swarm.frames):
-                frame = swarm.read(k)
-                own = frame.member == row
-                if own.any():
-                    mass, velocity = frame.mass[own], frame.velocity[own]
-                    speed[k] = np.sqrt(mass @ (velocity**2).sum(axis=1) / mass.sum())
-                    momentum[k] = np.linalg.norm(mass @ velocity)
-            known[entity, candidate.frame_count] = speed, momentum
-        return known[entity, candidate.frame_count]
+        if entity in cache.index.bodies:
+            row = cache.index.bodies.index(entity)
+            return candidate.memo(("motion", entity), partial(_motion, candidate, solver, row))
     raise EvidenceError(f"no cache holds the particles {entity!r}; list them as a member of a particle instance and probe")
+
+
+def _motion(candidate: Candidate, solver: str, row: int) -> tuple[F64, F64]:
+    swarm = swarm_of(candidate, solver)
+    speed, momentum = np.zeros((2, candidate.frame_count))
+    for k in range(swarm.frames):
+        frame = swarm.read(k)
+        own = frame.member == row
+        if own.any():
+            mass, velocity = frame.mass[own], frame.velocity[own]
+            speed[k] = np.sqrt(mass @ (velocity**2).sum(axis=1) / mass.sum())
+            momentum[k] = np.linalg.norm(mass @ velocity)
+    return speed, momentum
 
 
 def running(candidate: Candidate, entity: str) -> NDArray[np.bool_]:

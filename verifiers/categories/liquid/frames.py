@@ -273,7 +273,7 @@ class Liquid:
                 yield Step(self, now, None, nothing, nothing, np.arange(now.count), nothing)
             else:
                 _, here, there = np.intersect1d(now.identity, before.identity, assume_unique=True, return_indices=True)
-                new, gone = (np.setdiff1d(np.arange(f.count), rows) for f, rows in ((now, here), (before, there)))
+                new, gone = _others(now.count, here), _others(before.count, there)
                 yield Step(self, now, before, here, there, new, gone)
             before = now
 
@@ -326,3 +326,10 @@ def liquid_of(candidate: Candidate, solver: str) -> Liquid:
         EvidenceError: it has no cache yet, or one of another plan.
     """
     return candidate.memo(("liquid", solver), lambda: Liquid(candidate, solver, cache_of(candidate, solver)))
+
+
+def _others(count: int, rows: Rows) -> Rows:
+    """Row numbers below `count` that are not among `rows`, in order."""
+    left = np.ones(count, dtype=bool)
+    left[rows] = False
+    return np.flatnonzero(left)

@@ -18,6 +18,7 @@ from ....geometry import Solid
 from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64, rotation_matrix
 from .frames import Rows
+from .outside import MANY, OutsideCells
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -87,14 +88,24 @@ class Piece:
         if solid.convex and len(solid.facets.offsets) <= MOST_FACETS:
             result[near] = (solid.facets.offsets - points[near] @ solid.facets.normals.T).min(axis=1)
             return result
+        if len(near) >= MANY:
+            near = near[self._outside.near(points[near])]
+        result[near] = self._measured(points[near])
+        return result
+
+    @cached_property
+    def _outside(self) -> OutsideCells:
+        return OutsideCells(self.solid, self._measured)
+
+    def _measured(self, points: F64) -> F64:
+        """Distance of points of the body's frame to the surface [m], shape (n,): positive inside, negative outside."""
         from .kernels import depth
 
         wp = warp()
-        where = _placed(points[near], solid)
-        found = wp.zeros(len(near), dtype=float, device="cpu")
-        launch(depth, len(near), [self._mesh.id, where, float(2.0 * solid.size), found], device="cpu")
-        result[near] = found.numpy()
-        return result
+        found = wp.zeros(len(points), dtype=float, device="cpu")
+        where = _placed(points, self.solid)
+        launch(depth, len(points), [self._mesh.id, where, float(2.0 * self.solid.size), found], device="cpu")
+        return np.asarray(found.numpy(), dtype=np.float64)
 
     def between(self, start: F64, end: F64, frame: int) -> NDArray[np.bool_]:
         """Which straight ways between world points, each shape (n, 3), meet its surface at a frame, shape (n,)."""

@@ -1,0 +1,65 @@
+"""Cells that are known to lie outside a solid hide no point that is in it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from worldagent.geometry import Solid
+from worldagent.verifiers.categories.liquid import outside, solids
+from worldagent.verifiers.categories.liquid.solids import Piece
+from worldagent.worlds.built import TriangleMesh
+
+
+def cup() -> Solid:
+    """A thick cup: not convex, with an inner space that is outside it."""
+    profile = [(0.0, 0.0), (0.6, 0.0), (0.6, 1.0), (0.5, 1.0), (0.5, 0.1), (0.0, 0.1)]
+    mesh = trimesh.creation.revolve(np.array(profile), sections=48)
+    return Solid.from_mesh(
+        TriangleMesh(np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int32)), closed=True
+    )
+
+
+def piece(solid: Solid) -> Piece:
+    return Piece("cup", "body", "part", solid, np.zeros((1, 3)), np.eye(3)[None], True, True)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_points_in_a_cup_are_as_deep_with_cells_as_without(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: a cell is skipped only where its middle is farther outside than its half diagonal."""
+    points = np.random.default_rng(seed).uniform([-0.7, -0.7, -0.1], [0.7, 0.7, 1.1], (20_000, 3))
+    own = piece(cup())
+    quick = own.depth(points)
+    again = own.depth(points)  # with all cells known
+    monkeypatch.setattr(solids, "MANY", len(points) + 1)
+    plain = piece(cup()).depth(points)
+    inside = plain > 0
+    assert 0.1 < inside.mean() < 0.6
+    assert (quick[inside] == plain[inside]).all()
+    assert (quick[~inside] <= 0).all()
+    assert (again == quick).all()
+
+
+def test_most_points_far_from_the_surface_are_not_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a point cloud in the cup's inner space, which cells away from its wall, only few reach the query again."""
+    asked: list[int] = []
+    measured = Piece._measured
+
+    def counted(self: Piece, points: np.ndarray) -> np.ndarray:
+        asked.append(len(points))
+        return measured(self, points)
+
+    monkeypatch.setattr(Piece, "_measured", counted)
+    own, points = piece(cup()), np.random.default_rng(1).uniform([-0.3, -0.3, 0.3], [0.3, 0.3, 0.9], (20_000, 3))
+    own.depth(points)
+    asked.clear()
+    own.depth(points)
+    assert sum(asked) < 0.01 * len(points)
+
+
+def test_a_flat_solid_gets_no_more_cells_than_memory_bears() -> None:
+    """A sheet of ground 100 m wide and a millimetre thick: its cells are no finer than a thousandth of its width."""
+    box = trimesh.creation.box((100.0, 100.0, 1e-3))
+    solid = Solid.from_mesh(TriangleMesh(np.array(box.vertices), np.array(box.faces, dtype=np.int32)), closed=True)
+    cells = outside.OutsideCells(solid, lambda points: np.full(len(points), -1.0))
+    assert len(cells._state) < 3e6

@@ -5,7 +5,7 @@
 - activation: the first frame at which a driver acts, or a body, grains or cloth are faster than the scene's start speed.
 - first contact: the first new contact after activation between entities that did not touch before: bodies, grains and bodies, cloth
   and solids (`story/phase_contacts.py`). Where there is none and the specification asks for none (no contact predicate, no `interacts`
-  relation, no cause between different bodies), it does not apply.
+  relation, no cause between different bodies), it does not apply; one that nothing asks for within `SPAN` of the end starts no response.
 - peak response: frame of the largest kinetic energy from the first contact on; from activation where none is asked for and no bodies
   meet. What then goes on evenly to the end (`STEADY`), as in a stream, is at its peak from the frame on where that begins. What has most
   at the last frame is at its peak there when it goes on rightly, as a fall does.
@@ -32,7 +32,7 @@ from ...worlds.requirements import Correction, Row, RowId
 from ..ledgers import motion
 from ..rows.verdicts import correction, make_row
 from .phase_contacts import asks_for_contact, first_contact, promises
-from .phase_ends import ending
+from .phase_ends import SPAN, ending
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
@@ -118,8 +118,9 @@ def find_phases(candidate: Candidate) -> Phases:
     still = bool(loose) and all((_speeds(candidate, n) <= threshold).all() for n in names)
     energy = _kinetic(candidate, loose if still else [])
     touchless = activation is not None and contact is None and not asked
-    # What sand or a sheet touches unasked is no blow that a response follows.
-    unasked = touchless or (met is not None and met.pressed and not asked)
+    # What sand or a sheet touches unasked is no blow that a response follows; nor is what meets unasked as the run ends.
+    late = met is not None and met.frame > last - max(1, round(SPAN * candidate.spec.simulation.fps))
+    unasked = touchless or (met is not None and not asked and (met.pressed or late))
     if touchless:
         notes["first_contact"] += ", and no beat, relation or cause asks for one"
     peak = settling = None

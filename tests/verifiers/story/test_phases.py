@@ -97,8 +97,11 @@ def test_a_world_that_is_meant_to_rest_has_no_phases_to_cover(tmp_path: Path) ->
     assert row.status == "not_applicable"
 
 
-def swung(tmp_path: Path, predicate: Any, *, course: Any = None, **more: Any) -> Candidate:
-    """A ball that is thrown sideways in the air and touches nothing; it slows down, or has the speed of `course` over time."""
+def swung(tmp_path: Path, predicate: Any, *, course: Any = None, touched: float | None = None, **more: Any) -> Candidate:
+    """A ball that is thrown sideways in the air and touches nothing; it slows down, or has the speed of `course` over time.
+
+    At `touched` [s] its log says that it met the floor.
+    """
     frames = 49
     time = np.arange(frames) / FPS
     speed = np.exp(-4 * time) if course is None else course(time)
@@ -109,9 +112,9 @@ def swung(tmp_path: Path, predicate: Any, *, course: Any = None, **more: Any) ->
     thrown = thrown.model_copy(update={"physics": thrown.physics.model_copy(update={"linear_velocity": (1.0, 0.0, 0.0)})})
     spec = world({"floor": ground(4.0), "ball": thrown}, frames=frames, beats={"fly": beat}, **more)
     tracks = {"ball": (np.stack([(1 - speed) / 4, 0 * time, 0 * time + 1], axis=1), IDENTITY)}
-    return make_candidate(
-        tmp_path, spec, tracks=tracks, channels={"velocity": velocity, "angular_velocity": np.zeros((frames, 1, 3))}
-    )
+    events = [] if touched is None else [Event(touched, "ball", "floor")]
+    channels = {"velocity": velocity, "angular_velocity": np.zeros((frames, 1, 3))}
+    return make_candidate(tmp_path, spec, tracks=tracks, events=events, channels=channels)
 
 
 def test_first_contact_does_not_apply_where_nothing_meets_and_nothing_asks_for_it(tmp_path: Path) -> None:
@@ -145,6 +148,17 @@ def test_what_is_carried_on_evenly_has_reached_its_peak_and_what_still_gains_has
     assert "carried on evenly" in phases.notes["peak_response"]
     phases = find_phases(swung(tmp_path / "b", drift, course=lambda t: 1.0 + 0.5 * t))
     assert phases.missing()[0] == "peak_response"
+
+
+def test_bodies_that_meet_unasked_as_the_run_ends_start_no_response(tmp_path: Path) -> None:
+    """Two beams of a stream brushed each other in its last frames: nothing could follow from that, and nothing asked for it."""
+    drift = Displacement(entity="ball", axis=(1, 0, 0), min=0.1)
+    course = lambda t: 1.2 - 0.2 * np.exp(-2 * t)  # noqa: E731
+    phases = find_phases(swung(tmp_path / "a", drift, course=course, touched=47.5 / FPS))
+    assert phases.first_contact == 48
+    assert phases.missing() == ()
+    asked = And(of=[drift, Contact(a="ball", b="floor")])
+    assert find_phases(swung(tmp_path / "b", asked, course=course, touched=47.5 / FPS)).missing()[0] == "peak_response"
 
 
 def test_what_a_liquid_passes_on_needs_no_contact_of_bodies(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ What each check finds of worlds that were broken on purpose, and what it refuses
 A world counts as found when a mandatory row of that check fails and names the culprit; a sound one as refused when any mandatory row
 of the check does not pass. Truth comes from how a world was made, never from the verifier. Magnitudes, sizes, places, directions and
 frames are drawn at run time. The suites were made together with the checks, and misses were mended in both, so these figures say how
-well the checks keep what they promise about the kinds of defects listed in `bench/defects/`, not about kinds that nobody thought of.
+well the checks keep what they promise about the kinds of defects listed in `testing/defects/`, not about kinds that nobody thought of.
 Intervals: 95 %, Clopper and Pearson (1934).
 """
 

@@ -104,7 +104,7 @@ def adopt(folder: Path, into: Path) -> Path:
 
     Args:
         folder: the world's folder, with its bake.
-        into: where the specification goes, as `<folder's name>.json`; in the repository `bench/defects/accepted`.
+        into: where the specification goes, as `<folder's name>.json`; in the repository `testing/defects/accepted`.
 
     Raises:
         RefusedError: the world is not accepted by this program's own verifiers.

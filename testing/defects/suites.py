@@ -42,7 +42,7 @@ CHECKS = (
     "contact",
     "shots",
 )
-"""Suites: module `bench/defects/<name>.py`, attribute `SUITE`. Those of categories (elastic to fracture) are of the category
+"""Suites: module `testing/defects/<name>.py`, attribute `SUITE`. Those of categories (elastic to fracture) are of the category
 check, that of the story is of the beat check."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""
@@ -132,7 +132,7 @@ def _surveyed(pool: Executor, check: str, variants: int, seed: int) -> list[Outc
 
 
 def suite_digest(check: str) -> str:
-    """SHA-256 over the modules of a suite: its own and those of `bench/defects/` that they import."""
+    """SHA-256 over the modules of a suite: its own and those of `testing/defects/` that they import."""
     folder, state = Path(__file__).parent, hashlib.sha256()
     found, seen = [check], set()
     while found:

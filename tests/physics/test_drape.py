@@ -19,7 +19,7 @@ COTTON = fabric(area_density=0.15, stretch=(1000.0, 1000.0), shear=100.0, bend=1
 SECONDS = 1.2
 """In thick air, so that it comes to rest."""
 REPEAT = 0.05
-"""Gate of reference/solvers.md 4.5."""
+"""Own choice: spread of a drape coefficient over time, half of that over meshes and orientations."""
 
 
 def _disc(rings: int, turn: float) -> tuple[F64, I32]:

@@ -1,4 +1,4 @@
-"""Elastic bodies against beam theory, the tensile bar, constant strain, and the balances (reference/solvers.md 4.4)."""
+"""Elastic bodies against beam theory, the tensile bar, constant strain, and the balances."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ BARE = GrainSetup(
     np.zeros(3),
 )
 REPOSE = 2.0
-"""[degrees] Gate of reference/solvers.md 4.6."""
+"""[degrees] Own choice: error of an angle of repose."""
 
 
 @pytest.mark.slow

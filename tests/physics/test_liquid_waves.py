@@ -33,7 +33,7 @@ def run(kind: str, spacing: float, height: float, seconds: float = 8.0) -> tuple
 
 
 def test_waves_on_a_grid_have_the_length_and_height_of_their_period_and_leave_at_the_end() -> None:
-    """Law: omega^2 = g k tanh(k d), gate 5 %. Height where they leave the zone 15 %, reflection 10 % (gates of the issue).
+    """Law: omega^2 = g k tanh(k d), gate 5 %. Height where they leave the zone 15 %, reflection 10 % (own gates).
 
     Measured at 24 cells a wave and a steepness of 0.053: length 1.003, height 0.90, reflection 0.012.
     """

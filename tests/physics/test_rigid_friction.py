@@ -1,4 +1,4 @@
-"""Coulomb friction against closed forms (reference/solvers.md 4.3)."""
+"""Coulomb friction against closed forms."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Impacts: restitution, momentum, events, energy (reference/solvers.md 4.3)."""
+"""Impacts: restitution, momentum, events, energy."""
 
 import math
 

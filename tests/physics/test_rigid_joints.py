@@ -1,4 +1,4 @@
-"""Joints, springs, ropes and free rotation against closed forms (reference/solvers.md 4.3)."""
+"""Joints, springs, ropes and free rotation against closed forms."""
 
 import math
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import re
+import subprocess
 from pathlib import Path
 from types import ModuleType
 from typing import get_args
@@ -22,7 +23,14 @@ FOLDERS = (
 README_LINES = 40
 LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")
 """A link of a page to a file, from the page's folder."""
-PATH = re.compile(r"`([\w\-./]+/[\w\-./]*|[\w\-]+\.(?:md|toml))(?:::(\w+))?`")
+CITED = re.compile(r"`([\w\-.]+(?:/[\w\-.]+)*/?)(?:::(\w+))?`")
+"""A file or folder, perhaps with a function or class in it."""
+FILES = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+OURS = tuple(sorted({name.partition("/")[0] + "/" for name in FILES if "/" in name}))
+PAGES = [
+    name for name in FILES if name.endswith(".md") and name != "CHANGELOG.md" and not name.startswith(("docs/trials/", "skills/"))
+]
+"""Pages for people; a change log tells of files that are gone, and `tests/skills/test_skills.py` reads the skills."""
 
 
 def _generator(name: str) -> ModuleType:
@@ -55,28 +63,52 @@ def test_every_requirement_stands_in_the_coverage_table_once() -> None:
     assert found == NUMBERS
 
 
-def test_every_path_and_test_of_the_coverage_table_exists() -> None:
-    missing = []
-    for path, function in PATH.findall((DOCS / "coverage.md").read_text()):
-        if not (ROOT / path).exists():
-            missing.append(path)
-        elif function and not re.search(rf"^(?:async )?def {function}\(", (ROOT / path).read_text(), re.MULTILINE):
-            missing.append(f"{path}::{function}")
-    assert missing == []
-
-
 def test_every_silent_point_has_a_choice() -> None:
     assert re.findall(r"^## (S\d+)", (DOCS / "choices.md").read_text(), re.MULTILINE) == NUMBERS[158:]
 
 
-@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/choices.md", "docs/threat-model.md"])
-def test_paths_in_documents_exist(name: str) -> None:
-    text = (ROOT / name).read_text()
-    named = [path for path, _ in PATH.findall(text)]
-    linked = [str((ROOT / name).parent.relative_to(ROOT) / path) for path in LINK.findall(text)]
-    assert named or linked
-    for path in (*named, *linked):
-        assert (ROOT / path).exists() or path.startswith(("demo-out/", "dist/", "candidates/")), (name, path)
+def _absent(page: Path) -> list[str]:
+    """What a page cites and what is not there: files, folders, links, and functions or classes after `::`.
+
+    Paths count from the root, from the page's folder or from one above it; a bare name may lie anywhere below that folder. Names
+    without an ending are no paths of ours (`tools/list` is a method of the protocol), nor are files of worlds (`world.json`).
+    """
+    text, missing = page.read_text(), []
+    places = [ROOT, *(p for p in page.parents if ROOT in (p, *p.parents))]
+    for cited, name in CITED.findall(text):
+        last = cited.rpartition("/")[2]
+        if not (last.endswith((".py", ".md")) or name or (cited.startswith(OURS) and ("." in last or not last))):
+            continue
+        found = next((place / cited for place in places if (place / cited).exists()), None)
+        if found is None and "/" not in cited:
+            found = next(page.parent.rglob(cited), None)
+        if found is None:
+            missing.append(cited)
+        elif name and not re.search(rf"^ *(?:async def|def|class) {name}\b", found.read_text(), re.MULTILINE):
+            missing.append(f"{cited}::{name}")
+    return missing + [link for link in LINK.findall(text) if not (page.parent / link).exists()]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_what_a_page_cites_exists(page: str) -> None:
+    assert _absent(ROOT / page) == []
+
+
+def test_a_page_that_cites_what_is_not_there_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "`worlds/cache.py::read_container` `worlds/cache.py::gone` `worlds/gone.py` `geometry/` `physics/gone/` `tools/list` "
+        "`candidates/` [here](page.md) [there](gone.md)"
+    )
+    assert _absent(page) == ["worlds/cache.py::gone", "worlds/gone.py", "physics/gone/", "gone.md"]
+
+
+def test_no_module_cites_a_document_that_is_not_here() -> None:
+    known = {Path(name).name for name in FILES if name.endswith(".md")}
+    modules = [name for name in FILES if name.endswith(".py") and not name.startswith("tests/")]
+    assert len(modules) > 500
+    cited = {(name, found) for name in modules for found in re.findall(r"[\w-]+\.md\b", (ROOT / name).read_text())}
+    assert sorted(c for c in cited if c[1] not in known) == []
 
 
 def test_the_grammar_of_choices_has_as_many_atoms_and_combinators_as_the_models() -> None:

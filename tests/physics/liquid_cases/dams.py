@@ -17,7 +17,7 @@ FRONT = np.array([
 ])  # fmt: skip
 """Martin and Moyce 1952, table 2, column twice as high as wide (n^2 = 2), a = 2.25 in: T = t sqrt(2 g / a), Z = front / a.
 
-`solvers.md` lists it under n^2 = 1. It is n^2 = 2: it runs through the other list of that column (figure 3 of the paper) within
+Some reprints list it under n^2 = 1. It is n^2 = 2: it runs through the other list of that column (figure 3 of the paper) within
 0.06 of Z, and for a square column the measured front passes Z = 4.11 at T = 2.71 already (Leakey et al. 2021, figure 7)."""
 HEIGHT = np.array([
     (0.56, 0.94), (0.77, 0.89), (0.93, 0.83), (1.08, 0.78), (1.28, 0.72), (1.46, 0.67), (1.66, 0.61), (1.84, 0.56), (2.00, 0.50),

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 __all__ = ["check_instance"]
 
 VOLUME = 1e-6
-"""Relative (reference/solvers.md 4.3); `ROUND_VOLUME` for parts with round sides, whose pieces have flat ones."""
+"""Relative, own choice: planes cut exactly; `ROUND_VOLUME` for parts with round sides, whose pieces have flat ones."""
 ROUND_VOLUME = 5e-3
 CAPPED_VOLUME = 7e-3
 """The same for capsules: their caps are cut into chords along the meridian too; 5.9e-3 without a barrel."""

@@ -35,7 +35,7 @@ __all__ = ["DRIFT", "LEDGER", "RECORD", "Books", "Identity", "declared_filling"]
 LEDGER = 1e-6
 """Relative: sums of single-precision volumes."""
 DRIFT = 0.01
-"""Relative error of volume, as the issue has it."""
+"""Own choice: relative error of volume."""
 RECORD = 1e-4
 """Relative to the scale of each record: single-precision positions and velocities summed."""
 OVERLAP_POINTS = 100_000

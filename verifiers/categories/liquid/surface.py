@@ -33,7 +33,7 @@ VOLUME = 0.2
 """Relative error of the volume at any frame; sheets and drops are thinner than a surface of particles can be (measured 0.16 in a dam
 break of 1,200 particles, 0.09 in a burst tank of 2,800, 0.04 as a crate floats)."""
 DRIFT = 0.01
-"""Relative drift of the volume between frames at which the liquid is calm, as the issue has it."""
+"""Relative drift of the volume between frames at which the liquid is calm; own choice."""
 POP = {True: 0.01, False: 0.06}
 """Relative change of volume in one frame that no inflow or outflow explains, while calm and in motion (measured 0.004 in still water,
 0.045 as thin splashes of 2,800 particles fall together)."""

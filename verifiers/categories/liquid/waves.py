@@ -38,7 +38,7 @@ HEIGHT = 0.25
 """Own choice: relative error of height. Engines of 20 to 40 spacings per wave lose 5 to 15 % (docs/accuracy.md), floating bodies throw
 back as much."""
 PERIOD = 0.05
-"""Relative error of period, as the issue has it for dispersion."""
+"""Own choice: relative error of period, as for dispersion."""
 PERIODS = 1.4
 """Of full waves that a verdict needs."""
 WIDE = 1 / 12

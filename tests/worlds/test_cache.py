@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import re
 import time
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -182,3 +184,14 @@ def test_missing_digests_and_indices_are_evidence_errors(tmp_path: Path) -> None
     (cache.folder / "index.json").write_text("{}")
     with pytest.raises(EvidenceError, match=r"index\.json"):
         _ = Cache(cache.folder).index
+
+
+def test_the_format_page_reads_and_digests_a_frame_as_the_program_does(tmp_path: Path) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "cache-format.md").read_text()
+    (block,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    reader: dict[str, Any] = {}
+    exec(block, reader)
+    written = write_container(tmp_path / "frame.npz", CHANNELS)
+    found = reader["read"](tmp_path / "frame.npz")
+    assert {name: values.tolist() for name, values in found.items()} == {n: np.asarray(v).tolist() for n, v in CHANNELS.items()}
+    assert reader["digest"](found) == written

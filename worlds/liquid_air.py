@@ -6,7 +6,7 @@ The law of the push is `physics.liquid_air`. Near solids there is a lee.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from .fields import Fields
 if TYPE_CHECKING:
     from .built import TriangleMesh
 
-__all__ = ["LEE", "in_lee", "pushed", "surface_points"]
+__all__ = ["LEE", "Matter", "in_lee", "pushed", "surface_points"]
 
 LEE = 2.0
 """Cells of this many spacings: liquid in a cell with a solid's surface, or beside one, feels no medium."""
@@ -68,46 +68,48 @@ def in_lee(position: F64, points: F64, spacing: float) -> NDArray[np.bool_]:
     return np.asarray(solid[tuple(mine.T)])
 
 
-def pushed(
-    fields: Sequence[Fields],
-    position: F64,
-    velocity: F64,
-    mass: F64,
-    volume: F64,
-    fluid: I64,
-    time: float,
-    spacing: float,
-    solid: F64,
-) -> tuple[F64, Push]:
+class Matter(NamedTuple):
+    """Particles of the liquids of an instance."""
+
+    position: F64
+    """[m], shape (n, 3)."""
+    velocity: F64
+    """[m/s], shape (n, 3)."""
+    mass: F64
+    """[kg], shape (n,)."""
+    volume: F64
+    """[m^3], shape (n,)."""
+    fluid: I64
+    """Index of the liquid of each, shape (n,)."""
+
+
+def pushed(fields: Sequence[Fields], matter: Matter, time: float, spacing: float, solid: F64) -> tuple[F64, Push]:
     """Accelerations [m/s^2], shape (n, 3), and pushes of media on the particles of an instance at `time` [s].
 
     Args:
         fields: of each liquid.
-        position: of the particles [m], shape (n, 3).
-        velocity: theirs [m/s], shape (n, 3).
-        mass: theirs [kg], shape (n,).
-        volume: theirs [m^3], shape (n,).
-        fluid: index of the liquid of each, shape (n,).
+        matter: the particles.
         time: [s]
         spacing: distance of particles at rest, or size of a cell [m].
         solid: points on the surfaces of solids [m], shape (k, 3).
     """
-    gain, push = np.zeros_like(position), Push(np.zeros_like(position), np.zeros(len(position)))
+    place = matter.position
+    gain, push = np.zeros_like(place), Push(np.zeros_like(place), np.zeros(len(place)))
     area, share = None, None
-    for index in np.unique(fluid).tolist():
+    for index in np.unique(matter.fluid).tolist():
         own = fields[index]
         if not own.acts(time, time + 1e-9):
             continue
-        rows = np.flatnonzero(fluid == index)
-        gain[rows] = own.acceleration(position[rows], time)
+        rows = np.flatnonzero(matter.fluid == index)
+        gain[rows] = own.acceleration(place[rows], time)
         if not own.has_medium:
             continue
         if area is None or share is None:
-            area, share = outer_area(position, volume, spacing)
-            area[in_lee(position, solid, spacing)] = 0.0
+            area, share = outer_area(place, matter.volume, spacing)
+            area[in_lee(place, solid, spacing)] = 0.0
         rows = rows[np.abs(area[rows]).max(axis=1) > 0]
-        found = push_on_liquid(
-            own.medium(position[rows], time), velocity[rows], mass[rows], volume[rows], area[rows], share[rows]
+        medium, velocity = own.medium(place[rows], time), matter.velocity[rows]
+        push.force[rows], push.rate[rows] = push_on_liquid(
+            medium, velocity, matter.mass[rows], matter.volume[rows], area[rows], share[rows]
         )
-        push.force[rows], push.rate[rows] = found
     return gain, push

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64, I64
-from ...worlds.liquid_air import LEE, pushed, surface_points
+from ...worlds.liquid_air import LEE, Matter, pushed, surface_points
 from .engine import LiquidSetup
 
 if TYPE_CHECKING:
@@ -67,17 +67,8 @@ class Blowing:
         """
         setup = self.setup
         mass = volume * np.array([f.density for f in setup.fluids])[fluid]
-        gain, push = pushed(
-            setup.fields,
-            position,
-            velocity,
-            mass,
-            volume,
-            fluid,
-            time - setup.preroll + 0.5 * dt,
-            setup.spacing,
-            self._solids(bodies),
-        )
+        matter, now = Matter(position, velocity, mass, volume, fluid), time - setup.preroll + 0.5 * dt
+        gain, push = pushed(setup.fields, matter, now, setup.spacing, self._solids(bodies))
         change = dt * (gain + push.force / (mass * (1.0 + dt * push.rate))[:, None]) * free[:, None]
         work = (mass[:, None] * change * (velocity + 0.5 * change)).sum()
         return Blown(change, np.array([*(mass @ change), work]))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.liquid_air import LEE, pushed, surface_points
+from ....worlds.liquid_air import LEE, Matter, pushed, surface_points
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from .energy import blown
@@ -73,10 +73,8 @@ class Blown:
         liquid = self.liquid
         if not frame.count:
             return np.zeros(3), np.zeros(3)
-        gain, push = pushed(
-            liquid.fields, frame.position, frame.velocity, frame.mass, frame.volume, frame.fluid, max(time, 0.0), liquid.spacing,
-            self._solids(frame.index),
-        )  # fmt: skip
+        matter = Matter(frame.position, frame.velocity, frame.mass, frame.volume, frame.fluid)
+        gain, push = pushed(liquid.fields, matter, max(time, 0.0), liquid.spacing, self._solids(frame.index))
         return frame.mass @ gain, push.force.sum(axis=0)
 
     def _solids(self, index: int) -> F64:

@@ -7,7 +7,7 @@ FLOORS := physics worlds execution geometry construction simulation verifiers re
 export PYTHONSAFEPATH := 1
 export MYPYPATH := .types
 
-.PHONY: setup demo conformance clients test slow slow-ages test-all fuzz check build mcpb clean
+.PHONY: setup demo conformance clients test slow slow-ages golden test-all fuzz check build mcpb clean
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -48,6 +48,10 @@ slow: setup
 
 slow-ages: setup
 	$(BIN)/python -m worldagent.tests.slow.run --ages
+
+# Every row of the seeded worlds against tests/golden; `python -m worldagent.bench.golden record` after a change that is meant.
+golden: setup
+	$(BIN)/python -m worldagent.bench.golden compare
 
 test-all: setup
 	$(BIN)/python -m pytest -q

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..physics.arrays import F64, I64
 
 if TYPE_CHECKING:
-    from .spec.shapes import Pose
+    from .shapes import Pose
 
 __all__ = [
     "F64",

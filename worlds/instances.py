@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from .audits.gate import Problem
+from .problems import Problem, removed, replaced
 
 if TYPE_CHECKING:
     from .spec import Coupling, WorldSpec
@@ -61,7 +61,7 @@ def membership_problems(spec: WorldSpec) -> list[Problem]:
                     f"{member!r} is {entity.physics.category}, which engine {instance.engine!r} does not move; take it out. "
                     "Solids are boundaries of liquids, cloth and grains without being their members"
                 )
-                found.append(Problem(place, text, {"op": "remove", "path": place}))
+                found.append(Problem(place, text, removed(place)))
     return found
 
 
@@ -104,7 +104,7 @@ def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem
         text = (
             f"coupling {key!r}: one_way goes from the rigid to the {source} instance; swap source and target, or make it two_way"
         )
-        yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "two_way"})
+        yield Problem(f"{place}/direction", text, replaced(f"{place}/direction", "two_way"))
     wrong = sorted(set(coupling.variables) - {"motion", "wrench", "pressure"})
     if wrong:
         yield Problem(
@@ -124,14 +124,14 @@ def _with_cloth(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Probl
     if plan.solvers[other].engine == "flip":
         where = f"/simulation/solvers/{other}/engine"
         text = f"coupling {key!r}: a grid does not resolve sheets; let {other!r} be of engine dfsph"
-        yield Problem(where, text, {"op": "replace", "path": where, "value": "dfsph"})
+        yield Problem(where, text, replaced(where, "dfsph"))
         return
     if plan.solvers[other].engine not in MEETS_CLOTH or other in plan.cloth:
         text = (
             f"coupling {key!r} joins cloth and a {plan.solvers[other].engine} instance; this build couples cloth with rigid ones, "
             "with dem and with dfsph"
         )
-        yield Problem(place, text, {"op": "remove", "path": place})
+        yield Problem(place, text, removed(place))
         return
     both = coupling.direction == "two_way"
     torn = [m for c in (coupling.source, coupling.target) if c in plan.cloth for m in plan.cloth[c].members if _tears(spec, m)]
@@ -139,7 +139,7 @@ def _with_cloth(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Probl
         text = (
             f"coupling {key!r}: {torn[0]!r} may tear, and {kind} know the triangles of its start only; take its tear strength out"
         )
-        yield Problem(place, text, {"op": "remove", "path": place})
+        yield Problem(place, text, removed(place))
     if not both and coupling.source not in plan.cloth:
         yield Problem(place, f"coupling {key!r}: one_way goes from the cloth to the {kind}; swap source and target")
     for group in coupled_groups(spec):
@@ -148,17 +148,17 @@ def _with_cloth(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Probl
                 f"coupling {key!r}: cloth and {kind} push each other beside a rigid instance; couple {coupling.source!r} two_way with "
                 "one too, or make it one_way from the cloth"
             )
-            yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "one_way"})
+            yield Problem(f"{place}/direction", text, replaced(f"{place}/direction", "one_way"))
         elif not both and coupling.target in group:
             text = (
                 f"coupling {key!r}: {coupling.target!r} steps together with a rigid instance and cannot read a cache of "
                 f"{coupling.source!r}; make it two_way"
             )
-            yield Problem(f"{place}/direction", text, {"op": "replace", "path": f"{place}/direction", "value": "two_way"})
+            yield Problem(f"{place}/direction", text, replaced(f"{place}/direction", "two_way"))
     wanted = {"motion", "wrench"} if both else {"motion"}
     if set(coupling.variables) != wanted:
         text = f"coupling {key!r} is {coupling.direction} with cloth; it exchanges {' and '.join(sorted(wanted))}"
-        yield Problem(f"{place}/variables", text, {"op": "replace", "path": f"{place}/variables", "value": sorted(wanted)})
+        yield Problem(f"{place}/variables", text, replaced(f"{place}/variables", sorted(wanted)))
 
 
 def _tears(spec: WorldSpec, name: str) -> bool:

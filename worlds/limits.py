@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from .errors import InputError, LimitError
 
 if TYPE_CHECKING:
+    from .shapes import Shape
     from .spec import Entity, WorldSpec
-    from .spec.shapes import Shape
 
 __all__ = [
     "CAPS",

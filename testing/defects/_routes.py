@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, CylinderRegion, Entity, Extrusion, Mesh, Part, Shape
-from ...worlds.spec.entities import LiquidPhysics
+from ...worlds.spec import Box, BoxRegion, Connects, Cylinder, CylinderRegion, Entity, Extrusion, LiquidPhysics, Mesh, Part, Shape
 from ..worlds.small_worlds import Track, entity, make_candidate, mesh_of, pose, world
 from .cases import World
 

@@ -11,8 +11,7 @@ from worldagent.construction.build import build_entity
 from worldagent.simulation.rigid import SolverRigid
 from worldagent.testing.worlds.small_worlds import box, ground, world
 from worldagent.verifiers.categories.elastic.register import LOST
-from worldagent.worlds.spec import ElasticPhysics, Pin, RigidSettings
-from worldagent.worlds.spec.entities import Material
+from worldagent.worlds.spec import ElasticPhysics, Material, Pin, RigidSettings
 
 G = 9.81
 STIFF, DENSE = 5e7, 1000.0

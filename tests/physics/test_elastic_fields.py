@@ -13,8 +13,7 @@ from worldagent.testing.worlds.small_worlds import box, world
 from worldagent.verifiers.categories.elastic import check as elastic
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
-from worldagent.worlds.spec import ElasticPhysics, FieldDriver, Pin, RigidSettings, WorldSpec
-from worldagent.worlds.spec.entities import Material
+from worldagent.worlds.spec import ElasticPhysics, FieldDriver, Material, Pin, RigidSettings, WorldSpec
 from worldagent.worlds.spec.fields import AttractionField, WindField
 
 SIDE, DENSE = 0.2, 50.0

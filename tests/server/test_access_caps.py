@@ -21,8 +21,8 @@ from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.errors import LimitError
 from worldagent.worlds.limits import CAPS, estimate_counts
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Revolution, Sphere, Wedge
 from worldagent.worlds.spec import WorldSpec
-from worldagent.worlds.spec.shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Revolution, Sphere, Wedge
 
 CREATE = ("edit_spec", {"world": "new", "prompt": PROMPT, "spec": small_spec()})
 EDIT = ("edit_spec", {"world": "w", "patch": [{"op": "replace", "path": "/title", "value": "Other"}], "hypothesis": "why not"})
@@ -152,7 +152,7 @@ def test_files_of_assets_are_capped(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     import trimesh
     from worldagent.construction.imports import load_mesh
     from worldagent.construction.outside import arrays_of
-    from worldagent.worlds.spec.shapes import Mesh
+    from worldagent.worlds.shapes import Mesh
 
     trimesh.creation.box().export(tmp_path / "box.stl")
     shape = Mesh(file="box.stl", collision="hull")

@@ -19,7 +19,7 @@ from worldagent.server.cli import main
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools import TOOLS
 from worldagent.worlds.errors import WorldAgentError
-from worldagent.worlds.spec.shapes import Mesh
+from worldagent.worlds.shapes import Mesh
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="links need rights on Windows")
 SECRET = "the-secret-of-the-user"

@@ -23,8 +23,8 @@ from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import PREDICATES
 from worldagent.worlds.requirements import Check
+from worldagent.worlds.shapes import Shape
 from worldagent.worlds.spec import ElasticPhysics, Entity, LiquidPhysics, Material
-from worldagent.worlds.spec.shapes import Shape
 from worldagent.worlds.spec.simulation import Driver, Joint, SolverInstance
 from worldagent.worlds.spec.story import Relation
 

@@ -15,7 +15,7 @@ from worldagent.verifiers.ledgers import motion
 from worldagent.verifiers.scene.surfaces import surfaces_of
 from worldagent.worlds.built import load_built, save_built
 from worldagent.worlds.errors import EvidenceError
-from worldagent.worlds.spec.entities import ElasticPhysics
+from worldagent.worlds.spec import ElasticPhysics
 
 SOFT = ElasticPhysics(young_modulus=1e5)
 SIZE = (0.4, 0.2, 0.2)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...geometry.inside import contains
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ...worlds.spec.entities import GasPhysics, LiquidPhysics
+from ...worlds.spec import GasPhysics, LiquidPhysics
 from ..predicates.kinematic import region_offset
 from .bounds import CELLS_ACROSS, OPENING_NOISE
 from .columns import Ints

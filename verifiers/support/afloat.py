@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...geometry import Solid, signed_clearance
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ...worlds.spec.entities import LiquidPhysics
+from ...worlds.spec import LiquidPhysics
 from ..ledgers import motion
 from ..ledgers.exchanged import CHANNEL
 from .bounds import HELPS

@@ -29,7 +29,7 @@ from .questions import FASTENED, JOINT, ROPE
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Correction, Row
-    from ...worlds.spec.simulation import Joint
+    from ...worlds.spec import Joint
     from ..scene.surfaces import Surfaces
 
 __all__ = ["anchor_lines", "joined_rows", "way_to"]

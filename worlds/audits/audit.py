@@ -20,12 +20,13 @@ from ..categories.particles.audit import particle_problems
 from ..fields import field_drivers
 from ..groups import group_of
 from ..instances import bake_order, coupling_problems
+from ..problems import Problem, replaced
 from ..references import closest, references, resolves
 from ..requirements import Correction, Row
 from ..spec import MOVED, WorldSpec
 from .clauses import clauses_of
 from .fields import field_problems
-from .gate import Problem, bound_problems, clause_problems, hold_problems, overlap_problems, replaced
+from .gate import bound_problems, clause_problems, hold_problems, overlap_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
 from .reach import reach_problems

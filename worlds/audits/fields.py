@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..fields import FELT, acting_on, field_drivers
-from .gate import Problem
+from ..problems import Problem, removed
 
 if TYPE_CHECKING:
     from ..spec import FieldDriver, WorldSpec
@@ -35,7 +35,7 @@ def _named(spec: WorldSpec, name: str, driver: FieldDriver) -> Iterator[Problem]
         if entity is None:
             continue
         place = f"/simulation/drivers/{name}/entities/{k}"
-        out = {"op": "remove", "path": place} if len(driver.entities or ()) > 1 else None
+        out = removed(place) if len(driver.entities or ()) > 1 else None
         category = entity.physics.category
         if category not in FELT:
             known = ", ".join(sorted(FELT))

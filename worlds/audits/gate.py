@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..categories.liquid.words import missing_liquid
 from ..drivers import behind
 from ..predicates import atoms_of, entities_of, is_invariant
+from ..problems import Problem, replaced
 from ..references import kinds_of
 from ..spec import Beat, Clause, Connects, Fastened, ReleaseDriver, WorldSpec
 from ..walkers import carrier_words, easier_than_a_person
@@ -33,7 +34,7 @@ from .wording import (
     way_words,
 )
 
-__all__ = ["Problem", "bound_problems", "clause_problems", "hold_problems", "overlap_problems", "replaced"]
+__all__ = ["bound_problems", "clause_problems", "hold_problems", "overlap_problems"]
 
 UNMET_SHARE = 0.5
 """Own choice: with more of its clauses given up, a world is not the prompt's any more."""
@@ -57,19 +58,6 @@ _JUDGED = re.compile(r"^/(entities|terrains|story/beats|story/requirements|graph
 
 MOVING_OVERLAP_SHARE = 0.1
 """Own choice: two bodies that move are joined by glue, pegs or screws, not sunk into each other."""
-
-
-class Problem(NamedTuple):
-    """One finding: where, what to do, and the edit that would do it where there is only one."""
-
-    pointer: str
-    text: str
-    patch: dict[str, Any] | None = None
-
-
-def replaced(pointer: str, value: Any) -> dict[str, Any]:
-    """The edit that puts `value` at `pointer`."""
-    return {"op": "replace", "path": pointer, "value": value}
 
 
 def _names(spec: WorldSpec, beat: Beat) -> set[str]:
@@ -291,7 +279,7 @@ def _bounds(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: 
             if 0.0 < value < least:
                 yield Problem(
                     f"{place}/{field}", f"a displacement of {value:g} m is within noise; ask for at least {least:g} m",
-                    {"op": "replace", "path": f"{place}/{field}", "value": sign * least},
+                    replaced(f"{place}/{field}", sign * least),
                 )  # fmt: skip
     elif kind in LEAST:
         field = "min_angle" if kind == "topples" else "min"
@@ -299,7 +287,7 @@ def _bounds(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: 
         if value is not None and 0.0 < value < LEAST[kind]:
             yield Problem(
                 f"{place}/{field}", f"{kind} with {field} {value:g} is within noise; ask for at least {LEAST[kind]:g}",
-                {"op": "replace", "path": f"{place}/{field}", "value": LEAST[kind]},
+                replaced(f"{place}/{field}", LEAST[kind]),
             )  # fmt: skip
 
 
@@ -326,7 +314,7 @@ def overlap_problems(spec: WorldSpec) -> list[Problem]:
                     place,
                     f"an intended overlap of {relation.max_depth:g} m is more than {most / length:.0%} of the length {length:g} m of "
                     f"{small!r}; give at most {most:g} m",
-                    {"op": "replace", "path": place, "value": round(most, 6)},
+                    replaced(place, round(most, 6)),
                 )
             )
     return found

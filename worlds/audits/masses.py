@@ -10,8 +10,8 @@ import numpy as np
 
 from ...physics.substances import DENSITY_RANGES
 from ..categories.liquid.facts import shape_volume
+from ..problems import Problem, removed, replaced
 from ..spec import ClothPhysics, RigidPhysics
-from .gate import Problem
 
 if TYPE_CHECKING:
     from ..spec import Entity, WorldSpec
@@ -86,7 +86,7 @@ def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
             yield Problem(
                 place,
                 f"{name!r} weighs {physics.mass:g} kg, its volume of {substances} at most {weights.most:.4g} kg; give at most that, or leave it out",
-                {"op": "remove", "path": place},
+                removed(place),
             )
         least = weights.hollow if physics.hollow else weights.least
         if physics.mass < (1.0 - ROUNDING) * least:
@@ -95,7 +95,7 @@ def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
             yield Problem(
                 place,
                 f"{name!r} weighs {physics.mass:g} kg, {rest} of {substances} at least {least:.4g} kg; give at least that, or leave it out{ways}",
-                {"op": "remove", "path": place},
+                removed(place),
             )
 
 
@@ -131,5 +131,5 @@ def _sheet(spec: WorldSpec, name: str, entity: Entity, physics: ClothPhysics) ->
             place,
             f"{name!r} weighs {physics.area_density:g} kg/m^2 at {physics.thickness:g} m, {density:.3g} kg/m^3, which is no {substance}: "
             f"allowed {low * physics.thickness:.3g} to {high * physics.thickness:.3g} kg/m^2",
-            {"op": "replace", "path": place, "value": float(f"{best:.4g}")},
+            replaced(place, float(f"{best:.4g}")),
         )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..instances import instance_for, membership_problems
+from ..problems import Problem, removed, replaced
 from ..spec import DetachDriver, MotorDriver, PathDriver, WorldSpec
-from .gate import Problem, replaced
 
 __all__ = ["ownership_problems"]
 
@@ -33,7 +33,7 @@ def ownership_problems(spec: WorldSpec) -> list[Problem]:
             problems.append(Problem(f"/simulation/solvers/{owners[1]}/members", f"{name!r} is moved by {owners}; keep one"))
         if entity.active is not None:
             text = f"{name!r} has an active interval, but no engine of this build makes bodies appear or vanish; leave it out"
-            problems.append(Problem(f"{place}/active", text, {"op": "remove", "path": f"{place}/active"}))
+            problems.append(Problem(f"{place}/active", text, removed(f"{place}/active")))
         if entity.motion == "kinematic" and name not in driven:
             problems.append(
                 Problem(

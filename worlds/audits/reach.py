@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arrays import F64, pose_of
+from ..problems import Problem, replaced
+from ..shapes import Shape
 from ..spec import BallJoint, Box, Capsule, Cylinder, HingeJoint, Rope, Sphere, SpringJoint, WorldSpec
-from ..spec.shapes import Shape
-from .gate import Problem, replaced
 
 __all__ = ["reach_problems"]
 

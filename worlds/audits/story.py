@@ -12,9 +12,9 @@ from ..drivers import deed, to_declare, undeclared
 from ..errors import EvidenceError
 from ..fields import acting_on
 from ..predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, entities_of
+from ..problems import Problem, removed, replaced
 from ..references import cycle_in, kinds_of, mentions_joint
 from ..spec import ElasticPhysics, FieldDriver, RigidPhysics, SpecModel, Supports, WorldSpec
-from .gate import Problem, replaced
 
 __all__ = ["STARTED", "coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
 
@@ -64,7 +64,7 @@ def story_problems(spec: WorldSpec) -> list[Problem]:
         for cause in beat.margins:
             if cause not in beat.causes:
                 text = f"the margin names {cause!r}, which is not among the causes"
-                problems.append(Problem(f"{place}/margins/{cause}", text, {"op": "remove", "path": f"{place}/margins/{cause}"}))
+                problems.append(Problem(f"{place}/margins/{cause}", text, removed(f"{place}/margins/{cause}")))
         problems += _unsaid(spec, name)
         problems += _own_start(spec, name)
         if beat.subject not in entities_of(beat.predicate) and not mentions_joint(beat.predicate, plan.joints, beat.subject):

@@ -26,6 +26,7 @@ from ..categories.liquid.predicates import (
     WetArea,
 )
 from ..categories.particles.predicates import ParticleCountIn, ParticlesSettled, ParticleVolumeIn, PileHeight, RunOut
+from ..predicate_base import Band, Subject, When
 from ..vocabulary import (
     BeatRef,
     EntityRef,
@@ -37,7 +38,6 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
-from .fields import Band, Subject, When
 from .landscape import LandscapeField, LandscapeWater
 
 __all__ = [

@@ -1,15 +1,18 @@
 """Specification models. `WorldSpec` is the root."""
 
-from ..categories.cloth.models import ClothInstance, ClothPin, ClothSettings, ClothTear
+from ..categories.cloth.models import ClothInstance, ClothPhysics, ClothPin, ClothSettings, ClothTear
 from ..categories.elastic.models import ElasticPhysics, Pin
 from ..categories.fracture.models import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
+from ..categories.gas.models import GasPhysics
 from ..categories.liquid.models import (
+    Current,
     DfsphInstance,
     DfsphSettings,
     FlipInstance,
     FlipSettings,
     InflowDriver,
     LiquidDomain,
+    LiquidPhysics,
     OutflowDriver,
     WavesDriver,
 )
@@ -20,45 +23,48 @@ from ..categories.particles.models import (
     DemSettings,
     EmitterDriver,
     ParticleDomain,
-)
-from ..vocabulary import Ref, SpecModel
-from .entities import (
-    Appearance,
-    ClothPhysics,
-    Current,
-    Dimensions,
-    Entity,
-    LiquidPhysics,
-    Material,
-    Part,
     ParticlePhysics,
-    RigidPhysics,
-    Rope,
 )
-from .fields import FieldDriver
-from .shapes import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Pose, Revolution, Shape, Sheet, Sphere, StemField, Wedge
-from .simulation import (
-    MOVED,
-    BallJoint,
-    ContactPair,
-    Coupling,
+from ..categories.rigid.joints import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
+from ..categories.rigid.models import (
     DetachDriver,
     ForceDriver,
-    HingeJoint,
-    Limits,
-    LiquidInstance,
     MotorDriver,
-    ParticleInstance,
     PathDriver,
     PathKey,
-    ReleaseDriver,
     RigidInstance,
+    RigidPhysics,
     RigidSettings,
+)
+from ..shapes import (
+    Box,
+    Capsule,
+    Cylinder,
+    Extrusion,
+    HeightField,
+    Mesh,
+    Pose,
+    Revolution,
+    Shape,
+    Sheet,
+    Sphere,
+    StemField,
+    Wedge,
+)
+from ..vocabulary import Ref, SpecModel
+from .entities import Appearance, Dimensions, Entity, Material, Part, Rope
+from .fields import FieldDriver
+from .simulation import (
+    MOVED,
+    ContactPair,
+    Coupling,
+    Joint,
+    Limits,
+    LiquidInstance,
+    ParticleInstance,
+    ReleaseDriver,
     SimulationPlan,
-    SlideJoint,
     SolverInstance,
-    SpringJoint,
-    WeldJoint,
 )
 from .story import (
     Adjacent,
@@ -131,11 +137,13 @@ __all__ = [
     "FlipInstance",
     "FlipSettings",
     "ForceDriver",
+    "GasPhysics",
     "GlassPattern",
     "HeightField",
     "HingeJoint",
     "InflowDriver",
     "Interacts",
+    "Joint",
     "Limits",
     "LiquidDomain",
     "LiquidInstance",

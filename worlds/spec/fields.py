@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ...physics.substances import AIR_DENSITY, AIR_VISCOSITY
+from ..shapes import Pose
 from ..vocabulary import EntityRef, Finite, NonNegative, Positive, SpecModel, Vec3
-from .shapes import Pose
 
 __all__ = [
     "AttractionField",

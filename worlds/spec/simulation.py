@@ -2,85 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ..categories.cloth.models import ClothInstance
 from ..categories.liquid.models import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from ..categories.particles.models import BallisticInstance, DemInstance, EmitterDriver
+from ..categories.rigid.joints import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
+from ..categories.rigid.models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance
 from ..vocabulary import (
     EntityRef,
-    Finite,
     Id,
-    JointRef,
     NonNegative,
-    Positive,
     SolverRef,
     SpecModel,
     Vec3,
 )
 from .fields import FieldDriver
-from .shapes import Pose
 
 __all__ = [
     "MOVED",
-    "BallJoint",
     "ContactPair",
     "Coupling",
-    "DetachDriver",
     "Driver",
-    "ForceDriver",
-    "HingeJoint",
     "Joint",
     "Limits",
     "LiquidInstance",
-    "MotorDriver",
     "ParticleInstance",
-    "PathDriver",
-    "PathKey",
     "ReleaseDriver",
-    "RigidInstance",
-    "RigidSettings",
     "SimulationPlan",
-    "SlideJoint",
     "SolverInstance",
-    "SpringJoint",
-    "WeldJoint",
 ]
 
 
 Ratio = Annotated[float, Field(ge=1e-4, le=1e4)]
-
-
-class RigidSettings(SpecModel):
-    """Settings of a MuJoCo instance."""
-
-    step: float = Field(default=5e-4, ge=2e-5, le=5e-3, description="time step [s]")
-    skin: float = Field(
-        default=5e-4, ge=0, le=0.02, description="collision skin of every part [m]; contacts act at the sum of two"
-    )
-    contact_steps: float = Field(
-        default=10.0,
-        ge=2.0,
-        le=40.0,
-        description="how slowly depth inside the skins is pushed out: natural period / 2 pi, in steps",
-    )
-    impratio: float = Field(default=20.0, ge=1, le=1000, description="friction to normal impedance ratio")
-    iterations: int = Field(default=60, ge=5, le=1000)
-    tolerance: float = Field(default=1e-8, ge=0, le=1e-4)
-    sleep: bool = Field(default=True, description="islands at rest are put to sleep")
-    speculative: bool = Field(default=False, description="contacts ahead of time for fast thin bodies")
-    refine: int = Field(default=3, ge=0, le=6, description="most halvings of the step within one frame that would overlap")
-
-
-class RigidInstance(SpecModel):
-    """A running rigid engine and the entities it moves or collides with."""
-
-    moves: ClassVar[tuple[str, ...]] = ("rigid", "elastic")
-    engine: Literal["mujoco"]
-    members: Annotated[list[EntityRef], Field(min_length=1, max_length=20000)]
-    settings: RigidSettings = RigidSettings()
 
 
 SolverInstance = Annotated[
@@ -92,59 +48,6 @@ MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(Solver
 """Categories that some engine of this build moves."""
 
 
-class _Joint(SpecModel):
-    parent: EntityRef | None = Field(default=None, description="default: the world")
-    child: EntityRef
-    anchor: Vec3 = Field(description="world coordinates at frame 0 [m], on or in both bodies (a hinge: some point of its axis)")
-    damping: NonNegative = Field(default=0.0, description="[N m s/rad] or [N s/m]")
-    stiffness: NonNegative = Field(default=0.0, description="spring towards the initial position [N m/rad] or [N/m]")
-    collide: bool = Field(default=False, description="whether parent and child collide with each other")
-
-
-class HingeJoint(_Joint):
-    """One rotation about `axis` through `anchor`."""
-
-    kind: Literal["hinge"] = "hinge"
-    axis: Vec3
-    range: tuple[Finite, Finite] | None = Field(default=None, description="[rad]")
-    friction: NonNegative = Field(default=0.0, description="dry friction torque [N m]")
-
-
-class SlideJoint(_Joint):
-    """One translation along `axis`."""
-
-    kind: Literal["slide"] = "slide"
-    axis: Vec3
-    range: tuple[Finite, Finite] | None = Field(default=None, description="[m]")
-    friction: NonNegative = Field(default=0.0, description="dry friction force [N]")
-
-
-class BallJoint(_Joint):
-    """Three rotations about `anchor`."""
-
-    kind: Literal["ball"] = "ball"
-
-
-class WeldJoint(_Joint):
-    """No relative motion, until a `detach` driver opens it."""
-
-    kind: Literal["weld"] = "weld"
-
-
-class SpringJoint(SpecModel):
-    """Linear spring between a point of the child and a point of the parent; with `rope`, it only pulls."""
-
-    kind: Literal["spring"] = "spring"
-    parent: EntityRef | None = None
-    child: EntityRef
-    parent_point: Vec3 = Field(description="world coordinates at frame 0 [m], on or in the parent")
-    child_point: Vec3 = Field(description="world coordinates at frame 0 [m], on or in the child")
-    stiffness: Positive = Field(description="[N/m]")
-    damping: NonNegative = Field(default=0.0, description="[N s/m]")
-    rest_length: NonNegative | None = Field(default=None, description="[m]; default the initial distance")
-    rope: bool = False
-
-
 Joint = Annotated[HingeJoint | SlideJoint | BallJoint | WeldJoint | SpringJoint, Field(discriminator="kind")]
 
 
@@ -154,57 +57,6 @@ class ReleaseDriver(SpecModel):
     kind: Literal["release"] = "release"
     entity: EntityRef
     time: NonNegative = Field(description="[s]")
-
-
-class PathKey(SpecModel):
-    """Pose at a time."""
-
-    time: NonNegative
-    pose: Pose
-
-
-class PathDriver(SpecModel):
-    """Moves a kinematic entity along poses (shape-preserving cubic in position, slerp in rotation)."""
-
-    kind: Literal["path"] = "path"
-    entity: EntityRef
-    keys: Annotated[dict[Id, PathKey], Field(min_length=2, max_length=200)]
-
-
-class ForceDriver(SpecModel):
-    """Constant force and torque on an entity during [start, end) seconds."""
-
-    kind: Literal["force"] = "force"
-    entity: EntityRef
-    force: Vec3 = (0, 0, 0)
-    torque: Vec3 = (0, 0, 0)
-    start: NonNegative = 0.0
-    end: Positive
-
-    @model_validator(mode="after")
-    def _ordered(self) -> ForceDriver:
-        if self.end <= self.start:
-            raise ValueError("end must be > start")
-        return self
-
-
-class MotorDriver(SpecModel):
-    """Drives a hinge or slide towards a velocity with at most `max_effort` during [start, end) seconds."""
-
-    kind: Literal["motor"] = "motor"
-    joint: JointRef
-    velocity: Finite = Field(description="[rad/s] or [m/s]")
-    max_effort: Positive = Field(description="[N m] or [N]")
-    start: NonNegative = 0.0
-    end: Positive
-
-
-class DetachDriver(SpecModel):
-    """Opens a weld or cuts a spring or rope at `time`."""
-
-    kind: Literal["detach"] = "detach"
-    joint: JointRef
-    time: NonNegative
 
 
 Driver = Annotated[

@@ -12,8 +12,7 @@ from worldagent.verifiers.categories.check import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, HingeJoint, Limits
-from worldagent.worlds.spec.entities import LiquidPhysics
+from worldagent.worlds.spec import Beat, HingeJoint, Limits, LiquidPhysics
 
 FPS, N = 24, 25
 TIME = np.arange(N) / FPS

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 from worldagent.testing.worlds.small_worlds import box, entity
 from worldagent.tests.verifiers.routes.test_navigability import block, row_of, slab
-from worldagent.worlds.spec import BoxRegion
-from worldagent.worlds.spec.entities import LiquidPhysics
+from worldagent.worlds.spec import BoxRegion, LiquidPhysics
 
 
 def basins(hole, resolution=None):

@@ -21,6 +21,7 @@ from worldagent.worlds.spec import (
     Extrusion,
     Fastened,
     Limits,
+    LiquidPhysics,
     Mesh,
     Part,
     Rope,
@@ -28,7 +29,6 @@ from worldagent.worlds.spec import (
     Wedge,
     WorldSpec,
 )
-from worldagent.worlds.spec.entities import LiquidPhysics
 
 
 def rows_of(tmp_path, entities, **more) -> dict[str, Row]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ...audits.gate import Problem
 from ...holders import cannot_hold
+from ...problems import Problem, replaced
 from .facts import THIN, grids_of, held_by, vertices_of
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def _entity(name: str, entity: Entity) -> Iterator[Problem]:
     if entity.motion != "dynamic":
         place = f"/entities/{name}/motion"
         text = f"the cloth {name!r} is {entity.motion}; cloth is dynamic, and pins hold it"
-        yield Problem(place, text, {"op": "replace", "path": place, "value": "dynamic"})
+        yield Problem(place, text, replaced(place, "dynamic"))
     if entity.generator is not None:
         yield Problem(f"/entities/{name}/generator", f"the cloth {name!r} has a generator; give it parts: sheets or meshes")
     for key, part in entity.parts.items():
@@ -80,7 +80,7 @@ def _resolution(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]
             text = (
                 f"sheet {key!r} of {name!r} has fewer than {LEAST_EDGES} edges across; use a resolution of at most {most:.3g} m"
             )
-            yield Problem(where, text, {"op": "replace", "path": where, "value": most})
+            yield Problem(where, text, replaced(where, most))
 
 
 def _tear(name: str, entity: Entity) -> Iterator[Problem]:

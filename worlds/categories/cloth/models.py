@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
+from ...vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Vec3
 
-__all__ = ["ClothInstance", "ClothPin", "ClothSettings", "ClothTear"]
+__all__ = ["ClothInstance", "ClothPhysics", "ClothPin", "ClothSettings", "ClothTear"]
 
 
 class ClothPin(SpecModel):
@@ -80,3 +80,33 @@ class ClothInstance(SpecModel):
     engine: Literal["shell"] = "shell"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=64)]
     settings: ClothSettings = ClothSettings()
+
+
+class ClothPhysics(SpecModel):
+    """Cloth: its parts are sheets or meshes, which need not be closed; every triangle of them is one of the simulation.
+
+    Stiffnesses are those of the sheet: Young's or shear modulus times thickness. Fabrics: stretch 500 to 5000 N/m, shear a tenth of
+    that, bend 1e-6 (silk) to 1e-4 N m (canvas); the step falls with the edge length and the root of the stretch stiffness.
+    """
+
+    category: Literal["cloth"] = "cloth"
+    area_density: Positive = Field(description="[kg/m^2]")
+    thickness: Positive = Field(description="[m]")
+    stretch_stiffness: Positive = Field(description="along the warp, the sheet's x [N/m]")
+    weft_stiffness: Positive | None = Field(default=None, description="across the warp [N/m]; default: as along it")
+    shear_stiffness: Positive | None = Field(default=None, description="[N/m]; default: a tenth of the stretch stiffness")
+    bend_stiffness: NonNegative = Field(default=0.0, description="[N m]")
+    damping: NonNegative = Field(
+        default=0.0, le=0.1, description="stress by strain rate over stress by strain [s]; above 1e-5 it shortens the step"
+    )
+    self_collision: bool = True
+    drag: NonNegative = Field(default=1.2, le=5, description="coefficient of the air that meets the sheet's faces")
+    skin_drag: NonNegative = Field(default=0.03, le=1, description="coefficient of the air that sweeps along them")
+    flat: bool = Field(default=False, description="true: it wants to be flat; default: it wants the shape in which it is built")
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]")
+    pins: Annotated[dict[Id, ClothPin], Field(max_length=64)] = {}
+    ignores: Annotated[list[EntityRef], Field(max_length=64)] = Field(
+        default=[], description="rigid entities that it passes through; listed as an approximation"
+    )
+    tear: ClothTear | None = Field(default=None, description="what tears it; default: it never tears")
+    max_stretch: Positive = Field(default=0.05, le=1, description="largest allowed extension of an edge / its length at rest")

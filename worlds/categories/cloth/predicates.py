@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ...predicates.fields import Band, Subject, When
+from ...predicate_base import Band, Subject, When
 from ...vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Vec3
 
 __all__ = ["Drape", "Flutters", "Pinned", "Torn"]

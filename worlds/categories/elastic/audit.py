@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ...audits.gate import Problem
 from ...holders import cannot_hold
+from ...problems import Problem, removed, replaced
 from ...spec import ElasticPhysics
 
 if TYPE_CHECKING:
@@ -38,13 +38,13 @@ def _entity(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
     assert isinstance(physics, ElasticPhysics)
     if entity.motion != "dynamic":
         text = f"the elastic body {name!r} is {entity.motion}; make it dynamic and hold it by physics.pins"
-        yield Problem(f"{place}/motion", text, {"op": "replace", "path": f"{place}/motion", "value": "dynamic"})
+        yield Problem(f"{place}/motion", text, replaced(f"{place}/motion", "dynamic"))
     if entity.generator is not None or len(entity.parts) != 1:
         yield Problem(f"{place}/parts", f"the elastic body {name!r} needs exactly one part, and no generator")
     for part, made in entity.parts.items():
         if not made.collides:
             where = f"{place}/parts/{part}/collides"
-            yield Problem(where, f"{name}/{part} is elastic and collides", {"op": "replace", "path": where, "value": True})
+            yield Problem(where, f"{name}/{part} is elastic and collides", replaced(where, True))
     for key, pin in physics.pins.items():
         target = spec.entities.get(pin.to) if pin.to is not None else None
         why = cannot_hold(target) if target is not None else None
@@ -57,7 +57,7 @@ def _entity(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
             where,
             f"cells of {physics.resolution:g} m are larger than {name!r} ({max(entity.dimensions.size):g} m); take at most its "
             "smallest extent",
-            {"op": "replace", "path": where, "value": min(entity.dimensions.size)},
+            replaced(where, min(entity.dimensions.size)),
         )
 
 
@@ -69,7 +69,7 @@ def _instance(key: str, instance: RigidInstance, soft: list[str], spec: WorldSpe
         yield Problem(
             f"{place}/step",
             f"step {settings.step:g} s of {key!r} is longer than {LONGEST_STEP:g} s, which its elastic members need",
-            {"op": "replace", "path": f"{place}/step", "value": LONGEST_STEP},
+            replaced(f"{place}/step", LONGEST_STEP),
         )
     for member in instance.members:
         if member in spec.entities and spec.entities[member].breakable is not None:
@@ -81,7 +81,7 @@ def _instance(key: str, instance: RigidInstance, soft: list[str], spec: WorldSpe
             yield Problem(
                 f"{place}/skin",
                 f"skin {settings.skin:g} m of {key!r} exceeds {SKIN_SHARE:.0%} of the cells of {name!r} ({edge:.3g} m)",
-                {"op": "replace", "path": f"{place}/skin", "value": float(f"{SKIN_SHARE * edge:.3g}")},
+                replaced(f"{place}/skin", float(f"{SKIN_SHARE * edge:.3g}")),
             )
 
 
@@ -104,7 +104,7 @@ def _links(spec: WorldSpec, soft: set[str]) -> Iterator[Problem]:
     for key, pair in plan.contacts.items():
         if {pair.a, pair.b} & soft:
             text = f"contact {key!r} names an elastic body; its friction and restitution are those of its material"
-            yield Problem(f"/simulation/contacts/{key}", text, {"op": "remove", "path": f"/simulation/contacts/{key}"})
+            yield Problem(f"/simulation/contacts/{key}", text, removed(f"/simulation/contacts/{key}"))
     for key, driver in plan.drivers.items():
         if driver.kind in ("force", "path") and getattr(driver, "entity", None) in soft:
             text = f"{driver.kind} driver {key!r} acts on an elastic body; pin it to a rigid body that the driver moves"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ...predicates.fields import Band, Subject, When
+from ...predicate_base import Band, Subject, When
 
 __all__ = ["Deflection", "Strain"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...audits.gate import Problem
 from ...limits import CAPS
+from ...problems import Problem, removed, replaced
 from ...spec import ForceDriver, PathDriver, RigidPhysics
 from .facts import CRUMBLE, piece_count
 
@@ -73,12 +73,12 @@ def _contract(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
         return
     if entity.motion != "dynamic":
         text = f"{name!r} is breakable and {entity.motion}; make it dynamic, and give the sides that hold it in breakable/fixed"
-        yield Problem(f"{place}/motion", text, {"op": "replace", "path": f"{place}/motion", "value": "dynamic"})
+        yield Problem(f"{place}/motion", text, replaced(f"{place}/motion", "dynamic"))
     if entity.generator is not None:
         yield Problem(f"{place}/generator", f"{name!r} is breakable and made by a generator; give it parts")
     if entity.physics.linear_damping > 0:
         text = f"{name!r} is breakable, and linear_damping works on single bodies only; use a field driver for drag"
-        yield Problem(f"{place}/physics/linear_damping", text, {"op": "remove", "path": f"{place}/physics/linear_damping"})
+        yield Problem(f"{place}/physics/linear_damping", text, removed(f"{place}/physics/linear_damping"))
     moving = np.any([*entity.physics.linear_velocity, *entity.physics.angular_velocity])
     if moving and entity.breakable is not None and entity.breakable.fixed:
         yield Problem(
@@ -103,7 +103,7 @@ def _partners(spec: WorldSpec, name: str) -> Iterator[Problem]:
     for key, joint in plan.joints.items():
         if name in (joint.parent, joint.child):
             text = f"joint {key!r} hangs on {name!r}, which is breakable and may fall apart; joints need whole bodies"
-            yield Problem(f"/simulation/joints/{key}", text, {"op": "remove", "path": f"/simulation/joints/{key}"})
+            yield Problem(f"/simulation/joints/{key}", text, removed(f"/simulation/joints/{key}"))
     for key, other in spec.entities.items():
         if other.generator is not None and name in (other.generator.attach_start, other.generator.attach_end):
             yield Problem(
@@ -112,11 +112,11 @@ def _partners(spec: WorldSpec, name: str) -> Iterator[Problem]:
     for key, driver in plan.drivers.items():
         if isinstance(driver, ForceDriver | PathDriver) and driver.entity == name:
             text = f"driver {key!r} moves {name!r}, which is breakable; push it with another body or a field"
-            yield Problem(f"/simulation/drivers/{key}", text, {"op": "remove", "path": f"/simulation/drivers/{key}"})
+            yield Problem(f"/simulation/drivers/{key}", text, removed(f"/simulation/drivers/{key}"))
     for key, pair in plan.contacts.items():
         if pair.a == name and pair.b == name:
             text = f"contact {key!r} pairs {name!r} with itself; its pieces meet with its material's friction"
-            yield Problem(f"/simulation/contacts/{key}", text, {"op": "remove", "path": f"/simulation/contacts/{key}"})
+            yield Problem(f"/simulation/contacts/{key}", text, removed(f"/simulation/contacts/{key}"))
 
 
 def _pieces(spec: WorldSpec, name: str, entity: Entity, breakable: Breakable) -> Iterator[Problem]:
@@ -138,7 +138,7 @@ def _pieces(spec: WorldSpec, name: str, entity: Entity, breakable: Breakable) ->
     value = crumble_limit(entity)
     if bond.crumble is not None and bond.crumble > value:
         text = f"faces of {name!r} crumble over {bond.crumble:g} m, more than {CRUMBLE_SHARE:g} of a piece; at most "
-        patch = {"op": "replace", "path": f"{place}/bond/crumble", "value": value}
+        patch = replaced(f"{place}/bond/crumble", value)
         yield Problem(f"{place}/bond/crumble", text + f"{value:.3g} m", patch)
 
 

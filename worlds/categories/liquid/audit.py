@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import F64, pose_of
-from ...audits.gate import Problem
+from ...problems import Problem, replaced
 from .facts import LEAST_MOUTH, LEAST_SPACINGS, domain_box, inflows_of, initial_box, spacing_of
 from .wave_audit import wave_problems
 
@@ -39,7 +39,7 @@ def _entities(spec: WorldSpec) -> Iterator[Problem]:
         if entity.motion != "dynamic":
             text = f"the liquid {name!r} is {entity.motion}; liquids are dynamic"
             place = f"/entities/{name}/motion"
-            yield Problem(place, text, {"op": "replace", "path": place, "value": "dynamic"})
+            yield Problem(place, text, replaced(place, "dynamic"))
         if entity.generator is not None:
             yield Problem(
                 f"/entities/{name}/generator", f"the liquid {name!r} has a generator; give it parts that hold its volume"
@@ -67,7 +67,7 @@ def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[
             yield Problem(
                 where,
                 f"{member!r} has resolution {entity.physics.resolution:g} m, another member of {name!r} {spacing:g} m; an instance has one",
-                {"op": "replace", "path": where, "value": spacing},
+                replaced(where, spacing),
             )
         box = initial_box(entity)
         if box is None:

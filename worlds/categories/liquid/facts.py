@@ -14,8 +14,8 @@ import numpy as np
 from ...arrays import F64, pose_of
 
 if TYPE_CHECKING:
+    from ...shapes import Shape
     from ...spec import Entity, InflowDriver, LiquidInstance, WorldSpec
-    from ...spec.shapes import Shape
 
 __all__ = [
     "LEAST_MOUTH",

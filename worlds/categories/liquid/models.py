@@ -6,16 +6,18 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from ...spec.shapes import Pose
-from ...vocabulary import EntityRef, Finite, NonNegative, Positive, SpecModel, Vec3
+from ...shapes import Pose
+from ...vocabulary import EntityRef, Finite, Id, NonNegative, Positive, SpecModel, Vec3
 
 __all__ = [
+    "Current",
     "DfsphInstance",
     "DfsphSettings",
     "FlipInstance",
     "FlipSettings",
     "InflowDriver",
     "LiquidDomain",
+    "LiquidPhysics",
     "OutflowDriver",
     "WaveSide",
     "WavesDriver",
@@ -175,3 +177,43 @@ class WavesDriver(SpecModel):
         if len(set(both)) < len(both):
             raise ValueError("a side stands once, in generate or in absorb")
         return self
+
+
+class Current(SpecModel):
+    """A stream that runs at frame 0: the same velocity all over each of its cross sections."""
+
+    line: Annotated[list[Vec3], Field(min_length=2, max_length=400)] = Field(
+        description="its course downstream, in the entity's frame [m]"
+    )
+    speeds: Annotated[list[NonNegative], Field(min_length=2, max_length=400)] = Field(description="at each of these points [m/s]")
+    width: Positive = Field(description="of the stream [m]: liquid within half of it from the course, seen from above, runs")
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Current:
+        if len(self.line) != len(self.speeds):
+            raise ValueError(f"a current has {len(self.line)} points and {len(self.speeds)} speeds; give one speed per point")
+        return self
+
+
+class LiquidPhysics(SpecModel):
+    """Free-surface liquid; the entity's parts are its initial volume."""
+
+    category: Literal["liquid"] = "liquid"
+    viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s], at `temperature`")
+    surface_tension: NonNegative = Field(
+        default=0.072,
+        description="[N/m]; felt by dfsph below spacings of about three capillary lengths (water 8.6 mm); flip leaves it out",
+    )
+    resolution: Positive = Field(description="particle spacing or cell size [m]")
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, or where a preroll begins [m/s]")
+    currents: Annotated[dict[Id, Current], Field(max_length=64)] = Field(
+        default={}, description="streams that run at frame 0, or where a preroll begins; liquid beside them has linear_velocity"
+    )
+    temperature: float = Field(default=293.15, gt=0, le=5000, description="at frame 0 [K]")
+    conductivity: NonNegative = Field(default=0.0, le=1000, description="thermal [W/(m K)]; 0: heat is carried, not conducted")
+    heat_capacity: Positive = Field(default=4186.0, description="[J/(kg K)]")
+    activation: NonNegative = Field(
+        default=0.0,
+        le=1e5,
+        description="of viscosity [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)); lava 2e4 or so",
+    )

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ...predicates.fields import Band, Subject, When
+from ...predicate_base import Band, Subject, When
 from ...vocabulary import EntityRef, Finite, NonNegative, Positive, RegionRef, SpecModel, Vec3
 
 __all__ = [

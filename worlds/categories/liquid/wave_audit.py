@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ....physics.waves import breaking_steepness, wavelength
-from ...audits.gate import Problem
+from ...problems import Problem, replaced
 from ...waves import developed, heading, inward, waves_of
 from .facts import domain_box, initial_box, spacing_of
 
@@ -78,7 +78,7 @@ def _zones(place: str, key: str, driver: WavesDriver, name: str, instance: Liqui
         yield Problem(
             f"{place}/zone",
             f"zones of waves {key!r} are {driver.zone:g} m wide, less than one wavelength of {length:.4g} m: they would reflect",
-            {"op": "replace", "path": f"{place}/zone", "value": value},
+            replaced(f"{place}/zone", value),
         )
     low, high = domain_box(instance)
     sides = [*driver.generate, *driver.absorb]
@@ -126,7 +126,7 @@ def _water(spec: WorldSpec, place: str, key: str, driver: WavesDriver, name: str
         yield Problem(
             f"{place}/level",
             f"still water of waves {key!r} is declared at {driver.level:.4g} m, the liquid's top at frame 0 is {max(tops):.4g} m",
-            {"op": "replace", "path": f"{place}/level", "value": round(max(tops), 6)},
+            replaced(f"{place}/level", round(max(tops), 6)),
         )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import pose_of
-from ...audits.gate import Problem
+from ...problems import Problem, removed, replaced
 from ..liquid.facts import initial_box
 from .facts import particle_box
 
@@ -34,7 +34,7 @@ def particle_problems(spec: WorldSpec) -> list[Problem]:
         place = f"/entities/{name}"
         if entity.motion != "dynamic":
             text = f"particles {name!r} are {entity.motion}; particles are dynamic"
-            found.append(Problem(f"{place}/motion", text, {"op": "replace", "path": f"{place}/motion", "value": "dynamic"}))
+            found.append(Problem(f"{place}/motion", text, replaced(f"{place}/motion", "dynamic")))
         if entity.generator is not None:
             found.append(
                 Problem(f"{place}/generator", f"particles {name!r} have a generator; give them parts that hold their volume")
@@ -56,7 +56,7 @@ def _instance(spec: WorldSpec, name: str, instance: ParticleInstance) -> Iterato
             yield Problem(
                 f"/entities/{member}/physics/law",
                 text,
-                {"op": "replace", "path": f"/entities/{member}/physics/law", "value": wanted},
+                replaced(f"/entities/{member}/physics/law", wanted),
             )
         box = initial_box(entity)
         if box is None:
@@ -107,4 +107,4 @@ def _couplings(spec: WorldSpec) -> Iterator[Problem]:
         if flying and coupling.direction == "two_way":
             place = f"/simulation/couplings/{name}"
             text = f"coupling {name!r}: ballistic particles of {flying[0]!r} push nothing; make it one_way from the rigid instance, or leave it out"
-            yield Problem(place, text, {"op": "remove", "path": place})
+            yield Problem(place, text, removed(place))

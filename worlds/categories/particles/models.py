@@ -6,10 +6,18 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from ...spec.shapes import Pose
+from ...shapes import Pose
 from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 
-__all__ = ["BallisticInstance", "BallisticSettings", "DemInstance", "DemSettings", "EmitterDriver", "ParticleDomain"]
+__all__ = [
+    "BallisticInstance",
+    "BallisticSettings",
+    "DemInstance",
+    "DemSettings",
+    "EmitterDriver",
+    "ParticleDomain",
+    "ParticlePhysics",
+]
 
 
 class ParticleDomain(SpecModel):
@@ -87,3 +95,44 @@ class EmitterDriver(SpecModel):
         if self.end is not None and self.end <= self.start:
             raise ValueError("end must be > start")
         return self
+
+
+class ParticlePhysics(SpecModel):
+    """Ballistic or granular matter; the entity's parts are its initial volume.
+
+    Density, friction and restitution are those of the entity's material.
+    """
+
+    category: Literal["particles"] = "particles"
+    law: Literal["granular", "ballistic"] = Field(
+        default="granular", description="granular: grains that touch, engine dem; ballistic: flying alone, engine ballistic"
+    )
+    radius: Positive = Field(description="mean [m]")
+    radius_spread: float = Field(default=0.1, ge=0, le=0.5, description="radii lie evenly within 1 +- this share of the mean")
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0 [m/s]; after a preroll, added to what it left")
+    young_modulus: float = Field(
+        default=1e7, ge=1e4, le=1e11, description="[Pa]; grains are commonly taken softer than they are: steps are longer then"
+    )
+    poisson_ratio: float = Field(default=0.25, ge=0, le=0.49)
+    rolling: float = Field(
+        default=0.1,
+        ge=0,
+        le=2,
+        description="rolling resistance in effective radii: 0 for spheres, 0.1 to 0.3 for sand, more for gravel",
+    )
+    cohesion: NonNegative = Field(
+        default=0.0,
+        le=1e3,
+        description="energy of adhesion [J/m^2]: pulls two grains together with 2 pi cohesion times effective radius",
+    )
+    packing: float = Field(
+        default=0.58, ge=0.2, le=0.61, description="granular: share of the volume that grains take up before they settle"
+    )
+    count: int = Field(
+        default=0, ge=0, le=5_000_000, description="ballistic: particles in the volume at frame 0, at random places"
+    )
+    on_hit: Literal["bounce", "stick", "die"] = Field(
+        default="bounce", description="ballistic: what a particle does at a surface"
+    )
+    life: Positive | None = Field(default=None, description="ballistic: seconds until it vanishes; default: it stays")
+    life_spread: float = Field(default=0.0, ge=0, le=1, description="lives lie evenly within 1 +- this share")

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ...predicates.fields import Band, Subject, When
+from ...predicate_base import Band, Subject, When
 from ...vocabulary import Finite, Positive, RegionRef, SpecModel
 
 __all__ = ["ParticleCountIn", "ParticleVolumeIn", "ParticlesSettled", "PileHeight", "RunOut"]

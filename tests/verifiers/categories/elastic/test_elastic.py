@@ -10,8 +10,7 @@ from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.categories.elastic import check as elastic
 from worldagent.worlds.predicates import Deflection, Strain
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Pin
-from worldagent.worlds.spec.entities import ElasticPhysics
+from worldagent.worlds.spec import ElasticPhysics, Pin
 
 SIZE, FRAMES, G, HIGH = (0.4, 0.2, 0.2), 12, 9.81, 2.0
 MESH = block_mesh(SIZE, (4, 2, 2))

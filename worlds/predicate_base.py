@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import StringConstraints, model_validator
 
-from ..vocabulary import Finite, Ref, SpecModel
+from .vocabulary import Finite, Ref, SpecModel
 
 __all__ = ["Band", "Subject", "When"]
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, model_validator
 
-from ..vocabulary import Finite, NonNegative, Positive, SpecModel, Vec2, Vec3
+from .vocabulary import Finite, NonNegative, Positive, SpecModel, Vec2, Vec3
 
 __all__ = [
     "Box",

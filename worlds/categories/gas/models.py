@@ -1,0 +1,21 @@
+"""Smoke and fire in entity contracts (R61)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ...vocabulary import NonNegative, Positive, SpecModel
+
+__all__ = ["GasPhysics"]
+
+
+class GasPhysics(SpecModel):
+    """Smoke or fire; the entity's parts are its source."""
+
+    category: Literal["gas"] = "gas"
+    temperature: Positive = Field(default=400.0, description="source temperature [K]")
+    soot_density: NonNegative = Field(default=1.0, description="[kg/m^3]")
+    fuel: bool = False
+    resolution: Positive = Field(description="cell size [m]")

@@ -1,0 +1,118 @@
+"""Rigid bodies, the instance that moves them, and their drivers (R27, R61)."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from ...shapes import Pose
+from ...vocabulary import EntityRef, Finite, Id, JointRef, NonNegative, Positive, SpecModel, Vec3
+
+__all__ = [
+    "DetachDriver",
+    "ForceDriver",
+    "MotorDriver",
+    "PathDriver",
+    "PathKey",
+    "RigidInstance",
+    "RigidPhysics",
+    "RigidSettings",
+]
+
+
+class RigidPhysics(SpecModel):
+    """Rigid body."""
+
+    category: Literal["rigid"] = "rigid"
+    mass: Positive | None = Field(
+        default=None, description="[kg]; default: density x volume; within the substance's range of densities x volume"
+    )
+    hollow: bool = Field(
+        default=False,
+        description="closed shell around air: may weigh as little as a wall of 0.1 mm; listed",
+    )
+    linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
+    angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
+    linear_damping: NonNegative = Field(default=0.0, description="viscous drag on the body [N s/m]")
+
+
+class RigidSettings(SpecModel):
+    """Settings of a MuJoCo instance."""
+
+    step: float = Field(default=5e-4, ge=2e-5, le=5e-3, description="time step [s]")
+    skin: float = Field(
+        default=5e-4, ge=0, le=0.02, description="collision skin of every part [m]; contacts act at the sum of two"
+    )
+    contact_steps: float = Field(
+        default=10.0,
+        ge=2.0,
+        le=40.0,
+        description="how slowly depth inside the skins is pushed out: natural period / 2 pi, in steps",
+    )
+    impratio: float = Field(default=20.0, ge=1, le=1000, description="friction to normal impedance ratio")
+    iterations: int = Field(default=60, ge=5, le=1000)
+    tolerance: float = Field(default=1e-8, ge=0, le=1e-4)
+    sleep: bool = Field(default=True, description="islands at rest are put to sleep")
+    speculative: bool = Field(default=False, description="contacts ahead of time for fast thin bodies")
+    refine: int = Field(default=3, ge=0, le=6, description="most halvings of the step within one frame that would overlap")
+
+
+class RigidInstance(SpecModel):
+    """A running rigid engine and the entities it moves or collides with."""
+
+    moves: ClassVar[tuple[str, ...]] = ("rigid", "elastic")
+    engine: Literal["mujoco"]
+    members: Annotated[list[EntityRef], Field(min_length=1, max_length=20000)]
+    settings: RigidSettings = RigidSettings()
+
+
+class PathKey(SpecModel):
+    """Pose at a time."""
+
+    time: NonNegative
+    pose: Pose
+
+
+class PathDriver(SpecModel):
+    """Moves a kinematic entity along poses (shape-preserving cubic in position, slerp in rotation)."""
+
+    kind: Literal["path"] = "path"
+    entity: EntityRef
+    keys: Annotated[dict[Id, PathKey], Field(min_length=2, max_length=200)]
+
+
+class ForceDriver(SpecModel):
+    """Constant force and torque on an entity during [start, end) seconds."""
+
+    kind: Literal["force"] = "force"
+    entity: EntityRef
+    force: Vec3 = (0, 0, 0)
+    torque: Vec3 = (0, 0, 0)
+    start: NonNegative = 0.0
+    end: Positive
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ForceDriver:
+        if self.end <= self.start:
+            raise ValueError("end must be > start")
+        return self
+
+
+class MotorDriver(SpecModel):
+    """Drives a hinge or slide towards a velocity with at most `max_effort` during [start, end) seconds."""
+
+    kind: Literal["motor"] = "motor"
+    joint: JointRef
+    velocity: Finite = Field(description="[rad/s] or [m/s]")
+    max_effort: Positive = Field(description="[N m] or [N]")
+    start: NonNegative = 0.0
+    end: Positive
+
+
+class DetachDriver(SpecModel):
+    """Opens a weld or cuts a spring or rope at `time`."""
+
+    kind: Literal["detach"] = "detach"
+    joint: JointRef
+    time: NonNegative

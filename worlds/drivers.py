@@ -2,24 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 from .errors import EvidenceError
 from .fields import acting_on
 from .predicates import is_invariant
-from .spec import (
-    DetachDriver,
-    EmitterDriver,
-    FieldDriver,
-    ForceDriver,
-    InflowDriver,
-    MotorDriver,
-    OutflowDriver,
-    PathDriver,
-    ReleaseDriver,
-    WavesDriver,
-    WorldSpec,
-)
+from .spec import DetachDriver, FieldDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 
 __all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared"]
 
@@ -27,37 +13,18 @@ __all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared"]
 def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
     """When a driver acts first [s], and on which entities.
 
-    A path acts when its poses first change.
-
     Raises:
         EvidenceError: its joint is not in the plan.
     """
-    plan = spec.simulation
-    driver = plan.drivers[driver_id]
-    if isinstance(driver, ReleaseDriver):
-        return driver.time, (driver.entity,)
-    if isinstance(driver, ForceDriver | InflowDriver | EmitterDriver):
-        return driver.start, (driver.entity,)
+    plan, driver = spec.simulation, spec.simulation.drivers[driver_id]
     if isinstance(driver, FieldDriver):
-        return max(0.0, driver.start), acting_on(spec, driver)
-    if isinstance(driver, WavesDriver):
-        return max(0.0, driver.start), (driver.entity,)
-    if isinstance(driver, OutflowDriver):
-        return 0.0, (driver.entity,)
-    if isinstance(driver, PathDriver):
-        keys = sorted(driver.keys.values(), key=lambda k: k.time)
-        still = [b.time for a, b in pairwise(keys) if a.pose == b.pose]
-        start = keys[0].time
-        for time in still:  # leading keys with equal poses are a wait
-            if all(k.pose == keys[0].pose for k in keys if k.time <= time):
-                start = time
-        return start, (driver.entity,)
-    assert isinstance(driver, MotorDriver | DetachDriver)
+        return driver.begins, acting_on(spec, driver)
+    if not isinstance(driver, MotorDriver | DetachDriver):
+        return driver.begins, (driver.entity,)
     joint = plan.joints.get(driver.joint)
     if joint is None:
         raise EvidenceError(f"joint {driver.joint!r} of driver {driver_id!r} is not in the simulation plan")
-    ends = tuple(e for e in (joint.child, joint.parent) if e is not None)
-    return (driver.start if isinstance(driver, MotorDriver) else driver.time), ends
+    return driver.begins, tuple(e for e in (joint.child, joint.parent) if e is not None)
 
 
 def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:

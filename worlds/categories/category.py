@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
-__all__ = ["CategorySpec", "Shape"]
+from ..matter import MatterShape
 
-Shape = Literal["solid", "deforming", "loose"]
-"""`solid`: surfaces that keep their form; `deforming`: surfaces that bend; `loose`: matter without a surface of its own."""
+__all__ = ["CategorySpec"]
 
 
 @dataclass(frozen=True)
@@ -16,4 +14,4 @@ class CategorySpec:
     """One category of matter."""
 
     name: str
-    shape: Shape
+    shape: MatterShape

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from .category import CategorySpec, Shape
+from ..matter import MatterShape
+from .category import CategorySpec
 from .cloth.category import CLOTH
 from .elastic.category import ELASTIC
 from .fracture.category import FRACTURE
@@ -34,6 +35,6 @@ CATEGORIES: Mapping[str, CategorySpec] = {
 """All categories by name: that of `physics.category`, and `fracture` for rigid bodies that may break."""
 
 
-def shape_of(entity: Entity) -> Shape:
+def shape_of(entity: Entity) -> MatterShape:
     """`solid`, `deforming` or `loose`, by the category of the entity."""
-    return CATEGORIES[entity.physics.category].shape
+    return entity.physics.shape

@@ -144,3 +144,8 @@ class FieldDriver(SpecModel):
         if self.end is not None and self.end <= self.start:
             raise ValueError("end must be > start")
         return self
+
+    @property
+    def begins(self) -> float:
+        """When it acts first within the sequence [s]."""
+        return max(0.0, self.start)

@@ -58,6 +58,11 @@ class ReleaseDriver(SpecModel):
     entity: EntityRef
     time: NonNegative = Field(description="[s]")
 
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return self.time
+
 
 Driver = Annotated[
     ReleaseDriver

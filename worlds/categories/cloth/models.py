@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from ...matter import Instance, Matter, MatterShape
 from ...vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Vec3
 
 __all__ = ["ClothInstance", "ClothPhysics", "ClothPin", "ClothSettings", "ClothTear"]
@@ -73,22 +74,25 @@ class ClothSettings(SpecModel):
     device: Literal["cpu", "cuda"] = "cpu"
 
 
-class ClothInstance(SpecModel):
+class ClothInstance(Instance):
     """Running cloth. All rigid entities are what it meets; with a two_way coupling it pushes them."""
 
     moves: ClassVar[tuple[str, ...]] = ("cloth",)
+    meets: ClassVar[tuple[str, ...]] = ("elastic",)
     engine: Literal["shell"] = "shell"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=64)]
     settings: ClothSettings = ClothSettings()
 
 
-class ClothPhysics(SpecModel):
+class ClothPhysics(Matter):
     """Cloth: its parts are sheets or meshes, which need not be closed; every triangle of them is one of the simulation.
 
     Stiffnesses are those of the sheet: Young's or shear modulus times thickness. Fabrics: stretch 500 to 5000 N/m, shear a tenth of
     that, bend 1e-6 (silk) to 1e-4 N m (canvas); the step falls with the edge length and the root of the stretch stiffness.
     """
 
+    shape: ClassVar[MatterShape] = "deforming"
+    feels_fields: ClassVar[bool] = True
     category: Literal["cloth"] = "cloth"
     area_density: Positive = Field(description="[kg/m^2]")
     thickness: Positive = Field(description="[m]")
@@ -110,3 +114,8 @@ class ClothPhysics(SpecModel):
     )
     tear: ClothTear | None = Field(default=None, description="what tears it; default: it never tears")
     max_stretch: Positive = Field(default=0.05, le=1, description="largest allowed extension of an edge / its length at rest")
+
+    def geometry(self) -> dict[str, Any]:
+        """Weight and thickness, and whether the sheet can tear."""
+        sheet = {"sheet": [self.area_density, self.thickness]}
+        return sheet if self.tear is None else {**sheet, "tears": True}

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from ...matter import Matter, MatterShape
 from ...vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Vec3
 
 __all__ = ["ElasticPhysics", "Pin"]
@@ -19,9 +20,11 @@ class Pin(SpecModel):
     to: EntityRef | None = Field(default=None, description="who carries it; default: the world")
 
 
-class ElasticPhysics(SpecModel):
+class ElasticPhysics(Matter):
     """Elastic body; its rest shape is its one part, a closed solid."""
 
+    shape: ClassVar[MatterShape] = "deforming"
+    feels_fields: ClassVar[bool] = True
     category: Literal["elastic"] = "elastic"
     young_modulus: Positive = Field(description="[Pa]; jelly 1e3..1e4, rubber 1e6..1e7")
     poisson_ratio: float = Field(default=0.3, ge=0, le=0.49)
@@ -40,3 +43,7 @@ class ElasticPhysics(SpecModel):
     max_strain: Positive = Field(default=0.5, le=8, description="largest allowed principal strain")
     # What stays bent by half of its size has not come back.
     recovery: Positive = Field(default=0.02, le=0.5, description="allowed residual deformation / size at rest")
+
+    def geometry(self) -> dict[str, Any]:
+        """The edge of the cells."""
+        return {"resolution": self.resolution}

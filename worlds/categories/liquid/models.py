@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from ...matter import Instance, Matter, MatterShape
 from ...shapes import Pose
 from ...vocabulary import EntityRef, Finite, Id, NonNegative, Positive, SpecModel, Vec3
 
@@ -85,19 +86,20 @@ class FlipSettings(_LiquidSettings):
     )
 
 
-class DfsphInstance(SpecModel):
+class DfsphInstance(Instance):
     """A running particle liquid and the liquid entities that it moves.
 
     Rigid entities of other instances are its boundaries where they reach into the domain.
     """
 
     moves: ClassVar[tuple[str, ...]] = ("liquid",)
+    meets: ClassVar[tuple[str, ...]] = ("elastic", "cloth")
     engine: Literal["dfsph"] = "dfsph"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)]
     settings: DfsphSettings
 
 
-class FlipInstance(SpecModel):
+class FlipInstance(Instance):
     """A running grid liquid and the liquid entities that it moves."""
 
     moves: ClassVar[tuple[str, ...]] = ("liquid",)
@@ -137,6 +139,11 @@ class InflowDriver(SpecModel):
         """Speed through the opening [m/s]."""
         return self.speed if self.speed is not None else float(self.rate or 0.0) / self.area
 
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return self.start
+
 
 class OutflowDriver(SpecModel):
     """Takes liquid away that comes into a box, and counts it."""
@@ -145,6 +152,11 @@ class OutflowDriver(SpecModel):
     entity: EntityRef = Field(description="the liquid, or any one of its instance")
     pose: Pose = Pose()
     size: tuple[Positive, Positive, Positive] = Field(description="full extents along the box's own axes [m]")
+
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return 0.0
 
 
 class WavesDriver(SpecModel):
@@ -178,6 +190,11 @@ class WavesDriver(SpecModel):
             raise ValueError("a side stands once, in generate or in absorb")
         return self
 
+    @property
+    def begins(self) -> float:
+        """When it acts first within the sequence [s]."""
+        return max(0.0, self.start)
+
 
 class Current(SpecModel):
     """A stream that runs at frame 0: the same velocity all over each of its cross sections."""
@@ -195,9 +212,11 @@ class Current(SpecModel):
         return self
 
 
-class LiquidPhysics(SpecModel):
+class LiquidPhysics(Matter):
     """Free-surface liquid; the entity's parts are its initial volume."""
 
+    shape: ClassVar[MatterShape] = "loose"
+    feels_fields: ClassVar[bool] = True
     category: Literal["liquid"] = "liquid"
     viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s], at `temperature`")
     surface_tension: NonNegative = Field(

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from ...matter import Instance, Matter, MatterShape
 from ...shapes import Pose
 from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 
@@ -43,13 +44,14 @@ class DemSettings(SpecModel):
     device: Literal["cpu", "cuda"] = "cpu"
 
 
-class DemInstance(SpecModel):
+class DemInstance(Instance):
     """Grains with Hertz-Mindlin contacts, and the granular entities that it moves.
 
     Rigid entities that reach into the domain are their walls; a two-way coupling lets them give way.
     """
 
     moves: ClassVar[tuple[str, ...]] = ("particles",)
+    meets: ClassVar[tuple[str, ...]] = ("elastic", "cloth")
     engine: Literal["dem"] = "dem"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)]
     settings: DemSettings
@@ -63,7 +65,7 @@ class BallisticSettings(SpecModel):
     device: Literal["cpu", "cuda"] = "cpu"
 
 
-class BallisticInstance(SpecModel):
+class BallisticInstance(Instance):
     """Sparks, dust, rain, ash: particles that do not meet each other and push nothing, and the entities that it moves."""
 
     moves: ClassVar[tuple[str, ...]] = ("particles",)
@@ -96,13 +98,20 @@ class EmitterDriver(SpecModel):
             raise ValueError("end must be > start")
         return self
 
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return self.start
 
-class ParticlePhysics(SpecModel):
+
+class ParticlePhysics(Matter):
     """Ballistic or granular matter; the entity's parts are its initial volume.
 
     Density, friction and restitution are those of the entity's material.
     """
 
+    shape: ClassVar[MatterShape] = "loose"
+    feels_fields: ClassVar[bool] = True
     category: Literal["particles"] = "particles"
     law: Literal["granular", "ballistic"] = Field(
         default="granular", description="granular: grains that touch, engine dem; ballistic: flying alone, engine ballistic"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from ...matter import Instance, Matter, MatterShape
 from ...shapes import Pose
 from ...vocabulary import EntityRef, Finite, Id, JointRef, NonNegative, Positive, SpecModel, Vec3
 
@@ -21,9 +23,11 @@ __all__ = [
 ]
 
 
-class RigidPhysics(SpecModel):
+class RigidPhysics(Matter):
     """Rigid body."""
 
+    shape: ClassVar[MatterShape] = "solid"
+    feels_fields: ClassVar[bool] = True
     category: Literal["rigid"] = "rigid"
     mass: Positive | None = Field(
         default=None, description="[kg]; default: density x volume; within the substance's range of densities x volume"
@@ -35,6 +39,10 @@ class RigidPhysics(SpecModel):
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
     angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
     linear_damping: NonNegative = Field(default=0.0, description="viscous drag on the body [N s/m]")
+
+    def geometry(self) -> dict[str, Any]:
+        """The declared mass."""
+        return {"mass": self.mass}
 
 
 class RigidSettings(SpecModel):
@@ -58,7 +66,7 @@ class RigidSettings(SpecModel):
     refine: int = Field(default=3, ge=0, le=6, description="most halvings of the step within one frame that would overlap")
 
 
-class RigidInstance(SpecModel):
+class RigidInstance(Instance):
     """A running rigid engine and the entities it moves or collides with."""
 
     moves: ClassVar[tuple[str, ...]] = ("rigid", "elastic")
@@ -81,6 +89,17 @@ class PathDriver(SpecModel):
     entity: EntityRef
     keys: Annotated[dict[Id, PathKey], Field(min_length=2, max_length=200)]
 
+    @property
+    def begins(self) -> float:
+        """When its poses first change [s]: leading keys with equal poses are a wait."""
+        keys = sorted(self.keys.values(), key=lambda k: k.time)
+        start = keys[0].time
+        for before, after in pairwise(keys):
+            if before.pose != keys[0].pose or after.pose != keys[0].pose:
+                break
+            start = after.time
+        return start
+
 
 class ForceDriver(SpecModel):
     """Constant force and torque on an entity during [start, end) seconds."""
@@ -98,6 +117,11 @@ class ForceDriver(SpecModel):
             raise ValueError("end must be > start")
         return self
 
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return self.start
+
 
 class MotorDriver(SpecModel):
     """Drives a hinge or slide towards a velocity with at most `max_effort` during [start, end) seconds."""
@@ -109,6 +133,11 @@ class MotorDriver(SpecModel):
     start: NonNegative = 0.0
     end: Positive
 
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return self.start
+
 
 class DetachDriver(SpecModel):
     """Opens a weld or cuts a spring or rope at `time`."""
@@ -116,3 +145,8 @@ class DetachDriver(SpecModel):
     kind: Literal["detach"] = "detach"
     joint: JointRef
     time: NonNegative
+
+    @property
+    def begins(self) -> float:
+        """When it acts first [s]."""
+        return self.time

@@ -13,7 +13,7 @@ from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matr
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import InputError, LimitError
-from ..worlds.provenance import geometry_slice
+from ..worlds.slices import geometry_slice
 from ..worlds.spec import ElasticPhysics, Entity, Part, RigidPhysics, Rope, WorldSpec
 from .fracture.build import Whole, build_pieces
 from .imports import mesh_digest

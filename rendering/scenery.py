@@ -12,7 +12,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate
-from ..worlds.categories.liquid.facts import domain_box
+from ..worlds.categories.loose import domain_box
 from ..worlds.errors import EvidenceError
 from ..worlds.landscape import SavedLandscape, open_landscape
 from ..worlds.spec import HeightField, StemField

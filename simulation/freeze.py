@@ -10,7 +10,7 @@ from pathlib import Path
 from ..worlds.built import BuiltEntity
 from ..worlds.canonical import digest_of, source_digest, spec_digest
 from ..worlds.folder import WorldFolder, write_atomically
-from ..worlds.provenance import motion_slice
+from ..worlds.slices import motion_slice
 from ..worlds.spec import WorldSpec
 
 __all__ = ["engine_versions", "freeze_hash", "open_freeze", "solver_source"]

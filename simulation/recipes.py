@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..worlds.canonical import digest_of
-from ..worlds.categories.liquid.facts import domain_box, spacing_of
+from ..worlds.categories.liquid.facts import spacing_of
+from ..worlds.categories.liquid.recipe import liquid_slice
+from ..worlds.categories.loose import domain_box
 from ..worlds.instances import soft_met
-from ..worlds.provenance import liquid_slice, motion_slice
+from ..worlds.slices import motion_slice
 from .boundaries import meets_domain
 from .liquid.scene import MARGIN
 

@@ -9,9 +9,10 @@ import numpy as np
 from ..worlds.arrays import F64, RigidPose, compose, pose_of
 from ..worlds.built import BuiltEntity, TriangleMesh
 from ..worlds.cache import Cache
-from ..worlds.categories.liquid.facts import domain_box, spacing_of
+from ..worlds.categories.liquid.facts import spacing_of
 from ..worlds.categories.liquid.surface import LiquidSurface
 from ..worlds.categories.liquid.wet import WetMap
+from ..worlds.categories.loose import domain_box
 from ..worlds.errors import InputError
 from ..worlds.spec import WorldSpec
 from .boundaries import meets_domain

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..worlds.canonical import digest_of
-from ..worlds.provenance import motion_slice
+from ..worlds.slices import motion_slice
 from ..worlds.spec import WorldSpec
 
 if TYPE_CHECKING:

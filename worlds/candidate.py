@@ -26,7 +26,7 @@ from .fields import fields_of
 from .folder import WorldFolder, safe_join
 from .patch import parse_spec
 from .records import Quantity
-from .spec import Shot, WorldSpec
+from .spec import LiquidPhysics, ParticlePhysics, Shot, WorldSpec
 
 __all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
 
@@ -120,7 +120,7 @@ class Candidate:
     @cached_property
     def deformables(self) -> tuple[str, ...]:
         """Entities that are meant to deform."""
-        return tuple(n for n, e in self.spec.entities.items() if e.physics.category in ("elastic", "cloth"))
+        return tuple(n for n, e in self.spec.entities.items() if e.physics.shape == "deforming")
 
     @cached_property
     def frame_count(self) -> int:
@@ -130,17 +130,17 @@ class Candidate:
     @cached_property
     def solids(self) -> tuple[str, ...]:
         """Entities with a surface of their own, which may deform. Liquids, gases and grains have none."""
-        return tuple(n for n, e in self.spec.entities.items() if e.physics.category not in ("liquid", "gas", "particles"))
+        return tuple(n for n, e in self.spec.entities.items() if e.physics.shape != "loose")
 
     @cached_property
     def liquids(self) -> tuple[str, ...]:
         """Entities that are liquids."""
-        return tuple(n for n, e in self.spec.entities.items() if e.physics.category == "liquid")
+        return tuple(n for n, e in self.spec.entities.items() if isinstance(e.physics, LiquidPhysics))
 
     @cached_property
     def particulates(self) -> tuple[str, ...]:
         """Entities that are grains or flying particles."""
-        return tuple(n for n, e in self.spec.entities.items() if e.physics.category == "particles")
+        return tuple(n for n, e in self.spec.entities.items() if isinstance(e.physics, ParticlePhysics))
 
     @property
     def last_frame(self) -> int:

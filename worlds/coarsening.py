@@ -12,23 +12,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .categories.registry import CATEGORIES
 from .errors import EvidenceError, InputError
 from .folder import write_atomically
 
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["COARSEST", "KNOBS", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "write_overrides"]
+__all__ = ["COARSEST", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "write_overrides"]
 
-KNOBS: Mapping[str, tuple[str, ...]] = {
-    "dfsph": ("resolution",),
-    "flip": ("resolution",),
-    "dem": ("radius",),
-    "ballistic": (),
-    "mujoco": (),
-    "shell": (),
-}
-"""By engine, members of an entity's `physics` that a probe may override. All are lengths."""
 COARSEST = 2.0
 """Own choice: a liquid of twice the spacing, or grains of twice the radius, have an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
 layers and passages that production resolves."""
@@ -61,8 +53,8 @@ def _knobs(spec: WorldSpec) -> dict[str, float]:
         f"/entities/{member}/physics/{knob}": float(getattr(spec.entities[member].physics, knob))
         for solver in spec.simulation.solvers.values()
         for member in solver.members
-        for knob in KNOBS.get(solver.engine, ())
         if member in spec.entities
+        for knob in CATEGORIES[spec.entities[member].physics.category].knobs.get(solver.engine, ())
     }
 
 

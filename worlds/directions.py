@@ -1,6 +1,6 @@
-"""Which way each field of a specification makes its requirements harder or easier to meet (R157): one table of pointers.
+"""Which way each field of a specification makes its requirements harder or easier to meet (R157).
 
-Every field stands here by name, so that a new one has to say what it is. What a direction means for an edit:
+Every field stands here by name, or among the parameters of a category, so that a new one has to say what it is. What a direction means for an edit:
 
 - `harder_up`, `harder_down`: moved against that direction, it asks for less.
 - `either`: any change may ask for less.
@@ -13,26 +13,13 @@ Every field stands here by name, so that a new one has to say what it is. What a
 from __future__ import annotations
 
 import re
-from typing import Literal, NamedTuple
 
-__all__ = ["Direction", "Way", "way_of"]
+from .categories.registry import parameter_of
+from .parameters import Direction, Way
 
-Direction = Literal["harder_up", "harder_down", "either", "bound", "repair", "none"]
+__all__ = ["way_of"]
 
-
-class Way(NamedTuple):
-    """Effect of changing a field on what is asked, with the reason."""
-
-    direction: Direction
-    why: str
-
-
-_E, _P, _S, _D = (
-    r"/entities/[^/]+",
-    r"/entities/[^/]+/physics",
-    r"/simulation/solvers/[^/]+/settings",
-    r"/simulation/drivers/[^/]+",
-)
+_E, _D = r"/entities/[^/]+", r"/simulation/drivers/[^/]+"
 _ANY = r"(/.*)?"
 _TABLE: tuple[tuple[str, Direction, str], ...] = (
     # the prompt and its clauses
@@ -74,26 +61,9 @@ _TABLE: tuple[tuple[str, Direction, str], ...] = (
     (rf"{_E}/parts/[^/]+/(shape|pose|material){_ANY}", "repair", "a surface of another form is judged as it is"),
     (rf"{_E}/parts(/[^/]+)?", "either", "a lost surface asks for less where a failing row was judged on it; an added one does not"),
     (rf"{_E}/generator{_ANY}", "repair", "a rope of another form is judged as it is"),
-    (rf"{_E}/breakable/bond/(tension|shear|toughness|friction)", "bound", "weaker bonds break more easily, stronger ones hold"),
-    (rf"{_E}/breakable/bond/crumble", "harder_down", "how deep pieces may lie in one another"),
-    (rf"{_E}/breakable/bond/(young_modulus|poisson_ratio|contact_time)", "repair", "how a load is shared among bonds"),
-    (rf"{_E}/breakable/(pattern|fixed){_ANY}", "repair", "how it is cut and held"),
-    (rf"{_E}/breakable(/bond)?", "either", "what breaks, or no longer does"),
     # physics
-    (rf"{_P}/(max_strain|max_stretch|recovery)", "harder_down", "allowed deformation"),
-    (rf"{_P}/self_collision", "either", "false: layers pass through each other"),
-    (rf"{_P}/ignores{_ANY}", "either", "what it passes through"),
-    (rf"{_P}/tear(/strength)?", "bound", "weaker cloth tears more easily, stronger holds"),
-    (rf"{_P}/(young_modulus|stretch_stiffness|weft_stiffness|shear_stiffness|bend_stiffness)", "bound", "softer bodies give way more, stiffer ones hold"),
-    (rf"{_P}/(mass|hollow|area_density)", "either", "default: density times volume"),
-    (rf"{_P}/(linear_damping|damping)", "repair", "its loss stands in the energy rows"),
-    (rf"{_P}/category", "either", "another kind of matter"),
-    (rf"{_P}/(linear_velocity|angular_velocity|temperature|count|currents|pins){_ANY}", "repair", "the state at frame 0 and what holds it"),
-    (rf"{_P}/(resolution|radius|radius_spread)", "repair", "rows hold it against what it must resolve"),
-    (rf"{_P}/(viscosity|surface_tension|conductivity|heat_capacity|activation)", "repair", "the liquid"),
-    (rf"{_P}/(poisson_ratio|yield_strain|thickness|drag|skin_drag|flat)", "repair", "the body or sheet"),
-    (rf"{_P}/(law|rolling|cohesion|packing|on_hit|life|life_spread|soot_density|fuel)", "repair", "grains, particles, gas"),
-    (_P, "repair", "whole; its fields are compared"),
+    (rf"{_E}/physics/category", "either", "another kind of matter"),
+    (rf"{_E}/physics", "repair", "whole; its fields are compared"),
     (r"/entities(/[^/]+)?", "either", "an entity that is gone is not judged"),
     # materials and landscapes
     (rf"/materials/[^/]+/appearance{_ANY}", "none", "look"),
@@ -121,19 +91,14 @@ _TABLE: tuple[tuple[str, Direction, str], ...] = (
     (rf"/simulation/joints{_ANY}", "repair", "what holds what"),
     (rf"/simulation/contacts{_ANY}", "repair", "friction and restitution of a pair"),
     (rf"/simulation/solvers/[^/]+/(engine|members){_ANY}", "repair", "who moves what; ownership is audited"),
-    (rf"{_S}/domain{_ANY}", "repair", "where a liquid or grains are followed; what leaves is counted"),
-    (rf"{_S}/(step|max_step|step_share|cfl|exchange|iterations|tolerance|integrator|refine|impratio|contact_steps|skin|margin|sleep|speculative)", "repair", "rows hold the motion against laws"),
-    (rf"{_S}/(density_error|divergence_error|viscosity_error|pressure_error|volume_correction|flip_ratio|transfer|particles_per_cell)", "repair", "rows hold the motion against laws"),
-    (rf"{_S}/(wall_friction|roughness|device)", "repair", "walls of liquids; where it runs"),
     (r"/simulation/solvers(/[^/]+(/settings)?)?", "repair", "whole; ownership is audited"),
-    (rf"{_D}/(kind|entity|entities|joint|region|keys|pose|size|round|time|start|end|fade|rise){_ANY}", "repair", "drivers stand in the register, what they bring about is judged as authored"),
-    (rf"{_D}/(force|torque|velocity|max_effort|field|speed|speed_spread|rate|cone|spectrum|height|period|level|depth|direction){_ANY}", "repair", "as above"),
-    (rf"{_D}/(spreading|peakedness|components|seed|generate|absorb|zone){_ANY}", "repair", "as above"),
+    (rf"{_D}/(kind|entity|entities|field|region|time|start|end|fade|rise|seed){_ANY}", "repair", "drivers stand in the register, what they bring about is judged as authored"),
     (r"/simulation(/drivers(/[^/]+)?)?", "repair", "as above"),
 )  # fmt: skip
 _COMPILED = tuple((re.compile(pattern), Way(direction, why)) for pattern, direction, why in _TABLE)
 
 
 def way_of(pointer: str) -> Way | None:
-    """Direction of the field at a JSON pointer; None where no line of the table names it."""
-    return next((way for pattern, way in _COMPILED if pattern.fullmatch(pointer)), None)
+    """Direction of the field at a JSON pointer; None where nothing declares it."""
+    parameter = parameter_of(pointer)
+    return parameter.way if parameter is not None else next((w for pattern, w in _COMPILED if pattern.fullmatch(pointer)), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .errors import EvidenceError
 from .fields import acting_on
-from .predicates import is_invariant
+from .predicates.registry import is_invariant
 from .spec import DetachDriver, FieldDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 
 __all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared"]

@@ -17,10 +17,7 @@ from .arrays import F64, pose_of
 if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
 
-__all__ = ["FELT", "Fields", "acting_on", "field_drivers", "fields_of"]
-
-FELT = frozenset({"rigid", "particles", "cloth", "elastic", "liquid"})
-"""Categories of entities that feel fields."""
+__all__ = ["Fields", "acting_on", "field_drivers", "fields_of"]
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -32,9 +29,7 @@ def acting_on(spec: WorldSpec, driver: FieldDriver) -> tuple[str, ...]:
     """Entities that a field acts on: the named ones, or all that a solver moves and that feel fields."""
     named = driver.entities if driver.entities is not None else spec.entities
     return tuple(
-        n
-        for n in named
-        if n in spec.entities and spec.entities[n].motion == "dynamic" and spec.entities[n].physics.category in FELT
+        n for n in named if n in spec.entities and spec.entities[n].motion == "dynamic" and spec.entities[n].physics.feels_fields
     )
 
 

@@ -3,20 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import Literal, NamedTuple
 
-__all__ = ["GROUPS", "EditClass", "GroupInfo", "group_of"]
+from .categories.registry import CATEGORIES, parameter_of
+from .parameters import GroupInfo
 
-EditClass = Literal["scene", "solver", "shot", "story", "text"]
-
-
-class GroupInfo(NamedTuple):
-    """One causal parameter group."""
-
-    name: str
-    edit_class: EditClass
-    meaning: str
-
+__all__ = ["GROUPS", "group_of"]
 
 GROUPS: dict[str, GroupInfo] = {
     g.name: g
@@ -30,12 +21,7 @@ GROUPS: dict[str, GroupInfo] = {
         GroupInfo("relations", "scene", "scene graph: regions and relations"),
         GroupInfo("material", "solver", "friction, restitution, density"),
         GroupInfo("mass", "solver", "declared masses and damping"),
-        GroupInfo("stiffness", "solver", "elastic constants and yield strain of deforming bodies"),
-        GroupInfo("bonds", "solver", "strength, stiffness and toughness of what holds the pieces of breakable bodies together"),
         GroupInfo("initial_state", "solver", "velocities and temperatures at frame 0"),
-        GroupInfo("liquid", "solver", "viscosity, surface tension, heat of liquids, friction and roughness of walls"),
-        GroupInfo("cloth", "solver", "stiffness, strength, thickness, drag of cloth, what it passes through"),
-        GroupInfo("grains", "solver", "rolling resistance, cohesion, packing and life of particles"),
         GroupInfo("resolution", "solver", "particle spacing or cell size of liquids, cells of elastic bodies, radius of grains"),
         GroupInfo("domain", "solver", "box in which a liquid or particles are simulated, and its sides"),
         GroupInfo("contact", "solver", "collision skins, special contact pairs, contact stiffness"),
@@ -47,29 +33,17 @@ GROUPS: dict[str, GroupInfo] = {
         GroupInfo("shots", "shot", "shot plan"),
         GroupInfo("look", "shot", "light, picture format, appearance"),
         GroupInfo("text", "text", "titles, roles, clause mapping: no influence on anything simulated"),
+        *(group for category in CATEGORIES.values() for group in category.groups),
     )
 }
 
 _RULES: tuple[tuple[str, str], ...] = (
     (r"/entities/[^/]+/(afloat|pose(/.*)?)", "placement"),
     (r"/entities/[^/]+/(dimensions|nominal_diagonal)(/.*)?", "dimensions"),
-    (r"/entities/[^/]+/physics/(linear_velocity|angular_velocity|currents|temperature|count)(/.*)?", "initial_state"),
-    (r"/entities/[^/]+/physics/(resolution|radius|radius_spread)", "resolution"),
-    (r"/entities/[^/]+/physics/(rolling|cohesion|packing|on_hit|life|life_spread)", "grains"),
-    (r"/entities/[^/]+/physics/(viscosity|surface_tension|conductivity|heat_capacity|activation)", "liquid"),
-    (r"/entities/[^/]+/physics/(young_modulus|poisson_ratio|yield_strain)", "stiffness"),
-    (r"/entities/[^/]+/physics/pins(/.*)?", "joints"),
-    (
-        r"/entities/[^/]+/physics/(thickness|stretch_stiffness|weft_stiffness|shear_stiffness|bend_stiffness|self_collision"
-        r"|drag|skin_drag|flat|(ignores|tear)(/.*)?)",
-        "cloth",
-    ),
-    (r"/entities/[^/]+/physics/(max_strain|max_stretch|recovery)", "limits"),
     (r"/entities/[^/]+/physics(/.*)?", "mass"),
     (r"/entities/[^/]+/material", "material"),
     (r"/entities/[^/]+/(role|inputs|outputs)(/.*)?", "text"),
     (r"/entities/[^/]+/parts/[^/]+/material", "material"),
-    (r"/entities/[^/]+/breakable/bond(/.*)?", "bonds"),
     (r"/entities(/.*)?", "shape"),
     (r"/materials/[^/]+/appearance(/.*)?", "look"),
     (r"/materials(/.*)?", "material"),
@@ -85,9 +59,6 @@ _RULES: tuple[tuple[str, str], ...] = (
     (r"/simulation/joints(/.*)?", "joints"),
     (r"/simulation/(drivers|gravity|couplings|order)(/.*)?", "drivers"),
     (r"/simulation/contacts(/.*)?", "contact"),
-    (r"/simulation/solvers/[^/]+/settings/(skin|margin|contact_steps|impratio|speculative)", "contact"),
-    (r"/simulation/solvers/[^/]+/settings/(wall_friction|roughness)", "liquid"),
-    (r"/simulation/solvers/[^/]+/settings/domain(/.*)?", "domain"),
     (r"/simulation/solvers/[^/]+/members(/.*)?", "shape"),
     (r"/simulation/solvers(/.*)?", "step"),
     (r"/simulation/(fps|frames|preroll|seed)", "interval"),
@@ -98,7 +69,7 @@ _COMPILED = tuple((re.compile(pattern + "$"), group) for pattern, group in _RULE
 
 def group_of(pointer: str) -> GroupInfo:
     """Group of a JSON pointer into `world.json`; `text` for what nothing depends on."""
-    for pattern, group in _COMPILED:
-        if pattern.match(pointer):
-            return GROUPS[group]
-    return GROUPS["text"]
+    parameter = parameter_of(pointer)
+    if parameter is not None:
+        return GROUPS[parameter.group]
+    return GROUPS[next((group for pattern, group in _COMPILED if pattern.match(pointer)), "text")]

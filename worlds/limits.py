@@ -5,10 +5,12 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .categories.category import Cap
+from .categories.registry import CATEGORIES
+from .categories.rigid.facts import body_count
 from .errors import InputError, LimitError
 
 if TYPE_CHECKING:
@@ -31,26 +33,11 @@ HEIGHT_ROWS = 513
 """Rows and columns of a height file at most: half a million triangles."""
 CACHE_BYTES_PER_BODY_FRAME = 160
 """Pose and velocity in float64 (13 numbers), and as much again of records and index, halved by compression [bytes]."""
-CACHE_BYTES_PER_PARTICLE_FRAME = 48
-"""Position, velocity, id, fluid, volume, density, pressure, temperature in 32 bits [bytes]."""
-CACHE_BYTES_PER_VERTEX_FRAME = 36
-"""Position in float64 and velocity in float32 [bytes]."""
 
 FILM_BYTES_PER_PIXEL = 3.5
 """A picture file whose noise cannot be compressed, and its share of the film [bytes]."""
 SMOOTH_TRIANGLES = {"box": 12, "sphere": 5120, "cylinder": 256, "capsule": 3072, "wedge": 8}
 """Triangles of shapes without a resolution of their own, as construction makes them."""
-
-
-@dataclass(frozen=True)
-class Cap:
-    """The largest amount of something that the server takes on."""
-
-    name: str
-    value: int
-    unit: str
-    knob: str
-    """What to change to stay below it."""
 
 
 def _caps(*caps: Cap) -> dict[str, Cap]:
@@ -64,31 +51,11 @@ CAPS: dict[str, Cap] = _caps(
     Cap("patch_values", 500_000, "values added, copied or moved", "split the patch: each part is a revision of its own"),
     Cap("entities", 20_000, "entities", "fewer entities; many pieces that move together are parts of one entity"),
     Cap("bodies", 2_000, "bodies", "fewer entities with motion dynamic or kinematic, or fewer links of a rope generator"),
-    Cap("pieces", 2_000, "pieces", "fewer pieces in /entities/<id>/breakable/pattern, or larger bricks"),
     Cap("parts", 20_000, "parts", "fewer entities or fewer parts per entity"),
     Cap("stems", 2_000, "trunks and boulders", "a smaller ground, fewer plants on it, or build_terrain without stems"),
     Cap("frames", 20_000, "frames", "/simulation/frames, /simulation/fps or /simulation/preroll"),
     Cap("steps", 50_000_000, "solver steps", "a larger /simulation/solvers/<id>/settings/step or fewer frames"),
     Cap("body_steps", 5_000_000_000, "body steps", "fewer bodies, fewer frames or a larger step"),
-    Cap(
-        "particles",
-        20_000_000,
-        "particles",
-        "a larger /entities/<liquid>/physics/resolution or radius of grains, a smaller volume or domain, or inflows that end sooner",
-    ),
-    Cap(
-        "particle_steps",
-        100_000_000_000,
-        "particle steps",
-        "a larger /entities/<liquid>/physics/resolution or radius of grains, softer grains (young_modulus), fewer frames, or engine flip instead of dfsph",
-    ),
-    Cap("vertices", 1_000_000, "vertices of cloth", "a larger /entities/<cloth>/parts/<part>/shape/resolution"),
-    Cap(
-        "vertex_steps",
-        100_000_000_000,
-        "vertex steps",
-        "a larger resolution of the sheets, a smaller stretch_stiffness or damping, or fewer frames",
-    ),
     Cap(
         "rerun_body_steps",
         1_000_000_000,
@@ -120,6 +87,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("job_memory_bytes", 64_000_000_000, "bytes", "fewer bodies, triangles or pixels"),
     Cap("running_jobs", 16, "jobs", "wait for running jobs or cancel some with the job tool"),
     Cap("workspace_bytes", 100_000_000_000, "bytes", "delete old candidates or worlds from the workspace folder"),
+    *(cap for category in CATEGORIES.values() for cap in category.caps),
 )
 """All caps by name."""
 
@@ -143,50 +111,25 @@ def check_cap(name: str, estimate: float, *, what: str = "") -> None:
 
 
 def estimate_counts(spec: WorldSpec) -> dict[str, float]:
-    """What a specification would take, by name of the cap."""
-    from .categories.cloth.facts import cloth_estimate
-    from .categories.liquid.facts import liquid_estimate
-    from .categories.particles.facts import particle_estimate
-
+    """Amounts that a specification would take, by name of the cap."""
     plan, look = spec.simulation, spec.look
-    moving = {name: entity for name, entity in spec.entities.items() if entity.motion != "static"}
-    bodies = sum(_bodies(entity) for entity in moving.values())
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
-    body_seconds = sum(
-        sum(_bodies(moving[name]) for name in solver.members if name in moving) / solver.settings.step
-        for solver in plan.rigid.values()
-    )
-    liquids = [liquid_estimate(spec, name) for name in plan.liquid]
-    sheets = [cloth_estimate(spec, name) for name in plan.cloth]
-    grains = [particle_estimate(spec, name) for name in plan.particles]
-    particles = sum(e.particles for e in liquids) + sum(e.particles for e in grains)
-    particle_steps = sum(e.particles * e.steps for e in liquids) + sum(e.particles * e.steps for e in grains)
+    bodies = sum(body_count(entity) for entity in spec.entities.values() if entity.motion != "static")
     counts: dict[str, float] = {
         "bodies": bodies,
-        "parts": sum(max(len(entity.parts), _bodies(entity)) for entity in spec.entities.values()),
+        "parts": sum(max(len(entity.parts), body_count(entity)) for entity in spec.entities.values()),
         "stems": sum(p.shape.count for e in spec.entities.values() for p in e.parts.values() if p.shape.kind == "stems"),
         "frames": plan.frames + plan.preroll * plan.fps,
-        "steps": sum(seconds / s.settings.step for s in plan.rigid.values())
-        + sum(e.steps for e in liquids)
-        + sum(e.steps for e in sheets)
-        + sum(e.steps for e in grains),
-        "body_steps": seconds * body_seconds,
-        "rerun_body_steps": _rerun_seconds(spec) * body_seconds,
         "width": look.width,
         "height": look.height,
         "samples": look.samples,
-        "particles": particles,
-        "vertices": sum(e.vertices for e in sheets),
-        "vertex_steps": sum(e.vertices * e.steps for e in sheets),
-        "particle_steps": particle_steps,
-        "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME
-        + particles * plan.frames * CACHE_BYTES_PER_PARTICLE_FRAME
-        + sum(e.written for e in sheets) * plan.frames * CACHE_BYTES_PER_VERTEX_FRAME,
+        "cache_bytes": bodies * plan.frames * CACHE_BYTES_PER_BODY_FRAME,
         "cells": sum(_cells(part.shape) for entity in spec.entities.values() for part in entity.parts.values())
-        + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values())
-        + sum(e.cells for e in liquids),
+        + sum(t.extent[0] * t.extent[1] / t.cell**2 for t in spec.terrains.values()),
         "triangles": sum(_triangles(entity) for entity in spec.entities.values()),
     }
+    for category in CATEGORIES.values():
+        for name, amount in category.estimate(spec).items():
+            counts[name] = counts.get(name, 0.0) + amount
     return counts
 
 
@@ -249,21 +192,6 @@ def check_workspace(workspace: Path, more: float) -> None:
         raise LimitError(f"disk: estimated {more:,.0f} bytes, free {free:,}. Knob: free space, or fewer bodies or frames")
 
 
-def _rerun_seconds(spec: WorldSpec) -> float:
-    """Seconds of the world that counterfactual and robustness checks simulate again, at the production step."""
-    plan, beats = spec.simulation, spec.story.beats
-    frames = 0.0
-    for name, beat in beats.items():
-        effects = [e for e in beats.values() if name in e.causes]
-        if effects:  # once per cause, from a checkpoint before it to the last of its effects
-            frames += max(0, max(e.frames[1] for e in effects) - beat.frames[0]) + plan.fps
-    for item in spec.story.robustness.values():
-        last = max((beats[b].frames[1] for b in item.beats if b in beats), default=0)
-        runs = item.samples if item.kind == "perturbed" else item.factor
-        frames += runs * (last + plan.preroll * plan.fps)
-    return frames / plan.fps
-
-
 def _cells(shape: Shape) -> int:
     rows, columns = _grid(shape)
     return (rows - 1) * (columns - 1)
@@ -298,12 +226,3 @@ def _triangles(entity: Entity) -> int:
         else:
             total += SMOOTH_TRIANGLES[shape.kind]
     return total
-
-
-def _bodies(entity: Entity) -> int:
-    """Bodies that an entity becomes: one, its pieces, or the segments of its rope."""
-    if entity.breakable is not None:
-        from .categories.fracture.facts import piece_count
-
-        return piece_count(entity)
-    return 1 if entity.generator is None else entity.generator.segments

@@ -10,10 +10,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from .bounds import check_document, extent, shown
+from .categories.registry import CATEGORIES
+from .directions import way_of
 from .errors import SpecError
 from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
-from .predicates import PREDICATES, interval_tightens
+from .predicates.registry import PREDICATES, interval_tightens
 from .spec import WorldSpec
 from .weakened import physical_weakenings, relation_weakenings, surface_weakenings
 
@@ -23,8 +25,6 @@ _ERROR_CHARACTERS = 300
 _SHOWN_PROBLEMS = 20
 _LISTED_PROBLEMS = 10_000
 _FIRST_MEMBERS = 40
-HARDER_UPWARDS = ("visible_pixels", "visible_share", "beat_seen_frames")
-"""Limits that are harder to meet the larger they are."""
 
 
 def parse_spec(document: Any) -> WorldSpec:
@@ -262,10 +262,11 @@ def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
 def _limit_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     for key, value in old.items():
         now = new[key]
-        if key == "scale_ratio":
-            weaker = now[0] < value[0] or now[1] > value[1]
+        way = way_of(f"/simulation/limits/{key}")
+        if way is not None and way.direction == "either":
+            weaker = now[0] < value[0] or now[1] > value[1]  # a range
         else:
-            weaker = now < value if key in HARDER_UPWARDS else now > value
+            weaker = now < value if way is not None and way.direction == "harder_up" else now > value
         if weaker:
             yield f"/simulation/limits/{key} {value} -> {now}"
 
@@ -280,13 +281,11 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
             yield f"/entities/{key}/motion dynamic -> {now['motion']}"
         if now.get("afloat") and not entity.get("afloat"):
             yield f"/entities/{key}/afloat: said to float in the air: {now['afloat']}"
-        for bound in ("max_strain", "max_stretch", "recovery"):
-            if bound in entity["physics"] and now["physics"].get(bound, math.inf) > entity["physics"][bound]:
-                yield f"/entities/{key}/physics/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"
-        if entity["physics"].get("self_collision") and not now["physics"].get("self_collision", True):
-            yield f"/entities/{key}/physics/self_collision taken away"
-        for other in sorted(set(now["physics"].get("ignores", ())) - set(entity["physics"].get("ignores", ()))):
-            yield f"/entities/{key}/physics/ignores {other}"
+        category, place = CATEGORIES[entity["physics"]["category"]], f"/entities/{key}/physics"
+        for bound in category.allowances:
+            if now["physics"].get(bound, math.inf) > entity["physics"][bound]:
+                yield f"{place}/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"
+        yield from category.weakenings(place, entity["physics"], now["physics"])
         if now["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
             yield f"/entities/{key}/dimensions/tolerance widened"
         elif "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:

@@ -1,14 +1,29 @@
-"""What several predicate models share: subjects, when a truth per frame becomes a verdict, and bands of values."""
+"""Parts that the models of predicates share, their metadata, and reading of nested ones."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, get_args
 
 from pydantic import StringConstraints, model_validator
 
 from .vocabulary import Finite, Ref, SpecModel
 
-__all__ = ["Band", "Subject", "When"]
+__all__ = [
+    "BAND",
+    "POSE",
+    "Band",
+    "Interval",
+    "PredicateInfo",
+    "Subject",
+    "Tells",
+    "Tightens",
+    "When",
+    "atoms_of",
+    "describe_predicate",
+    "entities_of",
+]
 
 When = Literal["eventually", "always", "end"]
 Subject = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$"), Ref("entity")]
@@ -28,3 +43,87 @@ class Band(SpecModel):
         if self.min is not None and self.max is not None and self.min > self.max:
             raise ValueError("min must be <= max")
         return self
+
+
+Tightens = Literal["up", "down", "none"]
+Interval = Literal["narrower", "wider", "end", "either"]
+"""Which change of its frames makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
+Tells = Literal["falls", "flies", "blows", "cracks", "tears", "flaps"]
+"""Families of verbs in a prompt, see `audits/wording.py`."""
+BAND: Mapping[str, Tightens] = {"min": "up", "max": "down"}
+"""How the bounds of a `Band` tighten."""
+POSE = ("position", "quaternion")
+"""Channels of the poses of bodies."""
+
+
+@dataclass(frozen=True)
+class PredicateInfo:
+    """Metadata of one kind of predicate."""
+
+    kind: str
+    unit: str
+    """Unit of the measured value; `1` for counts and truth values."""
+    channels: tuple[str, ...]
+    """Cache channels that must be present; a missing one makes the row `unverified`."""
+    tightens: Mapping[str, Tightens] = field(default_factory=dict)
+    """Per numeric field: the direction in which the requirement becomes harder to meet."""
+    frames: Interval | Literal["when", "inner", "own"] = "when"
+    """Which frames are harder: `when` as that field says; `inner` as what it holds; `own` it may have frames of its own."""
+    bodily: bool = False
+    """It asks for the place or the surface of a body."""
+    lasting: bool = False
+    """It speaks of a state that lasts, whatever its fields say."""
+    placed: bool = False
+    """It says where by coordinates; others do by a region or by whom they are about."""
+    least: Mapping[str, float] = field(default_factory=dict)
+    """Per field: the least bound that stands clear of noise. Own choice."""
+    pieces: float | None = None
+    """Least `min` with which it tells that something is in pieces, and not only cracked; None: never. Own choice."""
+    tells: tuple[Tells, ...] = ()
+    """Verbs of a prompt that it can tell."""
+
+
+def _children(predicate: SpecModel) -> list[SpecModel]:
+    found: list[SpecModel] = []
+    for name in type(predicate).model_fields:
+        value = getattr(predicate, name)
+        found += [item for item in (value if isinstance(value, list) else [value]) if isinstance(item, SpecModel)]
+    return found
+
+
+def atoms_of(predicate: SpecModel) -> list[SpecModel]:
+    """The predicates that it is made of and that hold no others; itself where it holds none."""
+    inner = _children(predicate)
+    return [a for child in inner for a in atoms_of(child)] if inner else [predicate]
+
+
+def entities_of(predicate: SpecModel) -> tuple[str, ...]:
+    """Entity ids a predicate speaks of, in order of appearance, without `each`."""
+    names: dict[str, None] = {}
+    for name, info in type(predicate).model_fields.items():
+        value = getattr(predicate, name)
+        marks = [*info.metadata, *(m for part in get_args(info.annotation) for m in getattr(part, "__metadata__", ()))]
+        if any(isinstance(m, Ref) and m.target == "entity" for m in marks) and isinstance(value, str):
+            names[value] = None
+        if name == "entities" and isinstance(value, list):
+            names.update(dict.fromkeys(str(v) for v in value))
+    for child in _children(predicate):
+        names.update(dict.fromkeys(entities_of(child)))
+    names.pop("each", None)
+    return tuple(names)
+
+
+def describe_predicate(predicate: SpecModel) -> str:
+    """One line for the requirements matrix, e.g. `topples(entity=d1, min_angle=0.6)`."""
+    shown = []
+    for name, value in predicate.model_dump(exclude={"kind"}, exclude_none=True).items():
+        raw = getattr(predicate, name)
+        if isinstance(raw, SpecModel):
+            shown.append(describe_predicate(raw))
+        elif isinstance(raw, list) and raw and isinstance(raw[0], SpecModel):
+            shown.extend(describe_predicate(item) for item in raw)
+        elif isinstance(raw, list) and len(raw) > 4:
+            shown.append(f"{name}=[{raw[0]}..{raw[-1]}: {len(raw)}]")
+        else:
+            shown.append(f"{name}={value}")
+    return f"{getattr(predicate, 'kind', '?')}({', '.join(shown)})"

@@ -10,41 +10,16 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from .canonical import digest_of
-from .categories.liquid.facts import domain_box, initial_box, spacing_of
-from .fields import acting_on, field_drivers
-from .instances import coupled_groups, soft_met
+from .categories.registry import CATEGORIES
 from .requirements import Row
-from .spec import ElasticPhysics, Fastened, RigidPhysics, WorldSpec
+from .slices import geometry_slice, motion_slice
+from .spec import Fastened, WorldSpec
 
-__all__ = ["DOMAIN_MARGIN", "geometry_slice", "liquid_slice", "motion_slice", "recipes", "stale_artifacts", "stale_rows"]
-
-DOMAIN_MARGIN = 4.0
-"""Solids up to so many spacings outside a liquid's domain count as reaching into it."""
-
-
-def _physical(materials: Mapping[str, Any]) -> dict[str, Any]:
-    return {k: m.model_dump(mode="json", exclude={"appearance"}) for k, m in materials.items()}
-
-
-def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
-    """What the geometry and mass of one entity depend on."""
-    entity = spec.entities[name]
-    names = {entity.material, *(p.material for p in entity.parts.values() if p.material)}
-    return {
-        **({} if entity.breakable is None else {"breakable": entity.breakable.model_dump(mode="json", exclude={"bond"})}),
-        "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
-        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
-        "material": entity.material,
-        "densities": {n: spec.materials[n].density for n in sorted(names) if n in spec.materials},
-        "mass": entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None,
-        **({"resolution": entity.physics.resolution} if isinstance(entity.physics, ElasticPhysics) else {}),
-        **({"sheet": [entity.physics.area_density, entity.physics.thickness]} if entity.physics.category == "cloth" else {}),
-        **({"tears": True} if entity.physics.category == "cloth" and entity.physics.tear is not None else {}),
-    }
+__all__ = ["recipes", "stale_artifacts", "stale_rows"]
 
 
 def landscape_digest(spec: WorldSpec, name: str) -> str:
@@ -68,86 +43,6 @@ def _plan_slice(spec: WorldSpec, name: str) -> Any:
         "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
         "pose": {**pose, "position": pose["position"][:2]},
     }
-
-
-def motion_slice(spec: WorldSpec) -> dict[str, Any]:
-    """Everything that decides the motion: entities' physics and places, materials, the plan without its limits."""
-    plan = spec.simulation.model_dump(mode="json", exclude={"limits"})
-    used = {e.material for e in spec.entities.values()} | {
-        p.material for e in spec.entities.values() for p in e.parts.values() if p.material
-    }
-    return {
-        "spec_version": spec.spec_version,
-        "entities": {
-            k: {
-                "geometry": geometry_slice(spec, k),
-                "pose": e.pose.model_dump(mode="json"),
-                "motion": e.motion,
-                "physics": e.physics.model_dump(mode="json"),
-                "active": e.active,
-                **({} if e.breakable is None else {"bond": e.breakable.bond.model_dump(mode="json")}),
-            }
-            for k, e in spec.entities.items()
-        },
-        "materials": _physical({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
-        "plan": plan,
-    }
-
-
-def liquid_slice(spec: WorldSpec, name: str, meeting: Iterable[str]) -> dict[str, Any]:
-    """What decides the motion of a liquid that is pushed by bodies and does not push them.
-
-    Args:
-        spec: the specification.
-        name: the instance.
-        meeting: solids that reach into its domain; the paths of moving ones are content, not specification.
-    """
-    plan = spec.simulation
-    instance = plan.liquid[name]
-    members = [m for m in instance.members if m in spec.entities]
-    used = {spec.entities[m].material for m in members}
-    return {
-        "spec_version": spec.spec_version,
-        "instance": instance.model_dump(mode="json"),
-        "members": {
-            m: [geometry_slice(spec, m), spec.entities[m].model_dump(mode="json", include={"pose", "physics"})] for m in members
-        },
-        "materials": _physical({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
-        "solids": {
-            m: [geometry_slice(spec, m), spec.entities[m].pose.model_dump(mode="json"), spec.entities[m].motion]
-            for m in sorted(meeting)
-        },
-        "drivers": {
-            k: d.model_dump(mode="json")
-            for k, d in plan.drivers.items()
-            if d.kind in ("inflow", "outflow", "waves") and d.entity in members
-        }
-        | {k: d.model_dump(mode="json") for k, d in field_drivers(spec).items() if set(members) & set(acting_on(spec, d))},
-        "clock": [plan.fps, plan.preroll, list(plan.gravity), plan.seed],
-    }
-
-
-def _reaching(spec: WorldSpec, name: str) -> list[str]:
-    """Solids that may meet a liquid's domain, by the boxes of their shapes; what moves, or has no known box, may."""
-    low, high = domain_box(spec.simulation.liquid[name])
-    margin = DOMAIN_MARGIN * spacing_of(spec, name)
-    found = []
-    for key, entity in spec.entities.items():
-        if entity.physics.category != "rigid":
-            continue
-        box = initial_box(entity) if entity.motion == "static" else None
-        if box is None or ((box[1] >= low - margin).all() and (box[0] <= high + margin).all()):
-            found.append(key)
-    return found
-
-
-def _liquid_recipe(spec: WorldSpec, name: str, motion: str) -> str:
-    """Recipe of one liquid: with two-way couplings, or bodies that move, everything that moves decides."""
-    solids = _reaching(spec, name)
-    still = all(spec.entities[s].motion == "static" for s in solids)
-    if any(name in group for group in coupled_groups(spec)) or not still or soft_met(spec, name):
-        return motion
-    return digest_of(liquid_slice(spec, name, solids), spec.simulation.frames)
 
 
 _kept: deque[tuple[WorldSpec, dict[str, str]]] = deque(maxlen=8)
@@ -193,8 +88,8 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
     motion = digest_of(motion_slice(spec))
     graph = digest_of(relations, {k: r.model_dump(mode="json") for k, r in spec.graph.regions.items()})
     found["motion"] = motion
-    for name in spec.simulation.liquid:
-        found[f"liquid:{name}"] = _liquid_recipe(spec, name, motion)
+    for category in CATEGORIES.values():
+        found |= category.recipes(spec, motion)
     found["contact"] = digest_of(
         motion, [r for r in relations.values() if r["kind"] == Fastened.model_fields["kind"].default], limits
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
-from .predicates import PREDICATES
+from .predicates.registry import PREDICATES
 from .spec import Ref, SpecModel
 
 __all__ = ["closest", "cycle_in", "kinds_of", "mentions_joint", "references", "resolves"]

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping
+from functools import reduce
 from typing import Any
 
 from .categories.fracture.audit import usual_crumble
+from .categories.registry import CATEGORIES
 from .directions import way_of
+from .parameters import Parameter
 from .spec import SimulationPlan, WorldSpec
 
 __all__ = ["physical_weakenings", "relation_weakenings", "surface_weakenings"]
@@ -19,15 +22,6 @@ __all__ = ["physical_weakenings", "relation_weakenings", "surface_weakenings"]
 Document = Mapping[str, Any]
 GRAVITY: list[float] = list(SimulationPlan.model_fields["gravity"].default)
 """[m/s^2] What the specification takes by default."""
-_GIVES_WAY: Mapping[str, frozenset[str]] = {
-    **dict.fromkeys(("tension", "shear", "toughness", "friction"), frozenset({"broken", "breach", "debris"})),
-    "strength": frozenset({"torn"}),
-    **dict.fromkeys(
-        ("young_modulus", "stretch_stiffness", "weft_stiffness", "shear_stiffness", "bend_stiffness"),
-        frozenset({"deflection", "strain"}),
-    ),
-}
-"""Per field: kinds of predicates whose measured value grows as the field becomes smaller."""
 
 
 def physical_weakenings(before: WorldSpec, after: WorldSpec, old: Document, new: Document) -> Iterator[str]:
@@ -79,29 +73,25 @@ def _entity(key: str, old: Document, new: Document, story: Document) -> Iterator
     span, active = old.get("active", [0, math.inf]), new.get("active", [0, math.inf])
     if active[0] > span[0] or active[1] < span[1]:
         yield f"{place}/active {old.get('active', 'all frames')} -> {new['active']}: it is judged at fewer frames"
-    one, other = (e.get("breakable", {}).get("bond", {}) for e in (old, new))
-    yield from _bound(f"{place}/breakable/bond", key, one, other, story)
-    if was["category"] == "cloth":
-        one, other = ({"strength": p.get("tear", {}).get("strength", math.inf)} for p in (was, now))
-        yield from _bound(f"{place}/physics/tear", key, one, other, story)
-    if was["category"] in ("elastic", "cloth"):
-        yield from _bound(f"{place}/physics", key, was, now, story)
+    for category in CATEGORIES.values():
+        if category.name == was["category"] or category.contract in old:
+            for parameter in (p for p in category.parameters if p.eases):
+                yield from _bound(parameter, key, old, new, story)
     if "breakable" in old and "breakable" not in new:
         yield f"{place}/breakable removed: it breaks no more"
 
 
-def _bound(place: str, entity: str, old: Document, new: Document, story: Document) -> Iterator[str]:
-    """Fields of strength or stiffness that moved to where what is asked of the entity is easier."""
-    for field, kinds in _GIVES_WAY.items():
-        if field not in old or field not in new or old[field] == new[field]:
-            continue
-        if way_of(f"{place}/{field}") is None:
-            continue
-        softer = new[field] < old[field]
-        asks = _asks(story, entity, kinds)
-        if ("more" if softer else "less") in asks:
-            names = asks["more" if softer else "less"]
-            yield f"{place}/{field} {old[field]:g} -> {new[field]:g}, by which {', '.join(names)} {'is' if len(names) == 1 else 'are'} easier to meet"
+def _bound(parameter: Parameter, entity: str, old: Document, new: Document, story: Document) -> Iterator[str]:
+    """A field of strength or stiffness that moved to where what is asked of the entity is easier."""
+    path = parameter.pointer.split("/")[3:]
+    was, now = (reduce(lambda node, token: node.get(token, {}), path[:-1], e).get(path[-1], parameter.absent) for e in (old, new))
+    if was is None or now is None or was == now:
+        return
+    side = "more" if now < was else "less"
+    names = _asks(story, entity, parameter.eases).get(side, [])
+    if names:
+        place = f"/entities/{entity}/{'/'.join(path)}"
+        yield f"{place} {was:g} -> {now:g}, by which {', '.join(names)} {'is' if len(names) == 1 else 'are'} easier to meet"
 
 
 def _asks(story: Document, entity: str, kinds: Collection[str]) -> dict[str, list[str]]:

@@ -12,11 +12,12 @@ import numpy as np
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of, rotation_matrix
 from ...worlds.built import BuiltEntity
-from ...worlds.categories.liquid.facts import domain_box, spacing_of
+from ...worlds.categories.liquid.facts import spacing_of
+from ...worlds.categories.liquid.recipe import DOMAIN_MARGIN
+from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import Fields, fields_of
 from ...worlds.instances import soft_met
-from ...worlds.provenance import DOMAIN_MARGIN
 from ...worlds.waves import sea_of, waves_of
 from ..boundaries import Surround, surround_of
 from .currents import start_velocity

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of
-from ...worlds.categories.particles.facts import particle_box
+from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.instances import soft_met
 from ..boundaries import Surround, surround_of
@@ -39,7 +39,7 @@ class GrainScene(NamedTuple):
 
 def surround_for(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -> Surround:
     """Bodies that reach into an instance's domain."""
-    low, high = particle_box(spec.simulation.particles[name])
+    low, high = domain_box(spec.simulation.particles[name])
     largest = max((p.radius * (1 + p.radius_spread) for p in _physics(spec, name)), default=0.0)
     return surround_of(spec, built, (low, high), MARGIN * largest, soft=soft_met(spec, name))
 
@@ -56,7 +56,7 @@ def build_grains(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -
         InputError: a volume holds no grain, or lies in solids.
     """
     instance, plan = spec.simulation.particles[name], spec.simulation
-    low, high = particle_box(instance)
+    low, high = domain_box(instance)
     surround = surround_for(spec, built, name)
     surfaces = [*surround.parts, *((row, surround.boundaries[row].mesh) for row in surround.soft)]
     solids = [

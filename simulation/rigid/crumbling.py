@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, pose_of
-from ...worlds.categories.fracture.facts import bonded_pairs, crumble_of, crumbled_force, piece_overlap
+from ...worlds.categories.fracture.pieces import bonded_pairs, crumble_of, crumbled_force, piece_overlap
 from ..fracture.clusters import matter
 
 if TYPE_CHECKING:

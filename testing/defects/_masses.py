@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ...physics.substances import DENSITY_RANGES
-from ...worlds.audits.masses import LEAST_WALL
 from ...worlds.spec import Box, Cylinder, Entity, Material, RigidPhysics, Shape, Sphere
+from ...worlds.weights import LEAST_WALL
 from ..worlds.small_worlds import entity, make_candidate, world
 from .cases import World
 

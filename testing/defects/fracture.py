@@ -15,7 +15,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.categories.fracture.bonds import WORLD
-from ...worlds.categories.fracture.facts import piece_overlap
+from ...worlds.categories.fracture.pieces import piece_overlap
 from ...worlds.spec import WorldSpec
 from ._films import Film
 from ._fracture_scenes import film, root_stress

@@ -10,7 +10,7 @@ from worldagent.simulation.rigid import SolverRigid
 from worldagent.testing.defects._fracture_scenes import KINDS
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, solver_of, struck_wall
-from worldagent.worlds.categories.fracture.facts import piece_overlap
+from worldagent.worlds.categories.fracture.pieces import piece_overlap
 
 G = rigid_world.G
 

@@ -21,7 +21,7 @@ from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.predicates import PREDICATES
+from worldagent.worlds.predicates.registry import PREDICATES
 from worldagent.worlds.requirements import Check
 from worldagent.worlds.shapes import Shape
 from worldagent.worlds.spec import ElasticPhysics, Entity, LiquidPhysics, Material

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, hammock_spec
-from worldagent.worlds.instances import cloth_of, coupling_problems, soft_met
+from worldagent.worlds.audits.couplings import coupling_problems
+from worldagent.worlds.instances import cloth_of, soft_met
 from worldagent.worlds.patch import parse_spec
 
 

@@ -84,7 +84,7 @@ def test_every_field_of_the_simulation_plan_and_an_entity_is_known() -> None:
 def test_what_is_simulated_is_never_text() -> None:
     """A field that the motion depends on must not be changeable as mere text."""
     from worldagent.tests.stories.small_run import PROMPT, small_spec
-    from worldagent.worlds.provenance import motion_slice
+    from worldagent.worlds.slices import motion_slice
 
     spec = WorldSpec.model_validate({**small_spec(), "prompt": PROMPT})
     motion = motion_slice(spec)

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.categories.liquid.facts import liquid_estimate, shape_volume
+from worldagent.worlds.categories.liquid.facts import liquid_estimate
 from worldagent.worlds.errors import LimitError, SpecError
+from worldagent.worlds.extents import shape_volume
 from worldagent.worlds.limits import check_limits, estimate_counts
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.schema_words import described

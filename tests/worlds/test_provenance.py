@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.patch import apply_patch, parse_spec
-from worldagent.worlds.provenance import geometry_slice, motion_slice, recipes, stale_artifacts, stale_rows
+from worldagent.worlds.provenance import recipes, stale_artifacts, stale_rows
 from worldagent.worlds.requirements import Row
+from worldagent.worlds.slices import geometry_slice, motion_slice
 from worldagent.worlds.spec import WorldSpec
 
 MOTION = {"motion", "contact", "category", "story", "shots", "acceptance", "final"}

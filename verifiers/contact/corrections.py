@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...worlds.categories.elastic.audit import elastic_problems
 from ...worlds.categories.fracture.audit import crumble_limit, fracture_problems
-from ...worlds.categories.fracture.facts import crumble_of
+from ...worlds.categories.fracture.pieces import crumble_of
 from ..rows.corrections import LEAST_STEP, correction, pointer, set_value
 from .bounds import CRUMBLE_FACTOR, SKIN_FACTOR, SKIN_MAX, SKIN_SHARE
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import PREDICATES
+from ...worlds.predicates.registry import PREDICATES
 from ..categories.cloth import flutter
 from ..categories.cloth import predicates as cloth
 from ..categories.elastic import predicates as elastic

@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from ...worlds.categories.liquid.facts import domain_box
-from ...worlds.categories.particles.facts import particle_box
+from ...worlds.categories.loose import domain_box
 
 if TYPE_CHECKING:
     from ...worlds.arrays import F64
@@ -58,4 +57,4 @@ def _domains_meet(spec: WorldSpec, a: str, b: str) -> bool:
 def _domain(spec: WorldSpec, name: str) -> tuple[F64, F64]:
     """Least and greatest corner of the domain of a liquid or of particles [m]."""
     plan = spec.simulation
-    return domain_box(plan.liquid[name]) if name in plan.liquid else particle_box(plan.particles[name])
+    return domain_box(plan.liquid[name]) if name in plan.liquid else domain_box(plan.particles[name])

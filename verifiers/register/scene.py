@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.audits.story import STARTED
-from ...worlds.categories.fracture.facts import crumble_of
+from ...worlds.categories.fracture.pieces import crumble_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import entities_of

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...worlds.audits.masses import LEAST_WALL, ROUNDING, allowed
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import RigidPhysics
+from ...worlds.weights import LEAST_WALL, ROUNDING, allowed
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
 

@@ -29,7 +29,7 @@ from ...geometry import (
 )
 from ...worlds.arrays import F64, RigidPose
 from ...worlds.built import TriangleMesh
-from ...worlds.categories.fracture.facts import piece_overlap
+from ...worlds.categories.fracture.pieces import piece_overlap
 from ...worlds.errors import EvidenceError, InputError
 from ...worlds.spec import Fastened, Rope
 from .bounds import GAP_CAP, MOVED_SHARE, SUPPORT_SLOPE, UNIT_QUATERNION

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...worlds.predicates import atoms_of, describe_predicate, is_invariant
+from ...worlds.predicates import atoms_of, describe_predicate
+from ...worlds.predicates.registry import is_invariant
 from ..predicates import beat_times
 from ..rows.verdicts import make_row
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...worlds.predicates import is_invariant
+from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import RowId
 from ..ledgers import motion
 from ..predicates import beat_times

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.candidate import Candidate
-from ...worlds.predicates import atoms_of, entities_of, is_invariant
+from ...worlds.predicates import atoms_of, entities_of
+from ...worlds.predicates.registry import is_invariant
 from ..categories.fracture.corrections import breaking
 from ..predicates import Outcome, evaluate
 from ..rows.verdicts import correction

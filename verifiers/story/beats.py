@@ -11,7 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...worlds.candidate import Candidate
-from ...worlds.predicates import atoms_of, describe_predicate, entities_of, is_invariant
+from ...worlds.predicates import atoms_of, describe_predicate, entities_of
+from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Group, Row, RowId
 from ..predicates import Outcome, beat_times, evaluate
 from ..rows.verdicts import make_row, requested_frames

@@ -20,7 +20,8 @@ import numpy as np
 from ...worlds.candidate import Candidate
 from ...worlds.drivers import acts_from, deed, to_declare, undeclared
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import atoms_of, entities_of, is_invariant
+from ...worlds.predicates import atoms_of, entities_of
+from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row, RowId, Status
 from ...worlds.spec import PathDriver
 from ..predicates import beat_times

@@ -27,7 +27,7 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import is_invariant
+from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row, RowId
 from ..ledgers import motion
 from ..rows.verdicts import correction, make_row

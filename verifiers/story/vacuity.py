@@ -23,7 +23,8 @@ import numpy as np
 from ...worlds.candidate import Candidate
 from ...worlds.drivers import behind
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import Contact, Count, Separation, atoms_of, describe_predicate, entities_of, is_invariant
+from ...worlds.predicates import Contact, Count, Separation, atoms_of, describe_predicate, entities_of
+from ...worlds.predicates.registry import is_invariant
 from ...worlds.references import references
 from ...worlds.requirements import RowId
 from ..predicates import Outcome, Truth, beat_times, evaluate

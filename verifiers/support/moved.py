@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from ...worlds.predicates import entities_of, is_invariant
+from ...worlds.predicates import entities_of
+from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import Rope, Supports
 
 if TYPE_CHECKING:

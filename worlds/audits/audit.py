@@ -12,19 +12,17 @@ from typing import Any
 
 from ...physics.substances import DENSITY_RANGES
 from ..canonical import digest_of
-from ..categories.cloth.audit import cloth_problems
-from ..categories.elastic.audit import elastic_problems
-from ..categories.fracture.audit import fracture_problems
-from ..categories.liquid.audit import liquid_problems
-from ..categories.particles.audit import particle_problems
+from ..categories.category import declares
+from ..categories.registry import CATEGORIES
 from ..fields import field_drivers
 from ..groups import group_of
-from ..instances import bake_order, coupling_problems
+from ..instances import bake_order
 from ..problems import Problem, replaced
 from ..references import closest, references, resolves
 from ..requirements import Correction, Row
 from ..spec import MOVED, WorldSpec
 from .clauses import clauses_of
+from .couplings import coupling_problems
 from .fields import field_problems
 from .gate import bound_problems, clause_problems, hold_problems, overlap_problems
 from .masses import mass_problems
@@ -172,19 +170,16 @@ class _Audit:
         text = "every moving entity has exactly one responsible solver or driver"
         self.add("ownership", text, ownership_problems(self.spec))
 
-    def categories(self) -> None:
+    def engines(self) -> None:
         """Engines exist for the categories used."""
         for name, entity in self.spec.entities.items():
-            if entity.physics.category not in MOVED:
+            category = entity.physics.category
+            if category not in MOVED:
+                text = f"no engine for {category!r} in this build; there are engines for {', '.join(MOVED)}"
                 self.add(
                     f"engine:{name}",
-                    f"an engine of this build simulates category {entity.physics.category!r}",
-                    [
-                        Problem(
-                            f"/entities/{name}/physics",
-                            f"no engine for {entity.physics.category!r} in this build; there are engines for {', '.join(MOVED)}",
-                        )
-                    ],
+                    f"an engine of this build simulates category {category!r}",
+                    [Problem(f"/entities/{name}/physics", text)],
                     entity=name,
                     status="unverified",
                     group="physical",
@@ -199,36 +194,23 @@ class _Audit:
         unseen = evidence_problems(self.spec, ENGINE_CHANNELS, BOND_CHANNELS)
         self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", unseen, group="temporal")
 
-    def liquids(self) -> None:
-        """R57, R58, R66: liquids have an engine that resolves them, couplings can be carried out."""
-        plan = self.spec.simulation
-        if plan.liquid or any(e.physics.category == "liquid" for e in self.spec.entities.values()):
-            text = "liquids are members of a liquid instance that resolves them, and its domain holds them"
-            self.add("liquids", text, liquid_problems(self.spec), group="physical")
-        if any(e.physics.category == "elastic" for e in self.spec.entities.values()):
-            text = "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells"
-            self.add("elastic", text, elastic_problems(self.spec), group="physical")
-        if plan.cloth or any(
-            e.physics.category == "cloth" or any(p.shape.kind == "sheet" for p in e.parts.values())
-            for e in self.spec.entities.values()
-        ):
-            text = "cloth is made of sheets or meshes that resolve its thickness, and its pins hold it"
-            self.add("cloth", text, cloth_problems(self.spec), group="physical")
-        if plan.particles or any(e.physics.category == "particles" for e in self.spec.entities.values()):
-            text = "particles are members of an engine of their law, which holds them in its domain"
-            self.add("particles", text, particle_problems(self.spec), group="physical")
+    def matter(self) -> None:
+        """R57, R58, R61-R66: entities and instances of each category fit its engines; fields and couplings can be carried out."""
+        plan, entities = self.spec.simulation, self.spec.entities.values()
+        for category in CATEGORIES.values():
+            row = category.audit
+            if row is not None and (
+                any(isinstance(instance, category.instances) for instance in plan.solvers.values())
+                or any(declares(category, entity) for entity in entities)
+                or row.also(self.spec)
+            ):
+                self.add(row.row, row.predicate, row.problems(self.spec), group="physical")
         if field_drivers(self.spec):
             self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
         if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):
             self.add(
                 "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
             )
-
-    def fracture(self) -> None:
-        """R61: breakable bodies can be cut, carried and simulated."""
-        if any(e.breakable is not None for e in self.spec.entities.values()):
-            text = "breakable entities are free rigid bodies, cut no finer than skins and caps allow, and bear their own weight"
-            self.add("fracture", text, fracture_problems(self.spec), group="physical")
 
     def graph(self) -> None:
         """Support is acyclic and carried by something; relations lie in the sequence."""
@@ -315,10 +297,9 @@ def audit(spec: WorldSpec) -> AuditReport:
     work = _Audit(spec)
     work.references()
     work.ownership()
-    work.categories()
+    work.engines()
     work.story()
-    work.liquids()
-    work.fracture()
+    work.matter()
     work.graph()
     work.materials()
     work.masses()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..fields import FELT, acting_on, field_drivers
+from ..categories.registry import CATEGORIES
+from ..fields import acting_on, field_drivers
 from ..problems import Problem, removed
 
 if TYPE_CHECKING:
@@ -36,10 +37,9 @@ def _named(spec: WorldSpec, name: str, driver: FieldDriver) -> Iterator[Problem]
             continue
         place = f"/simulation/drivers/{name}/entities/{k}"
         out = removed(place) if len(driver.entities or ()) > 1 else None
-        category = entity.physics.category
-        if category not in FELT:
-            known = ", ".join(sorted(FELT))
-            text = f"field {name!r} cannot act on {member!r}: fields act on {known} matter, not on {category}; take it out"
+        if not entity.physics.feels_fields:
+            known = ", ".join(sorted(n for n, c in CATEGORIES.items() if c.physics is not None and c.physics.feels_fields))
+            text = f"field {name!r} cannot act on {member!r}: fields act on {known} matter, not on {entity.physics.category}; take it out"
             yield Problem(place, text, out)
         elif entity.motion != "dynamic":
             text = f"field {name!r} cannot move {member!r}, which is {entity.motion}; make it dynamic or take it out"

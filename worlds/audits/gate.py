@@ -12,16 +12,16 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..categories.liquid.words import missing_liquid
+from ..categories.registry import CATEGORIES
 from ..drivers import behind
-from ..predicates import atoms_of, entities_of, is_invariant
+from ..predicates import atoms_of, entities_of
+from ..predicates.registry import PREDICATES, is_invariant
 from ..problems import Problem, replaced
 from ..references import kinds_of
 from ..spec import Beat, Clause, Connects, Fastened, ReleaseDriver, WorldSpec
 from ..walkers import carrier_words, easier_than_a_person
 from .scenery_words import missing_scenery
 from .wording import (
-    EVENTS,
     event_words,
     goals_in,
     has_pronoun,
@@ -30,6 +30,7 @@ from .wording import (
     numbers_in,
     objects_in,
     piece_words,
+    telling,
     walks,
     way_words,
 )
@@ -42,13 +43,6 @@ LEAST_TRAVEL_SHARE = 0.02
 """Own choice: a displacement counts as an event from this share of the entity's diagonal on, within the two limits below."""
 LEAST_TRAVEL = (0.001, 0.02)
 """[m]: above what bodies settle into their skins, and no more than one can see on a large body."""
-LEAST = {"speed": 0.02, "tilts": 0.02, "topples": 0.2, "joint_angle": 0.005}
-"""Least bound of an event per kind of predicate [m/s, rad, rad, rad or m]. Own choice: twice what counts as rest; a lean
-one can see; a fall that does not rock back."""
-LEAST_IN_PIECES = {"debris": 2.0, "broken": 0.1}
-"""Least `min` of what tells that something is in pieces [lumps, share of its bonds]. Own choice: more than a crack."""
-PLACED = frozenset({"breach", "crosses", "drape", "pile_height", "run_out"})
-"""Kinds of predicates that say where by coordinates; others do by a region or by whom they are about."""
 OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
@@ -108,8 +102,11 @@ def _clause(spec: WorldSpec, key: str, text: str, clause: Clause) -> Iterator[Pr
             place,
             f"clause {key} {text!r} names {word!r} and nothing is it: declare {what}, or a static entity called so; {ESCAPE}",
         )
-    for word, what in missing_liquid(spec, text, clause.met_by):
-        yield Problem(place, f"clause {key} {text!r} tells of a liquid ({word}) that nothing simulates: {what}; {ESCAPE}")
+    for category in CATEGORIES.values():
+        for word, what in category.missing(spec, text, clause.met_by):
+            yield Problem(
+                place, f"clause {key} {text!r} tells of {category.noun} ({word}) that nothing simulates: {what}; {ESCAPE}"
+            )
     beats = {n: spec.story.beats[n] for k, n in named if k == "story/beats" and n in spec.story.beats}
     yield from _events(spec, key, text, beats)
     lasts = lasting_words(text)
@@ -153,7 +150,7 @@ def _events(spec: WorldSpec, key: str, text: str, beats: Mapping[str, Beat]) -> 
         yield Problem(place, f"{tells}: name a beat in met_by that is mandatory, observed and no lasting state; {ESCAPE}")
         return
     for word, verb in words.items():
-        kinds = EVENTS[verb]
+        kinds = telling(verb)
         if kinds is not None and not any(kinds & set(kinds_of(b.predicate)) for b in good.values()):
             yield Problem(
                 place,
@@ -168,20 +165,19 @@ def _pieces(place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iter
     """Whether what goes to pieces has to do more than crack."""
     words = piece_words(text)
     asked = [a for b in good.values() for a in atoms_of(b.predicate)]
-    enough = any(
-        (kind := str(getattr(a, "kind", ""))) == "breach"
-        or (kind in LEAST_IN_PIECES and (getattr(a, "min", None) or 0.0) >= LEAST_IN_PIECES[kind])
-        for a in asked
-    )
+    least = {info.kind: info.pieces for info in PREDICATES.values() if info.pieces is not None}
+    least = dict(sorted(least.items(), key=lambda item: -item[1]))
+    enough = any((getattr(a, "min", None) or 0.0) >= least.get(str(getattr(a, "kind", "")), math.inf) for a in asked)
     if words and not enough:
-        least = " or ".join(f"{kind} with min {value:g} or more" for kind, value in LEAST_IN_PIECES.items())
-        yield Problem(place, f"{tells} of something in pieces ({', '.join(words)}): ask {least}, or a breach; {ESCAPE}")
+        bounded = " or ".join(f"{kind} with min {value:g} or more" for kind, value in least.items() if value > 0.0)
+        free = " or ".join(f"a {kind}" for kind, value in least.items() if value == 0.0)
+        yield Problem(place, f"{tells} of something in pieces ({', '.join(words)}): ask {bounded}, or {free}; {ESCAPE}")
 
 
 def _goals(spec: WorldSpec, place: str, tells: str, text: str, good: Mapping[str, Beat]) -> Iterator[Problem]:
     """Whether a beat says that the event leads where the clause says it does."""
     atoms = [a for b in good.values() for a in atoms_of(b.predicate)]
-    if any(getattr(a, "region", None) is not None or getattr(a, "kind", "") in PLACED for a in atoms):
+    if any(getattr(a, "region", None) is not None or PREDICATES[str(getattr(a, "kind", ""))].placed for a in atoms):
         return
     known = {w for b in good.values() for w in _names(spec, b)}
     for words in goals_in(text):
@@ -246,22 +242,29 @@ def bound_problems(spec: WorldSpec) -> list[Problem]:
     found: list[Problem] = []
     for name, beat in spec.story.beats.items():
         if not is_invariant(beat.predicate):
-            found += _bounds(
-                spec, beat.predicate.model_dump(mode="json", exclude_none=True), f"/story/beats/{name}/predicate", beat.subject
-            )
+            document = beat.predicate.model_dump(mode="json", exclude_none=True)
+            for place, one in _nested(document, f"/story/beats/{name}/predicate"):
+                found += [*_always_true(one, place), *_within_noise(spec, one, place, beat.subject)]
     for name, requirement in spec.story.requirements.items():
-        predicate = requirement.predicate.model_dump(mode="json", exclude_none=True)
-        found += [p for p in _bounds(spec, predicate, f"/story/requirements/{name}/predicate", "") if "always true" in p.text]
+        document = requirement.predicate.model_dump(mode="json", exclude_none=True)
+        for place, one in _nested(document, f"/story/requirements/{name}/predicate"):
+            found += _always_true(one, place)
     return found
 
 
-def _bounds(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: str) -> Iterator[Problem]:
-    kind = predicate["kind"]
+def _nested(predicate: Mapping[str, Any], place: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """A predicate after those that it holds, with their pointers; none below a `not`."""
     for index, inner in enumerate(predicate.get("of", ())):
-        yield from _bounds(spec, inner, f"{place}/of/{index}", subject)
+        yield from _nested(inner, f"{place}/of/{index}")
     for field in ("predicate", "goal"):
-        if isinstance(predicate.get(field), Mapping) and kind != "not":
-            yield from _bounds(spec, predicate[field], f"{place}/{field}", subject)
+        if isinstance(predicate.get(field), Mapping) and predicate["kind"] != "not":
+            yield from _nested(predicate[field], f"{place}/{field}")
+    yield place, predicate
+
+
+def _always_true(predicate: Mapping[str, Any], place: str) -> Iterator[Problem]:
+    """Bounds that hold for every value."""
+    kind = predicate["kind"]
     if kind == "count":
         low, high, total = predicate.get("min", 0), predicate.get("max"), len(predicate["entities"])
         if low <= 0 and (high is None or high >= total):
@@ -272,23 +275,23 @@ def _bounds(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: 
         yield Problem(
             f"{place}/max", f"a tilt of at most {predicate['max']:g} rad is always true, angles end at pi; ask for a smaller max"
         )
-    elif kind == "displacement":
+
+
+def _within_noise(spec: WorldSpec, predicate: Mapping[str, Any], place: str, subject: str) -> Iterator[Problem]:
+    """Bounds that noise alone would meet."""
+    kind = predicate["kind"]
+    if kind == "displacement":
         least = _least_travel(spec, predicate.get("entity", subject))
         for field, sign in (("min", 1.0), ("max", -1.0)):
             value = sign * predicate.get(field, 0.0)
             if 0.0 < value < least:
-                yield Problem(
-                    f"{place}/{field}", f"a displacement of {value:g} m is within noise; ask for at least {least:g} m",
-                    replaced(f"{place}/{field}", sign * least),
-                )  # fmt: skip
-    elif kind in LEAST:
-        field = "min_angle" if kind == "topples" else "min"
+                text = f"a displacement of {value:g} m is within noise; ask for at least {least:g} m"
+                yield Problem(f"{place}/{field}", text, replaced(f"{place}/{field}", sign * least))
+    for field, least in PREDICATES[kind].least.items():
         value = predicate.get(field)
-        if value is not None and 0.0 < value < LEAST[kind]:
-            yield Problem(
-                f"{place}/{field}", f"{kind} with {field} {value:g} is within noise; ask for at least {LEAST[kind]:g}",
-                replaced(f"{place}/{field}", LEAST[kind]),
-            )  # fmt: skip
+        if value is not None and 0.0 < value < least:
+            text = f"{kind} with {field} {value:g} is within noise; ask for at least {least:g}"
+            yield Problem(f"{place}/{field}", text, replaced(f"{place}/{field}", least))
 
 
 def _least_travel(spec: WorldSpec, entity: str) -> float:

@@ -6,15 +6,17 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..categories.cloth.facts import pins_of, tears
+from ..categories.cloth.facts import tears
 from ..categories.liquid.facts import declares_heat
+from ..categories.registry import CATEGORIES
 from ..drivers import deed, to_declare, undeclared
 from ..errors import EvidenceError
 from ..fields import acting_on
-from ..predicates import PREDICATES, Contact, NoContact, Predicate, atoms_of, entities_of
+from ..predicates import Contact, NoContact, Predicate, atoms_of, entities_of
+from ..predicates.registry import PREDICATES
 from ..problems import Problem, removed, replaced
 from ..references import cycle_in, kinds_of, mentions_joint
-from ..spec import ElasticPhysics, FieldDriver, RigidPhysics, SpecModel, Supports, WorldSpec
+from ..spec import FieldDriver, SpecModel, Supports, WorldSpec
 
 __all__ = ["STARTED", "coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
 
@@ -22,16 +24,6 @@ STARTED = 1e-3
 """[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
 TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
 """Evidence of cloth that can tear."""
-BODILY = frozenset(
-    {*("contact", "no_contact", "reaches", "stays_in", "crosses", "rests_on"),
-     *("supported", "tilts", "topples", "speed", "displacement", "separation")}
-)  # fmt: skip
-"""Kinds of predicates that ask for the place or the surface of bodies."""
-ASKED = {
-    "liquid": "liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets",
-    "particles": "particle_count_in, particle_volume_in, pile_height, run_out or particles_settled of it, reaches or speed of what it meets",
-}
-"""What can be asked of matter that is not a body, by category."""
 
 
 def story_problems(spec: WorldSpec) -> list[Problem]:
@@ -100,9 +92,9 @@ def _own_start(spec: WorldSpec, name: str) -> list[Problem]:
     """An effect whose subject starts with a velocity of its own, of which no beat without causes tells: it would move without them."""
     beat = spec.story.beats[name]
     physics = spec.entities[beat.subject].physics if beat.subject in spec.entities else None
-    if not beat.causes or not beat.mandatory or not isinstance(physics, RigidPhysics | ElasticPhysics):
+    if not beat.causes or not beat.mandatory or physics is None or not CATEGORIES[physics.category].starts_alone:
         return []
-    speeds = math.hypot(*physics.linear_velocity), math.hypot(*getattr(physics, "angular_velocity", (0.0,)))
+    speeds = [math.hypot(*getattr(physics, field, (0.0,))) for field in ("linear_velocity", "angular_velocity")]
     first = [b for b in spec.story.beats.values() if not b.causes]
     if max(speeds) < STARTED or any(beat.subject in (b.subject, *entities_of(b.predicate)) for b in first):
         return []
@@ -162,13 +154,13 @@ def _said(spec: WorldSpec) -> list[tuple[str, Predicate]]:
 
 
 def _without_record(spec: WorldSpec) -> list[Problem]:
-    """Contacts of cloth that its record cannot tell: it holds an impulse for each solid, of contacts and pins, of all members together."""
+    """Contacts that no record can tell."""
     problems = []
     for place, predicate in _said(spec):
         for atom in atoms_of(predicate):
             if isinstance(atom, Contact | NoContact):
                 pairs = dict.fromkeys((a, b) for a in _meant(atom.a, predicate) for b in _meant(atom.b, predicate) if a != b)
-                told = (text for pair in pairs for text in [_untold(spec, *pair)] if text)
+                told = (text for pair in pairs for c in CATEGORIES.values() if (text := c.unrecorded(spec, *pair)))
                 problems += [Problem(place, f"{atom.kind}: {text}") for text in list(told)[:1]]
     return problems
 
@@ -177,44 +169,16 @@ def _meant(name: str, predicate: SpecModel) -> tuple[str, ...]:
     return entities_of(predicate) if name == "each" else (name,)
 
 
-def _untold(spec: WorldSpec, a: str, b: str) -> str:
-    """Why no record tells contacts of two entities of which one is cloth, and what to ask instead; empty where one does."""
-    sheets = [n for n in (a, b) if n in spec.entities and spec.entities[n].physics.category == "cloth"]
-    if not sheets or not {a, b} <= set(spec.entities):
-        return ""
-    sheet, other = sheets[0], b if sheets[0] == a else a
-    contract, category = spec.entities[sheet], spec.entities[other].physics.category
-    if category == "cloth":
-        return f"no record holds contacts among cloth, such as {a!r} and {b!r}: ask separation of them"
-    if category not in ("rigid", "elastic"):
-        return ""
-    alike = next((i.members for i in spec.simulation.cloth.values() if sheet in i.members), [sheet])
-    if len(alike) > 1:
-        return (
-            f"the record of pushes on {other!r} does not tell {sheet!r} from {', '.join(m for m in alike if m != sheet)}: "
-            f"give it an instance of its own, or ask separation or reaches"
-        )
-    pins = pins_of(contract)
-    if any(p.to == other for p in pins.values()):
-        return f"{other!r} holds a pin of {sheet!r}, and its pull is recorded with contacts: ask pinned or separation"
-    if contract.physics.category == "cloth" and other in contract.physics.ignores:
-        return f"{sheet!r} passes through {other!r} (`ignores`): take it out of there, or ask separation or reaches"
-    parts = spec.entities[other].parts.values()
-    if category == "rigid" and parts and not any(p.collides for p in parts):
-        return f"no part of {other!r} collides, so {sheet!r} never meets it: let one collide, or ask separation or reaches"
-    return ""
-
-
 def _without_bodies(spec: WorldSpec) -> list[Problem]:
-    """Liquids and particles are many: nothing is asked of their one place, surface or contact."""
+    """Loose matter is many: nothing is asked of its one place, surface or contact."""
     problems = []
     for place, predicate in _said(spec):
         for atom in atoms_of(predicate):
             kind = str(getattr(atom, "kind", ""))
-            for entity in entities_of(atom) if kind in BODILY else ():
-                category = spec.entities[entity].physics.category if entity in spec.entities else ""
-                if category in ASKED:
-                    text = f"{kind} asks for a body, and {entity!r} is {category}: ask {ASKED[category]}"
+            for entity in entities_of(atom) if PREDICATES[kind].bodily else ():
+                category = CATEGORIES[spec.entities[entity].physics.category] if entity in spec.entities else None
+                if category is not None and category.asked:
+                    text = f"{kind} asks for a body, and {entity!r} is {category.name}: ask {category.asked}"
                     problems.append(Problem(place, text))
     return problems
 

@@ -8,6 +8,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from ..predicate_base import Tells
+from ..predicates.registry import PREDICATES
+
 __all__ = [
     "EVENTS",
     "TRANSITIVE",
@@ -19,28 +22,23 @@ __all__ = [
     "numbers_in",
     "objects_in",
     "piece_words",
+    "telling",
     "walks",
     "way_words",
 ]
 
-_MOTION = frozenset({"displacement", "reaches", "crosses", "speed", "separation", "topples", "tilts", "joint_angle", "rests_on"})
-_GRAINS = frozenset({"particle_count_in", "particle_volume_in", "run_out", "pile_height"})
-_FALL = _MOTION - {"speed"} | {"breach", "debris"} | _GRAINS
-_BLOW = _MOTION | {"contact", "breach", "broken"}
-_BREAK = frozenset({"breach", "broken", "debris"})
-EVENTS: Mapping[str, frozenset[str] | None] = {
-    **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), _FALL),
-    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), _MOTION | _GRAINS),
-    **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), _BLOW),
+EVENTS: Mapping[str, Tells | None] = {
+    **dict.fromkeys(("collapse", "crumble", "drop", "fall", "tip", "topple", "tumble"), "falls"),
+    **dict.fromkeys(("fly", "roll", "slide", "slip", "swing", "throw"), "flies"),
+    **dict.fromkeys(("bounce", "collide", "crash", "hit", "knock", "push", "smash", "strike"), "blows"),
+    **dict.fromkeys(("crack", "shatter", "splinter"), "cracks"),
+    **dict.fromkeys(("rip", "tear"), "tears"),
+    **dict.fromkeys(("flap", "flutter"), "flaps"),
     **dict.fromkeys(
-        ("break", "burst", "drip", "explode", "flood", "leak", "overflow", "pour", "slosh", "snap", "spill", "splash"), None
+        ("break", "burst", "drip", "explode", "flood", "leak", "overflow", "pour", "slosh", "snap", "spill", "splash", "float")
     ),
-    **dict.fromkeys(("crack", "shatter", "splinter"), _BREAK),
-    "float": None,
-    **dict.fromkeys(("rip", "tear"), frozenset({"torn", "broken", "breach"})),
-    **dict.fromkeys(("flap", "flutter"), frozenset({"flutters"})),
 }
-"""Verbs that tell an event, and the kinds of predicate that can tell it; None: any kind of event."""
+"""Verbs that tell an event, and the family of predicates that can tell it; None: any kind of event."""
 TRANSITIVE = frozenset({"hit", "knock", "push", "smash", "strike", "throw"})
 """Of these, those by which one thing does something to another."""
 _FORMS = {
@@ -167,6 +165,12 @@ def _verb(word: str) -> str:
 
 
 _EVENT = re.compile("|".join(rf"(?P<{w}>\b(?:{_verb(w)})\b)" for w in EVENTS), re.IGNORECASE)
+
+
+def telling(verb: str) -> frozenset[str] | None:
+    """Kinds of predicates that can tell a verb of `EVENTS`; None: any kind of event."""
+    family = EVENTS[verb]
+    return None if family is None else frozenset(kind for kind, info in PREDICATES.items() if family in info.tells)
 
 
 def event_words(text: str) -> dict[str, str]:

@@ -1,17 +1,100 @@
-"""What one category of matter declares about itself."""
+"""The declaration of one category of matter."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
-from ..matter import MatterShape
+from ..matter import Instance, Matter, MatterShape
+from ..parameters import PHYSICS, GroupInfo, Parameter
+from ..predicate_base import PredicateInfo
+from ..problems import Problem
+from ..vocabulary import SpecModel
 
-__all__ = ["CategorySpec"]
+if TYPE_CHECKING:
+    from ..spec import Coupling, Entity, WorldSpec
+
+__all__ = ["Audit", "Cap", "CategorySpec", "declares"]
+
+
+@dataclass(frozen=True)
+class Cap:
+    """The largest amount of something that the server takes on."""
+
+    name: str
+    value: int
+    unit: str
+    knob: str
+    """What to change to stay below it."""
+
+
+@dataclass(frozen=True)
+class Audit:
+    """A row of the audit about one category."""
+
+    row: str
+    """Id of the row, without `audit:`."""
+    predicate: str
+    problems: Callable[[WorldSpec], list[Problem]]
+    also: Callable[[WorldSpec], bool] = lambda spec: False
+    """Whether the row is asked for where no entity and no instance is of the category."""
 
 
 @dataclass(frozen=True)
 class CategorySpec:
-    """One category of matter."""
+    """One category of matter. All callables read the specification alone."""
 
     name: str
     shape: MatterShape
+    noun: str
+    """How the audit calls it, as in "a liquid"."""
+    physics: type[Matter] | None = None
+    """Its member of the union `Physics`; None for what entities of other categories declare beside their physics."""
+    contract: str = ""
+    """Without `physics`: the field of an entity that declares it."""
+    instances: tuple[type[Instance], ...] = ()
+    """Its members of the union `SolverInstance`; empty where the instances of another category move it, or none do."""
+    drivers: tuple[type[SpecModel], ...] = ()
+    """Its members of the union `Driver`."""
+    predicates: tuple[PredicateInfo, ...] = ()
+    """Kinds of predicates that it answers."""
+    asked: str = ""
+    """What can be asked of matter that is no body, for the audit; empty for bodies."""
+    groups: tuple[GroupInfo, ...] = ()
+    """Causal parameter groups of its own."""
+    parameters: tuple[Parameter, ...] = ()
+    """Its fields, each with group and direction."""
+    knobs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """By engine: lengths in an entity's `physics` that a probe may leave coarser."""
+    caps: tuple[Cap, ...] = ()
+    estimate: Callable[[WorldSpec], Mapping[str, float]] = lambda spec: {}
+    """What its instances take, by name of the cap."""
+    audit: Audit | None = None
+    masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
+    """What is wrong with the declared mass of an entity of it."""
+    starts_alone: bool = False
+    """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
+    coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None
+    """What is wrong with a coupling of its instance to one that is not rigid; None where no engine couples these."""
+    unrecorded: Callable[[WorldSpec, str, str], str] = lambda spec, a, b: ""
+    """Why no record tells contacts of two entities of which one is of it, and what to ask instead; empty where one does."""
+    recipes: Callable[[WorldSpec, str], Mapping[str, str]] = lambda spec, motion: {}
+    """Recipes of its own artifacts by name, given that of the motion."""
+    weakenings: Callable[[str, Mapping[str, Any], Mapping[str, Any]], Iterable[str]] = lambda place, old, new: ()
+    """Edits of an entity's physics that ask for less and that no direction tells: pointer of the physics, before, after."""
+    missing: Callable[[WorldSpec, str, Iterable[str]], Iterable[tuple[str, str]]] = lambda spec, text, met_by: ()
+    """Words of a clause that tell of such matter which nothing simulates, with what to do; from the clause and its `met_by`."""
+
+    @property
+    def allowances(self) -> list[str]:
+        """Fields of its physics that bound what is allowed: larger ones ask for less."""
+        allowed = [p for p in self.parameters if p.way.direction == "harder_down" and p.pointer.startswith(f"{PHYSICS}/")]
+        return [p.pointer.removeprefix(f"{PHYSICS}/") for p in allowed]
+
+
+def declares(category: CategorySpec, entity: Entity) -> bool:
+    """Whether an entity is of a category."""
+    if category.physics is None:
+        return getattr(entity, category.contract) is not None
+    return isinstance(entity.physics, category.physics)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..matter import MatterShape
+from ..parameters import Parameter
 from .category import CategorySpec
 from .cloth.category import CLOTH
 from .elastic.category import ELASTIC
@@ -18,7 +19,7 @@ from .rigid.category import RIGID
 if TYPE_CHECKING:
     from ..spec import Entity
 
-__all__ = ["CATEGORIES", "shape_of"]
+__all__ = ["CATEGORIES", "PARAMETERS", "parameter_of", "shape_of"]
 
 CATEGORIES: Mapping[str, CategorySpec] = {
     category.name: category
@@ -38,3 +39,21 @@ CATEGORIES: Mapping[str, CategorySpec] = {
 def shape_of(entity: Entity) -> MatterShape:
     """`solid`, `deforming` or `loose`, by the category of the entity."""
     return entity.physics.shape
+
+
+PARAMETERS: Mapping[str, Parameter] = {p.pointer: p for c in CATEGORIES.values() for p in c.parameters}
+"""Fields of all categories by pointer; those that several categories have are alike in group and direction."""
+
+
+def parameter_of(pointer: str) -> Parameter | None:
+    """Field of a category at a JSON pointer; None where it is none, or what no category declares."""
+    tokens = pointer.split("/")
+    ids = 2 if tokens[1:2] == ["entities"] else 3
+    key = "/".join("*" if k == ids else token for k, token in enumerate(tokens))
+    found = PARAMETERS.get(key)
+    while found is None and "/" in key:
+        key = key.rpartition("/")[0]
+        above = PARAMETERS.get(key)
+        if above is not None:
+            return above if above.below else None
+    return found

@@ -3,6 +3,7 @@
 from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
 from ..categories.elastic.predicates import Deflection, Strain
 from ..categories.fracture.predicates import Breach, Broken, Debris
+from ..predicate_base import PredicateInfo, atoms_of, describe_predicate, entities_of
 from .landscape import LandscapeField, LandscapeWater
 from .models import (
     ATOMS,
@@ -45,11 +46,9 @@ from .models import (
     WetArea,
     Within,
 )
-from .registry import PREDICATES, PredicateInfo, atoms_of, describe_predicate, entities_of, interval_tightens, is_invariant
 
 __all__ = [
     "ATOMS",
-    "PREDICATES",
     "After",
     "Always",
     "And",
@@ -103,6 +102,4 @@ __all__ = [
     "atoms_of",
     "describe_predicate",
     "entities_of",
-    "interval_tightens",
-    "is_invariant",
 ]

@@ -24,7 +24,7 @@ import numpy as np
 
 from ....geometry.solids import Solid
 from ....worlds.categories.fracture.bonds import WORLD, components
-from ....worlds.categories.fracture.facts import middle_size
+from ....worlds.categories.fracture.pieces import middle_size
 from ....worlds.errors import EvidenceError
 from ....worlds.requirements import RowId
 from ...rows.findings import Finding, judged

@@ -13,7 +13,7 @@ import numpy as np
 
 from ....worlds.arrays import pose_of
 from ....worlds.categories.fracture.bonds import WORLD, components
-from ....worlds.categories.fracture.facts import crumble_of
+from ....worlds.categories.fracture.pieces import crumble_of
 from ...ledgers.balance import books_of
 
 if TYPE_CHECKING:

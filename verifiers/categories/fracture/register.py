@@ -8,7 +8,7 @@ import numpy as np
 
 from ....physics.drag import area_vectors
 from ....worlds.categories.fracture.bonds import WORLD
-from ....worlds.categories.fracture.facts import crumble_of
+from ....worlds.categories.fracture.pieces import crumble_of
 from ....worlds.fields import fields_of
 
 if TYPE_CHECKING:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
-from ....worlds.categories.liquid.facts import least_extent, spacing_of
+from ....worlds.categories.liquid.facts import spacing_of
 from ....worlds.coarsening import read_overrides
 from ....worlds.errors import EvidenceError
+from ....worlds.extents import least_extent
 from ....worlds.predicates import atoms_of
 from ...rows.findings import Finding
 from .rows import coarse

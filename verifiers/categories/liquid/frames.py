@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64, pose_of, rotation_matrix
-from ....worlds.categories.liquid.facts import domain_box, spacing_of
+from ....worlds.categories.liquid.facts import spacing_of
+from ....worlds.categories.loose import domain_box
 from ....worlds.errors import EvidenceError
 from ....worlds.fields import fields_of
 from ....worlds.spec import InflowDriver, LiquidPhysics, OutflowDriver

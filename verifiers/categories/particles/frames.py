@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64, I32
-from ....worlds.categories.particles.facts import particle_box
+from ....worlds.categories.loose import domain_box
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.findings import cache_of
 
@@ -73,7 +73,7 @@ class Swarm:
         self.duration = 1.0 / spec.simulation.fps
         self.gravity: F64 = np.array(spec.simulation.gravity, dtype=np.float64)
         self.density: F64 = np.array([spec.materials[spec.entities[m].material].density for m in self.members])
-        self.lower, self.upper = particle_box(self.plan)
+        self.lower, self.upper = domain_box(self.plan)
         self._kept: dict[int, SwarmFrame] = {}
         self._room = KEPT_PARTICLES
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ....physics.substances import DENSITY_RANGES
 from ...holders import cannot_hold
 from ...problems import Problem, replaced
+from ...weights import ROUNDING
 from .facts import THIN, grids_of, held_by, vertices_of
+from .models import ClothPhysics
 
 if TYPE_CHECKING:
     from ...spec import Entity, WorldSpec
 
-__all__ = ["cloth_problems"]
+__all__ = ["cloth_problems", "has_sheets", "mass_problems"]
 
 LEAST_EDGES = 4
 """Own choice: a sheet with fewer edges across cannot bend."""
@@ -43,6 +46,11 @@ def cloth_problems(spec: WorldSpec) -> list[Problem]:
                 text = f"joint {key!r} joins the cloth {getattr(joint, end)!r}; hold cloth by pins in its physics"
                 found.append(Problem(f"/simulation/joints/{key}/{end}", text))
     return found
+
+
+def has_sheets(spec: WorldSpec) -> bool:
+    """Whether a part of any entity is a sheet."""
+    return any(p.shape.kind == "sheet" for e in spec.entities.values() for p in e.parts.values())
 
 
 def _entity(name: str, entity: Entity) -> Iterator[Problem]:
@@ -122,3 +130,23 @@ def _pins(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
     for key in physics.ignores:
         if key in spec.entities and spec.entities[key].physics.category != "rigid":
             yield Problem(f"/entities/{name}/physics/ignores", f"{key!r} is not rigid; cloth passes through rigid entities only")
+
+
+def mass_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
+    """Cloth whose weight per area over its thickness is no density of its substance."""
+    entity = spec.entities[name]
+    physics = entity.physics
+    if not isinstance(physics, ClothPhysics) or entity.material not in spec.materials:
+        return
+    substance = spec.materials[entity.material].substance
+    low, high = DENSITY_RANGES[substance]
+    density = physics.area_density / physics.thickness
+    if not (1.0 - ROUNDING) * low <= density <= (1.0 + ROUNDING) * high:
+        best = physics.thickness * min(max(density, low), high)
+        place = f"/entities/{name}/physics/area_density"
+        yield Problem(
+            place,
+            f"{name!r} weighs {physics.area_density:g} kg/m^2 at {physics.thickness:g} m, {density:.3g} kg/m^3, which is no {substance}: "
+            f"allowed {low * physics.thickness:.3g} to {high * physics.thickness:.3g} kg/m^2",
+            replaced(place, float(f"{best:.4g}")),
+        )

@@ -1,7 +1,79 @@
 """Cloth."""
 
-from ..category import CategorySpec
+from __future__ import annotations
+
+import math
+
+from ...parameters import PHYSICS, SETTINGS, GroupInfo, parameters
+from ..category import Audit, Cap, CategorySpec
+from ..shared import DAMPING, LINEAR_VELOCITY, PINS, STEPS
+from .audit import cloth_problems, has_sheets, mass_problems
+from .contacts import unrecorded
+from .couplings import coupling_problems
+from .facts import cloth_counts
+from .models import ClothInstance, ClothPhysics
+from .predicates import PREDICATES
+from .weakened import weakenings
 
 __all__ = ["CLOTH"]
 
-CLOTH = CategorySpec(name="cloth", shape="deforming")
+CLOTH = CategorySpec(
+    name="cloth",
+    shape=ClothPhysics.shape,
+    noun="cloth",
+    physics=ClothPhysics,
+    instances=(ClothInstance,),
+    predicates=PREDICATES,
+    groups=(GroupInfo("cloth", "solver", "stiffness, strength, thickness, drag of cloth, what it passes through"),),
+    parameters=(
+        *parameters(PHYSICS, "tear", "cloth", "bound", "weaker cloth tears more easily, stronger holds"),
+        *parameters(
+            PHYSICS,
+            "tear/strength",
+            "cloth",
+            "bound",
+            "weaker cloth tears more easily, stronger holds",
+            eases=("torn",),
+            absent=math.inf,
+        ),
+        *parameters(
+            PHYSICS,
+            "stretch_stiffness weft_stiffness shear_stiffness bend_stiffness",
+            "cloth",
+            "bound",
+            "softer bodies give way more, stiffer ones hold",
+            eases=("deflection", "strain"),
+        ),
+        *parameters(PHYSICS, "thickness drag skin_drag flat", "cloth", "repair", "the body or sheet"),
+        *parameters(PHYSICS, "self_collision", "cloth", "either", "false: layers pass through each other"),
+        *parameters(PHYSICS, "ignores", "cloth", "either", "what it passes through", below=True),
+        *parameters(PHYSICS, "max_stretch", "limits", "harder_down", "allowed deformation"),
+        *parameters(PHYSICS, "area_density", "mass", "either", "default: density times volume"),
+        *DAMPING,
+        *LINEAR_VELOCITY,
+        *PINS,
+        *STEPS,
+        *parameters(SETTINGS, "integrator", "step", "repair", "rows hold the motion against laws"),
+        *parameters(SETTINGS, "margin", "contact", "repair", "rows hold the motion against laws"),
+    ),
+    caps=(
+        Cap("vertices", 1_000_000, "vertices of cloth", "a larger /entities/<cloth>/parts/<part>/shape/resolution"),
+        Cap(
+            "vertex_steps",
+            100_000_000_000,
+            "vertex steps",
+            "a larger resolution of the sheets, a smaller stretch_stiffness or damping, or fewer frames",
+        ),
+    ),
+    estimate=cloth_counts,
+    audit=Audit(
+        "cloth",
+        "cloth is made of sheets or meshes that resolve its thickness, and its pins hold it",
+        cloth_problems,
+        also=has_sheets,
+    ),
+    masses=mass_problems,
+    coupling=coupling_problems,
+    unrecorded=unrecorded,
+    weakenings=weakenings,
+)

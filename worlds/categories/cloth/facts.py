@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = [
     "THIN",
     "ClothEstimate",
+    "cloth_counts",
     "cloth_estimate",
     "exchange_of",
     "grids_of",
@@ -39,6 +40,8 @@ CORNERS = 6
 """Corners of triangles per vertex of a large sheet."""
 CLOSELY = 1e-3
 """Longest time between two exchanges of impulses with bodies that the cloth pushes, and between two looks at what tears [s]."""
+CACHE_BYTES_PER_VERTEX_FRAME = 36
+"""Position in float64 and velocity in float32 [bytes]."""
 ON_EDGE = 1e-6
 """Share of a sheet's size within which a vertex lies on its edge."""
 
@@ -146,6 +149,17 @@ def cloth_estimate(spec: WorldSpec, name: str) -> ClothEstimate:
             if edge > 0 and math.isfinite(edge):
                 step = min(step, stiffest_step(entity.physics, edge))
     return ClothEstimate(vertices, seconds / step, written)
+
+
+def cloth_counts(spec: WorldSpec) -> dict[str, float]:
+    """Amounts that the cloth of a specification takes, by name of the cap."""
+    found = [cloth_estimate(spec, name) for name in spec.simulation.cloth]
+    return {
+        "steps": sum(e.steps for e in found),
+        "vertices": sum(e.vertices for e in found),
+        "vertex_steps": sum(e.vertices * e.steps for e in found),
+        "cache_bytes": sum(e.written for e in found) * spec.simulation.frames * CACHE_BYTES_PER_VERTEX_FRAME,
+    }
 
 
 def exchange_of(spec: WorldSpec, name: str) -> float:

@@ -6,10 +6,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from ...predicate_base import Band, Subject, When
+from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 from ...vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Vec3
 
-__all__ = ["Drape", "Flutters", "Pinned", "Torn"]
+__all__ = ["PREDICATES", "Drape", "Flutters", "Pinned", "Torn"]
 
 
 class Drape(Band):
@@ -54,3 +54,19 @@ class Pinned(SpecModel):
     pin: Id | None = Field(default=None, description="one of its pins; default: all")
     max_slip: NonNegative = Field(default=1e-4, description="farthest that a held vertex may be off [m]")
     when: When = "always"
+
+
+_SHEETS = ("vertex/position",)
+PREDICATES = (
+    PredicateInfo("drape", "1", _SHEETS, BAND, placed=True),
+    PredicateInfo(
+        "flutters",
+        "m",
+        _SHEETS,
+        {"min_amplitude": "up", "max_amplitude": "down", "min_cycles": "up", "min_frequency": "up", "max_frequency": "down"},
+        frames="either",
+        tells=("flaps",),
+    ),
+    PredicateInfo("torn", "m", (*_SHEETS, "edge/open", "tear/corner", "tear/side", "tear/cause"), BAND, tells=("tears",)),
+    PredicateInfo("pinned", "m", _SHEETS, {"max_slip": "down"}),
+)

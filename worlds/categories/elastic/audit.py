@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...holders import cannot_hold
 from ...problems import Problem, removed, replaced
-from ...spec import ElasticPhysics
+from .models import ElasticPhysics
 
 if TYPE_CHECKING:
     from ...spec import Entity, RigidInstance, WorldSpec

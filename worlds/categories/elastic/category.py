@@ -1,7 +1,38 @@
-"""Elastic bodies."""
+"""Elastic bodies, which instances of rigid bodies move."""
 
-from ..category import CategorySpec
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...parameters import PHYSICS, GroupInfo, parameters
+from ..category import Audit, CategorySpec
+from ..shared import DAMPING, ELASTIC_MODULI, LINEAR_VELOCITY, PINS, RESOLUTION
+from .audit import elastic_problems
+from .models import ElasticPhysics
+from .predicates import PREDICATES
 
 __all__ = ["ELASTIC"]
 
-ELASTIC = CategorySpec(name="elastic", shape="deforming")
+ELASTIC = CategorySpec(
+    name="elastic",
+    shape=ElasticPhysics.shape,
+    noun="an elastic body",
+    physics=ElasticPhysics,
+    predicates=PREDICATES,
+    groups=(GroupInfo("stiffness", "solver", "elastic constants and yield strain of deforming bodies"),),
+    parameters=(
+        *(replace(p, eases=("deflection", "strain")) if p.way.direction == "bound" else p for p in ELASTIC_MODULI),
+        *parameters(PHYSICS, "yield_strain", "stiffness", "repair", "the body or sheet"),
+        *parameters(PHYSICS, "max_strain recovery", "limits", "harder_down", "allowed deformation"),
+        *DAMPING,
+        *LINEAR_VELOCITY,
+        *PINS,
+        *RESOLUTION,
+    ),
+    audit=Audit(
+        "elastic",
+        "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells",
+        elastic_problems,
+    ),
+    starts_alone=True,
+)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ...predicate_base import Band, Subject, When
+from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 
-__all__ = ["Deflection", "Strain"]
+__all__ = ["PREDICATES", "Deflection", "Strain"]
 
 
 class Deflection(Band):
@@ -23,3 +23,9 @@ class Strain(Band):
     kind: Literal["strain"] = "strain"
     entity: Subject
     when: When = "eventually"
+
+
+PREDICATES = (
+    PredicateInfo("deflection", "m", ("vertex/position",), BAND),
+    PredicateInfo("strain", "1", ("vertex/position",), BAND),
+)

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...limits import CAPS
 from ...problems import Problem, removed, replaced
-from ...spec import ForceDriver, PathDriver, RigidPhysics
+from ..category import Cap
+from ..rigid.models import ForceDriver, PathDriver, RigidPhysics
 from .facts import CRUMBLE, piece_count
 
 if TYPE_CHECKING:
     from ...spec import Breakable, Entity, WorldSpec
 
-__all__ = ["crumble_limit", "fracture_problems", "usual_crumble"]
+__all__ = ["PIECES", "crumble_limit", "fracture_problems", "usual_crumble"]
 
+PIECES = Cap("pieces", 2_000, "pieces", "fewer pieces in /entities/<id>/breakable/pattern, or larger bricks")
 LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
 CRUMBLE_SHARE = 0.1
@@ -37,9 +38,8 @@ def fracture_problems(spec: WorldSpec) -> list[Problem]:
                 *_weight(spec, name, entity, entity.breakable),
             ]
     total = sum(piece_count(e) for e in spec.entities.values() if e.breakable is not None)
-    cap = CAPS["pieces"]
-    if total > cap.value:
-        found.append(Problem("/entities", f"breakable entities have about {total} pieces, at most {cap.value}; {cap.knob}"))
+    if total > PIECES.value:
+        found.append(Problem("/entities", f"breakable entities have about {total} pieces, at most {PIECES.value}; {PIECES.knob}"))
     return found
 
 

@@ -1,7 +1,48 @@
 """Breakable bodies: rigid bodies whose contract says how they break."""
 
-from ..category import CategorySpec
+from __future__ import annotations
+
+from ...parameters import BREAKABLE, GroupInfo, Parameter, Way, parameters
+from ..category import Audit, CategorySpec
+from .audit import PIECES, fracture_problems
+from .predicates import PREDICATES
 
 __all__ = ["FRACTURE"]
 
-FRACTURE = CategorySpec(name="fracture", shape="solid")
+FRACTURE = CategorySpec(
+    name="fracture",
+    shape="solid",
+    noun="a breakable body",
+    contract="breakable",
+    predicates=PREDICATES,
+    groups=(
+        GroupInfo("bonds", "solver", "strength, stiffness and toughness of what holds the pieces of breakable bodies together"),
+    ),
+    parameters=(
+        Parameter(BREAKABLE, "shape", Way("either", "what breaks, or no longer does")),
+        *parameters(BREAKABLE, "pattern fixed", "shape", "repair", "how it is cut and held", below=True),
+        *parameters(BREAKABLE, "bond", "bonds", "either", "what breaks, or no longer does"),
+        *parameters(
+            BREAKABLE,
+            "bond/tension bond/shear bond/toughness bond/friction",
+            "bonds",
+            "bound",
+            "weaker bonds break more easily, stronger ones hold",
+            eases=("broken", "breach", "debris"),
+        ),
+        *parameters(BREAKABLE, "bond/crumble", "bonds", "harder_down", "how deep pieces may lie in one another"),
+        *parameters(
+            BREAKABLE,
+            "bond/young_modulus bond/poisson_ratio bond/contact_time",
+            "bonds",
+            "repair",
+            "how a load is shared among bonds",
+        ),
+    ),
+    caps=(PIECES,),
+    audit=Audit(
+        "fracture",
+        "breakable entities are free rigid bodies, cut no finer than skins and caps allow, and bear their own weight",
+        fracture_problems,
+    ),
+)

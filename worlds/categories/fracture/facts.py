@@ -1,29 +1,19 @@
-"""What follows from the specification of a breakable body and its pieces, for solver and judge alike."""
+"""Facts of breakable bodies that the specification alone tells: numbers of pieces, and how far they crumble (R61)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from .bonds import WORLD
-
 if TYPE_CHECKING:
-    from ...arrays import I32
-    from ...built import BuiltEntity
-    from ...spec import Breakable, Entity
+    from ...spec import Entity
 
-__all__ = ["CRUMBLE", "bonded_pairs", "crumble_of", "crumbled_force", "middle_size", "piece_count", "piece_overlap"]
+__all__ = ["CRUMBLE", "SHARES", "piece_count"]
 
 CRUMBLE = 0.01
 """Default thickness of what crumbles at a broken face, in parts of the middle piece's size."""
-TIGHT = 1e-4
-"""Overlap of pieces in contact, in parts of the middle piece's size: contacts sink by that much under load."""
 SHARES = (0.125, 1.0)
 """Parts of the contact time at which a blow is looked at: early, when it is felt near where it hits only, and at its end. What
 it breaks early it cannot use to bend the rest."""
-CORNERS = 20.0
-"""Contact points over which a crumbled face carries its load."""
 
 
 def piece_count(entity: Entity) -> int:
@@ -39,37 +29,3 @@ def piece_count(entity: Entity) -> int:
     along, through = (x, y) if pattern.along == "x" else (y, x)
     pitch = [s + pattern.joint for s in pattern.size]
     return max(1, round(along / pitch[0] + 0.5)) * max(1, round(through / pitch[1])) * max(1, round(z / pitch[2]))
-
-
-def middle_size(built: BuiltEntity) -> float:
-    """Edge of a cube as large as the middle piece [m]."""
-    return float(np.cbrt(np.median([b.volume for b in built.bodies])))
-
-
-def crumble_of(breakable: Breakable, built: BuiltEntity) -> float:
-    """How far two pieces may close over a face that they shared [m]."""
-    declared = breakable.bond.crumble
-    if declared is not None:
-        return declared
-    if breakable.pattern.kind == "bricks":
-        return breakable.pattern.joint / 2
-    return CRUMBLE * middle_size(built)
-
-
-def piece_overlap(breakable: Breakable, built: BuiltEntity) -> float:
-    """How deep two pieces may lie in one another [m]: what crumbled, and `TIGHT` of a piece."""
-    return crumble_of(breakable, built) + TIGHT * middle_size(built)
-
-
-def crumbled_force(breakable: Breakable, built: BuiltEntity) -> float:
-    """Most that a contact point carries while its face crumbles [N]: what the bond bore in shear, shared by the points."""
-    assert built.bonds is not None
-    area = float(np.mean(built.bonds.area)) if len(built.bonds) else 0.0
-    return breakable.bond.shear * area / CORNERS
-
-
-def bonded_pairs(built: BuiltEntity) -> I32:
-    """Pairs of pieces that share a face, the smaller index first, shape (p, 2), sorted."""
-    assert built.bonds is not None
-    inner = built.bonds.pieces[built.bonds.pieces[:, 1] != WORLD]
-    return np.asarray(np.unique(np.sort(inner, axis=1), axis=0), dtype=np.int32)

@@ -6,10 +6,10 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ...predicate_base import Band, Subject, When
+from ...predicate_base import BAND, POSE, Band, PredicateInfo, Subject, When
 from ...vocabulary import EntityRef, NonNegative, Positive, RegionRef, SpecModel, Vec3
 
-__all__ = ["Breach", "Broken", "Debris"]
+__all__ = ["PREDICATES", "Breach", "Broken", "Debris"]
 
 
 class Broken(Band):
@@ -63,3 +63,19 @@ class Debris(Band):
         if self.axis is not None and sum(c * c for c in self.axis) < 1e-12:
             raise ValueError("axis must have a length")
         return self
+
+
+_BONDS = ("bond/broken", "break/time", "break/bond", "break/cause")
+PREDICATES = (
+    PredicateInfo("broken", "1", _BONDS, BAND, pieces=0.1, tells=("blows", "cracks", "tears")),
+    PredicateInfo(
+        "breach",
+        "m",
+        (*POSE, *_BONDS),
+        {"min_width": "up", "min_height": "up"},
+        placed=True,
+        pieces=0.0,
+        tells=("falls", "blows", "cracks", "tears"),
+    ),
+    PredicateInfo("debris", "1", (*POSE, *_BONDS), {**BAND, "min_distance": "up"}, pieces=2.0, tells=("falls", "cracks")),
+)

@@ -1,7 +1,22 @@
-"""Gas: declared in the specification, moved by no engine."""
+"""Gas: declared in the specification, moved by no engine of this build."""
 
+from __future__ import annotations
+
+from ...parameters import PHYSICS, parameters
 from ..category import CategorySpec
+from ..shared import RESOLUTION, TEMPERATURE
+from .models import GasPhysics
 
 __all__ = ["GAS"]
 
-GAS = CategorySpec(name="gas", shape="loose")
+GAS = CategorySpec(
+    name="gas",
+    shape=GasPhysics.shape,
+    noun="a gas",
+    physics=GasPhysics,
+    parameters=(
+        *TEMPERATURE,
+        *RESOLUTION,
+        *parameters(PHYSICS, "soot_density fuel", "mass", "repair", "grains, particles, gas"),
+    ),
+)

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import F64, pose_of
+from ...extents import initial_box
 from ...problems import Problem, replaced
-from .facts import LEAST_MOUTH, LEAST_SPACINGS, domain_box, inflows_of, initial_box, spacing_of
+from ..loose import domain_box
+from .facts import LEAST_MOUTH, LEAST_SPACINGS, inflows_of, spacing_of
 from .wave_audit import wave_problems
 
 if TYPE_CHECKING:

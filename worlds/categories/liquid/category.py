@@ -1,7 +1,63 @@
 """Liquids."""
 
-from ..category import CategorySpec
+from __future__ import annotations
+
+from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
+from ..category import Audit, CategorySpec
+from ..loose import CAPS, counts
+from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, STEPS, TEMPERATURE
+from .audit import liquid_problems
+from .facts import liquid_estimate
+from .models import DfsphInstance, FlipInstance, InflowDriver, LiquidPhysics, OutflowDriver, WavesDriver
+from .predicates import PREDICATES
+from .recipe import liquid_recipes
+from .words import missing_liquid
 
 __all__ = ["LIQUID"]
 
-LIQUID = CategorySpec(name="liquid", shape="loose")
+LIQUID = CategorySpec(
+    name="liquid",
+    shape=LiquidPhysics.shape,
+    noun="a liquid",
+    physics=LiquidPhysics,
+    instances=(DfsphInstance, FlipInstance),
+    drivers=(InflowDriver, OutflowDriver, WavesDriver),
+    predicates=PREDICATES,
+    asked="liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets",
+    groups=(GroupInfo("liquid", "solver", "viscosity, surface tension, heat of liquids, friction and roughness of walls"),),
+    parameters=(
+        *parameters(PHYSICS, "viscosity surface_tension conductivity heat_capacity activation", "liquid", "repair", "the liquid"),
+        *parameters(PHYSICS, "currents", "initial_state", "repair", "the state at frame 0 and what holds it", below=True),
+        *LINEAR_VELOCITY,
+        *TEMPERATURE,
+        *RESOLUTION,
+        *DOMAIN,
+        *STEPS,
+        *parameters(
+            SETTINGS,
+            "cfl density_error divergence_error viscosity_error pressure_error volume_correction flip_ratio transfer "
+            "particles_per_cell",
+            "step",
+            "repair",
+            "rows hold the motion against laws",
+        ),
+        *parameters(SETTINGS, "wall_friction roughness", "liquid", "repair", "walls of liquids; where it runs"),
+        *OPENING,
+        *parameters(
+            DRIVER,
+            "round spectrum height period level depth direction spreading peakedness components generate absorb zone",
+            "drivers",
+            "repair",
+            "drivers stand in the register",
+            below=True,
+        ),
+    ),
+    knobs={"dfsph": ("resolution",), "flip": ("resolution",)},
+    caps=CAPS,
+    estimate=lambda spec: counts(spec, (liquid_estimate(spec, name) for name in spec.simulation.liquid)),
+    audit=Audit(
+        "liquids", "liquids are members of a liquid instance that resolves them, and its domain holds them", liquid_problems
+    ),
+    recipes=liquid_recipes,
+    missing=missing_liquid,
+)

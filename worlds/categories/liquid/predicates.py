@@ -6,10 +6,11 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ...predicate_base import Band, Subject, When
+from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 from ...vocabulary import EntityRef, Finite, NonNegative, Positive, RegionRef, SpecModel, Vec3
 
 __all__ = [
+    "PREDICATES",
     "LiquidArrives",
     "LiquidFluxThrough",
     "LiquidLevelAt",
@@ -135,3 +136,17 @@ class LiquidTemperature(Band):
     region: RegionRef | None = Field(default=None, description="default: all of the liquid")
     measure: Literal["mean", "lowest", "highest"] = Field(default="mean", description="mean: by mass")
     when: When = "eventually"
+
+
+_LIQUID = ("origin", "particle/position", "particle/fluid", "particle/volume")
+PREDICATES = (
+    PredicateInfo("liquid_volume_in", "m^3", _LIQUID, BAND),
+    PredicateInfo("liquid_level_at", "m", _LIQUID, BAND),
+    PredicateInfo("liquid_flux_through", "m^3", (*_LIQUID, "particle/id"), BAND, frames="either"),
+    PredicateInfo("liquid_arrives", "m^3", _LIQUID, {"min_volume": "up", "within": "down"}, frames="narrower"),
+    PredicateInfo("submerged_fraction", "1", _LIQUID, BAND),
+    PredicateInfo("wet_area", "m^2", _LIQUID, BAND),
+    PredicateInfo("splash_height", "m", _LIQUID, BAND),
+    PredicateInfo("liquid_speed", "m/s", (*_LIQUID, "particle/velocity"), BAND),
+    PredicateInfo("liquid_temperature", "K", (*_LIQUID, "particle/temperature"), BAND),
+)

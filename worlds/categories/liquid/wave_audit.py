@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ....physics.waves import breaking_steepness, wavelength
+from ...extents import initial_box
 from ...problems import Problem, replaced
 from ...waves import developed, heading, inward, waves_of
-from .facts import domain_box, initial_box, spacing_of
+from ..loose import domain_box
+from .facts import spacing_of
 
 if TYPE_CHECKING:
     from ...spec import LiquidInstance, WavesDriver, WorldSpec

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from ...audits.scenery_words import names_scenery
-from ...predicates import entities_of
-from ...spec import WorldSpec
+from ...predicate_base import entities_of
+
+if TYPE_CHECKING:
+    from ...spec import WorldSpec
 
 __all__ = ["missing_liquid"]
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import pose_of
+from ...extents import initial_box
 from ...problems import Problem, removed, replaced
-from ..liquid.facts import initial_box
-from .facts import particle_box
+from ..loose import domain_box
 
 if TYPE_CHECKING:
     from ...spec import ParticleInstance, WorldSpec
@@ -44,7 +44,7 @@ def particle_problems(spec: WorldSpec) -> list[Problem]:
 
 def _instance(spec: WorldSpec, name: str, instance: ParticleInstance) -> Iterator[Problem]:
     place = f"/simulation/solvers/{name}/settings"
-    low, high = particle_box(instance)
+    low, high = domain_box(instance)
     for member in instance.members:
         entity = spec.entities.get(member)
         if entity is None or entity.physics.category != "particles":
@@ -85,7 +85,7 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
                 continue
             owner = next((i for i in spec.simulation.particles.values() if driver.entity in i.members), None)
             if owner is not None:
-                low, high = particle_box(owner)
+                low, high = domain_box(owner)
                 at = pose_of(driver.pose).position
                 if (at < low).any() or (at > high).any():
                     yield Problem(

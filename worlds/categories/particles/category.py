@@ -1,7 +1,45 @@
 """Grains and flying particles."""
 
-from ..category import CategorySpec
+from __future__ import annotations
+
+from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
+from ..category import Audit, CategorySpec
+from ..loose import CAPS, counts
+from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
+from .audit import particle_problems
+from .facts import particle_estimate
+from .models import BallisticInstance, DemInstance, EmitterDriver, ParticlePhysics
+from .predicates import PREDICATES
 
 __all__ = ["PARTICLES"]
 
-PARTICLES = CategorySpec(name="particles", shape="loose")
+PARTICLES = CategorySpec(
+    name="particles",
+    shape=ParticlePhysics.shape,
+    noun="particles",
+    physics=ParticlePhysics,
+    instances=(DemInstance, BallisticInstance),
+    drivers=(EmitterDriver,),
+    predicates=PREDICATES,
+    asked="particle_count_in, particle_volume_in, pile_height, run_out or particles_settled of it, reaches or speed of what it meets",
+    groups=(GroupInfo("grains", "solver", "rolling resistance, cohesion, packing and life of particles"),),
+    parameters=(
+        *parameters(PHYSICS, "rolling cohesion packing on_hit life life_spread", "grains", "repair", "grains, particles, gas"),
+        *parameters(PHYSICS, "law", "mass", "repair", "grains, particles, gas"),
+        *parameters(PHYSICS, "radius radius_spread", "resolution", "repair", "rows hold it against what it must resolve"),
+        *parameters(PHYSICS, "count", "initial_state", "repair", "the state at frame 0 and what holds it", below=True),
+        *ELASTIC_MODULI,
+        *LINEAR_VELOCITY,
+        *DOMAIN,
+        *STEPS,
+        *parameters(SETTINGS, "step_share", "step", "repair", "rows hold the motion against laws"),
+        *OPENING,
+        *parameters(DRIVER, "speed_spread cone", "drivers", "repair", "drivers stand in the register", below=True),
+    ),
+    knobs={"dem": ("radius",)},
+    caps=CAPS,
+    estimate=lambda spec: counts(spec, (particle_estimate(spec, name) for name in spec.simulation.particles)),
+    audit=Audit(
+        "particles", "particles are members of an engine of their law, which holds them in its domain", particle_problems
+    ),
+)

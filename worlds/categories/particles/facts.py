@@ -3,33 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from ....physics.grains import rayleigh_time
-from ...arrays import F64
-from ..liquid.facts import shape_volume
+from ...extents import initial_volume
+from ..loose import LooseEstimate
 
 if TYPE_CHECKING:
-    from ...spec import Entity, ParticleInstance, ParticlePhysics, WorldSpec
+    from ...spec import ParticlePhysics, WorldSpec
 
-__all__ = ["ParticleEstimate", "emitters_of", "grain_step", "particle_box", "particle_estimate"]
-
-
-class ParticleEstimate(NamedTuple):
-    """What an instance will take."""
-
-    particles: float
-    """At most at one time."""
-    steps: float
-    """Of the whole run, preroll included."""
-
-
-def particle_box(instance: ParticleInstance) -> tuple[F64, F64]:
-    """Least and greatest corner of a domain [m]."""
-    center, half = np.array(instance.settings.domain.center), 0.5 * np.array(instance.settings.domain.size)
-    return center - half, center + half
+__all__ = ["emitters_of", "grain_step", "particle_estimate"]
 
 
 def emitters_of(spec: WorldSpec, name: str) -> dict[str, object]:
@@ -38,19 +21,13 @@ def emitters_of(spec: WorldSpec, name: str) -> dict[str, object]:
     return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "emitter" and d.entity in members}
 
 
-def _volume(entity: Entity) -> float:
-    volumes = [shape_volume(p.shape) for p in entity.parts.values()]
-    known = [v for v in volumes if v is not None]
-    return sum(known) if len(known) == len(volumes) else math.prod(entity.dimensions.size)
-
-
 def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
     """Step of grains by the time in which a Rayleigh wave crosses the smallest of them [s]."""
     smallest = physics.radius * (1.0 - physics.radius_spread)
     return share * rayleigh_time(smallest, density, physics.young_modulus, physics.poisson_ratio)
 
 
-def particle_estimate(spec: WorldSpec, name: str) -> ParticleEstimate:
+def particle_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
     """Particles and steps that an instance will take."""
     plan, instance = spec.simulation, spec.simulation.particles[name]
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
@@ -62,7 +39,7 @@ def particle_estimate(spec: WorldSpec, name: str) -> ParticleEstimate:
         physics = entity.physics
         if instance.engine == "dem":
             one = 4.0 / 3.0 * math.pi * physics.radius**3 * (1.0 + physics.radius_spread**2)
-            count += physics.packing * _volume(entity) / one
+            count += physics.packing * initial_volume(entity) / one
             density = spec.materials[entity.material].density if entity.material in spec.materials else 1000.0
             step = min(step, grain_step(physics, density, instance.settings.step_share))
             continue
@@ -73,4 +50,4 @@ def particle_estimate(spec: WorldSpec, name: str) -> ParticleEstimate:
             if driver.kind == "emitter" and driver.entity == member:
                 lasts = max(0.0, min(driver.end or seconds, seconds) - driver.start)
                 count += driver.rate * min(lasts, lasting)
-    return ParticleEstimate(count, seconds / step if math.isfinite(step) else 0.0)
+    return LooseEstimate(count, seconds / step if math.isfinite(step) else 0.0)

@@ -6,10 +6,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from ...predicate_base import Band, Subject, When
+from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 from ...vocabulary import Finite, Positive, RegionRef, SpecModel
 
-__all__ = ["ParticleCountIn", "ParticleVolumeIn", "ParticlesSettled", "PileHeight", "RunOut"]
+__all__ = ["PREDICATES", "ParticleCountIn", "ParticleVolumeIn", "ParticlesSettled", "PileHeight", "RunOut"]
 
 
 class ParticleCountIn(Band):
@@ -55,3 +55,13 @@ class ParticlesSettled(SpecModel):
     entity: Subject = Field(description="the particles")
     max_speed: Positive = Field(default=0.01, description="[m/s]")
     when: When = "end"
+
+
+_GRAINS = ("origin", "particle/position", "particle/member", "particle/radius")
+PREDICATES = (
+    PredicateInfo("particle_count_in", "1", _GRAINS, BAND, tells=("falls", "flies")),
+    PredicateInfo("particle_volume_in", "m^3", _GRAINS, BAND, tells=("falls", "flies")),
+    PredicateInfo("pile_height", "m", _GRAINS, BAND, placed=True, tells=("falls", "flies")),
+    PredicateInfo("run_out", "m", _GRAINS, BAND, placed=True, tells=("falls", "flies")),
+    PredicateInfo("particles_settled", "m/s", (*_GRAINS, "particle/velocity"), {"max_speed": "down"}),
+)

@@ -1,7 +1,42 @@
 """Rigid bodies."""
 
+from __future__ import annotations
+
+from ...parameters import DRIVER, PHYSICS, SETTINGS, parameters
 from ..category import CategorySpec
+from ..shared import LINEAR_VELOCITY, STEPS
+from .facts import rigid_counts
+from .masses import mass_problems
+from .models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance, RigidPhysics
 
 __all__ = ["RIGID"]
 
-RIGID = CategorySpec(name="rigid", shape="solid")
+_LAWS = "rows hold the motion against laws"
+RIGID = CategorySpec(
+    name="rigid",
+    shape=RigidPhysics.shape,
+    noun="a rigid body",
+    physics=RigidPhysics,
+    instances=(RigidInstance,),
+    drivers=(ForceDriver, PathDriver, MotorDriver, DetachDriver),
+    parameters=(
+        *parameters(PHYSICS, "mass hollow", "mass", "either", "default: density times volume"),
+        *parameters(PHYSICS, "linear_damping", "mass", "repair", "its loss stands in the energy rows"),
+        *parameters(PHYSICS, "angular_velocity", "initial_state", "repair", "the state at frame 0 and what holds it", below=True),
+        *LINEAR_VELOCITY,
+        *STEPS,
+        *parameters(SETTINGS, "skin contact_steps impratio speculative", "contact", "repair", _LAWS),
+        *parameters(SETTINGS, "step tolerance sleep refine", "step", "repair", _LAWS),
+        *parameters(
+            DRIVER,
+            "joint keys force torque velocity max_effort",
+            "drivers",
+            "repair",
+            "drivers stand in the register",
+            below=True,
+        ),
+    ),
+    estimate=rigid_counts,
+    masses=mass_problems,
+    starts_alone=True,
+)

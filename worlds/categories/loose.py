@@ -1,0 +1,63 @@
+"""Facts that liquids and particles share: the domain in which they are followed, and the caps on their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..arrays import F64
+from .category import Cap
+
+if TYPE_CHECKING:
+    from ..spec import LiquidInstance, ParticleInstance, WorldSpec
+
+__all__ = ["CAPS", "LooseEstimate", "counts", "domain_box"]
+
+CACHE_BYTES_PER_PARTICLE_FRAME = 48
+"""Position, velocity, id, fluid, volume, density, pressure, temperature in 32 bits [bytes]."""
+CAPS = (
+    Cap(
+        "particles",
+        20_000_000,
+        "particles",
+        "a larger /entities/<liquid>/physics/resolution or radius of grains, a smaller volume or domain, or inflows that end sooner",
+    ),
+    Cap(
+        "particle_steps",
+        100_000_000_000,
+        "particle steps",
+        "a larger /entities/<liquid>/physics/resolution or radius of grains, softer grains (young_modulus), fewer frames, or engine flip instead of dfsph",
+    ),
+)
+
+
+class LooseEstimate(NamedTuple):
+    """Amounts that an instance will take."""
+
+    particles: float
+    """At most at one time."""
+    steps: float
+    """Of the whole run, preroll included."""
+    cells: float = 0.0
+    """Of its grid; 0 for particles."""
+
+
+def domain_box(instance: LiquidInstance | ParticleInstance) -> tuple[F64, F64]:
+    """Least and greatest corner of a domain [m]."""
+    center, half = np.array(instance.settings.domain.center), 0.5 * np.array(instance.settings.domain.size)
+    return center - half, center + half
+
+
+def counts(spec: WorldSpec, estimates: Iterable[LooseEstimate]) -> dict[str, float]:
+    """Sum of the amounts of instances, by name of the cap."""
+    found = list(estimates)
+    particles = sum(e.particles for e in found)
+    return {
+        "steps": sum(e.steps for e in found),
+        "particles": particles,
+        "particle_steps": sum(e.particles * e.steps for e in found),
+        "cells": sum(e.cells for e in found),
+        "cache_bytes": particles * spec.simulation.frames * CACHE_BYTES_PER_PARTICLE_FRAME,
+    }

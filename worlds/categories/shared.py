@@ -1,0 +1,27 @@
+"""Fields that several categories have in common, with the group and the direction that they have in all of them."""
+
+from __future__ import annotations
+
+from ..parameters import DRIVER, PHYSICS, SETTINGS, parameters
+
+__all__ = ["DAMPING", "DOMAIN", "ELASTIC_MODULI", "LINEAR_VELOCITY", "OPENING", "PINS", "RESOLUTION", "STEPS", "TEMPERATURE"]
+
+_START = "the state at frame 0 and what holds it"
+_LAWS = "rows hold the motion against laws"
+LINEAR_VELOCITY = parameters(PHYSICS, "linear_velocity", "initial_state", "repair", _START, below=True)
+TEMPERATURE = parameters(PHYSICS, "temperature", "initial_state", "repair", _START, below=True)
+PINS = parameters(PHYSICS, "pins", "joints", "repair", _START, below=True)
+DAMPING = parameters(PHYSICS, "damping", "mass", "repair", "its loss stands in the energy rows")
+RESOLUTION = parameters(PHYSICS, "resolution", "resolution", "repair", "rows hold it against what it must resolve")
+ELASTIC_MODULI = (
+    *parameters(PHYSICS, "young_modulus", "stiffness", "bound", "softer bodies give way more, stiffer ones hold"),
+    *parameters(PHYSICS, "poisson_ratio", "stiffness", "repair", "the body or sheet"),
+)
+DOMAIN = parameters(
+    SETTINGS, "domain", "domain", "repair", "where a liquid or grains are followed; what leaves is counted", below=True
+)
+STEPS = (
+    *parameters(SETTINGS, "max_step iterations exchange", "step", "repair", _LAWS),
+    *parameters(SETTINGS, "device", "step", "repair", "walls of liquids; where it runs"),
+)
+OPENING = parameters(DRIVER, "pose size rate speed", "drivers", "repair", "drivers stand in the register", below=True)

@@ -1,0 +1,93 @@
+"""Volumes and boxes of declared shapes, without building geometry."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .arrays import F64, pose_of
+
+if TYPE_CHECKING:
+    from .shapes import Shape
+    from .spec import Entity
+
+__all__ = ["initial_box", "initial_volume", "least_extent", "shape_volume"]
+
+
+def _corners(shape: Shape) -> F64 | None:
+    """Corners of a box around a shape in its own frame (8, 3) [m]; None for files, which are not read here."""
+
+    if shape.kind == "box" or shape.kind == "wedge":
+        low, high = -0.5 * np.array(shape.size), 0.5 * np.array(shape.size)
+    elif shape.kind == "sphere":
+        high = np.full(3, shape.radius)
+        low = -high
+    elif shape.kind == "cylinder" or shape.kind == "capsule":
+        half = 0.5 * shape.height if shape.kind == "cylinder" else 0.5 * shape.length + shape.radius
+        high = np.array([shape.radius, shape.radius, half])
+        low = -high
+    elif shape.kind == "extrusion":
+        plan = np.array(shape.polygon)
+        low, high = np.array([*plan.min(0), -0.5 * shape.height]), np.array([*plan.max(0), 0.5 * shape.height])
+    elif shape.kind == "revolution":
+        profile = np.array(shape.profile)
+        reach = profile[:, 0].max()
+        low, high = np.array([-reach, -reach, profile[:, 1].min()]), np.array([reach, reach, profile[:, 1].max()])
+    elif shape.kind == "mesh" and shape.vertices is not None:
+        points = np.array(shape.vertices) * shape.scale
+        low, high = points.min(0), points.max(0)
+    else:
+        return None
+    return np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+def initial_box(entity: Entity) -> tuple[F64, F64] | None:
+    """Box around an entity's parts in the world [m]; None where a part is a file or generated."""
+    found = []
+    for part in entity.parts.values():
+        corners = _corners(part.shape)
+        if corners is None:
+            return None
+        found.append(pose_of(entity.pose).apply(pose_of(part.pose).apply(corners)))
+    return (np.concatenate(found).min(0), np.concatenate(found).max(0)) if found else None
+
+
+def least_extent(shape: Shape) -> float | None:
+    """Least extent of a simple shape along its own axes [m]; None for what may be thinner than its box: files, meshes, wedges, plans."""
+    corners = _corners(shape) if shape.kind in ("box", "sphere", "cylinder", "capsule") else None
+    return None if corners is None else float(np.ptp(corners, axis=0).min())
+
+
+def shape_volume(shape: Shape) -> float | None:
+    """Volume of a shape [m^3], smooth ones without facets; None for files."""
+
+    if shape.kind == "box":
+        return math.prod(shape.size)
+    if shape.kind == "wedge":
+        return 0.5 * math.prod(shape.size)
+    if shape.kind == "sphere":
+        return 4 / 3 * math.pi * shape.radius**3
+    if shape.kind == "cylinder":
+        return math.pi * shape.radius**2 * shape.height
+    if shape.kind == "capsule":
+        return math.pi * shape.radius**2 * (shape.length + 4 / 3 * shape.radius)
+    if shape.kind == "extrusion":
+        x, y = np.array(shape.polygon).T
+        return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2 * shape.height
+    if shape.kind == "revolution":
+        r, z = np.array(shape.profile).T
+        next_r, next_z = np.roll(r, -1), np.roll(z, -1)
+        return abs(float(((r + next_r) * (r * next_z - next_r * z)).sum())) * math.pi / 3  # Pappus, by triangles from the origin
+    if shape.kind == "mesh" and shape.vertices is not None:
+        corner = (np.array(shape.vertices) * shape.scale)[np.array(shape.faces)]
+        return abs(float(np.einsum("ij,ij->i", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum())) / 6
+    return None
+
+
+def initial_volume(entity: Entity) -> float:
+    """Initial volume [m^3]; a file's is taken as that of the entity's declared box."""
+    volumes = [shape_volume(p.shape) for p in entity.parts.values()]
+    known = [v for v in volumes if v is not None]
+    return sum(known) if len(known) == len(volumes) else math.prod(entity.dimensions.size)

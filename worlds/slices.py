@@ -1,0 +1,55 @@
+"""Slices of a specification from which geometry and motion follow (R115)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .spec import WorldSpec
+
+__all__ = ["geometry_slice", "motion_slice", "physical_materials"]
+
+
+def physical_materials(materials: Mapping[str, Any]) -> dict[str, Any]:
+    """Materials as JSON without their looks."""
+    return {k: m.model_dump(mode="json", exclude={"appearance"}) for k, m in materials.items()}
+
+
+def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
+    """Everything that decides the geometry and mass of one entity."""
+    entity = spec.entities[name]
+    names = {entity.material, *(p.material for p in entity.parts.values() if p.material)}
+    return {
+        **({} if entity.breakable is None else {"breakable": entity.breakable.model_dump(mode="json", exclude={"bond"})}),
+        "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
+        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
+        "material": entity.material,
+        "densities": {n: spec.materials[n].density for n in sorted(names) if n in spec.materials},
+        "mass": None,
+        **entity.physics.geometry(),
+    }
+
+
+def motion_slice(spec: WorldSpec) -> dict[str, Any]:
+    """Everything that decides the motion: entities' physics and places, materials, the plan without its limits."""
+    plan = spec.simulation.model_dump(mode="json", exclude={"limits"})
+    used = {e.material for e in spec.entities.values()} | {
+        p.material for e in spec.entities.values() for p in e.parts.values() if p.material
+    }
+    return {
+        "spec_version": spec.spec_version,
+        "entities": {
+            k: {
+                "geometry": geometry_slice(spec, k),
+                "pose": e.pose.model_dump(mode="json"),
+                "motion": e.motion,
+                "physics": e.physics.model_dump(mode="json"),
+                "active": e.active,
+                **({} if e.breakable is None else {"bond": e.breakable.bond.model_dump(mode="json")}),
+            }
+            for k, e in spec.entities.items()
+        },
+        "materials": physical_materials({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
+        "plan": plan,
+    }

@@ -140,7 +140,7 @@ def check_limits(spec: WorldSpec) -> dict[str, float]:
         LimitError: Names the cap, the estimate and the knob to turn.
     """
     counts = estimate_counts(spec)
-    for name, estimate in counts.items():
+    for name, estimate in sorted(counts.items(), key=lambda item: CAPS[item[0]].unit == "bytes"):  # what fills them comes first
         check_cap(name, estimate, what="this specification")
     return counts
 

@@ -9,7 +9,7 @@ import pytest
 from worldagent.construction import build_entity
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, struck_wall
-from worldagent.worlds.categories.fracture.audit import fracture_problems
+from worldagent.worlds.categories.fracture.audit import PIECES, fracture_problems
 from worldagent.worlds.categories.fracture.facts import piece_count
 from worldagent.worlds.errors import LimitError
 from worldagent.worlds.groups import group_of
@@ -74,7 +74,9 @@ def test_joints_on_a_breakable_body_are_refused() -> None:
 
 def test_too_many_pieces_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     spec = _changed({})
-    monkeypatch.setitem(CAPS, "pieces", replace(CAPS["pieces"], value=5))
+    fewer = replace(PIECES, value=5)
+    monkeypatch.setattr("worldagent.worlds.categories.fracture.audit.PIECES", fewer)
+    monkeypatch.setitem(CAPS, "pieces", fewer)
     assert any("at most 5" in p.text for p in fracture_problems(spec))
     with pytest.raises(LimitError, match="at most 5"):
         build_entity(spec, "wall", rigid_world.NO_ASSETS)

@@ -15,7 +15,6 @@ from worldagent.tests.verifiers.agreement import agrees, evaluate
 from worldagent.verifiers.predicates import EVALUATORS
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import (
-    PREDICATES,
     After,
     Always,
     And,
@@ -41,6 +40,7 @@ from worldagent.worlds.predicates import (
     Until,
     Within,
 )
+from worldagent.worlds.predicates.registry import PREDICATES
 from worldagent.worlds.spec import Beat, BoxRegion, CylinderRegion, HingeJoint, SphereRegion
 
 FPS = 24

@@ -1,0 +1,14 @@
+"""The schema of specifications changes on purpose only: worlds, recipes and freezes of earlier builds hang on it."""
+
+import hashlib
+import json
+
+from worldagent.worlds.spec import WorldSpec
+
+SCHEMA = "353f2fc775c31975ca0b539ce3e8334450b8582c90dac4b90cadc8fc1d956736"
+"""SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
+
+
+def test_the_schema_of_specifications_is_the_recorded_one() -> None:
+    text = json.dumps(WorldSpec.model_json_schema(), sort_keys=True)
+    assert hashlib.sha256(text.encode()).hexdigest() == SCHEMA

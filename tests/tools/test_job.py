@@ -85,6 +85,7 @@ def test_the_time_left_is_told_in_words_and_seconds(context, gate):
 
 def test_wait_ends_with_the_job_and_gives_its_result(context, gate, told):
     made = _gated(context, gate, kind="other")
+    _until(lambda: context.jobs.get(made.id).message == "at the gate")
     before = time.monotonic()
     waited = job(context, "wait", job_id=made.id, wait_s=0.6).data
     assert waited["state"] == "running"

@@ -15,7 +15,6 @@ from .contact import check as contact
 from .delivery import check as delivery
 from .diagnosis.cite import diagnose
 from .land import terrain
-from .ledgers import numerical
 from .routes import navigability
 from .rows.seen import only_seen
 from .scene import interpenetration, relations, scale
@@ -53,7 +52,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("support", support.check, ("static", "probe", "full")),
     CheckBinding("navigability", navigability.check, ("static", "full")),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),
-    CheckBinding("numerical", numerical.check, ("probe", "full")),
+    CheckBinding("numerical", category.check_numerical, ("probe", "full")),
     CheckBinding("contact", contact.check, ("probe", "full")),
     CheckBinding("category", category.check, ("probe", "full")),
     CheckBinding("beat", beats.check, ("probe", "full")),

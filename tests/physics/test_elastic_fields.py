@@ -35,7 +35,7 @@ def simulate(folder: Path, spec: WorldSpec) -> Candidate:
 
 
 def rows_of(candidate: Candidate) -> dict[str, str]:
-    return {r.id.split(":")[2]: r.status for r in elastic.check_instance(candidate, "rigid")}
+    return {r.id.split(":")[2]: r.status for r in elastic.category_rows(candidate, "rigid")}
 
 
 def test_an_even_acceleration_moves_all_alike_and_is_in_the_books(tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ def test_records_that_were_edited_are_found(tmp_path: Path) -> None:
     digests[3] = write_container(cache.path(3), held | {"field/soft": 1.3 * held["field/soft"]})
     cache.begin_digests(digests)
     fresh = Candidate(candidate.folder, candidate.spec, candidate.built, "probe", candidate.caches, "run", "edited")
-    row = next(r for r in elastic.check_instance(fresh, "rigid") if ":fields:" in r.id)
+    row = next(r for r in elastic.category_rows(fresh, "rigid") if ":fields:" in r.id)
     assert (row.status, row.first_failing_frame, row.first_failing_entity) == ("fail", 3, "block")
 
 

@@ -102,7 +102,7 @@ def test_what_the_water_gave_each_piece_is_what_the_engine_integrated(run: Candi
 
 
 def test_checks_of_bonds_and_books_pass_over_the_fall(run: Candidate) -> None:
-    rows = {r.id: r.status for r in (*fracture.check_instance(run, "rigid"), *rigid.check_instance(run, "rigid"))}
+    rows = {r.id: r.status for r in (*fracture.category_rows(run, "rigid"), *rigid.category_rows(run, "rigid"))}
     names = [f"category:fracture:{n}:plank" for n in ("pieces", "bonded", "events", "cause", "standing")]
     names += [f"category:rigid:{n}:rigid" for n in ("mass", "energy", "momentum", "motion", "spin", "records", "contacts")]
     assert {rows[n] for n in names} == {"pass"}

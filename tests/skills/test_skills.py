@@ -184,7 +184,7 @@ ROWS = {
 
 
 def _numerical() -> list[str]:
-    from worldagent.verifiers.ledgers.numerical import CLAIMS
+    from worldagent.verifiers.categories.rigid.numerical import CLAIMS
 
     return (
         [f"numerical:{name}:rigid" for name in CLAIMS]

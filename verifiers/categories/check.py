@@ -1,24 +1,20 @@
-"""Category-specific checks (R99-R104): rigid bodies in `categories/rigid/check.py`, elastic ones in `elastic.py`, liquids in `liquid.py`, cloth in `cloth.py`,
-grains in `categories/particles/check.py`."""
+"""The category and the numerical check: what the judges of all categories find in every instance (R99-R106)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...worlds.categories.registry import shape_of
 from ...worlds.requirements import Row, RowId
+from ...worlds.spec import MOVED
 from ..rows.verdicts import correction, make_row
-from .cloth import check as cloth
-from .elastic import check as elastic
-from .fracture import check as fracture
-from .liquid import check as liquid
-from .particles import check as particles
-from .rigid import check as rigid
+from .registry import judged_instances
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import Entity, SolverInstance
 
-__all__ = ["check"]
+__all__ = ["check", "check_numerical"]
 
 
 def _moves(instance: SolverInstance, entity: Entity | None) -> bool:
@@ -26,26 +22,15 @@ def _moves(instance: SolverInstance, entity: Entity | None) -> bool:
 
 
 def check(candidate: Candidate) -> list[Row]:
-    """Rows of every solver instance, and one per entity whose category nothing here can simulate."""
-    rows: list[Row] = []
-    for solver in candidate.spec.simulation.rigid:
-        rows += [*rigid.check_instance(candidate, solver), *elastic.check_instance(candidate, solver)]
-        rows += fracture.check_instance(candidate, solver)
-    for solver in candidate.spec.simulation.liquid:
-        rows += liquid.check_instance(candidate, solver)
-    for solver in candidate.spec.simulation.cloth:
-        rows += cloth.check_instance(candidate, solver)
-    for solver in candidate.spec.simulation.particles:
-        rows += particles.check_instance(candidate, solver)
+    """Rows of every solver instance, and one per entity that none moves although its category asks for one."""
+    rows = [r for judge, solver in judged_instances(candidate.spec) for r in judge.category_rows(candidate, solver)]
     plan, entities = candidate.spec.simulation, candidate.spec.entities
     simulated = {m for s in plan.solvers.values() for m in s.members if _moves(s, entities.get(m))}
-    for name, entity in candidate.spec.entities.items():
+    for name, entity in entities.items():
         category = entity.physics.category
-        if category == "rigid" or name in simulated:
+        if shape_of(entity) == "solid" or name in simulated:
             continue
-        missing = (
-            "no instance simulates it" if category in ("cloth", "liquid", "particles") else "this build has no engine for it"
-        )
+        missing = "no instance simulates it" if category in MOVED else "this build has no engine for it"
         rows.append(
             make_row(
                 candidate,
@@ -63,3 +48,8 @@ def check(candidate: Candidate) -> list[Row]:
             )
         )
     return rows
+
+
+def check_numerical(candidate: Candidate) -> list[Row]:
+    """Rows of every solver instance; all `unverified` for an instance without a cache."""
+    return [r for judge, solver in judged_instances(candidate.spec) for r in judge.numerical_rows(candidate, solver)]

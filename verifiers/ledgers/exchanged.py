@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
+from ...worlds.records import QUANTITIES
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -79,13 +80,9 @@ def exchange_steps(candidate: Candidate, solver: str) -> F64:
     for name in partners(candidate.spec, solver):
         if name not in candidate.caches:
             raise EvidenceError(f"instance {name!r} has no cache yet; probe or bake it")
-        # Cloth and particles step more often than they exchange.
-        counted = (
-            "record/exchanges"
-            if name in (*candidate.spec.simulation.cloth, *candidate.spec.simulation.particles)
-            else "record/steps"
-        )
-        total += np.asarray(candidate.caches[name].series(counted), dtype=np.float64)[: len(total)]
+        # Some engines step more often than they exchange, and count both.
+        counted = "exchanges" if set(QUANTITIES["exchanges"].of) & set(candidate.spec.simulation.solvers[name].moves) else "steps"
+        total += np.asarray(candidate.caches[name].series(f"record/{counted}"), dtype=np.float64)[: len(total)]
     return total
 
 
@@ -113,7 +110,7 @@ def pushed(books: Books) -> F64:
 
 
 def nothing(books: Books) -> Exchanged:
-    """Of what is not there."""
+    """Zero exchange."""
     shape, none = (books.frames - 1, len(books.entities), 3), np.zeros(books.frames)
     return Exchanged(np.zeros(shape), np.zeros(shape), np.zeros(shape[:2], dtype=bool), none, none)
 

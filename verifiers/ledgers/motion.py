@@ -1,4 +1,4 @@
-"""Measured motion of whole entities: centres, velocities, turning, energy. Reads caches and built geometry only.
+"""Measured motion of bodies: centres, velocities, turning, energy. Reads caches and built geometry only.
 
 Every function returns one value per inspected frame, first axis `frames`. An entity that the specification says
 moves but that no cache holds is missing evidence, never a body at rest.
@@ -78,31 +78,8 @@ def _body_centers(candidate: Candidate, entity: str, body: str) -> F64:
     return centers
 
 
-def _particle_centers(candidate: Candidate, entity: str) -> F64 | None:
-    """Centre of mass of a liquid or of grains over the frames, NaN where there is none; None for what is not simulated as particles."""
-    kinds = (
-        *((c, "particle/fluid", "particle/volume", 1) for c in candidate.liquid_caches.values()),
-        *((c, "particle/member", "particle/radius", 3) for c in candidate.particle_caches.values()),
-    )
-    for cache, owner, size, power in kinds:
-        if entity not in cache.index.bodies:
-            continue
-        row, found = cache.index.bodies.index(entity), np.full((candidate.frame_count, 3), np.nan)
-        for frame in range(candidate.frame_count):
-            data = cache.read(frame, ("origin", "particle/position", owner, size))
-            own = data[owner] == row
-            weight = data[size][own].astype(np.float64) ** power
-            if weight.sum() > 0:
-                found[frame] = data["origin"] + weight @ data["particle/position"][own].astype(np.float64) / weight.sum()
-        return found
-    return None
-
-
 def centers(candidate: Candidate, entity: str) -> F64:
-    """Centre of mass of the whole entity in the world [m], shape (frames, 3); of a liquid or grains, that of what there is of it."""
-    poured = _particle_centers(candidate, entity)
-    if poured is not None:
-        return poured
+    """Centre of mass of the whole entity in the world [m], shape (frames, 3)."""
     require_motion(candidate, entity)
     bodies = candidate.entity(entity).bodies
     total = entity_mass(candidate, entity)

@@ -11,6 +11,7 @@ from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Crosses, Displacement, JointAngle, Reaches, Speed, StaysIn, Tilts, Topples
 from ...worlds.spec import BoxRegion, CylinderRegion, SphereRegion
+from ..categories.registry import judge_of
 from ..ledgers import motion
 from .outcome import Comparison, Outcome, Series, band, judge, vector
 
@@ -88,7 +89,7 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
     region = candidate.spec.graph.regions.get(region_id)
     if region is None:
         raise EvidenceError(f"region {region_id!r} is not in the scene graph")
-    centers = motion.centers(candidate, entity)[window]
+    centers = judge_of(candidate.spec, entity).centers(candidate, entity)[window]
     if region.relative_to is not None:
         at, turn = (t[window] for t in motion.entity_poses(candidate, region.relative_to))
     else:
@@ -158,7 +159,7 @@ def crosses(scope: Scope, predicate: SpecModel) -> Outcome:
     if length == 0:
         raise EvidenceError("the plane's normal is zero")
     start = max(0, scope.frames[0] - 1)
-    track = motion.centers(scope.candidate, p.entity)[start : scope.frames[1] + 1]
+    track = judge_of(scope.candidate.spec, p.entity).centers(scope.candidate, p.entity)[start : scope.frames[1] + 1]
     with np.errstate(invalid="ignore", over="ignore"):
         ahead = (track - np.array(p.point)) @ normal / length
     behind = np.concatenate([[-np.inf], np.maximum.accumulate(-ahead[:-1])])  # deepest behind before each frame
@@ -259,7 +260,7 @@ def speed(scope: Scope, predicate: SpecModel) -> Outcome:
 def displacement(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: distance of the centre of mass from frame 0, or its component along `axis`."""
     p = _typed(predicate, Displacement)
-    centers = motion.centers(scope.candidate, p.entity)
+    centers = judge_of(scope.candidate.spec, p.entity).centers(scope.candidate, p.entity)
     with np.errstate(invalid="ignore", over="ignore"):
         moved = centers[scope.window] - centers[0]
         if p.axis is None:

@@ -17,7 +17,7 @@ from ...geometry import clearance_series
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, NoContact, RestsOn, Separation, Supported
-from ..categories.cloth.links import sheet_impulse
+from ..categories.registry import pressed
 from ..ledgers import motion
 from ..scene.surfaces import Surfaces, Track, surfaces_of
 from .outcome import Comparison, Outcome, Series, Truth, band, judge
@@ -98,9 +98,9 @@ def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
     """Whether the two touched since the last frame, and with how much impulse [N s], per frame of the interval."""
     for name in (a, b):
         motion.require_motion(scope.candidate, name)
-    pressed = sheet_impulse(scope.candidate, a, b)
-    if pressed is not None:
-        return pressed[scope.window] != 0.0, pressed[scope.window]
+    recorded = pressed(scope.candidate, a, b)
+    if recorded is not None:
+        return recorded[scope.window] != 0.0, recorded[scope.window]
     touched, impulse = np.zeros(scope.length, dtype=bool), np.zeros(scope.length)
     for cache in motion.caches_with(scope.candidate, a, b):
         pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))

@@ -5,27 +5,30 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from ...worlds.categories.loose import domain_box
+from ...worlds.arrays import F64
+from ..categories.registry import judge_of_instance
 
 if TYPE_CHECKING:
-    from ...worlds.arrays import F64
     from ...worlds.spec import WorldSpec
 
 __all__ = ["apart_lines"]
 
+Box = tuple[F64, F64]
+"""Least and greatest corner [m]."""
+
 
 def apart_lines(spec: WorldSpec) -> list[dict[str, str]]:
-    """Pairs of instances whose matter passes through each other, but for cloth and elastic bodies; two-way couplings.
-
-    Those of cloth and of elastic bodies stand in their own registers.
-    """
+    """Pairs of instances whose matter passes through each other, but for those that have lines of their own; two-way couplings."""
     plan = spec.simulation
     found = []
     for a, b in combinations(plan.solvers, 2):
-        if (a in plan.rigid) != (b in plan.rigid) or {a, b} & set(plan.cloth):
+        judges = [judge_of_instance(spec, n) for n in (a, b)]
+        domains = [judge.domain(plan.solvers[n]) for judge, n in zip(judges, (a, b), strict=True)]
+        apart = [judge.body or domain is not None for judge, domain in zip(judges, domains, strict=True)]
+        if not all(apart) or judges[0].body != judges[1].body:
             continue
-        if (_bodies_differ if a in plan.rigid else _domains_meet)(spec, a, b):
-            kinds = ["bodies" if n in plan.rigid else plan.solvers[n].moves[0] for n in (a, b)]
+        if _bodies_differ(spec, a, b) if judges[0].body else _meet(*domains):
+            kinds = ["bodies" if judge.body else judge.name for judge in judges]
             found.append(
                 {
                     "what": f"the {kinds[0]} of {a!r} and the {kinds[1]} of {b!r} do not meet",
@@ -49,12 +52,6 @@ def _bodies_differ(spec: WorldSpec, a: str, b: str) -> bool:
     return any(spec.entities[m].motion != "static" for m in members[0] ^ members[1]) and all(members)
 
 
-def _domains_meet(spec: WorldSpec, a: str, b: str) -> bool:
-    (low, high), (least, most) = _domain(spec, a), _domain(spec, b)
-    return bool((low < most).all() and (least < high).all())
-
-
-def _domain(spec: WorldSpec, name: str) -> tuple[F64, F64]:
-    """Least and greatest corner of the domain of a liquid or of particles [m]."""
-    plan = spec.simulation
-    return domain_box(plan.liquid[name]) if name in plan.liquid else domain_box(plan.particles[name])
+def _meet(one: Box | None, other: Box | None) -> bool:
+    """Whether two domains overlap."""
+    return one is not None and other is not None and bool((one[0] < other[1]).all() and (other[0] < one[1]).all())

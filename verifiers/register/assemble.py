@@ -6,19 +6,14 @@ import math
 
 from ...worlds.candidate import Candidate
 from ...worlds.spec import Fastened, WorldSpec
-from ..categories.cloth.register import cloth_lines
-from ..categories.elastic.register import elastic_lines
-from ..categories.fracture.register import fracture_lines
-from ..categories.liquid.register import liquid_lines
-from ..categories.particles.register import particle_lines
-from ..categories.rigid.register import rigid_lines
+from ..categories.registry import JUDGES
 from ..land.ground_stems import plant_lines
-from ..ledgers.fields import field_lines
 from ..scene.initial_state import start_lines
 from ..shots.rows import unseen_text
 from ..support.held import afloat_lines
 from ..support.joined import anchor_lines
 from .apart import apart_lines
+from .fields import field_lines
 from .scene import scene_lines
 
 __all__ = ["approximations"]
@@ -52,11 +47,9 @@ def _declared(spec: WorldSpec) -> list[dict[str, str]]:
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
-    found = scene_lines(candidate) + _declared(spec) + rigid_lines(spec) + start_lines(candidate)
-    found += liquid_lines(candidate)
-    found += cloth_lines(candidate)
-    found += fracture_lines(candidate)
-    found += elastic_lines(candidate)
+    found = scene_lines(candidate) + _declared(spec) + start_lines(candidate)
+    for judge in JUDGES.values():
+        found += judge.lines(candidate)
     for name, terrain in spec.terrains.items():
         found.append(
             {
@@ -91,7 +84,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "motion or force put in by hand, counted as driver work",
             }
         )
-    found += field_lines(spec) + particle_lines(spec) + apart_lines(spec)
+    found += field_lines(spec) + apart_lines(spec)
     for name, coupling in spec.simulation.couplings.items():
         if coupling.direction == "one_way":
             found.append(

@@ -14,13 +14,14 @@ import numpy as np
 
 from ...worlds.audits.story import STARTED
 from ...worlds.categories.fracture.pieces import crumble_of
+from ...worlds.categories.registry import shape_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import entities_of
 from ...worlds.references import references
-from ...worlds.spec import ClothPhysics, Connects, Dimensions, ElasticPhysics, Limits, RigidPhysics, SpringJoint
+from ...worlds.spec import Connects, Dimensions, Limits, RigidPhysics, SpringJoint
 from ...worlds.walkers import carrier_words, easier_than_a_person
-from ..categories.liquid.across import thin_lines
+from ..categories.registry import judged
 from ..ledgers.motion import entity_mass
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ MOST_NAMED = 12
 def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
     """Lines about gravity, bounds, frames, bodies on paths that push, and bodies that nothing moves."""
     spec = candidate.spec
-    return thin_lines(spec) + [
+    return [
         {"what": what, "effect": effect}
         for found in (
             _gravity(spec),
@@ -87,10 +88,10 @@ def _springs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
 
 def _starts(spec: WorldSpec) -> Iterator[tuple[str, str]]:
     moving = {}
-    for name, entity in spec.entities.items():
-        if isinstance(entity.physics, RigidPhysics | ElasticPhysics):
-            speed = math.hypot(*entity.physics.linear_velocity)
-            spin = math.hypot(*getattr(entity.physics, "angular_velocity", (0.0,)))
+    for name, judge in judged(spec).items():
+        if judge.body:
+            physics = spec.entities[name].physics
+            speed, spin = (math.hypot(*getattr(physics, f"{n}_velocity", (0.0,))) for n in ("linear", "angular"))
             if speed >= STARTED or spin >= STARTED:
                 moving[name] = f"{name!r} {speed:.3g} m/s" + (f" and {spin:.3g} rad/s" if spin >= STARTED else "")
     if moving:
@@ -151,13 +152,12 @@ def _limits(spec: WorldSpec) -> Iterator[tuple[str, str]]:
 
 def _bounds(candidate: Candidate) -> Iterator[tuple[str, str]]:
     """Bounds that entities declare of themselves, looser than by default."""
+    judges = judged(candidate.spec)
     for name, entity in candidate.spec.entities.items():
         place = f"/entities/{name}"
         asked: list[tuple[str, Any, Any]] = [("dimensions/tolerance", entity.dimensions, Dimensions)]
-        if isinstance(entity.physics, ElasticPhysics):
-            asked += [(f"physics/{f}", entity.physics, ElasticPhysics) for f in ("max_strain", "recovery")]
-        if isinstance(entity.physics, ClothPhysics):
-            asked += [("physics/max_stretch", entity.physics, ClothPhysics)]
+        if name in judges:
+            asked += [(f"physics/{f}", entity.physics, type(entity.physics)) for f in judges[name].eased]
         for path, holder, model in asked:
             field = path.rpartition("/")[2]
             value, usual = getattr(holder, field), model.model_fields[field].default
@@ -255,11 +255,7 @@ def _idle(candidate: Candidate) -> Iterator[tuple[str, str]]:
     idle = [
         n
         for n, e in spec.entities.items()
-        if e.motion == "dynamic"
-        and e.physics.category == "rigid"
-        and n not in named
-        and n in candidate.built
-        and _still(candidate, n)
+        if e.motion == "dynamic" and shape_of(e) == "solid" and n not in named and n in candidate.built and _still(candidate, n)
     ]
     if idle:
         more = f" and {len(idle) - MOST_NAMED} more" if len(idle) > MOST_NAMED else ""

@@ -55,7 +55,7 @@ class Watching:
         """Predicate and verdict of every claim by watch; worked out once per candidate."""
         return candidate.memo((self.numbers, solver), lambda: self._run(candidate, solver))
 
-    def check_instance(self, candidate: Candidate, solver: str) -> list[Row]:
+    def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """The rows of the category check of one instance."""
         return [
             instance_row(candidate, solver, name, claim, finding)

@@ -11,7 +11,7 @@ import numpy as np
 from ...geometry import Camera, contains, distance_to_surface
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.requirements import RowId
-from ..ledgers import motion
+from ..categories.registry import judge_of
 from ..rows.verdicts import correction
 from ..scene.surfaces import surfaces_of
 from .rows import SCREEN_STEP, shot_row, subjects_of
@@ -207,7 +207,7 @@ def _subject_steps(candidate: Candidate, cameras: list[tuple[int, Camera]], shot
     """Moves of the subjects' centres on the picture, while they are in it at both frames and within the simulated ones."""
     found = []
     for name in subjects_of(candidate, shot):
-        centers = motion.centers(candidate, name)
+        centers = judge_of(candidate.spec, name).centers(candidate, name)
         for (before, one), (after, two) in pairwise(cameras):
             if after > candidate.last_frame or not np.isfinite(centers[[before, after]]).all():
                 continue

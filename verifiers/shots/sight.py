@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 from ...geometry import Camera, IdCaster, camera_at, contains
 from ...worlds.arrays import F64, RigidPose, rotation_matrix
 from ...worlds.built import TriangleMesh
+from ...worlds.categories.registry import shape_of
 from ...worlds.errors import EvidenceError, InputError
+from ..categories.judge import joined
+from ..categories.registry import JUDGES, judge_of
 from ..scene.surfaces import surfaces_of
-from .outlines import liquid_outline
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -64,11 +66,11 @@ class Seen:
 
 
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-"""Of liquids, whose meshes are in the world."""
+"""Of loose matter, whose meshes are in the world."""
 HELD_SHAPES = 16
 """Frames whose deformed solids are kept."""
 HELD_FACES = 4_000_000
-"""Frames whose liquids have so many faces together are kept."""
+"""Frames whose loose matter has so many faces together are kept."""
 
 
 class _Scene:
@@ -107,7 +109,7 @@ class Sight:
                     parts = [p for p in built.parts_of(body.name) if self._clear(p.material) == clear]
                     if parts:
                         instances.append((name, body.name))
-                        meshes.append(_joined([p.render for p in parts]))
+                        meshes.append(joined([p.render for p in parts]))
                         if name in candidate.deforming:
                             self._soft[len(meshes) - 1] = tuple(p.part for p in parts)
                         glass.append(clear)
@@ -122,8 +124,9 @@ class Sight:
 
     @cached_property
     def _loose(self) -> tuple[str, ...]:
-        """Liquids and particles: what has another shape at every frame."""
-        return (*self.candidate.liquids, *self.candidate.particulates)
+        """Entities without a surface of their own, which have another shape at every frame; without those that no engine moves."""
+        entities = self.candidate.spec.entities
+        return tuple(n for n, e in entities.items() if shape_of(e) == "loose" and e.physics.category in JUDGES)
 
     @cached_property
     def _veils(self) -> bool:
@@ -145,7 +148,7 @@ class Sight:
         if not self._flows(entity):
             return self._at(at)
         if at not in self._scenes:
-            meshes = {n: liquid_outline(self.candidate, n, at) for n in liquids}
+            meshes = {n: judge_of(self.candidate.spec, n).outline(self.candidate, n, at) for n in liquids}
             there = [n for n in liquids if len(meshes[n].faces)]
             clear = [self._clear(self.candidate.spec.entities[n].material) for n in there]
             while self._scenes and sum(len(m.faces) for s in self._scenes.values() for m in s.meshes) > HELD_FACES:
@@ -242,7 +245,7 @@ class Sight:
         share = 0.0 if found[0] == 0 else found[1] / found[0]
         bound = self.candidate.spec.simulation.limits.visible_share
         if found[0] < FINE_BELOW or abs(share - bound) <= DOUBT * bound:
-            finest = FINE if entity in self.candidate.particulates else FINEST
+            finest = FINE if judge_of(self.candidate.spec, entity).grainy else FINEST
             finer = FINE if found[0] == 0 else min(finest, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
             size = (finer * camera.width, finer * camera.height)
             found = self._compare(scene, _lattice(camera, size), poses, own, size)
@@ -334,9 +337,3 @@ def _upright(camera: Camera, size: tuple[int, int], window: tuple[int, int, int,
     y = (camera.height / 2 - 0.5 - np.arange(window[2], window[3]))[:, None]
     c, s = math.cos(camera.roll), math.sin(camera.roll)
     return np.asarray((np.abs(c * x - s * y) <= size[0] / 2) & (np.abs(s * x + c * y) <= size[1] / 2))
-
-
-def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:
-    starts = np.concatenate([[0], np.cumsum([len(m.vertices) for m in meshes])])
-    faces = np.concatenate([np.asarray(m.faces, dtype=np.int64) + s for m, s in zip(meshes, starts, strict=False)])
-    return TriangleMesh(np.concatenate([m.vertices for m in meshes]), faces.astype(np.int32))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import RowId
-from ..ledgers import motion
+from ..categories.registry import judge_of
 from ..predicates import beat_times
 from ..rows.verdicts import correction
 from .reframing import reframe
@@ -135,7 +135,7 @@ def visible(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat) -> Row
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
     if failed is not None and failed == tests[3] and first is not None:
         bad_frames = [first]
-    if failed is not None and subject in candidate.particulates:
+    if failed is not None and judge_of(candidate.spec, subject).grainy:
         nearer = correction(
             "particles are too small or too few to be seen from there",
             "shots",
@@ -223,7 +223,7 @@ def framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
 
 def _central(sight: Sight, name: str, shot_id: str, shot: Shot) -> list[int]:
     """Frames at which the entity's centre is nearest to the middle of the picture: it may pass between two samples."""
-    centers = motion.centers(sight.candidate, name)
+    centers = judge_of(sight.candidate.spec, name).centers(sight.candidate, name)
     span = range(shot.frames[0], min(shot.frames[1], sight.candidate.last_frame) + 1)
     away = []
     for frame in span:

@@ -20,10 +20,10 @@ from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact
 from ...worlds.requirements import Correction, Row, RowId, Status
-from ..categories.cloth.links import sheet_of
+from ..categories.registry import judge_of, logged
 from ..predicates import Outcome, beat_times, evaluate
 from ..rows.verdicts import correction, make_row
-from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins, not_still
+from .chains import MOMENTUM_SHARE, Chains, Hop, Reach, begins
 
 if TYPE_CHECKING:
     from ...worlds.spec import Beat
@@ -85,7 +85,7 @@ def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onse
         )
     onset = first - 1
     if beat.predicate.kind not in INSTANTS:
-        active = not_still(candidate, beat.subject)
+        active = judge_of(candidate.spec, beat.subject).moving(candidate, beat.subject)
         while onset > max(0, beat.frames[0] - 1) and active[onset]:
             onset -= 1
     # Interval frame k covers ((k-1)/fps, k/fps]: its contacts may have begun a frame earlier than k.
@@ -97,8 +97,8 @@ def onset_of(candidate: Candidate, beat_id: str, beat: Beat, first: int) -> Onse
 
 
 def _instant(candidate: Candidate, beat: Beat, first: int) -> float | None:
-    """Event time of a beat that is a contact and came true with its first touch [s]; None of any other, and of cloth."""
-    if not isinstance(beat.predicate, Contact) or sheet_of(candidate.spec, beat.predicate.a, beat.predicate.b) is not None:
+    """Event time of a beat that is a contact and came true with its first touch [s]; None of any other, and where no log tells its moment."""
+    if not isinstance(beat.predicate, Contact) or not logged(candidate.spec, beat.predicate.a, beat.predicate.b):
         return None
     time = begins(candidate, beat.predicate.a, beat.predicate.b, (beat.frames[0], first))
     return time if time is not None and time >= (first - 1) / candidate.spec.simulation.fps else None

@@ -5,18 +5,16 @@ receiver through a link of a frame:
 
 - a **contact**, from its beginning on, if its impulse is large enough for the receiver. A receiver at rest passes on, within
   the frame, only what presses it harder than what it carried all along: resting contacts link nothing.
+- a **push** between matter and a body, over the whole frame: liquid, grains, cloth and what holds its pins. Such matter moves while it
+  does on the whole. A body that no coupling lets feel it receives nothing from it.
 - a **joint**, spring or rope end while it holds, if the receiver moves.
-- a **liquid** or **grains** and a body that push each other, over the whole frame. They move while their particles do on the whole.
-- **cloth** and a body that press each other or that a pin joins, over the whole frame; a body that no coupling lets feel the cloth
-  receives nothing from it.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is
 another story. Static entities receive but never send: a shared floor connects nothing. Kinematic entities send but never
 receive, because nothing acts on them; nor do those that a release driver holds. What set a source going is no effect of it:
 a hammer that strikes two bells does not link the first with the second.
 
-Logs of further solvers (what breaks) join `Chains._links` as frames of `_Links`: sender, receiver, the time span in
-which the link carries, and the impulse that it gives.
+Who pushes whom, and what is still, the judges of the categories say (`categories/registry.py`).
 """
 
 from __future__ import annotations
@@ -31,30 +29,24 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ...worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
-from ..categories.cloth.links import sheet_impulse, sheet_pushes, unfelt
-from ..categories.liquid.links import liquid_motion, liquid_pushes, stirred
-from ..categories.particles.links import grain_motion, grain_pushes, running
+from ...worlds.spec import ForceDriver, ReleaseDriver
+from ..categories.pushes import MIN_IMPULSE
+from ..categories.registry import JUDGES, judge_of, pressed
+from ..categories.rigid.links import ties
 from ..ledgers import motion
 from ..ledgers.fields import blown_at
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ..categories.judge import Push
 
-__all__ = ["MIN_IMPULSE", "MOMENTUM_SHARE", "PAUSE", "PRESSED", "STILL_SPEED", "STILL_SPIN", "Chains", "Hop", "begins"]
+__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach", "begins"]
 
-MIN_IMPULSE = 1e-6
-"""[N s] Smallest impulse that carries a chain: 1 mm/s of a 1 g body."""
 MOMENTUM_SHARE = 0.01
 """Own choice: a contact must give at least this share of the momentum that its receiver has in that frame, and a chain this
 share of the impulses by which others push the effect's subject meanwhile."""
 PRESSED = 0.1
 """Own choice: a contact presses a resting receiver if its impulse exceeds what it was at rest by this share."""
-STILL_SPEED = 5e-4
-"""[m/s] A body slower than this (and `STILL_SPIN`) is still. Own choice: far above the residual speed of resting bodies (they
-fall asleep below 25 um/s) and far below anything that is seen to creep."""
-STILL_SPIN = 5e-3
-"""[rad/s]"""
 PAUSE = 0.125
 """[s] A rest shorter than this (an apex, a reversal) does not interrupt a motion. Own choice."""
 STARTS = 2
@@ -170,11 +162,10 @@ class Chains:
         self._fps = spec.simulation.fps
         self._pause = max(2, round(PAUSE * self._fps))
         self._joined = self._joint_links()
-        pushes = liquid_pushes(candidate), grain_pushes(candidate), sheet_pushes(candidate)
-        self._pushes = [a + b + c for a, b, c in zip(*pushes, strict=True)]
-        deaf = [(self._index[a], self._index[b]) for a, b in unfelt(spec) if a in self._index and b in self._index]
-        self._deaf = np.array([a * len(self.names) + b for a, b in deaf], dtype=np.intp)
-        self._links = [self._contact_links(k) for k in range(candidate.frame_count)]
+        deaf = [pair for judge in JUDGES.values() for pair in judge.unfelt(spec) if set(pair) <= set(self.names)]
+        self._deaf = np.array([self._index[a] * len(self.names) + self._index[b] for a, b in deaf], dtype=np.intp)
+        pushes = [judge.pushes(candidate) for judge in JUDGES.values()]
+        self._links = [self._directed([p for found in pushes for p in found[k]]) for k in range(candidate.frame_count)]
         self._moving, self._floor = self._motions()
         self._freed = np.full(len(self.names), -NEVER)
         for driver in spec.simulation.drivers.values():
@@ -187,70 +178,25 @@ class Chains:
         shape = (self.candidate.frame_count, len(self.names))
         moving, floors = np.zeros(shape, dtype=bool), np.full(shape, MIN_IMPULSE)
         for i, name in enumerate(self.names):
-            if self.candidate.moves(name):
-                moving[:, i] = not_still(self.candidate, name)
-                momentum = motion.entity_mass(self.candidate, name) * np.linalg.norm(
-                    motion.velocities(self.candidate, name), axis=1
-                )
+            judge = judge_of(self.candidate.spec, name)
+            if judge.known(self.candidate, name):
+                moving[:, i] = judge.moving(self.candidate, name)
+                momentum = np.linalg.norm(judge.momentum(self.candidate, name), axis=1)
                 floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * np.nan_to_num(momentum, nan=NEVER))
-            elif name in self.candidate.liquids:
-                moving[:, i] = stirred(self.candidate, name)
-                floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * liquid_motion(self.candidate, name)[1])
-            elif name in self.candidate.particulates and self.candidate.particle_caches:
-                moving[:, i] = running(self.candidate, name)
-                floors[:, i] = np.maximum(MIN_IMPULSE, MOMENTUM_SHARE * grain_motion(self.candidate, name)[1])
         return moving, floors
 
     # ---------------------------------------------------------------- links
 
-    def _contact_links(self, frame: int) -> _Links:
-        """Contacts of one frame, both ways.
-
-        A contact that lasts from the frame before carries all the time; a new one from its event on, or, if it has ended by
-        the next frame, at its event only.
-        """
-        found: list[tuple[int, int, float, float, float]] = []
-        start, end = (frame - 1) / self._fps, frame / self._fps
-        for cache in self.candidate.rigid_caches.values():
-            ids = [self._index.get(n, -1) for n in cache.index.colliders]
-            contacts = cache.ragged("contact/pair", "contact/impulse")
-            log = cache.ragged("event/time", "event/pair", "event/impulse")[frame]
-            before, after = (
-                {tuple(p) for p in contacts[k]["contact/pair"].tolist()} if 0 <= k < len(contacts) else set()
-                for k in (frame - 1, frame + 1)
-            )
-            events: dict[tuple[int, int], list[tuple[float, float]]] = {}
-            for time, pair, impulse in zip(log["event/time"], log["event/pair"].tolist(), log["event/impulse"], strict=True):
-                events.setdefault(tuple(pair), []).append((float(time), float(impulse)))
-            here = contacts[frame]
-            total = {tuple(p): float(j) for p, j in zip(here["contact/pair"].tolist(), here["contact/impulse"], strict=True)}
-            for pair in {**total, **events}:
-                a, b = ids[pair[0]], ids[pair[1]]
-                if min(a, b) < 0:
-                    continue
-                times = events.get(pair, [])
-                if pair in before or not times:
-                    found.append((a, b, start, end, total.get(pair, times[0][1] if times else 0.0)))
-                    continue
-                single = len(times) == 1
-                found += [(a, b, t, t, total.get(pair, j) if single else j) for t, j in times]
-                if pair in after:
-                    found.append((a, b, times[0][0], end, total.get(pair, times[0][1])))
-        found += [(self._index[a], self._index[b], start, end, j) for a, b, j in self._pushes[frame] if b in self._index]
-        links = _both_ways(found)
+    def _directed(self, pushes: Iterable[Push]) -> _Links:
+        """Links of one frame, both ways but to bodies that do not feel them."""
+        known = [p for p in pushes if p.a in self._index and p.b in self._index]
+        links = _both_ways([(self._index[p.a], self._index[p.b], p.begin, p.end, p.impulse) for p in known])
         ok = ~np.isin(links.sender * len(self.names) + links.receiver, self._deaf)
         return _Links(links.sender[ok], links.receiver[ok], links.begin[ok], links.end[ok], links.impulse[ok])
 
     def _joint_links(self) -> _Links:
-        plan = self.candidate.spec.simulation
-        opened = {d.joint: d.time for d in plan.drivers.values() if isinstance(d, DetachDriver)}
-        ends: list[tuple[str | None, str | None, float]] = [
-            (j.parent, j.child, opened.get(name, NEVER)) for name, j in plan.joints.items()
-        ]
-        for name, entity in self.candidate.spec.entities.items():
-            rope = entity.generator
-            ends += [(name, to, NEVER) for to in (rope.attach_start, rope.attach_end)] if rope is not None else []
         index = self._index
+        ends = ties(self.candidate.spec)
         return _both_ways([(index[a], index[b], -NEVER, t, NEVER) for a, b, t in ends if a in index and b in index])
 
     @cached_property
@@ -432,27 +378,16 @@ def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:
     return _Links(np.concatenate([a, b]), np.concatenate([b, a]), begin, end, impulse)
 
 
-def not_still(candidate: Candidate, entity: str) -> Flags:
-    """Whether the entity is not still, shape (frames,)."""
-    if entity in candidate.liquids:
-        return stirred(candidate, entity)
-    if entity in candidate.particulates:
-        return running(candidate, entity)
-    speed = np.linalg.norm(motion.velocities(candidate, entity), axis=1)
-    fast: Flags = ~((speed <= STILL_SPEED) & (motion.spins(candidate, entity) <= STILL_SPIN))
-    return fast
-
-
 def begins(candidate: Candidate, a: str, b: str, frames: tuple[int, int]) -> float | None:
     """Time [s] at which the first contact of the pair within the frames began; None without one.
 
-    A pair that already touched before the interval began counts from the interval's first instant. Of cloth it is the beginning of
-    the frame over which they first press each other: its record tells no moment within it.
+    A pair that already touched before the interval began counts from the interval's first instant. Where no log of contacts tells, it
+    is the beginning of the frame over which they first press each other: records tell no moment within it.
     """
     fps = candidate.spec.simulation.fps
-    pressed = sheet_impulse(candidate, a, b)
-    if pressed is not None:
-        when = np.flatnonzero(pressed[frames[0] : frames[1] + 1])
+    impulse = pressed(candidate, a, b)
+    if impulse is not None:
+        when = np.flatnonzero(impulse[frames[0] : frames[1] + 1])
         return max(0, frames[0] + int(when[0]) - 1) / fps if len(when) else None
     for cache in motion.caches_with(candidate, a, b):
         pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))

@@ -24,9 +24,10 @@ from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row, RowId, Status
 from ...worlds.spec import PathDriver
+from ..categories.registry import judge_of
 from ..predicates import beat_times
 from ..rows.verdicts import correction, make_row
-from .chains import PAUSE, not_still
+from .chains import PAUSE
 
 if TYPE_CHECKING:
     from ...worlds.spec import Beat, WorldSpec
@@ -202,7 +203,7 @@ def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
 
 def _goes_from_start(candidate: Candidate, name: str, frame: int) -> bool:
     """Whether an entity moves from frame 0 on and does not rest, `PAUSE` long, before `frame`."""
-    moves = not_still(candidate, name)[: frame + 1]
+    moves = judge_of(candidate.spec, name).moving(candidate, name)[: frame + 1]
     if not moves[:2].any():  # what is let go at frame 0 has no speed there yet
         return False
     still = np.concatenate([[0], np.cumsum(~moves[1:])])

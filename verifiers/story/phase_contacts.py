@@ -1,9 +1,8 @@
 """First contact of a run, and who should meet whom by the specification (R77, S12).
 
 - Bodies: the log of contacts, from the moment on at which a driver acts or a body moves.
-- Grains: the impulse between an instance and a body over a frame.
-- Cloth: the impulse of all solids on an instance over a frame, which does not tell them apart; and what a body that is coupled both
-  ways received while neither a liquid nor grains pressed it.
+- Other matter: what the judges of the categories say of whom it pressed (`Judge.touches`): grains each body; cloth all solids together,
+  and bodies that felt a push that no other matter gave.
 
 Impulses over a frame do not tell when in it they began: what presses in frame 1, or up to activation, touched from the start. Where
 the specification names who should meet, sand that lands elsewhere and a curtain that brushes its rod are no first contact.
@@ -15,17 +14,16 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...worlds.arrays import F64
 from ...worlds.categories.cloth.facts import pins_of
-from ..ledgers.exchanged import CHANNEL, partners
-from .chains import MIN_IMPULSE
+from ...worlds.categories.registry import shape_of
+from ..categories.registry import JUDGES
+from ..ledgers.exchanged import partners
 
 if TYPE_CHECKING:
-    from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
     from ...worlds.spec import WorldSpec
+    from ..categories.judge import Touch
 
 __all__ = ["Meeting", "asks_for_contact", "first_contact", "promises"]
 
@@ -50,15 +48,6 @@ class _Promise(NamedTuple):
     """These meet each other; else what one of them meets may pass it on."""
 
 
-class _Touch(NamedTuple):
-    """Matter against a body, or against solids that nothing tells apart."""
-
-    matter: frozenset[str]
-    body: str | None
-    pressed: NDArray[np.bool_]
-    """Whether they pressed each other over a frame, shape (frames,)."""
-
-
 def asks_for_contact(candidate: Candidate) -> bool:
     """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats."""
     return not candidate.spec.story.beats or bool(promises(candidate.spec))
@@ -67,7 +56,7 @@ def asks_for_contact(candidate: Candidate) -> bool:
 def promises(spec: WorldSpec) -> list[_Promise]:
     """Who should meet whom. What a liquid, grains or a pin of a cloth pass on needs no contact of bodies."""
     beats, relations = spec.story.beats, spec.graph.relations.values()
-    solid = {n for n, e in spec.entities.items() if e.physics.category not in ("liquid", "particles")}
+    solid = {n for n, e in spec.entities.items() if shape_of(e) != "loose"}
     pinned = {frozenset((n, p.to)) for n, e in spec.entities.items() for p in pins_of(e).values() if p.to is not None}
     pairs = {frozenset((beats[c].subject, b.subject)) for b in beats.values() for c in b.causes if c in beats}
     found = [_Promise(pair, False) for pair in sorted(pairs - pinned, key=sorted) if pair <= solid and len(pair) > 1]
@@ -126,7 +115,7 @@ def _of_matter(candidate: Candidate, activation: int) -> Meeting | None:
     asked, spec = promises(candidate.spec), candidate.spec
     start = max(1, activation) + 1
     found: Meeting | None = None
-    for touch in (*_grains(candidate), *_cloth(candidate)):
+    for touch in (t for judge in JUDGES.values() for t in judge.touches(candidate)):
         later = np.flatnonzero(touch.pressed[start:])
         if touch.pressed[:start].any() or not len(later) or not (not asked or any(_keeps(spec, p, touch) for p in asked)):
             continue
@@ -140,7 +129,7 @@ def _of_matter(candidate: Candidate, activation: int) -> Meeting | None:
     return found
 
 
-def _keeps(spec: WorldSpec, promise: _Promise, touch: _Touch) -> bool:
+def _keeps(spec: WorldSpec, promise: _Promise, touch: Touch) -> bool:
     """Whether a touch is what was promised, or its beginning."""
     others = promise.entities - touch.matter - {"each"}
     if touch.body is None:
@@ -154,50 +143,3 @@ def _keeps(spec: WorldSpec, promise: _Promise, touch: _Touch) -> bool:
 
 def _moves(spec: WorldSpec, name: str) -> bool:
     return name in spec.entities and spec.entities[name].motion == "dynamic"
-
-
-def _rows(cache: Cache, frames: int) -> F64:
-    """Impulse on every body of an instance over each frame [N s], shape (frames, bodies)."""
-    given: F64 = np.asarray(cache.series(CHANNEL), dtype=np.float64)
-    sizes: F64 = np.linalg.norm(given[:frames, :, :3], axis=2)
-    return sizes
-
-
-def _grains(candidate: Candidate) -> Iterator[_Touch]:
-    """Grains and every body that they press. Flying particles press nobody."""
-    for solver, cache in candidate.particle_caches.items():
-        instance = candidate.spec.simulation.particles[solver]
-        if instance.engine == "dem" and cache.index.colliders:
-            yield from _by_entity(frozenset(instance.members), cache.index.colliders, _rows(cache, candidate.frame_count))
-
-
-def _by_entity(matter: frozenset[str], bodies: tuple[str, ...], impulse: F64) -> Iterator[_Touch]:
-    owners = [b.split("/", 1)[0] for b in bodies]
-    for name in dict.fromkeys(owners):
-        pressed: NDArray[np.bool_] = impulse[:, [o == name for o in owners]].max(axis=1) > MIN_IMPULSE
-        yield _Touch(matter, name, pressed)
-
-
-def _cloth(candidate: Candidate) -> Iterator[_Touch]:
-    """Cloth and the solids around it."""
-    spec, frames = candidate.spec, candidate.frame_count
-    sheets = {n: frozenset(i.members) for n, i in spec.simulation.cloth.items() if n in candidate.caches}
-    for name, members in sheets.items():
-        series = [candidate.caches[name].series(f"record/solid_impulse_{axis}")[:frames] for axis in "xyz"]
-        gained = np.linalg.norm(np.diff(np.stack(series, axis=1), axis=0, prepend=0.0), axis=1)
-        yield _Touch(members, None, np.asarray(gained > MIN_IMPULSE))
-    for solver, cache in candidate.rigid_caches.items():
-        coupled = partners(spec, solver)
-        matter = frozenset[str]().union(*(sheets[n] for n in coupled if n in sheets))
-        if not matter or not cache.index.bodies:
-            continue
-        received = _rows(cache, frames)
-        for name in coupled:
-            other = candidate.caches.get(name)
-            if name in sheets or other is None:
-                continue
-            pressed = _rows(other, frames)
-            for row, body in enumerate(other.index.colliders):
-                if body in cache.index.bodies:
-                    received[pressed[:, row] > 0.0, cache.index.bodies.index(body)] = 0.0
-        yield from _by_entity(matter, tuple(cache.index.bodies), received)

@@ -29,6 +29,7 @@ from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row, RowId
+from ..categories.registry import judge_of
 from ..ledgers import motion
 from ..rows.verdicts import correction, make_row
 from .phase_contacts import asks_for_contact, first_contact, promises
@@ -157,15 +158,11 @@ def _matter(candidate: Candidate) -> dict[str, Cache]:
 
 def _loose(candidate: Candidate) -> list[str]:
     """Grains, flying particles and cloth: what moves and meets others beside bodies."""
-    entities = candidate.spec.entities
-    return [n for n in _matter(candidate) if entities[n].physics.category in ("particles", "cloth")]
+    return [n for n in _matter(candidate) if judge_of(candidate.spec, n).meets]
 
 
 def _speeds(candidate: Candidate, name: str) -> F64:
-    matter = _matter(candidate).get(name)
-    if matter is not None:
-        return np.asarray(matter.series("record/max_speed")[: candidate.frame_count])
-    return motion.fastest_points(candidate, name)[: candidate.frame_count]
+    return judge_of(candidate.spec, name).fastest(candidate, name)
 
 
 def _activation(candidate: Candidate, names: list[str], threshold: float) -> tuple[int | None, str, str]:

@@ -70,7 +70,7 @@ def on_cloth(couplings: dict[str, Any]) -> dict[str, Any]:
 def test_grains_that_lie_on_a_cloth_which_feels_them_pass(tmp_path: Path) -> None:
     pairs = (("cloth", "bodies"), ("bodies", "grains"), ("cloth", "grains"))
     felt = {f"{a}_{b}": {"source": a, "target": b, "direction": "two_way", "variables": ["motion", "wrench"]} for a, b in pairs}
-    rows = particles.check_instance(simulate(tmp_path, on_cloth(felt)), "grains")
+    rows = particles.category_rows(simulate(tmp_path, on_cloth(felt)), "grains")
     assert [(r.id, r.evidence.get("explanation")) for r in rows if r.status == "fail"] == []
     declared = next(r for r in rows if r.id.endswith("declared:grains"))
     assert declared.status == "pass"
@@ -81,10 +81,10 @@ def verdicts(rows: list[Any]) -> dict[str, str]:
 
 
 def test_what_a_cloth_and_a_jelly_give_each_other_is_judged(caught: Candidate) -> None:
-    rows = verdicts(elastic.check_instance(caught, "bodies"))
+    rows = verdicts(elastic.category_rows(caught, "bodies"))
     assert {rows[n] for n in ("exchange", "together", "energy", "records", "shape", "self")} == {"pass"}
-    assert verdicts(cloth.check_instance(caught, "cloth"))["solids"] == "pass"
-    assert verdicts(cloth.check_instance(caught, "cloth"))["momentum"] == "pass"
+    assert verdicts(cloth.category_rows(caught, "cloth"))["solids"] == "pass"
+    assert verdicts(cloth.category_rows(caught, "cloth"))["momentum"] == "pass"
 
 
 def test_a_jelly_touches_the_cloth_that_it_drops_on(caught: Candidate, tmp_path: Path) -> None:
@@ -103,7 +103,7 @@ def test_an_impulse_that_was_given_and_not_received_is_told(caught: Candidate, t
     def lost(frame: int, data: dict[str, Any]) -> None:
         data["exchange/soft"] = data["exchange/soft"] * (0.9 if frame == 4 else 1.0)
 
-    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(edited(caught, tmp_path, "bodies", lost), "bodies")}
+    rows = {r.id.split(":")[2]: r for r in elastic.category_rows(edited(caught, tmp_path, "bodies", lost), "bodies")}
     assert (rows["exchange"].status, rows["exchange"].first_failing_frame) == ("fail", 4)
     assert rows["exchange"].measured == pytest.approx(0.1, rel=1e-6)
 
@@ -112,7 +112,7 @@ def test_energy_that_comes_from_the_exchange_is_told(caught: Candidate, tmp_path
     def stored(frame: int, data: dict[str, Any]) -> None:
         data["record/stretch_energy"] = np.float64(data["record/stretch_energy"] + (0.1 if frame == 3 else 0.0))
 
-    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(edited(caught, tmp_path, "cloth", stored), "bodies")}
+    rows = {r.id.split(":")[2]: r for r in elastic.category_rows(edited(caught, tmp_path, "cloth", stored), "bodies")}
     assert (rows["together"].status, rows["together"].first_failing_frame) == ("fail", 3)
 
 
@@ -121,20 +121,20 @@ def test_cloth_in_a_jelly_is_told(caught: Candidate, tmp_path: Path) -> None:
         data["vertex/position"] = data["vertex/position"] - [0.0, 0.0, 0.02 if frame == 2 else 0.0]
 
     broken = edited(caught, tmp_path, "bodies", sunk)
-    rows = {r.id.split(":")[2]: r for r in cloth.check_instance(broken, "cloth")}
+    rows = {r.id.split(":")[2]: r for r in cloth.category_rows(broken, "cloth")}
     assert (rows["solids"].status, rows["solids"].first_failing_frame) == ("fail", 2)
     assert "jelly" in rows["solids"].evidence["explanation"]
 
 
 def test_grains_outside_a_jelly_and_over_a_cloth_pass(strewn: Candidate) -> None:
-    assert verdicts(particles.check_instance(strewn, "grains"))["inside"] == "pass"
+    assert verdicts(particles.category_rows(strewn, "grains"))["inside"] == "pass"
 
 
 def test_grains_in_a_jelly_are_told(strewn: Candidate, tmp_path: Path) -> None:
     def risen(frame: int, data: dict[str, Any]) -> None:
         data["vertex/position"] = data["vertex/position"] + [0.0, 0.0, HIGH - 0.1 if frame == 2 else 0.0]
 
-    rows = {r.id.split(":")[2]: r for r in particles.check_instance(edited(strewn, tmp_path, "bodies", risen), "grains")}
+    rows = {r.id.split(":")[2]: r for r in particles.category_rows(edited(strewn, tmp_path, "bodies", risen), "grains")}
     assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
     assert rows["inside"].evidence["solid"] == "jelly"
 
@@ -143,6 +143,6 @@ def test_grains_that_go_through_a_cloth_are_told(strewn: Candidate, tmp_path: Pa
     def risen(frame: int, data: dict[str, Any]) -> None:
         data["vertex/position"] = data["vertex/position"] + [0.0, 0.0, 0.06 if frame == 2 else 0.0]
 
-    rows = {r.id.split(":")[2]: r for r in particles.check_instance(edited(strewn, tmp_path, "cloth", risen), "grains")}
+    rows = {r.id.split(":")[2]: r for r in particles.category_rows(edited(strewn, tmp_path, "cloth", risen), "grains")}
     assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
     assert rows["inside"].evidence["solid"] == "cloth"

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 from ...rows.findings import Finding, judged
 from ...rows.instance_rows import instance_row
+from ...scene import initial_state
+from ..container import rows_about
 from .crossing import apart, free_of_itself
 from .frames import ClothRun, cloth_run
 from .ledger import energy, kept_mass, kept_records, momentum, uncut
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Check, Row
 
-__all__ = ["CLAIMS", "NUMBERS", "check_instance", "numerical_rows"]
+__all__ = ["CLAIMS", "NUMBERS", "category_rows", "numerical_rows"]
 
 Judge = Callable[[ClothRun], Finding]
 CLAIMS: dict[str, tuple[str, Judge]] = {
@@ -60,11 +62,12 @@ def _rows(candidate: Candidate, solver: str, claims: dict[str, tuple[str, Judge]
     ]
 
 
-def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+def category_rows(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of the category check of one instance."""
     return _rows(candidate, solver, CLAIMS, "category", "cloth:")
 
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
-    """The rows of its numbers."""
-    return _rows(candidate, solver, NUMBERS, "numerical", "")
+    """Rows of frame 0, of the cache and of its numbers."""
+    first = initial_state.FUNCTIONS["cloth"]
+    return rows_about(candidate, solver, first, initial_state.CLAIMS) + _rows(candidate, solver, NUMBERS, "numerical", "")

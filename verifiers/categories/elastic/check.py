@@ -36,7 +36,7 @@ from .rows import elastic_row, physics_of
 if TYPE_CHECKING:
     from ....worlds.requirements import Row
 
-__all__ = ["check_entity", "check_instance"]
+__all__ = ["category_rows", "check_entity"]
 
 TRAVEL_SHARE = 0.5
 """Own choice: a surface that moves farther per step than this share of its shortest edge may jump over another."""
@@ -61,7 +61,7 @@ def check_entity(candidate: Candidate, entity: str) -> list[Row]:
     return [elastic_row(candidate, name, entity, judged(function, candidate, entity)) for name, function in checks.items()]
 
 
-def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+def category_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of one instance and of its elastic members; none where it has no such member."""
     members = candidate.spec.simulation.solvers[solver].members
     soft = [m for m in members if m in candidate.spec.entities and isinstance(candidate.spec.entities[m].physics, ElasticPhysics)]

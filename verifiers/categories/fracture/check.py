@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from ....worlds.requirements import Correction, Row
     from ....worlds.spec import Part
 
-__all__ = ["check_instance"]
+__all__ = ["category_rows"]
 
 VOLUME = 1e-6
 """Relative, own choice: planes cut exactly; `ROUND_VOLUME` for parts with round sides, whose pieces have flat ones."""
@@ -73,7 +73,7 @@ PREDICATES = {
 }
 
 
-def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+def category_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of all breakable members of one rigid instance; `unverified` where evidence is missing."""
     members = candidate.spec.simulation.solvers[solver].members
     names = [

@@ -7,7 +7,11 @@ and recorded, and the solids of the candidate are all there is.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ...rows.watches import Watching
+from ...scene import initial_state
+from ..container import rows_about
 from .across import Across
 from .blown import Blown
 from .coupling import Coupling
@@ -27,7 +31,11 @@ from .walls import Walls
 from .waves import Waves
 from .wet import Wetted
 
-__all__ = ["WATCHES", "check_instance", "findings_of", "numerical_rows"]
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Row
+
+__all__ = ["WATCHES", "category_rows", "findings_of", "numerical_rows"]
 
 WATCHES: tuple[type[Watch], ...] = (
     *(
@@ -57,5 +65,10 @@ WATCHES: tuple[type[Watch], ...] = (
 
 _WATCHING = Watching(WATCHES, Numbers, liquid_of, lambda liquid: ((step,) for step in liquid.steps()))
 findings_of = _WATCHING.findings_of
-check_instance = _WATCHING.check_instance
-numerical_rows = _WATCHING.numerical_rows
+category_rows = _WATCHING.category_rows
+
+
+def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of frame 0, of the cache and of counters of one instance."""
+    first = initial_state.FUNCTIONS["liquid"]
+    return [*rows_about(candidate, solver, first, initial_state.CLAIMS), *_WATCHING.numerical_rows(candidate, solver)]

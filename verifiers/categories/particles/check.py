@@ -13,6 +13,8 @@ import numpy as np
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.findings import Finding
 from ...rows.watches import Watching
+from ...scene import initial_state
+from ..container import rows_about
 from .contacts import Contacts
 from .flight import Flight
 from .frames import matched, swarm_of
@@ -23,10 +25,11 @@ from .walls import Walls
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ....worlds.requirements import Correction, Status
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Correction, Row, Status
     from .frames import Swarm, SwarmFrame
 
-__all__ = ["WATCHES", "check_instance", "numerical_rows"]
+__all__ = ["WATCHES", "category_rows", "numerical_rows"]
 
 
 class Numbers:
@@ -105,5 +108,10 @@ def _unread(kind: type[SwarmWatch], name: str, error: EvidenceError) -> Status:
 
 
 _WATCHING = Watching(WATCHES, Numbers, swarm_of, lambda swarm: swarm.steps(), _unread)
-check_instance = _WATCHING.check_instance
-numerical_rows = _WATCHING.numerical_rows
+category_rows = _WATCHING.category_rows
+
+
+def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of frame 0, of the cache and of counters of one instance."""
+    first = initial_state.FUNCTIONS["particles"]
+    return [*rows_about(candidate, solver, first, initial_state.CLAIMS), *_WATCHING.numerical_rows(candidate, solver)]

@@ -26,7 +26,6 @@ from ....worlds.candidate import Candidate
 from ....worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
 from ....worlds.requirements import Row, RowId
 from ....worlds.spec import BoxRegion, CylinderRegion, SphereRegion
-from ...ledgers import fields as field_ledger
 from ...ledgers import motion
 from ...ledgers.balance import books_of
 from ...rows.findings import Finding, cache_of, judged
@@ -36,6 +35,7 @@ from ..elastic.ledger import elastic_energies
 from . import books as rigid_books
 from . import bounces as rigid_bounces
 from . import contacts as rigid_contacts
+from . import fields as rigid_fields
 from . import impacts as rigid_impacts
 from . import laws as rigid_laws
 from .joints import openings
@@ -50,7 +50,7 @@ __all__ = [
     "JOINT_GAP",
     "JOINT_SHARE",
     "MASS_NOISE",
-    "check_instance",
+    "category_rows",
     "energy_scale",
     "largest_growth",
     "moves_nothing",
@@ -70,7 +70,7 @@ REST_HEIGHT = 1e-3
 """[m] Energy scale of a scene where nothing moves: all its weight times this height."""
 
 
-def check_instance(candidate: Candidate, solver: str) -> list[Row]:
+def category_rows(candidate: Candidate, solver: str) -> list[Row]:
     """The rows of one instance; `unverified` where a record is missing."""
     checks: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
         "bodies": _bodies,
@@ -89,7 +89,7 @@ def check_instance(candidate: Candidate, solver: str) -> list[Row]:
         "friction": rigid_contacts.friction,
         "restitution": rigid_bounces.restitution,
         "impact_energy": rigid_impacts.impact_energy,
-        "fields": field_ledger.fields,
+        "fields": rigid_fields.fields,
     }
     return [
         answered(
@@ -127,7 +127,7 @@ PREDICATES = {
     **rigid_contacts.PREDICATES,
     **rigid_bounces.PREDICATES,
     **rigid_impacts.PREDICATES,
-    **field_ledger.PREDICATES,
+    **rigid_fields.PREDICATES,
 }
 
 

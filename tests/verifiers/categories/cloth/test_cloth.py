@@ -12,7 +12,7 @@ import pytest
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
 from worldagent.testing.worlds.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, PULLED_PROMPT, drape_spec, flag_spec, pulled_spec
 from worldagent.tests.verifiers.agreement import agrees, evaluate
-from worldagent.verifiers.categories.cloth.check import check_instance
+from worldagent.verifiers.categories.cloth.check import category_rows
 from worldagent.verifiers.categories.cloth.predicates import shadow
 from worldagent.verifiers.categories.cloth.register import cloth_lines
 from worldagent.verifiers.checks import run_checks
@@ -28,7 +28,7 @@ FRAMES, STRENGTH = 10, 20.0
 
 
 def _rows(candidate: Candidate) -> dict[str, Any]:
-    return {r.id.split(":")[2]: r for r in check_instance(candidate, "cloth")}
+    return {r.id.split(":")[2]: r for r in category_rows(candidate, "cloth")}
 
 
 def _strip(folder: Path, strength: float | None, **changes: Any) -> Candidate:

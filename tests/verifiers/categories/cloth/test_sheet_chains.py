@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.simulated_worlds import beat, edited, simulate
 from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
-from worldagent.verifiers.categories.cloth.links import sheet_impulse, sheet_pushes, unfelt
+from worldagent.verifiers.categories.registry import JUDGES, pressed
 from worldagent.verifiers.predicates import evaluate
 from worldagent.verifiers.story import causal
 from worldagent.verifiers.story.chains import Chains, begins
@@ -67,7 +67,7 @@ def _contact(candidate: Candidate, least: float = 0.01) -> Any:
 
 def test_a_ball_that_falls_into_a_sheet_touches_it(caught: Candidate) -> None:
     """The impulse is what the ball's own momentum says: it was stopped by the sheet, or pushed more."""
-    found, given = _contact(caught), sheet_impulse(caught, "cloth", "ball")
+    found, given = _contact(caught), pressed(caught, "cloth", "ball")
     assert given is not None
     assert (found.status, found.first_true_frame) == ("pass", int(np.argmax(np.cumsum(given) >= 0.01)))
     assert not given[:3].any()
@@ -100,12 +100,12 @@ def test_a_ball_makes_a_sheet_sag(caught: Candidate, tmp_path: Path, cause: Pred
 
 
 def test_a_sheet_sends_to_what_feels_it_alone(caught: Candidate, tmp_path: Path) -> None:
-    assert unfelt(caught.spec) == set()
+    assert JUDGES["cloth"].unfelt(caught.spec) == set()
     back = Chains(caught).spread(["cloth"], 0.0, FRAMES - 1, subject="ball", acting_until=FRAMES)
     assert [(h.source, h.target) for h in back.chain("ball")] == [("cloth", "ball")]
     alone = simulate(tmp_path, _world(coupled=False, frames=7))
     chains = Chains(alone)
-    assert any(sheet_pushes(alone))
+    assert any(JUDGES["cloth"].pushes(alone))
     assert not chains.spread(["cloth"], 0.0, 6, subject="ball", acting_until=6).ever("ball")
     assert chains.spread(["ball"], 0.0, 6, subject="cloth").ever("cloth")
 
@@ -113,12 +113,12 @@ def test_a_sheet_sends_to_what_feels_it_alone(caught: Candidate, tmp_path: Path)
 def test_what_holds_a_sheet_and_stands_still_sends_nothing(tmp_path: Path) -> None:
     """The ground holds a corner: its pull is in the record, and no chain goes from it to the cloth or through it to the ball."""
     held = simulate(tmp_path, _world(holder="ground"))
-    assert any(b == "ground" for pushes in sheet_pushes(held) for _, b, _ in pushes)
+    assert any(b == "ground" for pushes in JUDGES["cloth"].pushes(held) for _, b, *_ in pushes)
     reach = Chains(held).spread(["ground"], 0.0, FRAMES - 1, subject="cloth")
     assert not reach.ever("cloth")
     assert Chains(held).spread(["ball"], 0.0, FRAMES - 1, subject="cloth").chain("cloth")[0].source == "ball"
     with pytest.raises(EvidenceError, match="holds a pin"):
-        sheet_impulse(held, "ground", "cloth")
+        pressed(held, "ground", "cloth")
 
 
 def _two(frames: int = FRAMES) -> WorldSpec:
@@ -132,9 +132,9 @@ def _two(frames: int = FRAMES) -> WorldSpec:
 def test_two_sheets_of_one_instance_are_told_apart_by_their_place(tmp_path: Path) -> None:
     """Only the sheet under the ball is pushed by it; of contacts the record of both tells nothing."""
     both = simulate(tmp_path, _two(7))
-    assert {(a, b) for pushes in sheet_pushes(both) for a, b, _ in pushes} == {("cloth", "ball")}
+    assert {(a, b) for pushes in JUDGES["cloth"].pushes(both) for a, b, *_ in pushes} == {("cloth", "ball")}
     with pytest.raises(EvidenceError, match="other members"):
-        sheet_impulse(both, "ball", "cloth")
+        pressed(both, "ball", "cloth")
 
 
 def _evidence(world: WorldSpec, predicate: Predicate) -> tuple[str, str]:

@@ -41,7 +41,7 @@ def judged(tmp_path, move, *, at=0.0, physics=None, touch=True, **more) -> dict[
     candidate = deformed_candidate(
         tmp_path, world(things, frames=FRAMES), {"soft": MESH}, {"soft": move}, touches=touches, **more
     )
-    return {r.id.split(":")[2]: r for r in elastic.check_instance(candidate, "rigid")}
+    return {r.id.split(":")[2]: r for r in elastic.category_rows(candidate, "rigid")}
 
 
 def statuses(rows):
@@ -112,7 +112,7 @@ def test_a_surface_through_itself_fails(tmp_path):
         "soft": box(0.4, 0.02, 0.02, motion="dynamic", at=(0, 0, 0.1), physics=ElasticPhysics(young_modulus=1e5)),
     }
     candidate = deformed_candidate(tmp_path, world(things, frames=FRAMES), {"soft": fine}, {"soft": move})
-    rows = {r.id.split(":")[2]: r for r in elastic.check_instance(candidate, "rigid")}
+    rows = {r.id.split(":")[2]: r for r in elastic.category_rows(candidate, "rigid")}
     assert rows["self"].status == "fail"
     assert 6 <= rows["self"].first_failing_frame <= 8
 

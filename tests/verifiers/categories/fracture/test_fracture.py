@@ -52,7 +52,7 @@ def changed(run: Candidate, folder: Path, change: Callable[[int, Channels], None
 
 
 def statuses(candidate: Candidate) -> dict[str, str]:
-    return {r.id.split(":")[2]: r.status for r in fracture.check_instance(candidate, "main")}
+    return {r.id.split(":")[2]: r.status for r in fracture.category_rows(candidate, "main")}
 
 
 def _hit(run: Candidate) -> int:
@@ -298,7 +298,7 @@ def test_the_register_says_what_is_simplified(run: Candidate) -> None:
 
 def test_the_laws_of_rigid_bodies_hold_over_the_split(run: Candidate) -> None:
     """Energy, momentum, motion and contacts of the pieces; what the foot of the wall takes up is not asked for."""
-    found = {r.id.split(":")[2]: r.status for r in rigid.check_instance(run, "main")}
+    found = {r.id.split(":")[2]: r.status for r in rigid.category_rows(run, "main")}
     assert set(found.values()) <= {"pass", "not_applicable"}
     assert {found[k] for k in ("bodies", "mass", "energy", "records", "momentum", "motion", "contacts")} == {"pass"}
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.liquid_worlds import Flow, pool_in_tank
 from worldagent.testing.worlds.small_worlds import IDENTITY, box
-from worldagent.verifiers.categories.liquid.links import STIRRED, liquid_motion, liquid_pushes, stirred
+from worldagent.verifiers.categories.liquid.judge import STIRRED, LiquidJudge
 from worldagent.verifiers.story.chains import Chains
 from worldagent.worlds.candidate import Candidate
 
@@ -65,20 +65,21 @@ def test_no_push_no_chain(tmp_path: Path, cut: str) -> None:
 
 def test_a_liquid_is_still_until_it_is_stirred(tmp_path: Path) -> None:
     candidate = pool(tmp_path)
-    speed, momentum = liquid_motion(candidate, "pool")
+    found = LiquidJudge().moments(candidate, "pool")
+    speed, momentum = found.speed, np.linalg.norm(found.momentum, axis=1)
     assert speed[:STIRS] == pytest.approx(0.0)
     assert speed[STIRS:] == pytest.approx(WAVE)
     mass = 0.4 * 0.3 * 0.16 * 1000
     assert momentum[STIRS:] == pytest.approx(mass * WAVE, rel=1e-5)
-    assert stirred(candidate, "pool").tolist() == [k >= STIRS for k in range(FRAMES)]
+    assert LiquidJudge().moving(candidate, "pool").tolist() == [k >= STIRS for k in range(FRAMES)]
     assert STIRRED < WAVE
 
 
 def test_pushes_are_those_of_the_cache(tmp_path: Path) -> None:
-    pushes = liquid_pushes(pool(tmp_path))
-    assert {(a, b): j for a, b, j in pushes[STIRS] if b != "tank"} == {("pool", "paddle"): pytest.approx(2.0)}
-    assert {b for _, b, _ in pushes[CARRIES]} == {"tank", "paddle", "duck"}
-    assert not [b for _, b, _ in pushes[0] if b != "tank"]
+    pushes = LiquidJudge().pushes(pool(tmp_path))
+    assert {(a, b): j for a, b, _, _, j in pushes[STIRS] if b != "tank"} == {("pool", "paddle"): pytest.approx(2.0)}
+    assert {b for _, b, *_ in pushes[CARRIES]} == {"tank", "paddle", "duck"}
+    assert not [b for _, b, *_ in pushes[0] if b != "tank"]
 
 
 def test_liquids_of_one_instance_share_pushes_by_what_touches_the_body(tmp_path: Path) -> None:
@@ -97,7 +98,7 @@ def test_liquids_of_one_instance_share_pushes_by_what_touches_the_body(tmp_path:
     names = [n.split("/")[0] for n in flow.colliders]
     share = {names.index(n): np.array([np.zeros(6), [1.0, 0, 0, 0, 0, 0], np.zeros(6)]) for n in others}
     made = dataclasses.replace(flow, spec=spec, share=share, change={(k, "particle/fluid"): fluid for k in range(3)})
-    pushes = liquid_pushes(made.candidate(tmp_path))[1]
+    pushes = LiquidJudge().pushes(made.candidate(tmp_path))[1]
     assert [(a, j) for a, b, j in pushes if b == "duck"] == [("oil", pytest.approx(1.0))]
     assert [(a, j) for a, b, j in pushes if b == "paddle"] == [("pool", pytest.approx(1.0))]
     tank = {a: j for a, b, j in pushes if b == "tank"}

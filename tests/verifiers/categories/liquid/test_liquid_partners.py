@@ -40,7 +40,7 @@ def test_what_a_floating_crate_received_is_what_water_gave(tmp_path: Path, engin
     given = tank_spec(engine=engine, spacing=spacing, frames=FRAMES, crate_at=0.2)
     given["simulation"]["preroll"] = preroll
     candidate = simulate(tmp_path, given)
-    row = by_name(liquid.check_instance(candidate, "water"))["received"]
+    row = by_name(liquid.category_rows(candidate, "water"))["received"]
     assert (row.status, row.bound) == ("pass", 1e-5), row.evidence
     bodies = candidate.caches["rigid"].series("exchange/impulse")
     assert not bodies[0].any()
@@ -54,21 +54,21 @@ def sprung(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
 
 
 def test_a_crate_that_water_lifts_is_no_energy_that_a_springboard_gained(sprung: Candidate) -> None:
-    rows = by_name(elastic.check_instance(sprung, "rigid"))
+    rows = by_name(elastic.category_rows(sprung, "rigid"))
     assert rows["energy"].status == "pass"
     given = rows["energy"].evidence["given_by_others_J"]
     assert given > 5.0 * rows["energy"].bound * rows["energy"].evidence["scale_J"], "else nothing had to be taken off"
-    assert by_name(rigid.check_instance(sprung, "rigid"))["energy"].status == "pass"
+    assert by_name(rigid.category_rows(sprung, "rigid"))["energy"].status == "pass"
 
 
 def test_energy_that_a_springboard_gains_beside_a_lifted_crate_is_told(sprung: Candidate, tmp_path: Path) -> None:
-    scale = float(by_name(elastic.check_instance(sprung, "rigid"))["energy"].evidence["scale_J"])
+    scale = float(by_name(elastic.category_rows(sprung, "rigid"))["energy"].evidence["scale_J"])
 
     def gains(frame: int, data: dict[str, Any]) -> None:
         data["record/strain_energy"] = np.float64(data["record/strain_energy"] + (0.5 * scale if frame >= 3 else 0.0))
 
     broken = edited(sprung, tmp_path, "rigid", gains)
-    row = by_name(elastic.check_instance(broken, "rigid"))["energy"]
+    row = by_name(elastic.category_rows(broken, "rigid"))["energy"]
     assert (row.status, row.first_failing_frame) == ("fail", 3)
 
 
@@ -82,7 +82,7 @@ def test_what_water_gives_to_an_elastic_member_is_no_energy_that_a_rigid_one_gai
     def gained(frame: int, data: dict[str, Any]) -> None:
         data["record/strain_energy"] = np.float64(data["record/strain_energy"] + (5.0 if frame >= 3 else 0.0))
 
-    told = by_name(rigid.check_instance(edited(sprung, tmp_path / "a", "rigid", pushed), "rigid"))["energy"]
+    told = by_name(rigid.category_rows(edited(sprung, tmp_path / "a", "rigid", pushed), "rigid"))["energy"]
     assert told.status == "pass"
-    told = by_name(rigid.check_instance(edited(sprung, tmp_path / "b", "rigid", gained), "rigid"))["energy"]
+    told = by_name(rigid.category_rows(edited(sprung, tmp_path / "b", "rigid", gained), "rigid"))["energy"]
     assert (told.status, told.first_failing_frame) == ("fail", 3)

@@ -54,13 +54,13 @@ def strained(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
 
 
 def rows_of(candidate: Candidate) -> dict[str, Any]:
-    return {r.id.split(":")[2]: r for r in liquid.check_instance(candidate, "water")}
+    return {r.id.split(":")[2]: r for r in liquid.category_rows(candidate, "water")}
 
 
 def test_what_water_and_a_jelly_give_each_other_is_judged(bathed: Candidate) -> None:
     rows = rows_of(bathed)
     assert {rows[n].status for n in ("exchange", "inside", "energy", "momentum", "declared", "density")} == {"pass"}
-    assert {r.id.split(":")[2]: r.status for r in elastic.check_instance(bathed, "rigid")}["exchange"] == "pass"
+    assert {r.id.split(":")[2]: r.status for r in elastic.category_rows(bathed, "rigid")}["exchange"] == "pass"
 
 
 @pytest.mark.parametrize("channel", ["exchange/impulse", "exchange/reaction"])
@@ -71,7 +71,7 @@ def test_an_impulse_that_one_side_alone_counts_is_told(bathed: Candidate, tmp_pa
     broken = edited(bathed, tmp_path, "water", more)
     row = rows_of(broken)["exchange"]
     assert (row.status, row.first_failing_frame) == ("fail", 3)
-    told = {r.id.split(":")[2]: r for r in elastic.check_instance(broken, "rigid")}["exchange"]
+    told = {r.id.split(":")[2]: r for r in elastic.category_rows(broken, "rigid")}["exchange"]
     assert (told.status, told.first_failing_frame) == (("fail", 3) if channel == "exchange/impulse" else ("pass", None))
 
 

@@ -38,7 +38,7 @@ def sunk(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
 
 
 def row_of(candidate: Candidate, name: str = "restitution") -> Row:
-    return next(r for r in rigid.check_instance(candidate, "rigid") if r.id == f"category:rigid:{name}:rigid")
+    return next(r for r in rigid.category_rows(candidate, "rigid") if r.id == f"category:rigid:{name}:rigid")
 
 
 def test_a_ball_that_bounces_under_water_keeps_what_its_contact_says(sunk: Candidate) -> None:

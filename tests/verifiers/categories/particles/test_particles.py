@@ -17,7 +17,7 @@ from worldagent.verifiers.categories import check as category
 from worldagent.verifiers.categories.particles.check import WATCHES
 from worldagent.verifiers.categories.particles.contacts import Contacts
 from worldagent.verifiers.categories.particles.frames import SwarmFrame, swarm_of
-from worldagent.verifiers.categories.particles.links import grain_motion, grain_pushes, running
+from worldagent.verifiers.categories.particles.judge import ParticleJudge
 from worldagent.verifiers.categories.particles.packing import chosen, local_packing
 from worldagent.verifiers.categories.particles.register import particle_lines
 from worldagent.verifiers.diagnosis.cite import diagnose
@@ -246,9 +246,9 @@ def test_grains_pass_on_what_pushes_them(sand: Candidate, tmp_path: Path) -> Non
     r = sand.caches["grains"].series
     reach = Chains(sand).spread(["ball"], 0.0, FRAMES - 1, subject="sand")
     assert [(h.source, h.target) for h in reach.chain("sand")] == [("ball", "sand")]
-    hit = next(k for k, found in enumerate(grain_pushes(sand)) if any(e == "ball" for _, e, _ in found))
+    hit = next(k for k, found in enumerate(ParticleJudge().pushes(sand)) if any(e == "ball" for _, e, *_ in found))
     assert hit - 1 <= 24 * (reach.time("sand") or 0.0) <= hit
-    assert grain_motion(sand, "sand")[0] == pytest.approx(
+    assert ParticleJudge().moments(sand, "sand").speed == pytest.approx(
         [np.sqrt(2 * (r("record/kinetic_energy")[k]) / r("record/mass")[k]) for k in range(FRAMES)], rel=1e-4
     )
 
@@ -270,8 +270,8 @@ def test_sparks_that_are_too_fast_are_told_of_their_emitter_and_not_of_the_stiff
 
 
 def test_flying_particles_push_nobody(sparks: Candidate) -> None:
-    assert not any(grain_pushes(sparks))
-    assert running(sparks, "sparks").any()
+    assert not any(ParticleJudge().pushes(sparks))
+    assert ParticleJudge().moving(sparks, "sparks").any()
 
 
 def lattice(face_centred: bool, spacing: float, deep: int = 12) -> SwarmFrame:

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from worldagent.testing.defects import _impact_scenes as scenes
-from worldagent.verifiers.categories.rigid.check import check_instance
+from worldagent.verifiers.categories.rigid.check import category_rows
 from worldagent.verifiers.categories.rigid.impacts import GAIN
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 
 
 def row_of(candidate: Candidate) -> Row:
-    return next(r for r in check_instance(candidate, "rigid") if ":impact_energy:" in r.id)
+    return next(r for r in category_rows(candidate, "rigid") if ":impact_energy:" in r.id)
 
 
 @pytest.mark.parametrize("make", [scenes.cradle, scenes.bouncing, scenes.on_an_edge, scenes.landing])

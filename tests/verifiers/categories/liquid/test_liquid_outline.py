@@ -12,8 +12,9 @@ import pytest
 import trimesh
 from worldagent.construction.build import build_entity
 from worldagent.testing.worlds.small_liquids import tank_spec
+from worldagent.verifiers.categories.liquid.outline import filled_cells
+from worldagent.verifiers.categories.registry import JUDGES
 from worldagent.verifiers.register.assemble import approximations
-from worldagent.verifiers.shots.outlines import filled_cells, liquid_outline
 from worldagent.verifiers.shots.sight import Sight
 from worldagent.verifiers.support.check import check as check_support
 from worldagent.worlds.arrays import F64
@@ -45,6 +46,7 @@ def tank(tmp_path: Path, frames: list[F64], **changes: Any) -> Candidate:
         data = {
             "origin": np.array([0.0, 0.0, 0.1]),
             "particle/position": (points - np.array([0.0, 0.0, 0.1])).astype(np.float32),
+            "particle/velocity": np.zeros((len(points), 3), dtype=np.float32),
             "particle/fluid": np.zeros(len(points), dtype=np.int32),
             "particle/volume": np.full(len(points), SPACING**3, dtype=np.float32),
         }
@@ -68,17 +70,17 @@ def test_filled_cells_are_closed_and_hold_their_volume() -> None:
 def test_the_outline_is_where_the_particles_are(tmp_path: Path) -> None:
     candidate = tank(tmp_path, [POOL, POOL + np.array([0, 0, 1.0])])
     for frame, lift in ((0, 0.0), (1, 1.0)):
-        mesh = liquid_outline(candidate, "water", frame)
+        mesh = JUDGES["liquid"].outline(candidate, "water", frame)
         assert mesh.vertices.min(axis=0) == pytest.approx([-0.2, -0.2, lift], abs=1.6 * SPACING)
         assert mesh.vertices.max(axis=0) == pytest.approx([0.2, 0.2, 0.2 + lift], abs=1.6 * SPACING)
-    declared = liquid_outline(dataclasses.replace(candidate, stage="static", caches={}), "water", 0)
+    declared = JUDGES["liquid"].outline(dataclasses.replace(candidate, stage="static", caches={}), "water", 0)
     assert declared.vertices.max(axis=0) == pytest.approx([0.2, 0.2, 0.2])
 
 
 def test_a_liquid_without_a_cache_has_no_shape(tmp_path: Path) -> None:
     candidate = dataclasses.replace(tank(tmp_path, [POOL, POOL]), caches={})
-    with pytest.raises(EvidenceError, match="no cache holds the liquid 'water'"):
-        liquid_outline(candidate, "water", 0)
+    with pytest.raises(EvidenceError, match="no cache holds 'water'"):
+        JUDGES["liquid"].outline(candidate, "water", 0)
 
 
 def test_a_view_follows_the_liquid_and_says_when_it_is_gone(tmp_path: Path) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
 from worldagent.tests.physics.rigid_world import ball, box, floor, world
-from worldagent.verifiers.ledgers.fields import field_lines, fields
+from worldagent.verifiers.categories.rigid.fields import fields
+from worldagent.verifiers.register.fields import field_lines
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 

@@ -1,38 +1,35 @@
-"""Numerical health of every solver instance, on probes and full sequences (R105, R106, S6).
+"""Numerical health of rigid instances, on probes and full sequences (R105, R106, S6).
 
-Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS` or of `initial_state.CLAIMS`.
+Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS`.
 """
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...worlds.arrays import F64
-from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, Row, RowId
-from ..categories.cloth import check as cloth
-from ..categories.liquid import check as liquid
-from ..categories.particles import check as particles
-from ..categories.rigid.check import energy_scale, moves_nothing
-from ..contact.step_travel import step_travel
-from ..rows.findings import Finding, again, cache_of, halve, judged, separate
-from ..rows.verdicts import answered, correction
-from ..scene import initial_state
-from . import motion
-from .balance import books_of
-from .exchanged import both_ways
-from .fields import feels_fields
+from ....worlds.arrays import F64
+from ....worlds.errors import EvidenceError
+from ....worlds.requirements import Correction, Row
+from ...contact.step_travel import step_travel
+from ...ledgers import motion
+from ...ledgers.balance import books_of
+from ...ledgers.exchanged import both_ways
+from ...ledgers.fields import feels_fields
+from ...rows.findings import Finding, again, cache_of, halve, judged, separate
+from ...rows.verdicts import correction
+from ...scene import initial_state
+from .. import container
+from ..container import Function, numerical_row
+from .check import energy_scale, moves_nothing
 from .numerical_state import SPIKE, counters, events, frozen, resting, spike
 
 if TYPE_CHECKING:
-    from ...worlds.cache import Cache
-    from ...worlds.candidate import Candidate
+    from ....worlds.cache import Cache
+    from ....worlds.candidate import Candidate
 
-__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "check"]
+__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "numerical_rows"]
 
 QUATERNION_NOISE = 1e-6
 """Deviation of a quaternion's norm from 1; engines normalise every step, so more means a damaged state."""
@@ -46,8 +43,7 @@ POTENTIAL_SLACK = 1.0
 """[m/s] added to the speed limit for travel per frame: rounding of positions and half a frame of gravity."""
 
 CLAIMS = {
-    "frames": "every frame is there and the index agrees with the plan",
-    "digest": "every frame is readable and undamaged",
+    **container.CLAIMS,
     "finite": "every number in every channel is finite",
     "quaternion": "|q| = 1 within 1e-6",
     "speed": "centre of mass speed <= limits.max_speed",
@@ -68,99 +64,23 @@ CONTAINER = ("frames", "digest", "finite")
 BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asleep")
 
 
-def check(candidate: Candidate) -> list[Row]:
-    """Rows per instance; all `unverified` for an instance without a cache."""
-    plan = candidate.spec.simulation
-    rows = [
-        _row(candidate, solver, name, claim, judged(_rigid, name, candidate, solver))
-        for solver in plan.rigid
-        for name, claim in CLAIMS.items()
-    ]
-    kinds = (("liquid", plan.liquid, liquid), ("cloth", plan.cloth, cloth), ("particles", plan.particles, particles))
-    for kind, solvers, module in kinds:
-        for solver in solvers:
-            rows += [*_common(candidate, solver, kind), *module.numerical_rows(candidate, solver)]
-    return rows
+def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of one instance; `unverified` where it has no cache."""
+    return [numerical_row(candidate, solver, n, claim, judged(_ask, n, candidate, solver)) for n, claim in CLAIMS.items()]
 
 
-def _rigid(name: str, candidate: Candidate, solver: str) -> Finding:
+def _ask(name: str, candidate: Candidate, solver: str) -> Finding:
     cache = cache_of(candidate, solver)
     if name not in CONTAINER and moves_nothing(candidate, solver, cache):
         return Finding("not_applicable", f"no member of {solver!r} moves")
     return FUNCTIONS[name](candidate, solver, cache)
 
 
-def _row(candidate: Candidate, solver: str, name: str, claim: str, found: Finding) -> Row:
-    limits = candidate.spec.simulation.limits.model_dump(mode="json")
-    return answered(candidate, RowId(f"numerical:{name}", solver), claim, found, evidence={"solver": solver}, extra=limits)
-
-
-def _common(candidate: Candidate, solver: str, kind: str) -> list[Row]:
-    """Rows about frame 0 and the cache of an instance that is not rigid, judged as any other's."""
-    functions = {**initial_state.FUNCTIONS[kind], **{name: FUNCTIONS[name] for name in ("frames", "digest")}}
-    claims = {**initial_state.CLAIMS, **CLAIMS}
-
-    def ask(name: str) -> Finding:
-        return functions[name](candidate, solver, cache_of(candidate, solver))
-
-    return [_row(candidate, solver, name, claims[name], judged(ask, name)) for name in functions]
-
-
 def _owner(cache: Cache, row: int) -> str:
     return cache.index.bodies[row].split("/", 1)[0]
 
 
-# ---------------------------------------------------------------- the container
-
-
-def _frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    index, plan = cache.index, candidate.spec.simulation
-    absent = [k for k in range(index.frames) if not cache.path(k).exists()]
-    wrong = []
-    if index.fps != plan.fps:
-        wrong.append(f"written at {index.fps} fps, planned {plan.fps}")
-    if candidate.stage == "full" and index.frames != plan.frames:
-        wrong.append(f"holds {index.frames} frames, planned {plan.frames}")
-    if index.frames > plan.frames:
-        wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
-    if index.solver != solver:
-        wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
-    if index.engine != plan.solvers[solver].engine:
-        wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
-    beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
-    if beyond:
-        wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")
-    if absent:
-        wrong.append(f"{len(absent)} of {index.frames} frames are missing, first frame {absent[0]}")
-    return Finding(
-        "fail" if wrong else "pass",
-        "; ".join(dict.fromkeys(wrong)) or f"{index.frames} frames at {index.fps} fps",
-        float(len(absent)),
-        0.0,
-        "frames",
-        frame=absent[0] if absent else None,
-        hints=(
-            correction("the bake is incomplete", "interval", "bake again to the last frame", pointers=("/simulation/frames",)),
-        ),
-        evidence={"held": index.frames, "planned": plan.frames, "missing": absent[:100]},
-    )
-
-
-def _digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    state = hashlib.sha256()
-    frames, recorded = cache.index.frames, cache.digests()  # what the bake wrote down, frame by frame
-    if len(recorded) < frames:
-        raise EvidenceError(f"digests of {len(recorded)} of {frames} frames are recorded; bake again")
-    for k in range(frames):
-        try:
-            digest = cache.frame_digest(k)
-            state.update(digest.encode())
-            if recorded[k] != digest:
-                raise EvidenceError(f"content does not match the digest recorded when it was written ({recorded[k][:12]})")
-        except EvidenceError as error:
-            return Finding("fail", f"frame {k}: {error}", frame=k, hints=(again("a cache file is damaged or gone"),))
-    evidence = {"sha256": state.hexdigest(), "compared": frames}
-    return Finding("pass", f"{frames} frames read", 0.0, 0.0, "frames", evidence=evidence)
+# ---------------------------------------------------------------- numbers and names
 
 
 def _finite(candidate: Candidate, solver: str, cache: Cache) -> Finding:
@@ -380,9 +300,8 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     )
 
 
-FUNCTIONS: dict[str, Callable[[Candidate, str, Cache], Finding]] = {
-    "frames": _frames,
-    "digest": _digest,
+FUNCTIONS: dict[str, Function] = {
+    **container.FUNCTIONS,
     "finite": _finite,
     "quaternion": _quaternion,
     "speed": _speed,

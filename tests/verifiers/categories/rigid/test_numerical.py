@@ -12,8 +12,9 @@ from worldagent.testing.defects import _scenes as scenes
 from worldagent.testing.defects._films import film_of
 from worldagent.testing.worlds.simulated_worlds import simulate
 from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
+from worldagent.verifiers.categories.check import check_numerical as check
+from worldagent.verifiers.categories.rigid.numerical import CLAIMS
 from worldagent.verifiers.contact.step_travel import thickness
-from worldagent.verifiers.ledgers.numerical import CLAIMS, check
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex
 from worldagent.worlds.cache import Cache, write_container

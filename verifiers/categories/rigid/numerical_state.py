@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...worlds.arrays import F64
-from ...worlds.errors import EvidenceError
-from ..contact.log import log_fault
-from ..rows.findings import Finding, again, halve, separate
-from ..scene.surfaces import Surfaces, surfaces_of
-from .balance import Books, books_of, frictions
-from .exchanged import exchange_steps
+from ....worlds.arrays import F64
+from ....worlds.errors import EvidenceError
+from ...contact.log import log_fault
+from ...ledgers.balance import Books, books_of, frictions
+from ...ledgers.exchanged import exchange_steps
+from ...rows.findings import Finding, again, halve, separate
+from ...scene.surfaces import Surfaces, surfaces_of
 
 if TYPE_CHECKING:
-    from ...worlds.cache import Cache
-    from ...worlds.candidate import Candidate
+    from ....worlds.cache import Cache
+    from ....worlds.candidate import Candidate
 
 __all__ = ["ASLEEP_CREEP", "STILL", "counters", "events", "frozen", "resting", "spike"]
 

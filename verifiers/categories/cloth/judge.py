@@ -1,0 +1,81 @@
+"""Cloth as the other verifiers ask for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ....worlds.arrays import F64
+from ...ledgers.exchanged import partners
+from ..judge import Judge, Push, Touch
+from ..pushes import MIN_IMPULSE, pushes_of, touches_of
+from .check import category_rows, numerical_rows
+from .links import shares, sheet_impulse
+from .register import cloth_lines
+
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Row
+    from ....worlds.spec import WorldSpec
+
+__all__ = ["ClothJudge"]
+
+
+class ClothJudge(Judge):
+    """Sheets; what they and solids gave each other over a frame, pins included, is in their own record."""
+
+    name: ClassVar[str] = "cloth"
+    meets: ClassVar[bool] = True
+    flat: ClassVar[bool] = True
+    goes_on: ClassVar[str] = "waves on"
+    eased: ClassVar[tuple[str, ...]] = ("max_stretch",)
+
+    def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """Rows of one instance."""
+        return category_rows(candidate, solver)
+
+    def numerical_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """Rows of one instance."""
+        return numerical_rows(candidate, solver)
+
+    def pushes(self, candidate: Candidate) -> list[list[Push]]:
+        """Pushes of either on the other; sheets of one instance share them by their masses, as far as their boxes come near."""
+        return pushes_of(
+            candidate, self.caches(candidate).values(), lambda cache, frame, rows: shares(candidate, cache, frame, rows)
+        )
+
+    def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
+        """Sheets and the bodies that they do not push, because no coupling brings their push there."""
+        return {
+            (sheet, body)
+            for solver, rigid in spec.simulation.rigid.items()
+            for name, cloth in self.instances(spec).items()
+            if name not in partners(spec, solver)
+            for sheet in cloth.members
+            for body in rigid.members
+        }
+
+    def pressed(self, candidate: Candidate, entity: str, other: str) -> F64:
+        """Size of the impulse between a sheet and a solid over each frame [N s], shape (frames,)."""
+        return sheet_impulse(candidate, entity, other)
+
+    def touches(self, candidate: Candidate) -> Iterator[Touch]:
+        """Sheets and all solids around them; and bodies that felt a push that no other matter gave."""
+        frames = candidate.frame_count
+        sheets = {n: frozenset(candidate.spec.simulation.solvers[n].members) for n in self.caches(candidate)}
+        for name, members in sheets.items():
+            series = [candidate.caches[name].series(f"record/solid_impulse_{axis}")[:frames] for axis in "xyz"]
+            gained = np.linalg.norm(np.diff(np.stack(series, axis=1), axis=0, prepend=0.0), axis=1)
+            yield Touch(members, None, np.asarray(gained > MIN_IMPULSE))
+        for solver, cache in candidate.rigid_caches.items():
+            coupled = partners(candidate.spec, solver)
+            matter = frozenset[str]().union(*(sheets[n] for n in coupled if n in sheets))
+            if matter and cache.index.bodies:
+                others = [candidate.caches[n] for n in coupled if n not in sheets and n in candidate.caches]
+                yield from touches_of(candidate, cache, matter, cache.index.bodies, others)
+
+    def lines(self, candidate: Candidate) -> list[dict[str, str]]:
+        """Lines of the approximation register."""
+        return cloth_lines(candidate)

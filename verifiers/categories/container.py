@@ -1,0 +1,107 @@
+"""What is asked of the cache of any instance, whatever it moves: its frames, and that they are undamaged (R105)."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from ...worlds.errors import EvidenceError
+from ...worlds.requirements import RowId
+from ..rows.corrections import bake_again, correction
+from ..rows.findings import Finding, cache_of, judged
+from ..rows.verdicts import answered
+
+if TYPE_CHECKING:
+    from ...worlds.cache import Cache
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row
+
+__all__ = ["CLAIMS", "FUNCTIONS", "Function", "numerical_row", "rows_about"]
+
+Function = Callable[["Candidate", str, "Cache"], Finding]
+CLAIMS = {
+    "frames": "every frame is there and the index agrees with the plan",
+    "digest": "every frame is readable and undamaged",
+}
+
+
+def numerical_row(candidate: Candidate, solver: str, name: str, claim: str, found: Finding) -> Row:
+    """Row `numerical:<name>:<solver>`."""
+    limits = candidate.spec.simulation.limits.model_dump(mode="json")
+    return answered(candidate, RowId(f"numerical:{name}", solver), claim, found, evidence={"solver": solver}, extra=limits)
+
+
+def rows_about(candidate: Candidate, solver: str, started: Mapping[str, Function], claims: Mapping[str, str]) -> list[Row]:
+    """Rows about frame 0 and the cache of an instance.
+
+    Args:
+        candidate: what is judged.
+        solver: the instance.
+        started: functions that judge frame 0, by claim.
+        claims: words of these.
+    """
+    claims = {**claims, **CLAIMS}
+
+    def ask(function: Function) -> Finding:
+        return function(candidate, solver, cache_of(candidate, solver))
+
+    return [
+        numerical_row(candidate, solver, name, claims[name], judged(ask, function))
+        for name, function in {**started, **FUNCTIONS}.items()
+    ]
+
+
+def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether every frame is there and the index agrees with the plan."""
+    index, plan = cache.index, candidate.spec.simulation
+    absent = [k for k in range(index.frames) if not cache.path(k).exists()]
+    wrong = []
+    if index.fps != plan.fps:
+        wrong.append(f"written at {index.fps} fps, planned {plan.fps}")
+    if candidate.stage == "full" and index.frames != plan.frames:
+        wrong.append(f"holds {index.frames} frames, planned {plan.frames}")
+    if index.frames > plan.frames:
+        wrong.append(f"holds {index.frames} frames, more than the {plan.frames} planned")
+    if index.solver != solver:
+        wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
+    if index.engine != plan.solvers[solver].engine:
+        wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
+    beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
+    if beyond:
+        wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")
+    if absent:
+        wrong.append(f"{len(absent)} of {index.frames} frames are missing, first frame {absent[0]}")
+    return Finding(
+        "fail" if wrong else "pass",
+        "; ".join(dict.fromkeys(wrong)) or f"{index.frames} frames at {index.fps} fps",
+        float(len(absent)),
+        0.0,
+        "frames",
+        frame=absent[0] if absent else None,
+        hints=(
+            correction("the bake is incomplete", "interval", "bake again to the last frame", pointers=("/simulation/frames",)),
+        ),
+        evidence={"held": index.frames, "planned": plan.frames, "missing": absent[:100]},
+    )
+
+
+def digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether every frame is readable and as its recorded digest says."""
+    state = hashlib.sha256()
+    count, recorded = cache.index.frames, cache.digests()  # what the bake wrote down, frame by frame
+    if len(recorded) < count:
+        raise EvidenceError(f"digests of {len(recorded)} of {count} frames are recorded; bake again")
+    for k in range(count):
+        try:
+            digest = cache.frame_digest(k)
+            state.update(digest.encode())
+            if recorded[k] != digest:
+                raise EvidenceError(f"content does not match the digest recorded when it was written ({recorded[k][:12]})")
+        except EvidenceError as error:
+            return Finding("fail", f"frame {k}: {error}", frame=k, hints=(bake_again("a cache file is damaged or gone"),))
+    evidence = {"sha256": state.hexdigest(), "compared": count}
+    return Finding("pass", f"{count} frames read", 0.0, 0.0, "frames", evidence=evidence)
+
+
+FUNCTIONS: Mapping[str, Function] = {"frames": frames, "digest": digest}

@@ -1,0 +1,36 @@
+"""Elastic bodies as the other verifiers ask for them; rigid instances move them and log their contacts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from ..judge import Judge
+from .check import category_rows
+from .register import elastic_lines
+
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Row
+
+__all__ = ["ElasticJudge"]
+
+
+class ElasticJudge(Judge):
+    """Elastic bodies."""
+
+    name: ClassVar[str] = "elastic"
+    body: ClassVar[bool] = True
+    goes_on: ClassVar[str] = "wobbles on"
+    eased: ClassVar[tuple[str, ...]] = ("max_strain", "recovery")
+    in_fields: ClassVar[tuple[str, str] | None] = (
+        "field {0!r} presses on the faces of elastic bodies that face it",
+        "drag by the area that they show, without lift and without suction behind",
+    )
+
+    def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """Rows of one instance and of its elastic members."""
+        return category_rows(candidate, solver)
+
+    def lines(self, candidate: Candidate) -> list[dict[str, str]]:
+        """Lines of the approximation register."""
+        return elastic_lines(candidate)

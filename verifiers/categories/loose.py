@@ -1,0 +1,115 @@
+"""Matter that is many particles: how it moves as a whole, and how its judge asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.errors import EvidenceError
+from .judge import Flags, Judge
+
+if TYPE_CHECKING:
+    from ...worlds.cache import Cache
+    from ...worlds.candidate import Candidate
+
+__all__ = ["Loose", "Moments", "Sample"]
+
+
+class Sample(NamedTuple):
+    """The particles of one entity at a frame."""
+
+    position: F64
+    """World [m], shape (n, 3)."""
+    velocity: F64
+    """[m/s], shape (n, 3)."""
+    mass: F64
+    """[kg], shape (n,)."""
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Motion of an entity of many particles as a whole."""
+
+    mass: F64
+    """[kg], shape (frames,)."""
+    center: F64
+    """Centre of mass [m], shape (frames, 3); NaN where nothing is there."""
+    momentum: F64
+    """[N s], shape (frames, 3)."""
+    speed: F64
+    """Root mean square speed [m/s], shape (frames,); 0 where nothing is there."""
+
+
+def moments(frames: int, samples: Iterable[Sample]) -> Moments:
+    """Sums over the particles of every frame."""
+    mass, speed = np.zeros((2, frames))
+    center, momentum = np.full((frames, 3), np.nan), np.zeros((frames, 3))
+    for k, (position, velocity, weight) in enumerate(samples):
+        mass[k] = total = weight.sum()
+        if total > 0.0:
+            center[k] = weight @ position / total
+            momentum[k] = weight @ velocity
+            speed[k] = np.sqrt(weight @ np.sum(velocity**2, axis=1) / total)
+    return Moments(mass, center, momentum, speed)
+
+
+class Loose(Judge):
+    """Base of the judges of matter that is many particles."""
+
+    still: ClassVar[float]
+    """[m/s] Root mean square speed up to which it counts as still."""
+
+    def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
+        """Particles of one member of an instance at every frame."""
+        raise NotImplementedError
+
+    def held(self, candidate: Candidate, entity: str) -> tuple[str, Cache, int]:
+        """Instance and cache that hold an entity, and its row among the members.
+
+        Raises:
+            EvidenceError: none does.
+        """
+        for solver, cache in self.caches(candidate).items():
+            if entity in cache.index.bodies:
+                return solver, cache, cache.index.bodies.index(entity)
+        raise EvidenceError(f"no cache holds {entity!r} ({self.name}); list it as a member of an instance that moves it and bake")
+
+    def moments(self, candidate: Candidate, entity: str) -> Moments:
+        """How the entity moves as a whole, worked out once per candidate.
+
+        Raises:
+            EvidenceError: no cache holds it.
+        """
+        solver, _, row = self.held(candidate, entity)
+        return candidate.memo(("moments", entity), lambda: moments(candidate.frame_count, self.samples(candidate, solver, row)))
+
+    def known(self, candidate: Candidate, entity: str) -> bool:
+        """Always: without a cache its motion is missing evidence, not rest."""
+        return True
+
+    def centers(self, candidate: Candidate, entity: str) -> F64:
+        """Centre of mass of what is there [m], shape (frames, 3); NaN where nothing is. Before any simulation, of its declared volume."""
+        if candidate.stage == "static":
+            return super().centers(candidate, entity)
+        return self.moments(candidate, entity).center
+
+    def mass(self, candidate: Candidate, entity: str) -> F64:
+        """Mass of what is there [kg], shape (frames,)."""
+        return self.moments(candidate, entity).mass
+
+    def momentum(self, candidate: Candidate, entity: str) -> F64:
+        """Momentum [N s], shape (frames, 3)."""
+        return self.moments(candidate, entity).momentum
+
+    def velocities(self, candidate: Candidate, entity: str) -> F64:
+        """Velocity of the centre of mass of what is there [m/s], shape (frames, 3); NaN where nothing is."""
+        found = self.moments(candidate, entity)
+        return found.momentum / np.where(found.mass > 0.0, found.mass, np.nan)[:, None]
+
+    def moving(self, candidate: Candidate, entity: str) -> Flags:
+        """Whether it is not still, shape (frames,)."""
+        return np.asarray(~(self.moments(candidate, entity).speed <= self.still))

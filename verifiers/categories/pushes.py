@@ -1,0 +1,81 @@
+"""Pushes between the matter of an instance and the bodies around it, by the instances' own records of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.errors import EvidenceError
+from ..ledgers.exchanged import CHANNEL
+from .judge import Push, Touch
+
+if TYPE_CHECKING:
+    from ...worlds.cache import Cache
+    from ...worlds.candidate import Candidate
+
+__all__ = ["MIN_IMPULSE", "pushes_of", "sizes_of", "touches_of"]
+
+MIN_IMPULSE = 1e-6
+"""[N s] Smallest impulse that carries a chain of pushes: 1 mm/s of a 1 g body."""
+
+
+def sizes_of(candidate: Candidate, cache: Cache, bodies: tuple[str, ...]) -> F64:
+    """Size of the impulse that an instance gave, or got, per body over each frame [N s], shape (frames, bodies).
+
+    Raises:
+        EvidenceError: the channel is missing or has another shape.
+    """
+    given: F64 = np.asarray(cache.series(CHANNEL), dtype=np.float64)[: candidate.frame_count]
+    if given.shape[1:] != (len(bodies), 6):
+        raise EvidenceError(f"channel {CHANNEL!r} of {cache.index.solver!r} has shape {given.shape}; bake again")
+    return np.asarray(np.linalg.norm(given[:, :, :3], axis=2))
+
+
+def pushes_of(
+    candidate: Candidate, caches: Iterable[Cache], shares: Callable[[Cache, int, list[int]], Iterable[dict[str, float]]]
+) -> list[list[Push]]:
+    """Pushes between matter and the bodies around it per frame, each over all of it.
+
+    Args:
+        candidate: what is judged.
+        caches: of the instances of the matter.
+        shares: share of each member in what a body was given, by cache, frame and indices of the bodies.
+    """
+    fps = candidate.spec.simulation.fps
+    found: list[list[Push]] = [[] for _ in range(candidate.frame_count)]
+    for cache in caches:
+        bodies = cache.index.colliders
+        sizes = sizes_of(candidate, cache, bodies) if bodies else np.zeros((0, 0))
+        for frame in np.flatnonzero((sizes > 0.0).any(axis=1)).tolist():
+            rows = np.flatnonzero(sizes[frame] > 0.0).tolist()
+            for row, share in zip(rows, shares(cache, frame, rows), strict=True):
+                body, size = bodies[row].split("/", 1)[0], float(sizes[frame, row])
+                begin, end = (frame - 1) / fps, frame / fps
+                found[frame] += [Push(member, body, begin, end, size * part) for member, part in share.items() if part > 0.0]
+    return found
+
+
+def touches_of(
+    candidate: Candidate, cache: Cache, matter: frozenset[str], bodies: tuple[str, ...], others: Iterable[Cache] = ()
+) -> Iterator[Touch]:
+    """Matter and every entity that it presses.
+
+    Args:
+        candidate: what is judged.
+        cache: whose record tells.
+        matter: who presses.
+        bodies: rows of the record.
+        others: caches of other matter: where it pressed a body, the record does not tell who else did.
+    """
+    impulse = sizes_of(candidate, cache, bodies)
+    for other in others:
+        theirs = sizes_of(candidate, other, other.index.colliders)
+        for row, body in enumerate(other.index.colliders):
+            if body in bodies:
+                impulse[theirs[:, row] > 0.0, bodies.index(body)] = 0.0
+    owners = [b.split("/", 1)[0] for b in bodies]
+    for name in dict.fromkeys(owners):
+        yield Touch(matter, name, impulse[:, [o == name for o in owners]].max(axis=1) > MIN_IMPULSE)

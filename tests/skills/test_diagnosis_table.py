@@ -24,7 +24,6 @@ from worldagent.verifiers.categories import check as category
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.contact import check as contact
 from worldagent.verifiers.diagnosis.table import Condition, Entry, entries, table_schema
-from worldagent.verifiers.ledgers import numerical
 from worldagent.verifiers.story import beats, causal, counterfactual, phases
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.groups import GROUPS
@@ -191,7 +190,7 @@ OWN = {
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check), (_motion, counterfactual.check)],
     "contact": [(_pressed, contact.check), (_squeezed, contact.check)],
-    "numerical": [(_capped, numerical.check)],
+    "numerical": [(_capped, category.check_numerical)],
 }
 """Worlds of this file, before those of the check's suite of defects."""
 

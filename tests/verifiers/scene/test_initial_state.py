@@ -10,7 +10,7 @@ import pytest
 from worldagent.testing.defects._starts import embedded
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
 from worldagent.testing.worlds.small_worlds import box, ground, world
-from worldagent.verifiers.ledgers import numerical
+from worldagent.verifiers.categories import check as category
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EngineError
@@ -22,7 +22,7 @@ SKIN = 5e-4
 
 
 def rows_of(candidate: Candidate) -> dict[str, Row]:
-    return {r.id.split(":")[1]: r for r in numerical.check(candidate) if r.id.endswith(":rigid")}
+    return {r.id.split(":")[1]: r for r in category.check_numerical(candidate) if r.id.endswith(":rigid")}
 
 
 @pytest.mark.parametrize("depth", [0.01, 0.091])

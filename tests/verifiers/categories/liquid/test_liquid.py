@@ -15,7 +15,6 @@ from worldagent.testing.worlds.liquid_worlds import DENSITY, Flow, pool_in_tank,
 from worldagent.verifiers.categories import check as category
 from worldagent.verifiers.categories.liquid.check import WATCHES
 from worldagent.verifiers.diagnosis.cite import diagnose
-from worldagent.verifiers.ledgers import numerical
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Coupling, ReleaseDriver
@@ -29,7 +28,7 @@ def rng() -> np.random.Generator:
 
 def rows_of(candidate: Candidate) -> dict[str, Row]:
     """Rows of the liquid by the name of their claim."""
-    rows = [r for r in (*category.check(candidate), *numerical.check(candidate)) if r.id.endswith(":water")]
+    rows = [r for r in (*category.check(candidate), *category.check_numerical(candidate)) if r.id.endswith(":water")]
     return {r.id.split(":")[-2]: r for r in rows}
 
 

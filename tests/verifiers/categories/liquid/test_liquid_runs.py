@@ -10,7 +10,6 @@ import pytest
 from worldagent.testing.worlds.liquid_worlds import liquid_world, water
 from worldagent.testing.worlds.simulated_worlds import simulate
 from worldagent.verifiers.categories import check as category
-from worldagent.verifiers.ledgers import numerical
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.candidate import Candidate
 
@@ -38,7 +37,7 @@ def test_a_front_that_long_steps_press_into_a_wall_is_found(tmp_path: Path) -> N
 @pytest.mark.slow
 def test_a_sound_run_passes_and_one_edited_afterwards_does_not(tmp_path: Path) -> None:
     candidate = run(tmp_path, cfl=1.0)
-    rows = [*category.check(candidate), *numerical.check(candidate)]
+    rows = [*category.check(candidate), *category.check_numerical(candidate)]
     assert [(r.id, r.evidence["explanation"]) for r in rows if r.status not in ("pass", "not_applicable")] == []
     cache = candidate.caches["water"]
     digests = cache.digests()

@@ -21,7 +21,6 @@ from worldagent.verifiers.categories.particles.judge import ParticleJudge
 from worldagent.verifiers.categories.particles.packing import chosen, local_packing
 from worldagent.verifiers.categories.particles.register import particle_lines
 from worldagent.verifiers.diagnosis.cite import diagnose
-from worldagent.verifiers.ledgers import numerical
 from worldagent.verifiers.story import beats
 from worldagent.verifiers.story.chains import Chains
 from worldagent.worlds.cache import Cache, write_container
@@ -49,7 +48,7 @@ def sparks(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
 
 def rows_of(candidate: Candidate, solver: str) -> dict[str, Row]:
     """Rows of an instance by the name of their claim."""
-    rows = [r for r in (*category.check(candidate), *numerical.check(candidate)) if r.id.endswith(f":{solver}")]
+    rows = [r for r in (*category.check(candidate), *category.check_numerical(candidate)) if r.id.endswith(f":{solver}")]
     return {r.id.split(":")[-2]: r for r in rows}
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.categories.liquid.facts import domain_box
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
+from ....worlds.categories.loose import domain_box
 from ....worlds.spec import DfsphInstance, FlipInstance
 from ..judge import Push
 from ..loose import Loose, Sample

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.categories.particles.facts import particle_box
+from ....worlds.categories.loose import domain_box
 from ....worlds.spec import BallisticInstance, DemInstance
 from ..judge import Push, Touch
 from ..loose import Loose, Sample
@@ -102,4 +102,4 @@ class ParticleJudge(Loose):
     def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:
         """Least and greatest corner of the domain of an instance [m]."""
         assert isinstance(instance, DemInstance | BallisticInstance)
-        return particle_box(instance)
+        return domain_box(instance)

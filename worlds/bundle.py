@@ -43,7 +43,7 @@ _WORLD = re.compile(
     r"|(bake|probe)/[A-Za-z0-9_-]+/(index\.json|digests\.txt|frame_\d{6}\.npz|checkpoints/\d{6}\.bin"
     r"|(surface|wet)/(index\.json|digests\.txt|frame_\d{6}\.npz|surface\.json|wet\.json|texels\.npz))))"
 )
-"""What may stand below `world/`: nothing that a verdict does not need."""
+"""Names allowed below `world/`: nothing that a verdict does not need."""
 _BLOCK = 1 << 20
 
 

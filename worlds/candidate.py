@@ -36,7 +36,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Candidate:
-    """What is checked, rendered and exported.
+    """A specification with its built entities and caches, as checks, renderers and exporters read it.
 
     `stage` is `static` before any simulation (only frame 0, from the specification), `probe` for a probe's
     caches, `full` for a complete bake.

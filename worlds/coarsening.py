@@ -1,4 +1,4 @@
-"""What a probe may leave coarser than production (R78): overrides of the specification, by knobs that engines declare.
+"""Coarser probes (R78): overrides of the specification, by the knobs that its categories declare.
 
 The step of rigid contact is no knob: what bodies do depends on it. A coarse probe vouches for the bake of the same freeze, whose
 event order and times are checked against it.

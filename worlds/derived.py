@@ -1,4 +1,4 @@
-"""What is made of a cache frame by frame and stands beside it: surfaces and wet maps of liquids."""
+"""Products of a cache, made frame by frame and kept beside it: surfaces and wet maps of liquids."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Derived:
     """
 
     one: ClassVar[str]
-    """What a frame of it is called."""
+    """Name of one frame of it, for messages."""
     many: ClassVar[str]
     note: ClassVar[str]
     """File that says what it was made with."""
@@ -37,7 +37,7 @@ class Derived:
             return 0
 
     def about(self) -> dict[str, Any]:
-        """What they were made with.
+        """The note of their making: recipe, settings, versions.
 
         Raises:
             EvidenceError: the note is missing or damaged.

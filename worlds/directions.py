@@ -1,4 +1,4 @@
-"""Which way each field of a specification makes its requirements harder or easier to meet (R157).
+"""Directions of fields: which way each makes the requirements of a specification harder or easier to meet (R157).
 
 Every field stands here by name, or among the parameters of a category, so that a new one has to say what it is. What a direction means for an edit:
 

@@ -28,7 +28,7 @@ def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
 
 
 def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:
-    """What a driver does to an entity, in words."""
+    """Deed of a driver on an entity, in words."""
     time = acts_from(spec, driver_id)[0]
     if isinstance(spec.simulation.drivers[driver_id], ReleaseDriver):
         return f"release {driver_id} lets {entity} go at {time:g} s"
@@ -36,7 +36,7 @@ def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:
 
 
 def to_declare(spec: WorldSpec, driver_id: str, beat_id: str) -> str:
-    """What makes the story say that a driver leads to a beat: a first beat that does and that it could own, else a new one."""
+    """Advice on how the story can say that a driver leads to a beat: by a first beat that it could own, else by a new one."""
     beats, acted = spec.story.beats, acts_from(spec, driver_id)[1]
     subject = beats[beat_id].subject
     first = [n for n in behind(spec, beat_id)[1:] if beats[n].subject in acted and not beats[n].causes]

@@ -1,4 +1,4 @@
-"""What a verdict was made with: this program, Python, and the class of machines that gives equal bytes (S14)."""
+"""Environment of a verdict: this program, Python, and the class of machines that gives equal bytes (S14)."""
 
 from __future__ import annotations
 

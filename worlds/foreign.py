@@ -1,4 +1,4 @@
-"""What a world folder from a stranger may not hold: links out of it, and things that are no plain file or folder.
+"""Refusal of world folders from strangers that hold links out of them, or anything but plain files and folders.
 
 Reading a link would show the reader's own files to whoever asks about the world, writing through one would change them, and
 opening a pipe would never return. So a folder is looked through before anything in it is opened.

@@ -1,4 +1,4 @@
-"""What a caller most likely meant: closest names, and problems of a specification with the fields that stand there."""
+"""Hints for callers: closest names, and problems of a specification with the fields that stand there."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _fields(document: Any, pointer: str) -> dict[str, str]:
 
 
 def _union(pointer: str) -> str:
-    """What kind of thing stands at a pointer."""
+    """Name of the union at a pointer, as in "kind of Driver", for messages."""
     from .schema_words import described
 
     try:

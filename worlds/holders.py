@@ -1,4 +1,4 @@
-"""What can hold the pins of a deforming body: an entity that is one rigid body."""
+"""Holders of the pins of deforming bodies: entities that are one rigid body."""
 
 from __future__ import annotations
 

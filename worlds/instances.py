@@ -1,4 +1,4 @@
-"""Which engine moves what, and which instances step together or after one another (R27, R66)."""
+"""Instances of engines: their members, and which step together or after one another (R27, R66)."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ _LATER_COLUMNS = {"iterations": ("changes", "before", "after")}
 """Columns that ledgers of older worlds lack; they are added at the first write that needs them."""
 
 _TESTED, _JUDGED = 1, 2
-"""What became of a motion that was looked at without a verdict: another was judged since; it was judged itself."""
+"""States of a motion that was looked at without a verdict: another was judged since; it was judged itself."""
 
 
 class Ledger(LedgerFile):

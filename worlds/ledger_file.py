@@ -58,7 +58,7 @@ class LedgerFile:
 
     @contextmanager
     def together(self, undo: Callable[[], None] = lambda: None) -> Iterator[None]:
-        """What this thread reads and writes inside is one step: nobody else writes meanwhile, and all of it counts or nothing.
+        """A transaction of this thread: nobody else writes meanwhile, and all of it counts or nothing.
 
         `undo` takes back what was written elsewhere, where the step fails. A step within a step is a part of it.
 
@@ -88,7 +88,7 @@ class LedgerFile:
 
     @contextmanager
     def looking(self) -> Iterator[None]:
-        """What this thread reads inside is one state of the file. Short: who wants to write waits meanwhile."""
+        """A reading transaction of this thread: one state of the file. Keep it short, since writers wait meanwhile."""
         with self._told():
             db = self._begun("BEGIN")
         self._held.db = db
@@ -136,7 +136,7 @@ class LedgerFile:
 
     @contextmanager
     def _told(self) -> Iterator[None]:
-        """What the file itself raises, in words."""
+        """Errors of the database file become errors of ours."""
         try:
             yield
         except (sqlite3.DatabaseError, ValueError, KeyError) as error:

@@ -293,7 +293,7 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
 
 
 def _shot_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    """What no shot covers or frames any more, taking all shots together: shots may be cut anew."""
+    """Beats and subjects that no shot covers or frames any more, taking all shots together: shots may be cut anew."""
     for field, what in (("covers", "beat"), ("subjects", "subject")):
         before, now = ({name for shot in shots.values() for name in shot[field]} for shots in (old, new))
         yield from (f"/shots: {what} {name} is in no shot's {field} any more" for name in sorted(before - now))

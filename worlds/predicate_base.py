@@ -47,7 +47,7 @@ class Band(SpecModel):
 
 Tightens = Literal["up", "down", "none"]
 Interval = Literal["narrower", "wider", "end", "either"]
-"""Which change of its frames makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
+"""Change of its frames that makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
 Tells = Literal["falls", "flies", "blows", "cracks", "tears", "flaps"]
 """Families of verbs in a prompt, see `audits/wording.py`."""
 BAND: Mapping[str, Tightens] = {"min": "up", "max": "down"}
@@ -68,7 +68,7 @@ class PredicateInfo:
     tightens: Mapping[str, Tightens] = field(default_factory=dict)
     """Per numeric field: the direction in which the requirement becomes harder to meet."""
     frames: Interval | Literal["when", "inner", "own"] = "when"
-    """Which frames are harder: `when` as that field says; `inner` as what it holds; `own` it may have frames of its own."""
+    """Frames that are harder: `when` as that field says; `inner` as what it holds; `own` it may have frames of its own."""
     bodily: bool = False
     """It asks for the place or the surface of a body."""
     lasting: bool = False

@@ -1,4 +1,4 @@
-"""What depends on what: recipes of all artifacts of a world, and exactly which are stale after an edit (R115, R116).
+"""Dependencies: recipes of all artifacts of a world, and exactly which are stale after an edit (R115, R116).
 
 Artifacts: `terrain:<id>`, `built:<entity>`, `static:<entity>` (evidence at frame 0), `liquid:<instance>` (frames of a liquid, which
 are taken over from an earlier bake where nothing that reaches its domain changed), `motion` (probe, bake and every verdict over
@@ -33,7 +33,7 @@ def landscape_digest(spec: WorldSpec, name: str) -> str:
 
 
 def _plan_slice(spec: WorldSpec, name: str) -> Any:
-    """What decides the ground that an entity covers; its height does not."""
+    """Slice of an entity that decides which ground it covers; its height does not."""
     entity = spec.entities.get(name)
     if entity is None:
         return None

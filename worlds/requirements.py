@@ -66,7 +66,7 @@ class RowId(str):
 
 
 class Correction(BaseModel):
-    """What to do about a failing row (R69-R75): the most likely cause and the one parameter group to change."""
+    """A remedy for a failing row (R69-R75): the most likely cause and the one parameter group to change."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -86,7 +86,7 @@ class Correction(BaseModel):
     because: str = ""
     """Evidence of this row that speaks for the cause, or against it."""
     tried: str = ""
-    """What past edits of this group did to this row, newest first."""
+    """Effects of past edits of this group on this row, newest first."""
 
 
 class Row(BaseModel):
@@ -98,15 +98,15 @@ class Row(BaseModel):
     question: str = ""
     """Its id without the subject: `support:rope` of `support:rope:lamp`. Empty in rows of earlier builds."""
     subject: tuple[str, ...] = ()
-    """Of what it is asked: entities, instances, beats, shots or relations, as the id names them."""
+    """Whom it is asked about: entities, instances, beats, shots or relations, as the id names them."""
     check: Check
     group: Group
     predicate: str
-    """What is required, in words and symbols."""
+    """The requirement, in words and symbols."""
     mandatory: bool = True
     status: Status
     artifact: str = ""
-    """What was inspected: relative path of a cache, `world.json`, a built mesh."""
+    """The inspected artifact: relative path of a cache, `world.json`, a built mesh."""
     frames: tuple[int, int] | None = None
     measured: float | None = None
     bound: float | None = None
@@ -125,7 +125,7 @@ class Row(BaseModel):
 
 
 class Outcome(BaseModel):
-    """What one judgement of a row came to, as an attempt at repair remembers it."""
+    """Result of one judgement of a row, as an attempt at repair remembers it."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -149,14 +149,14 @@ class Attempt(BaseModel):
     changes: tuple[tuple[str, Any, Any], ...] = ()
     """(JSON pointer, old value, new value) of what was changed; values that are no plain numbers or words are None."""
     test: str | None = None
-    """What tested it: `audit`, `static`, or the freeze of a probe; `undone` where it was taken back untested; None while nothing has."""
+    """The test of it: `audit`, `static`, or the freeze of a probe; `undone` where it was taken back untested; None while nothing has."""
     before: Outcome | None = None
     after: Outcome | None = None
     """None where the test did not judge this row."""
 
 
 def outcome_of(row: Row) -> Outcome:
-    """What is remembered of a row's judgement; one that an edit made stale counts as what it was."""
+    """Result of a row's judgement; a row that an edit made stale counts as before the edit."""
     status = row.evidence.get("was", row.status) if row.status == "unverified" else row.status
     return Outcome(
         status=status,

@@ -264,7 +264,7 @@ def _array(node: Mapping[str, Any]) -> str:
 
 
 def _kind(name: str) -> str:
-    """What a union's member is called in a specification."""
+    """Name of a union's member in a specification."""
     fields = _schema()["$defs"][name]["properties"]
     return str(next((fields[k]["const"] for k in ("kind", "category", "engine") if "const" in fields.get(k, {})), name))
 

@@ -111,7 +111,7 @@ def stem_table(stems: Stems) -> F64:
 
 
 def stems_from(table: np.ndarray) -> Stems:
-    """What `stem_table` made a table of.
+    """Stems from a table of `stem_table`.
 
     Raises:
         ValueError: it is no such table.

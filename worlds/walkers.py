@@ -1,4 +1,4 @@
-"""What a walker is: a person, whose measures no specification may make smaller; anything else is named as what it is (S4)."""
+"""Measures of a walker: those of a person, which no specification may make smaller; other carriers are named as such (S4)."""
 
 from __future__ import annotations
 

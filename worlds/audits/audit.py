@@ -69,7 +69,7 @@ class AuditReport:
     """Beat -> shots that overlap its frames."""
     clauses: Mapping[str, str]
     lacking: tuple[str, ...] = ()
-    """What a world may do without until its acceptance, which will ask for it."""
+    """Lacks that only the acceptance will ask about, in words."""
 
     @property
     def passed(self) -> bool:
@@ -85,20 +85,18 @@ class _Audit:
         self.recipe = digest_of(self.document)[:32]
 
     def add(
-        self,
-        row_id: str,
-        predicate: str,
-        problems: Sequence[Problem],
-        *,
-        entity: str | None = None,
-        measured: float | None = None,
-        bound: float | None = None,
-        comparison: Any = "",
-        unit: str = "",
-        status: Any = None,
-        group: Any = "delivery",
+        self, row_id: str, predicate: str, problems: Sequence[Problem], *, group: Any = "delivery", entity: str = "", **more: Any
     ) -> None:
-        """One row; it fails when there are problems the first eight become corrections."""
+        """Add a row, which fails where there are problems; the first eight become corrections.
+
+        Args:
+            row_id: without `audit:`.
+            predicate: in words.
+            problems: that were found.
+            group: of the row.
+            entity: that it is about, if any.
+            more: fields of `Row` that are not as usual: counted problems, of which there may be none.
+        """
         corrections = tuple(
             Correction(
                 cause=text,
@@ -111,27 +109,30 @@ class _Audit:
             )
             for place, text, patch in problems[:8]
         )
-        self.rows.append(
-            Row(
-                id=f"audit:{row_id}",
-                question=f"audit:{row_id}",
-                subject=(entity,) if entity else (),
-                check="audit",
-                group=group,
-                predicate=predicate,
-                status=status or ("fail" if problems else "pass"),
-                artifact="world.json",
-                measured=float(len(problems)) if measured is None else measured,
-                bound=0.0 if bound is None and not comparison else bound,
-                comparison=comparison or "<=",
-                unit=unit or "1",
-                entities=(entity,) if entity else (),
-                first_failing_entity=entity if problems else None,
-                corrections=corrections,
-                evidence={"problems": [f"{p.pointer}: {p.text}" for p in problems[:12]]} if problems else {},
-                recipe=self.recipe,
-            )
+        about = (entity,) if entity else ()
+        usual = {
+            "status": "fail" if problems else "pass",
+            "measured": float(len(problems)),
+            "bound": 0.0,
+            "comparison": "<=",
+            "unit": "1",
+            "evidence": {"problems": [f"{p.pointer}: {p.text}" for p in problems[:12]]} if problems else {},
+        }
+        row = Row(
+            id=f"audit:{row_id}",
+            question=f"audit:{row_id}",
+            subject=about,
+            check="audit",
+            group=group,
+            predicate=predicate,
+            artifact="world.json",
+            entities=about,
+            first_failing_entity=entity if entity and problems else None,
+            corrections=corrections,
+            recipe=self.recipe,
+            **{**usual, **more},
         )
+        self.rows.append(row)
 
     # ---------------------------------------------------------------- references
 

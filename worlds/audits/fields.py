@@ -16,7 +16,7 @@ __all__ = ["field_problems"]
 
 
 def field_problems(spec: WorldSpec) -> list[Problem]:
-    """What is wrong with force fields."""
+    """Fields that act on nothing, on what cannot feel them, or too late."""
     found: list[Problem] = []
     for name, driver in field_drivers(spec).items():
         found += _named(spec, name, driver)

@@ -1,4 +1,4 @@
-"""What a specification may not define away (R154-R157): the agent writes it, so the server asks these by itself.
+"""Requirements that a specification cannot define away (R154-R157): the agent writes it, so the server asks these by itself.
 
 A clause of the prompt that tells an event asks for a beat that can be seen and is not optional; one that tells of a way
 asks for a route. Bounds of events stand clear of noise. An intended overlap stays smaller than the bodies. The word lists
@@ -47,7 +47,7 @@ OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
 ESCAPE = "or say in static_because why these words ask for no such thing (printed with the acceptance)"
-"""What to do where a word means something else."""
+"""Way out where a word means something else."""
 _JUDGED = re.compile(r"^/(entities|terrains|story/beats|story/requirements|graph/relations|shots)/([^/]+)")
 
 MOVING_OVERLAP_SHARE = 0.1

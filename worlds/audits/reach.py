@@ -58,7 +58,7 @@ def _allowed(spec: WorldSpec) -> float:
 
 
 def _ends(spec: WorldSpec) -> Iterator[tuple[str, str, F64, str, float]]:
-    """What is said to reach whom, where [m], the pointer of that place, and by how much it may miss more [m]."""
+    """Ends of joints and ropes: name of the joint, entity to reach, place [m], its pointer, and further tolerance [m]."""
     for name, joint in spec.simulation.joints.items():
         place = f"/simulation/joints/{name}"
         if isinstance(joint, SpringJoint):

@@ -48,7 +48,7 @@ _FORMS = {
 _NOUNS = re.compile(
     r"\b(?:a|an|the|some|two|three|several|of|its|his|her|their|no|each|every|playground|rain|water)\s+$", re.IGNORECASE
 )
-"""What stands before such a word when it is a noun ("a slide", "drops of water")."""
+"""Words before such a word when it is a noun ("a slide", "drops of water")."""
 _WAYS = re.compile(r"\b(?:walks?|walkable|walking|route|doorway|corridor|stairs|staircase|passage|passageway)\b", re.IGNORECASE)
 _WALKS = re.compile(
     r"\b(?:walks?|walkable|walking|stairs|staircase|person|people|man|men|woman|women|someone|anyone|one can|visitors?)\b",
@@ -148,7 +148,7 @@ _BEYOND = re.compile(
     r"\b(?:against|and|at|before|behind|beside|by|from|in|into|next|off|on|onto|so|through|to|towards?|under|until|while|with)\b",
     re.IGNORECASE,
 )
-"""What ends the object of a verb."""
+"""Words that end the object of a verb."""
 _COUNTS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen",
            "sixteen", "seventeen", "eighteen", "nineteen", "twenty")  # fmt: skip
 _UNIT = r"(?:[cmk]?m|[mk]?g|kilos?|[cmk]?l|m?s|min|h|hz|n|j|w|pa|k|rad|deg|degrees?|percent|times|tons?|tonnes?|gram(?:me)?s?|kilogram(?:me)?s?|lit(?:er|re)s?|(?:centi|milli|kilo)?met(?:er|re)s?|inch(?:es)?|f(?:oo|ee)t|seconds?|minutes?|hours?|days?|years?)"

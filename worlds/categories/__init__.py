@@ -1,1 +1,1 @@
-"""What the specification says about each category of matter."""
+"""Categories of matter in specifications: models, audit, estimates and all else that is special to one."""

@@ -26,7 +26,7 @@ class Cap:
     value: int
     unit: str
     knob: str
-    """What to change to stay below it."""
+    """The change that keeps below it."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class CategorySpec:
     predicates: tuple[PredicateInfo, ...] = ()
     """Kinds of predicates that it answers."""
     asked: str = ""
-    """What can be asked of matter that is no body, for the audit; empty for bodies."""
+    """Predicates that can be asked of matter that is no body, for the audit; empty for bodies."""
     groups: tuple[GroupInfo, ...] = ()
     """Causal parameter groups of its own."""
     parameters: tuple[Parameter, ...] = ()
@@ -69,14 +69,14 @@ class CategorySpec:
     """By engine: lengths in an entity's `physics` that a probe may leave coarser."""
     caps: tuple[Cap, ...] = ()
     estimate: Callable[[WorldSpec], Mapping[str, float]] = lambda spec: {}
-    """What its instances take, by name of the cap."""
+    """Amounts that its instances take, by name of the cap."""
     audit: Audit | None = None
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
-    """What is wrong with the declared mass of an entity of it."""
+    """Problems of the declared mass of an entity of it."""
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None
-    """What is wrong with a coupling of its instance to one that is not rigid; None where no engine couples these."""
+    """Problems of a coupling of its instance to one that is not rigid; None where no engine couples these."""
     unrecorded: Callable[[WorldSpec, str, str], str] = lambda spec, a, b: ""
     """Why no record tells contacts of two entities of which one is of it, and what to ask instead; empty where one does."""
     recipes: Callable[[WorldSpec, str], Mapping[str, str]] = lambda spec, motion: {}

@@ -90,7 +90,7 @@ def _turned(interval: Interval) -> Interval:
 
 
 def interval_tightens(predicate: Mapping[str, Any]) -> Interval:
-    """Which change of the frames of a beat or requirement makes its predicate, as JSON, harder to meet.
+    """Change of the frames of a beat or requirement that makes its predicate, as JSON, harder to meet.
 
     What has to happen is harder in fewer frames, what has to last in more.
     """

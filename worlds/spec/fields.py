@@ -42,7 +42,7 @@ FieldRegion = Annotated[FieldBox | FieldSphere, Field(discriminator="kind")]
 
 
 class _Medium(SpecModel):
-    """What things move through where the field acts. Velocities of overlapping fields add up; of their media the densest holds."""
+    """The medium in which things move where the field acts. Velocities of overlapping fields add up; of their media the densest holds."""
 
     density: Positive = Field(default=AIR_DENSITY, le=2000, description="of the medium [kg/m^3]; air at 20 degrees C")
     viscosity: NonNegative = Field(

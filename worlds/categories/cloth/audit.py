@@ -22,7 +22,7 @@ LEAST_EDGES = 4
 
 
 def cloth_problems(spec: WorldSpec) -> list[Problem]:
-    """What is wrong with cloth, its instances and what holds it."""
+    """Problems of cloth, its instances, pins and drivers."""
     found: list[Problem] = []
     for name, entity in spec.entities.items():
         if entity.physics.category == "cloth":

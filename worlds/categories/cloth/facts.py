@@ -1,4 +1,4 @@
-"""What the specification alone says about its cloth: vertices, steps, which ones are held, at what distance layers touch (R63, R64)."""
+"""Facts of cloth that the specification alone tells: vertices, steps, pinned vertices, distance at which layers touch (R63, R64)."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ ON_EDGE = 1e-6
 
 
 class ClothEstimate(NamedTuple):
-    """What an instance will take."""
+    """Amounts that an instance will take."""
 
     vertices: float
     steps: float

@@ -65,7 +65,7 @@ def seams_of(corners: F64) -> Seams:
 
 
 def welded(seams: Seams, opened: Flags) -> I32:
-    """Which corners are one where some sides are open: numbers from 0 in the order of first appearance, shape (3 t,)."""
+    """Vertex of every corner where some sides are open: numbers from 0 in the order of first appearance, shape (3 t,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -21,7 +21,7 @@ SKIN_SHARE = 0.1
 
 
 def elastic_problems(spec: WorldSpec) -> list[Problem]:
-    """What is wrong with elastic bodies, what holds them and the instances they are members of."""
+    """Problems of elastic bodies, of their pins and of the instances they are members of."""
     found: list[Problem] = []
     soft = {n for n, e in spec.entities.items() if isinstance(e.physics, ElasticPhysics)}
     for name in spec.entities:

@@ -21,12 +21,12 @@ PIECES = Cap("pieces", 2_000, "pieces", "fewer pieces in /entities/<id>/breakabl
 LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
 CRUMBLE_SHARE = 0.1
-"""What crumbles is at most this share of a piece's least size."""
+"""Depth of what crumbles, at most, in parts of a piece's least size."""
 CUTTABLE = ("box", "wedge", "cylinder", "capsule", "sphere", "extrusion", "revolution", "mesh")
 
 
 def fracture_problems(spec: WorldSpec) -> list[Problem]:
-    """What is wrong with breakable entities."""
+    """Problems of breakable entities."""
     found: list[Problem] = []
     for name, entity in spec.entities.items():
         if entity.breakable is not None:

@@ -46,7 +46,7 @@ def bond_arrays(bonds: Bonds) -> dict[str, Any]:
 
 
 def bonds_from(arrays: dict[str, Any]) -> Bonds:
-    """What `bond_arrays` was made of.
+    """Bonds from the arrays of `bond_arrays`.
 
     Raises:
         KeyError: an array is missing.

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 __all__ = ["liquid_problems"]
 
 ROUNDED = 1e-3
-"""What sizes may be short by: messages tell spacings with three digits, and corners are sums."""
+"""Share that sizes may be short by: messages tell spacings with three digits, and corners are sums."""
 
 
 def liquid_problems(spec: WorldSpec) -> list[Problem]:
-    """What is wrong with liquids, their instances and their drivers."""
+    """Problems of liquids, their instances and their drivers."""
     found = [*_entities(spec)]
     for name, instance in spec.simulation.liquid.items():
         found += _instance(spec, name, instance)

@@ -1,4 +1,4 @@
-"""What the specification alone says about its liquids: volumes, particles, steps, and what cannot work (R57, R58).
+"""Facts of liquids that the specification alone tells: volumes, particles, steps (R57, R58).
 
 Geometry is not built here: solids are known by their declared boxes. What only their surfaces tell (a source inside a
 wall, a passage that is too narrow) is refused when the liquid is set up.

@@ -32,7 +32,7 @@ PERIODS = 1.5
 
 
 def wave_problems(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[Problem]:
-    """What is wrong with the waves of an instance."""
+    """Problems of the waves of an instance."""
     found = waves_of(spec, name)
     spacing = spacing_of(spec, name)
     gravity = spec.simulation.gravity

@@ -68,7 +68,7 @@ class Texels:
 
 @dataclass(frozen=True, eq=False)
 class WetState:
-    """What has been wet up to a frame; times in seconds since frame 0, NaN where never, each shape (t,)."""
+    """Wetting of all texels up to a frame; times in seconds since frame 0, NaN where never wet, each of shape (t,)."""
 
     first: F64
     last: F64
@@ -120,7 +120,7 @@ class WetMap(Derived):
         return Texels(position, normal, area, found["texel/part"], tuple(map(tuple, about["parts"])), about["size"])
 
     def state(self, frame: int) -> WetState:
-        """What has been wet from frame 0 to a frame; fast where frames are asked for in order.
+        """Wetting from frame 0 to a frame; fast where frames are asked for in order.
 
         Raises:
             EvidenceError: as `read`.

@@ -41,7 +41,7 @@ _CARRIES = re.compile(
 _DRY = re.compile(r"\b(?:sand|gravel|grain|rice|smoke|air|space|mid-?air|clouds?|light|traffic|crowds?|people)\b", re.IGNORECASE)
 """With these in the clause, such a verb tells of something else."""
 _RUNS = re.compile(r"\b(?:flow(?:s|ed|ing)?|waves|ripples)\b", re.IGNORECASE)
-"""What a landscape's water does without anything moving in it."""
+"""Motion of a landscape's water, in which nothing is carried."""
 
 
 def missing_liquid(spec: WorldSpec, text: str, met_by: Iterable[str]) -> Iterator[tuple[str, str]]:

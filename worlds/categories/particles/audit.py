@@ -24,7 +24,7 @@ LEAST_RADII = 2.0
 
 
 def particle_problems(spec: WorldSpec) -> list[Problem]:
-    """What is wrong with particles, their instances and their drivers."""
+    """Problems of particles, their instances, drivers and couplings."""
     found: list[Problem] = []
     for name, instance in spec.simulation.particles.items():
         found += _instance(spec, name, instance)

@@ -48,7 +48,7 @@ def mass_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
 
 
 def _declared(spec: WorldSpec, entity: Entity) -> Weights | None:
-    """What an entity may weigh as far as the specification tells its volume; None where a material is unknown."""
+    """Least and largest mass of an entity as far as the specification tells its volume; None where a material is unknown."""
     used = [p.material or entity.material for p in entity.parts.values()] or [entity.material]
     if not set(used) <= set(spec.materials):
         return None

@@ -203,7 +203,7 @@ def psnr_db(picture: Any, reference: Any) -> float:
 def run() -> dict[str, Any]:
     """Measure; progress goes to stderr."""
     from ..rendering.frames import FrameRenderer
-    from ..rendering.variant import choose_variant
+    from ..rendering.tracer.variant import choose_variant
 
     variant = choose_variant()
     with tempfile.TemporaryDirectory() as folder:

@@ -1,17 +1,17 @@
 """Floor 5: pictures of a candidate. Importing this loads no renderer, no OpenCV and no engine."""
 
-from .account_plot import plot_account
-from .denoise import denoise, meter, tonemap
-from .field_map import field_map, hillshade
 from .frames import FrameRenderer, frame_path, frame_recipe, render_frame, render_sequence
 from .highlight import highlight
+from .land.field_map import field_map, hillshade
 from .plan import plan_view, section_view
-from .plots import ledger_series, plot_ledger
+from .plots.account import plot_account
+from .plots.ledger import ledger_series, plot_ledger
 from .preview import PreviewRenderer, id_view, preview
-from .report import ReportPictures, matrix_page
-from .report_pictures import report_pictures
+from .report.page import ReportPictures, matrix_page
+from .report.pictures import report_pictures
 from .sheet import Encoded, contact_sheet, encode
-from .variant import Variant, choose_variant
+from .tracer.denoise import denoise, meter, tonemap
+from .tracer.variant import Variant, choose_variant
 from .video import VideoFile, write_video
 from .views import automatic_camera, camera_for, focus_bounds, shot_of
 

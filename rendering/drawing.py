@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .denoise import U8
+from ..worlds.arrays import U8
 
 __all__ = ["Color", "caption", "distinct_color", "label_regions", "line", "polygon", "region_edges", "text", "text_size"]
 

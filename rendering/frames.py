@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from ..geometry.camera import Camera
+from ..worlds.arrays import U8
 from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import EngineError, InputError
-from .denoise import U8, denoise, meter, tonemap
-from .haze import hazed
-from .mitsuba_scene import SceneRenderer
-from .variant import choose_variant
+from .land.haze import hazed
+from .tracer.denoise import denoise, meter, tonemap
+from .tracer.scene import SceneRenderer
+from .tracer.variant import choose_variant
 from .views import camera_for, shot_of
 
 __all__ = ["FrameRenderer", "frame_path", "frame_recipe", "render_frame", "render_sequence"]

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..geometry.camera import Camera
+from ..worlds.arrays import U8
 from ..worlds.candidate import Candidate
-from .denoise import U8
 from .drawing import region_edges, text
 from .preview import PreviewRenderer
 from .views import camera_for

@@ -10,14 +10,13 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster
-from ..worlds.arrays import F64, RigidPose
+from ..worlds.arrays import F64, U8, RigidPose
 from ..worlds.built import TriangleMesh
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec.story import BoxRegion, Connects, CylinderRegion, SphereRegion
 from .categories.liquid.preview import LiquidLayer
 from .categories.particles.shapes import ball_mesh, grains_at
-from .denoise import U8
 from .drawing import Color, distinct_color, label_regions, line, region_edges, text, text_size
 from .views import Bounds, active, focus_bounds
 

@@ -9,16 +9,14 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster, IdImage
-from ..worlds.arrays import F64, compose
+from ..worlds.arrays import F32, F64, U8, compose
 from ..worlds.candidate import Candidate
 from .categories.liquid.preview import LiquidLayer, over, tinted
 from .categories.particles.shapes import GrainLayer
-from .denoise import U8
 from .drawing import caption, distinct_color, label_regions, region_edges
-from .land_preview import LandLayer
-from .scenery import cut_from, is_stems
+from .land.preview import LandLayer
+from .land.scenery import cut_from, is_stems
 from .shades import brick_tone, pattern_shade
-from .textures import F32
 from .views import active, camera_for, focus_bounds, part_frame
 
 __all__ = ["PreviewRenderer", "id_view", "preview"]

@@ -8,8 +8,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ..worlds.arrays import U8
 from ..worlds.errors import EngineError, InputError
-from .denoise import U8
 from .drawing import text, text_size
 
 __all__ = ["Encoded", "contact_sheet", "encode"]

@@ -106,7 +106,7 @@ def _vegetation() -> dict[str, Any]:
 
 
 def _renderer() -> dict[str, Any]:
-    from ..rendering.variant import choose_variant
+    from ..rendering.tracer.variant import choose_variant
 
     try:
         chosen = choose_variant()

@@ -45,7 +45,7 @@ def _fcl() -> str:
 def _mitsuba() -> str:
     import numpy as np
 
-    from ..rendering.variant import choose_variant, load_mitsuba
+    from ..rendering.tracer.variant import choose_variant, load_mitsuba
 
     chosen = choose_variant()
     mi = load_mitsuba(chosen)
@@ -67,7 +67,7 @@ def _mitsuba() -> str:
 
 
 def _llvm() -> str:
-    from ..rendering.variant import choose_variant
+    from ..rendering.tracer.variant import choose_variant
 
     chosen = choose_variant()
     if chosen.llvm_path is None and not chosen.name.startswith("cuda"):

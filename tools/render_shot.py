@@ -13,8 +13,8 @@ from ..worlds.folder import write_atomically
 if TYPE_CHECKING:
     from ..execution import Job
     from ..geometry import Camera
-    from ..rendering.denoise import U8
     from ..workflow.session import Session
+    from ..worlds.arrays import U8
     from ..worlds.candidate import Candidate
     from ..worlds.folder import WorldFolder
 

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from .shapes import Pose
 
 __all__ = [
+    "F32",
     "F64",
     "I32",
     "I64",
+    "U8",
     "RigidPose",
     "compose",
     "cross",
@@ -27,7 +29,9 @@ __all__ = [
     "rotation_matrix",
 ]
 
+F32: TypeAlias = NDArray[np.float32]
 I32: TypeAlias = NDArray[np.int32]
+U8: TypeAlias = NDArray[np.uint8]
 
 
 class RigidPose(NamedTuple):

@@ -18,7 +18,7 @@ def computed(payload, context):
     import mujoco
     import numpy as np
     from worldagent.geometry.launch import warp
-    from worldagent.rendering.variant import Variant, load_mitsuba
+    from worldagent.rendering.tracer.variant import Variant, load_mitsuba
 
     rng = np.random.default_rng(7)
     a, b = rng.standard_normal((400, 300)), rng.standard_normal((300, 500))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.construction import build_entity
-from worldagent.rendering.variant import ENV_VARIANT
+from worldagent.rendering.tracer.variant import ENV_VARIANT
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.spec import WorldSpec

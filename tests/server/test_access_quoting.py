@@ -12,7 +12,7 @@ import pytest
 from mcp import Client
 from mcp.shared.exceptions import MCPError
 from mcp.types import ResourceTemplateReference
-from worldagent.rendering.report import matrix_page
+from worldagent.rendering.report.page import matrix_page
 from worldagent.server.app import create_server
 from worldagent.server.cli import main
 from worldagent.workflow.context import ToolBinding, ToolContext, ToolReply

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
-from worldagent.rendering.plants import form_of
+from worldagent.rendering.land.plants import form_of
 from worldagent.testing.defects._lands import NAME, axes, declared, keep
 from worldagent.worlds.landscape import SavedLandscape, landscape_path
 from worldagent.worlds.stems import FORMS, Stems, pieces_of, stems_of

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["NEAR_PLANE", "inside", "moves"]
 
 NEAR_PLANE = 1e-3
-"""[m] What is nearer than this plane the renderer cuts off (`near_clip` in `rendering/mitsuba_scene.py`)."""
+"""[m] What is nearer than this plane the renderer cuts off (`near_clip` in `rendering/tracer/scene.py`)."""
 LEVER = 0.02
 """Own choice: turning and zooming are measured this far from the aim, as a share of the picture's width."""
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....worlds.arrays import F64, I32
-from ...surfaces import soft_normals
-from .light import IOR
+from ...tracer.clear_path import IOR
+from ...tracer.surfaces import soft_normals
 from .meshes import Liquid, joined_balls
 
 __all__ = ["LiquidShapes", "glow", "liquid_shapes"]

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ....worlds.arrays import F64
+from ....worlds.arrays import F32, F64
 from ....worlds.candidate import Candidate
 from ....worlds.categories.liquid.wet import WetMap
-from ...surfaces import Surface
-from ...textures import F32
+from ...tracer.surfaces import Surface
 from .meshes import look_of
 
 __all__ = ["Link", "Wetness", "darkened", "film_at", "finely"]

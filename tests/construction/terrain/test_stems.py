@@ -14,7 +14,7 @@ from worldagent.construction.stems import cut_stems
 from worldagent.construction.store import build_world
 from worldagent.construction.terrain.store import cut_patch
 from worldagent.geometry.solids import Solid
-from worldagent.rendering.planting import free_plants
+from worldagent.rendering.land.planting import free_plants
 from worldagent.simulation.rigid import SolverRigid
 from worldagent.testing.defects._lands import NAME, keep
 from worldagent.tests.physics.rigid_world import ball, world

@@ -1,0 +1,1 @@
+"""Plots over time: records of the solvers and accounts of energy and momentum."""

@@ -1,0 +1,1 @@
+"""The matrix report: one HTML page with its pictures."""

@@ -1,0 +1,1 @@
+"""The path tracer (Mitsuba): scenes, materials, light, radiance to pictures."""

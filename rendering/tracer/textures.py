@@ -1,0 +1,134 @@
+"""Procedural, seamlessly repeating colour tiles for the patterns of `Appearance`: wood, checker, concrete.
+
+A tile is a linear RGB picture whose mean is the material's colour. One *period* is `Appearance.pattern_scale`;
+a wood tile shows `BOARDS` boards, each one period wide. Boards start at their own joint, so that a part smaller
+than a board can be placed inside one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...worlds.arrays import F32
+
+__all__ = ["BOARDS", "BOARD_LENGTH", "Tile", "board_joint", "pattern_tiles"]
+
+BOARDS = 4
+"""Boards side by side in a wood tile."""
+BOARD_LENGTH = 16
+"""Length of a board in periods; also the length of a wood tile."""
+PIXELS = 128
+"""Pixels across one period of wood."""
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A repeating picture and how many periods it spans."""
+
+    image: F32
+    """Linear RGB, shape (rows, columns, 3)."""
+    periods: tuple[float, float]
+    """Periods along u (columns) and v (rows)."""
+    sharp: bool = False
+    """Nearest-texel lookup instead of bilinear."""
+
+
+def board_joint(board: int) -> float:
+    """Where board number `board` starts along the grain, in periods."""
+    return (board * 0.618034 % 1.0) * BOARD_LENGTH
+
+
+def _noise(random: np.random.Generator, rows: int, columns: int, across: float, along: float) -> F32:
+    """Periodic Gaussian noise, unit deviation; correlation lengths in pixels over rows and columns."""
+    fy = np.fft.fftfreq(rows)[:, None]
+    fx = np.fft.rfftfreq(columns)[None]
+    transfer = np.exp(-2 * math.pi**2 * ((fy * across) ** 2 + (fx * along) ** 2))
+    field = np.fft.irfft2(np.fft.rfft2(random.standard_normal((rows, columns))) * transfer, s=(rows, columns))
+    field -= field.mean()
+    return np.asarray(field / max(float(field.std()), 1e-12), dtype=np.float32)
+
+
+def _tint(shade: F32, color: tuple[float, float, float], warmth: tuple[float, float, float]) -> F32:
+    """Colour a shade (1 = the material's colour): darker places keep more red; the mean stays the colour."""
+    tinted = np.stack([np.maximum(shade, 0.02) ** w for w in warmth], axis=-1)
+    tinted /= tinted.mean((0, 1), keepdims=True)
+    return np.asarray(np.clip(tinted * np.array(color), 0.0, 0.95), dtype=np.float32)
+
+
+def _ring_shade(radius: F32) -> F32:
+    """Early wood fades into a dark line of late wood, then starts again; one ring per unit of radius."""
+    phase = radius % 1.0
+    end = np.clip((phase - 0.90) / 0.10, 0, 1)
+    return np.asarray(phase**3 * (1 - end * end * (3 - 2 * end)), dtype=np.float32)
+
+
+def _wood(color: tuple[float, float, float], seed: int) -> Tile:
+    """Plain-sawn boards: the growth cones of the trunk, cut lengthwise, give arches and long lines."""
+    random = np.random.default_rng([seed, 1])
+    rows, columns = PIXELS, BOARD_LENGTH * PIXELS // 2
+    boards = []
+    for board in range(BOARDS):
+        start = int(board_joint(board) / BOARD_LENGTH * columns)
+        x = (((np.arange(columns) - start) % columns) / columns * BOARD_LENGTH)[None].astype(np.float32)
+        y = ((np.arange(rows) + 0.5) / rows)[:, None].astype(np.float32)
+        warp = _noise(random, rows, columns, 26, 150) * 0.05 + _noise(random, rows, columns, 7, 60) * 0.010
+        center = random.uniform(0.25, 0.75)
+        depth = random.uniform(0.05, 0.5) + random.choice([-1.0, 1.0]) * 0.045 * (x - random.uniform(2, 14))
+        radius = np.sqrt((y - center + warp) ** 2 + depth**2) + warp * 0.5
+        rings = _ring_shade(radius * random.uniform(8, 11))
+        fibre = _noise(random, rows, columns, 0.6, 40)
+        pores = np.clip(_noise(random, rows, columns, 0.5, 9) - 1.5, 0, 1.5)
+        shade = 1.0 - 0.42 * rings + 0.045 * fibre - 0.10 * pores + 0.05 * _noise(random, rows, columns, 40, 300)
+        shade *= random.uniform(0.88, 1.10)
+        groove = np.minimum(np.arange(rows), np.arange(rows)[::-1]) < 1
+        shade[groove] *= 0.55
+        shade[:, [(start + k) % columns for k in (-1, 0)]] *= 0.55
+        boards.append(shade)
+    return Tile(_tint(np.concatenate(boards), color, (0.9, 1.1, 1.35)), (BOARD_LENGTH, BOARDS))
+
+
+def _end_grain(color: tuple[float, float, float], seed: int) -> Tile:
+    random = np.random.default_rng([seed, 2])
+    size = PIXELS
+    grid = (np.arange(size, dtype=np.float32) + 0.5) / size
+    cells = []
+    for _ in range(4):
+        cy, cx = random.uniform(-0.6, -0.2), random.uniform(0.2, 0.8)
+        warp = _noise(random, size, size, 20, 20) * 0.02
+        radius = np.hypot(grid[None] - cx, grid[:, None] - cy) + warp
+        cells.append(0.82 - 0.38 * _ring_shade(radius * 10) + 0.05 * _noise(random, size, size, 0.7, 0.7))
+    return Tile(_tint(np.block([cells[:2], cells[2:]]).astype(np.float32), color, (0.9, 1.1, 1.35)), (2, 2))
+
+
+def _concrete(color: tuple[float, float, float], seed: int) -> Tile:
+    random = np.random.default_rng([seed, 3])
+    size = 768
+    shade = np.ones((size, size), dtype=np.float32)
+    for length, weight in ((110.0, 0.07), (35.0, 0.05), (10.0, 0.035), (2.5, 0.03), (0.7, 0.035)):
+        shade += weight * _noise(random, size, size, length, length)
+    pores = _noise(random, size, size, 1.6, 1.6)
+    shade -= 0.5 * np.clip(pores - 3.0, 0, 0.7)
+    return Tile(_tint(np.clip(shade, 0.2, 1.8), color, (1.0, 1.0, 1.02)), (6, 6))
+
+
+def _checker(color: tuple[float, float, float]) -> Tile:
+    dark = np.array(color) * 0.25
+    light = np.array(color)
+    return Tile(np.array([[light, dark], [dark, light]], dtype=np.float32), (1, 1), sharp=True)
+
+
+def pattern_tiles(
+    pattern: Literal["plain", "wood", "checker", "concrete"], color: tuple[float, float, float], *, seed: int = 0
+) -> dict[str, Tile]:
+    """Tiles of a pattern by layer: `side`, and `end` for the end grain of wood; empty for `plain`."""
+    if pattern == "wood":
+        return {"side": _wood(color, seed), "end": _end_grain(color, seed)}
+    if pattern == "concrete":
+        return {"side": _concrete(color, seed)}
+    if pattern == "checker":
+        return {"side": _checker(color)}
+    return {}

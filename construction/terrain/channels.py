@@ -8,22 +8,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
+from ...geometry.watercourses import centre_line
 from ...worlds.arrays import F64
 from .flood import Drainage
-from .grid import Grid
 from .water import River, WaterBodies
 
-__all__ = ["Channels", "carve", "centre_line"]
+__all__ = ["Channels", "carve"]
 
 BANK_SLOPE = 1.5
 """Run of a bank per metre of rise."""
 FREEBOARD = 0.3
 """Part of the depth of a bed that stands above its water."""
-SMOOTHING = (2.0, 1.0)
-"""Cells, and widths of the channel, over which its course is smoothed, whichever is more: eight directions are too few for a
-river, and bends are some ten widths long (Leopold & Wolman 1960)."""
 
 
 @dataclass(frozen=True)
@@ -38,20 +34,6 @@ class Channels:
     """Cells of beds, banks included: nothing is placed there (R45)."""
     wet: np.ndarray
     """Cells under flowing water."""
-
-
-def centre_line(cells: np.ndarray, width: float, grid: Grid) -> F64:
-    """Smoothed course [m] of a reach `width` m wide, shape (cells, 2); its ends stay where they are."""
-    column, row = cells % grid.cols, cells // grid.cols
-    line = np.stack([column - 0.5 * (grid.cols - 1), row - 0.5 * (grid.rows - 1)], axis=1) * grid.cell
-    sigma = max(SMOOTHING[0], SMOOTHING[1] * width / grid.cell)
-    if len(line) < 4:
-        return np.asarray(line)
-    more = min(len(line) - 1, int(np.ceil(4.0 * sigma)))
-    longer = np.pad(line, ((more, more), (0, 0)), mode="reflect", reflect_type="odd")
-    smooth = ndimage.gaussian_filter1d(longer, sigma, axis=0, mode="nearest")[more:-more]
-    smooth[0], smooth[-1] = line[0], line[-1]
-    return np.asarray(smooth)
 
 
 def carve(drainage: Drainage, water: WaterBodies) -> Channels:
@@ -87,7 +69,7 @@ def _cut(
     wet: np.ndarray,
 ) -> None:
     grid = drainage.grid
-    line = centre_line(river.cells, float(river.width.mean()), grid)
+    line = centre_line(river.cells, float(river.width.mean()), grid.shape, grid.cell)
     surface = np.minimum.accumulate(drainage.filled.ravel()[river.cells])
     width, depth = river.width, river.depth
     narrow = np.minimum(width / grid.cell, 1.0)

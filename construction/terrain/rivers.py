@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.watercourses import centre_line
 from ...worlds.arrays import F64
 from ...worlds.landscape import SavedLandscape
-from .channels import centre_line
 from .grid import Grid
 from .water import BANKFULL, GRAIN_M
 from .waters import WaterBody
@@ -124,7 +124,7 @@ def _reaches(land: SavedLandscape) -> Iterator[_Reach]:
         share = np.linspace(0.0, 1.0, len(cells))
         first, last = reach["discharge"]
         wide = reach["width"]
-        line = centre_line(cells, 0.5 * (wide[0] + wide[1]), grid)
+        line = centre_line(cells, 0.5 * (wide[0] + wide[1]), grid.shape, grid.cell)
         along = np.gradient(line, axis=0)
         along /= np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
         flow = BANKFULL * ((1 - share) * first + share * last)

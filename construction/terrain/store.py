@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...geometry import watercourses
 from ...worlds.arrays import F64
 from ...worlds.canonical import digest_of, source_digest
 from ...worlds.errors import EvidenceError, InputError
@@ -53,7 +54,8 @@ def terrain_recipe(folder: WorldFolder, spec: WorldSpec, name: str) -> str:
             path = safe_join(folder.assets, layer.file)
             files[layer.file] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "missing"
     versions = {package: version(package) for package in ("numpy", "scipy", "numba", "warp-lang")}
-    return digest_of(spec.spec_version, landscape_digest(spec, name), files, source_digest(Path(__file__).parent), versions)
+    source = source_digest(Path(__file__).parent), hashlib.sha256(Path(watercourses.__file__).read_bytes()).hexdigest()
+    return digest_of(spec.spec_version, landscape_digest(spec, name), files, source, versions)
 
 
 def build_terrain_file(

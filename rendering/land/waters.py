@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from ...construction.terrain.channels import centre_line
-from ...construction.terrain.grid import Grid
+from ...geometry.watercourses import centre_line
 from ...worlds.arrays import F64
 from ...worlds.landscape import SavedLandscape
 from ..tracer.meshes import grid_faces, grid_uv, mesh_of
@@ -50,7 +49,6 @@ class Course(NamedTuple):
 
 def courses(land: SavedLandscape) -> list[Course]:
     """All rivers and streams, from source to end; levels fall downstream."""
-    rows, cols = land.shape
     discharge = land.field("discharge").ravel()
     level, ground = land.field("water_level").ravel(), land.field("height").ravel()
     found = []
@@ -61,7 +59,7 @@ def courses(land: SavedLandscape) -> list[Course]:
         flow = discharge[cells]
         flow[-1] = flow[-2]  # the last cell belongs to what it flows into
         width = reach["width"][1] * np.sqrt(flow / max(float(flow[-1]), 1e-12))
-        smooth = centre_line(cells, float(width.mean()), Grid(rows, cols, land.cell))
+        smooth = centre_line(cells, float(width.mean()), land.shape, land.cell)
         height = np.where(np.isfinite(level[cells]), level[cells], ground[cells])
         at = np.linspace(0, len(cells) - 1, 4 * (len(cells) - 1) + 1)
         dense = np.stack([_smooth_between(smooth[:, k], at) for k in (0, 1)], 1)

@@ -17,7 +17,7 @@ from ..worlds.cache import CacheIndex
 from ..worlds.errors import EngineError, InputError
 from .bodies import CacheMotion, resting
 from .boundaries import BodyState, Surround
-from .protocol import SHORTEST, Channel, Intervention, Port, Within, stepping
+from .protocol import SHORTEST, Intervention, Within, stepping
 from .sealed import seal, unseal
 
 if TYPE_CHECKING:
@@ -108,10 +108,6 @@ class SolverPartner(ABC):
     @abstractmethod
     def measured(self) -> Mapping[str, Any]:
         """Channels and records (`record/*`) of the frame that ends."""
-
-    @abstractmethod
-    def channels(self) -> tuple[Channel, ...]:
-        """What `frame_data` holds, records apart."""
 
     @abstractmethod
     def pack(self) -> bytes:
@@ -253,16 +249,6 @@ class SolverPartner(ABC):
     def driver_names(self) -> tuple[str, ...]:
         """Drivers that channels have rows of."""
         return ()
-
-    def ports(self) -> tuple[Port, ...]:
-        """Every body gives motion and takes a wrench."""
-        names = [b.name.split("/", 1) for b in self.surround.boundaries]
-        return tuple(Port(entity, body, "wrench", "out") for entity, body in names)
-
-    def respond(self, port: Port, wrench: F64) -> F64:
-        """Bodies are moved by others: no velocity change (6,)."""
-        del port, wrench
-        return np.zeros(6)
 
 
 def _form(books: Books) -> dict[str, int]:

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ..worlds.audits.audit import audit
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import cloth_of, coupled_groups, membership_problems
+from ..worlds.instances import bake_order, cloth_of, coupled_groups, membership_problems
 from .protocol import Intervention, Solver, Within
 from .recipes import alone_recipe, coupled_recipe
 
@@ -35,7 +34,7 @@ the instances that it reads or None where a coupling tells it the bodies, interv
 def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
     """Instances in the order of the bake; those with two-way couplings stand together, the rigid one first."""
     together = {name: group for group in coupled_groups(spec) for name in group}
-    order = audit(spec).bake_order
+    order = bake_order(spec)
     found = [tuple(sorted(together.get(n, {n}), key=lambda m: (m not in spec.simulation.rigid, order.index(m)))) for n in order]
     return list(dict.fromkeys(found))
 

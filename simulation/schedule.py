@@ -10,10 +10,11 @@ from functools import partial
 from pathlib import Path
 
 from ..worlds.built import BuiltEntity
-from ..worlds.cache import Cache, CacheIndex, write_container
+from ..worlds.cache import Cache, CacheIndex
 from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
+from ..worlds.writers import writers_of
 from .protocol import Within
 from .runs import Run, groups_of, make_run
 
@@ -199,13 +200,14 @@ def _run_group(
     if start < 0 and trusted > 0:
         run = make_run(spec, built, names, caches=done)
         run.prepare()
+    writers = {name: writers_of(spec, name) for name in names}
     for cache in caches.values():
         cache.begin_digests(cache.digests()[: start + 1] if start >= 0 else [])
     for frame in range(start + 1, frames):
         if frame > 0:
             run.advance(frame, tell=say.within(frame))
         for name, cache in caches.items():
-            cache.add_digest(write_container(cache.path(frame), run.solvers[name].frame_data()))
+            cache.write(frame, run.solvers[name].frame_data(), writers[name])
         if frame in marks:
             for name, cache in caches.items():
                 write_atomically(checkpoint_path(cache.folder, frame), run.solvers[name].checkpoint())

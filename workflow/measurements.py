@@ -8,10 +8,10 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.channels import QUANTITIES
 from ..worlds.coarsening import coarsened, read_overrides
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
-from ..worlds.records import QUANTITIES
 from .answers import answer, call, paged
 from .earlier import latest_probe
 from .session import Session
@@ -171,11 +171,11 @@ def _records(candidate: Candidate, first: int, last: int, limit: int, head: dict
         if not writers:
             continue
         try:
-            columns = [c.series(f"record/{name}") for c in writers]
+            columns = [c.series(quantity.name) for c in writers]
         except EvidenceError:
             missing.append(name)  # an older run does not hold it; what it holds is told all the same
             continue
-        total = [sum(float(c[k]) for c in columns) for k in chosen]
+        total = quantity.combined([[c[k] for k in chosen] for c in columns])
         series[name] = {"unit": quantity.unit, "values": [float(f"{v:.6g}") for v in total]}
     text = f"{len(series)} quantities at {len(chosen)} of the frames {first} to {last}"
     then = f"frames=[{first}, {min(last, first + MAX_SAMPLES - 1)}] shows every frame" if step > 1 else ""

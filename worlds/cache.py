@@ -3,106 +3,8 @@
 A container is an uncompressed zip of `.npy` members, so that one channel can be read without the others. Its
 bytes depend only on the content. Frame k is the state at time k / fps.
 
-Channels written by a rigid instance (n bodies in the order of `CacheIndex.bodies`):
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `position` | f8 (n, 3) | body frame origin, world [m] |
-| `quaternion` | f8 (n, 4) | body frame orientation (w, x, y, z) |
-| `velocity` | f8 (n, 3) | of the centre of mass, world [m/s] |
-| `angular_velocity` | f8 (n, 3) | world axes [rad/s] |
-| `asleep` | u1 (n,) | body sleeps |
-| `joint` | f8 (j,) | coordinate of hinge/slide joints in the order of `CacheIndex.joints` [rad or m] |
-| `contact/pair` | i4 (m, 2) | indices into `CacheIndex.colliders` of pairs that touched since the last frame, a < b |
-| `contact/impulse` | f8 (m,) | summed normal impulse over the frame [N s] |
-| `contact/vector` | f8 (m, 3) | what the contacts gave to collider b over the frame, friction included, world [N s]; a was given the opposite; 0 where a = b |
-| `contact/max_force` | f8 (m,) | largest normal force in the frame [N] |
-| `contact/min_gap` | f8 (m,) | smallest distance of collision shapes over the steps [m] |
-| `event/time` | f8 (e,) | contact begins, in order of time [s] |
-| `event/pair` | i4 (e, 2) | indices into `CacheIndex.colliders` |
-| `event/point` | f8 (e, 3) | world [m] |
-| `event/speed` | f8 (e,) | closing speed at the contact [m/s] |
-| `event/impulse` | f8 (e,) | normal impulse within the frame, from the event on [N s] |
-| `driver/active` | u1 (d,) | driver acted during the frame, in the order of `CacheIndex.drivers` |
-| `exchange/impulse` | f8 (n, 6) | of a two-way coupling: what the engine integrated of the liquids' wrenches over the frame, about the centres of mass [N s, N m s] |
-| `field/impulse` | f8 (n, 3) | of force fields over the frame, at the centres of mass [N s]; only where one acts on a body |
-| `record/<quantity>` | f8 () | quantities of `worlds/records.py` |
-
-Channels written by an instance with deforming members (v vertices of the simulation meshes of all parts in
-`CacheIndex.deformables`, in that order):
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `vertex/position` | f8 (v, 3) | world [m] |
-| `vertex/velocity` | f4 (v, 3) | world [m/s] |
-| `exchange/soft` | f8 (d, 6) | of a two-way coupling: what the engine integrated of others' forces on each elastic member, about its centre of mass [N s, N m s] |
-
-With cloth that can tear also (its vertices are corners of triangles: 3 t, 3 t + 1, 3 t + 2 of triangle t, counted from the part's first;
-a side leads from a corner to the next and has its row; e vertices tore in the frame, k sides opened, m triangles were around them):
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `edge/open` | u1 (v,) | the side that begins at this corner is open |
-| `tear/time` | f8 (e,) | [s] |
-| `tear/corner` | i4 (e,) | a corner at the vertex that tore |
-| `tear/point` | f8 (e, 3) | where, world [m] |
-| `tear/tension` | f8 (e,) | around it, the largest over all directions [N/m] |
-| `tear/cause` | i4 (e,) | index into `CacheIndex.colliders` of the moving body that pulled or pushed most; -1: air, weight or its own motion |
-| `tear/side` | i4 (k, 3) | which tear, a side, and the one along it |
-| `tear/triangle` | i4 (m, 2) | which tear, and the first corner of a triangle around it |
-| `tear/place` | f8 (m, 3, 3) | where that triangle's corners were [m] |
-
-With breakable members also (b bonds, those of the entities of `CacheIndex.breakables` one after the other; a piece, counted in the
-same way, has a row in `CacheIndex.bodies` and moves with those it is bonded to; e bonds broke in the frame, under c load cases):
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `bond/broken` | u1 (b,) | bond is broken |
-| `bond/stress` | f4 (b,) | largest stress over strength found in the frame; 0 where no load was solved for |
-| `break/time` | f8 (e,) | end of the step in which the bond broke [s] |
-| `break/bond` | i4 (e,) | which |
-| `break/point` | f8 (e, 3) | middle of its face, world [m] |
-| `break/cause` | i4 (e,) | index into `CacheIndex.colliders` of what loaded the cluster most; -1: gravity or its own motion |
-| `break/ratio` | f8 (e,) | stress over strength; with a toughness, no more than the root of energy over toughness |
-| `break/energy` | f8 (e,) | elastic energy of the bond when the growing load reached its strength [J] |
-| `break/case` | i4 (e,) | load case |
-| `case/count` | i4 (c,) | loads of each case, one case after the other in `case/piece` and `case/load` |
-| `case/spin` | f8 (c, 3) | angular velocity of the cluster, entity's frame [rad/s]; 0 where the world holds it |
-| `case/piece` | i4 (l,) | loaded piece |
-| `case/load` | f8 (l, 6) | contact force and torque about its centre, smoothed over the contact time, entity's frame [N, N m] |
-| `load/piece` | i4 (p,) | pieces that contacts pushed in the frame |
-| `load/impulse` | f8 (p, 6) | summed contact impulse on each, about its centre, world [N s, N m s] |
-
-Channels written by a liquid instance (n particles; b boundaries in the order of `CacheIndex.colliders`, `entity/body`; k inflows and
-outflows in the order of `CacheIndex.drivers`; `CacheIndex.bodies` are the liquid entities):
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `origin` | f8 (3,) | what float32 positions are relative to, world [m] |
-| `particle/position` | f4 (n, 3) | relative to `origin` [m] |
-| `particle/velocity` | f4 (n, 3) | [m/s] |
-| `particle/id` | i4 (n,) | stays with a particle for life |
-| `particle/fluid` | i4 (n,) | index into `CacheIndex.bodies` |
-| `particle/volume` | f4 (n,) | at rest density [m^3] |
-| `particle/density` | f4 (n,) | [kg/m^3] |
-| `particle/pressure` | f4 (n,) | [Pa] |
-| `particle/temperature` | f4 (n,) | [K]; only where a member declares heat |
-| `exchange/impulse` | f8 (b, 6) | given to each boundary over the frame, about its body's centre of mass [N s, N m s] |
-| `exchange/reaction` | f8 (b, 6) | change of the liquid's own momentum through each boundary over the frame, measured on the liquid |
-| `inflow/mass` | f8 (k,) | let in since frame 0 [kg]; 0 for outflows |
-| `outflow/mass` | f8 (k,) | taken away since frame 0 [kg]; 0 for inflows |
-
-Channels written by an instance of grains or flying particles (n particles in the order of their ids; b walls in the order of
-`CacheIndex.colliders`, `entity/body`; m members in the order of `CacheIndex.bodies`, entities): `origin`, `particle/position`,
-`particle/velocity`, `particle/id`, `exchange/impulse` and `exchange/reaction` as above, and
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `particle/member` | i4 (n,) | index into `CacheIndex.bodies` |
-| `particle/radius` | f4 (n,) | [m] |
-| `particle/spin` | f4 (n, 3) | angular velocity [rad/s] |
-| `field/impulse` | f8 (m, 3) | of force fields over the frame [N s] |
-| `outflow/momentum` | f8 (3,) | carried out of the domain over the frame [N s] |
+What channels there are, and what each holds, is declared in `channels.py`: frames are checked against it when they are written and
+when they are read.
 """
 
 from __future__ import annotations
@@ -123,7 +25,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from .arrays import F64, RigidPose
-from .errors import EvidenceError
+from .channels import CHANNELS, Writer, mismatch, names_written
+from .errors import EngineError, EvidenceError
 from .folder import write_atomically
 
 __all__ = ["DAMAGE", "Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
@@ -313,6 +216,37 @@ class Cache:
         with (self.folder / "digests.txt").open("a", encoding="ascii") as stream:
             stream.write(f"{digest}\n")
 
+    def write(self, frame: int, data: Mapping[str, Any], writers: frozenset[Writer]) -> None:
+        """Write the next frame and its digest.
+
+        Args:
+            frame: its number.
+            data: arrays by channel.
+            writers: what the instance is: it writes just the channels that are declared of these.
+
+        Raises:
+            EngineError: the arrays are not as declared; nothing is written.
+        """
+        promised = names_written(writers)
+        wrong = mismatch(data, self._sizes)
+        if not wrong and data.keys() != promised:
+            more, less = sorted(data.keys() - promised), sorted(promised - data.keys())
+            wrong = f"{more[:3]} is not declared of {sorted(writers)}" if more else f"{less[:3]} is missing"
+        if not wrong and (bad := [n for n in promised if CHANNELS[n].finite and not np.isfinite(data[n]).all()]):
+            wrong = f"{min(bad)!r} is not finite"
+        if wrong:
+            who = f"engine {self.index.engine!r} of instance {self.index.solver!r}"
+            raise EngineError(f"{who}, frame {frame}: {wrong}; see worlds/channels.py")
+        self.add_digest(write_container(self.path(frame), data))
+
+    @cached_property
+    def _sizes(self) -> dict[str, int]:
+        """Sizes of the dimensions whose rows the index names."""
+        index = self.index
+        sizes = {n: len(getattr(index, n)) for n in ("bodies", "joints", "drivers", "deformables")}
+        sizes |= {"boundaries": len(index.colliders), "vertices": sum(index.vertices)}
+        return {**sizes, "pushed": sizes["bodies" if index.engine == "mujoco" else "boundaries"]}
+
     def path(self, frame: int) -> Path:
         """File of one frame."""
         return self.folder / f"frame_{frame:06d}.npz"
@@ -322,8 +256,16 @@ class Cache:
         return all(self.path(k).exists() for k in range(self.index.frames))
 
     def read(self, frame: int, names: Iterable[str] | None = None) -> dict[str, Any]:
-        """Channels of one frame; see `read_container`."""
-        return read_container(self.path(frame), names)
+        """Channels of one frame, all or just `names`.
+
+        Raises:
+            EvidenceError: the frame is missing or damaged, a channel is not in it, or is not as declared in `channels.py`; how many
+                rows there are is for checks to judge.
+        """
+        data = read_container(self.path(frame), names)
+        if wrong := mismatch(data, None):
+            raise EvidenceError(f"frame {frame} of cache {self.folder.name!r}: {wrong}; bake again")
+        return data
 
     def series(self, name: str) -> Any:
         """One channel over all frames, stacked: shape (frames, ...). Only for channels of constant shape.
@@ -394,5 +336,5 @@ class Cache:
         return RigidPose(position, quaternion)
 
     def frame_digest(self, frame: int) -> str:
-        """Digest of one frame's arrays."""
-        return digest_arrays(self.read(frame))
+        """Digest of one frame's arrays, whatever they are."""
+        return digest_arrays(read_container(self.path(frame)))

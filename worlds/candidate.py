@@ -16,17 +16,16 @@ from .arrays import F64, RigidPose, compose, pose_of
 from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .canonical import digest_of, spec_digest
-from .categories.cloth.facts import tears
 from .categories.deforming import Deforming, deforming_of
 from .categories.liquid.surface import LiquidSurface
 from .categories.liquid.wet import WetMap
+from .channels import Channel
 from .coarsening import coarsened, read_overrides
 from .errors import EvidenceError, SpecError
-from .fields import fields_of
 from .folder import WorldFolder, safe_join
 from .patch import parse_spec
-from .records import Quantity
 from .spec import LiquidPhysics, ParticlePhysics, Shot, WorldSpec
+from .writers import writers_of
 
 __all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
 
@@ -85,26 +84,12 @@ class Candidate:
         """Caches of instances of grains and of flying particles."""
         return {n: c for n, c in self.caches.items() if n in self.spec.simulation.particles}
 
-    def written_by(self, quantity: Quantity) -> list[Cache]:
+    def written_by(self, quantity: Channel) -> list[Cache]:
         """Caches of the instances that record a quantity."""
-        liquids = self.liquid_caches
-        surfaces = {n: LiquidSurface(c).files for n, c in liquids.items() if LiquidSurface(c).count() >= c.index.frames}
-        soft = {n: c for n, c in self.rigid_caches.items() if c.index.deformables}
-        cloth = self.cloth_caches
-        broken = {n: c for n, c in self.rigid_caches.items() if c.index.breakables}
-        torn = {n: c for n, c in cloth.items() if any(tears(self.spec, m) for m in self.spec.simulation.cloth[n].members)}
-        of = {
-            "fracture": broken,
-            "rigid": self.rigid_caches,
-            "elastic": soft,
-            "blown": {n: c for n, c in soft.items() if any(fields_of(self.spec, d.split("/")[0]) for d in c.index.deformables)},
-            "liquid": liquids,
-            "surface": surfaces,
-            "cloth": cloth,
-            "tearing": torn,
-            "particles": self.particle_caches,
-        }
-        return [c for category in quantity.of for c in of[category].values()]
+        if "surface" in quantity.of:
+            made = [LiquidSurface(c) for c in self.liquid_caches.values()]
+            return [m.files for m in made if m.count() >= m.cache.index.frames]
+        return [c for n, c in self.caches.items() if writers_of(self.spec, n) & set(quantity.of)]
 
     @cached_property
     def deforming(self) -> dict[str, Deforming]:

@@ -12,7 +12,7 @@ from ...worlds.arrays import F64, U8
 from ...worlds.cache import Cache
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError, InputError
-from ...worlds.records import QUANTITIES
+from ...worlds.channels import QUANTITIES, RECORD
 from ..drawing import Color, distinct_color, line, text, text_size
 
 __all__ = ["DEFAULT_QUANTITIES", "DERIVED", "GRID", "INK", "Panel", "Series", "ledger_series", "plot_ledger", "ticks"]
@@ -44,9 +44,8 @@ class Series:
 
 
 def _record(caches: Sequence[Cache], name: str, count: int) -> F64:
-    """Sum over solver instances; greatest of them for maxima and steps."""
-    stack = np.stack([np.asarray(c.series(f"record/{name}")[:count], dtype=np.float64).reshape(count) for c in caches])
-    return np.asarray(stack.max(0) if "max" in name or name in ("step", "joint_error") else stack.sum(0))
+    """One quantity of all solver instances: their sum, or the extreme of them."""
+    return np.asarray(QUANTITIES[name].combined([c.series(RECORD + name)[:count].reshape(count) for c in caches]))
 
 
 def ledger_series(candidate: Candidate, quantity: str) -> Series:
@@ -191,7 +190,7 @@ def plot_ledger(
 
     Args:
         candidate: a probed or baked candidate.
-        quantities: names of `worlds/records.py` or of `DERIVED`; default energies, momentum, gap and contacts, as
+        quantities: names of `worlds/channels.py` or of `DERIVED`; default energies, momentum, gap and contacts, as
             far as recorded.
         width: pixels.
         height: pixels.

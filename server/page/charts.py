@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ...worlds.cache import Cache
+from ...worlds.channels import QUANTITIES
 from ...worlds.errors import EvidenceError
 from ...worlds.folder import WorldFolder, safe_join
 from ...worlds.ledger import Ledger
-from ...worlds.records import QUANTITIES
 
 __all__ = ["ledger_charts"]
 
@@ -23,8 +23,6 @@ CHARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Contacts", ("contacts_max",)),
     ("Joint gap", ("joint_error",)),
 )
-LARGEST = ("max_speed", "contacts_max", "joint_error")
-"""Quantities of which the largest of all solvers counts, not the sum."""
 MOST_FRAMES = 240
 
 
@@ -66,7 +64,7 @@ def _series(root: Path, stage: Literal["bake", "probe"], stamp: int) -> dict[str
         read = [_records(c, k, names) for c in caches]
         for name in names:
             found = [r[name] for r in read if name in r]
-            values[name].append(None if not found else max(found) if name in LARGEST else sum(found))
+            values[name].append(float(QUANTITIES[name].combined(found)) if found else None)
     charts = [
         {
             "title": title,

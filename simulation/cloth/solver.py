@@ -16,7 +16,7 @@ from ...worlds.categories.cloth.facts import release_time
 from ...worlds.errors import EngineError
 from ..boundaries import BodyState, MovingSurface, Surround
 from ..partner import SolverPartner, motion_records
-from ..protocol import SHORTEST, Channel
+from ..protocol import SHORTEST
 from .energy import bending_energy, edge_ratios, membrane_energy
 from .engine import Cloth
 from .scene import build_scene
@@ -25,22 +25,6 @@ from .tear_log import TearEvent, cause_of, tear_channels, torn_length
 
 __all__ = ["SolverCloth"]
 
-CHANNELS = (
-    Channel("vertex/position", "f8", "m", ("vertices", "3"), "vertex"),
-    Channel("vertex/velocity", "f4", "m/s", ("vertices", "3"), "vertex"),
-    Channel("exchange/impulse", "f8", "N s, N m s", ("boundaries", "6"), "body"),
-)
-TEAR_CHANNELS = (
-    Channel("edge/open", "u1", "1", ("vertices",), "vertex"),
-    Channel("tear/time", "f8", "s", ("tears",), "event"),
-    Channel("tear/corner", "i4", "1", ("tears",), "event"),
-    Channel("tear/point", "f8", "m", ("tears", "3"), "event"),
-    Channel("tear/tension", "f8", "N/m", ("tears",), "event"),
-    Channel("tear/cause", "i4", "1", ("tears",), "event"),
-    Channel("tear/side", "i4", "1", ("sides", "3"), "event"),
-    Channel("tear/triangle", "i4", "1", ("triangles", "2"), "event"),
-    Channel("tear/place", "f8", "m", ("triangles", "3", "3"), "event"),
-)
 SUMS = ("air", "hold", "cut", "solid", "load")
 """What gives momentum to cloth, summed since frame 0."""
 
@@ -220,10 +204,6 @@ class SolverCloth(SolverPartner):
             **(tear_channels(self.scene.pieces, tally["tears"]) if self._tears else {}),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
-
-    def channels(self) -> tuple[Channel, ...]:
-        """What `frame_data` holds, records apart."""
-        return (*CHANNELS, *TEAR_CHANNELS) if self._tears else CHANNELS
 
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""

@@ -12,7 +12,7 @@ from ...worlds.categories.liquid.facts import declares_heat
 from ...worlds.errors import EngineError
 from ..boundaries import BodyState, Surround
 from ..partner import SolverPartner, motion_records
-from ..protocol import SHORTEST, Channel
+from ..protocol import SHORTEST
 from .engine import Engine, LiquidSetup, StepReport
 from .scene import LiquidScene, build_scene
 
@@ -21,21 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SolverLiquid", "make_engine"]
 
-CHANNELS = (
-    Channel("origin", "f8", "m", ("3",), "frame"),
-    Channel("particle/position", "f4", "m", ("particles", "3"), "particle"),
-    Channel("particle/velocity", "f4", "m/s", ("particles", "3"), "particle"),
-    Channel("particle/id", "i4", "1", ("particles",), "particle"),
-    Channel("particle/fluid", "i4", "1", ("particles",), "particle"),
-    Channel("particle/volume", "f4", "m^3", ("particles",), "particle"),
-    Channel("particle/density", "f4", "kg/m^3", ("particles",), "particle"),
-    Channel("particle/pressure", "f4", "Pa", ("particles",), "particle"),
-    Channel("exchange/impulse", "f8", "N s, N m s", ("boundaries", "6"), "body"),
-    Channel("exchange/reaction", "f8", "N s, N m s", ("boundaries", "6"), "body"),
-    Channel("inflow/mass", "f8", "kg", ("drivers",), "frame"),
-    Channel("outflow/mass", "f8", "kg", ("drivers",), "frame"),
-)
-HEAT = Channel("particle/temperature", "f4", "K", ("particles",), "particle")
 ENGINES = {"dfsph": ("dfsph", "Dfsph"), "flip": ("flip", "Flip")}
 """Folder and class of each engine; its settings are the class's name with `Settings`. Loaded when needed: they compile kernels."""
 DOMAIN = "domain"
@@ -200,10 +185,6 @@ class SolverLiquid(SolverPartner):
             "outflow/mass": np.array(ledger["out"], dtype=np.float64),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
-
-    def channels(self) -> tuple[Channel, ...]:
-        """What `frame_data` holds, records apart."""
-        return (*CHANNELS, HEAT) if declares_heat(self.spec, self.name) else CHANNELS
 
     def driver_names(self) -> tuple[str, ...]:
         """Drivers that channels of flows have a column of."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I32
 from ...worlds.built import TriangleMesh
-from ...worlds.cache import Cache, digest_arrays, write_container
+from ...worlds.cache import Cache, digest_arrays
 from ...worlds.canonical import digest_of, source_digest
 from ...worlds.categories.liquid.surface import LiquidSurface, surface_folder
 from ...worlds.errors import EvidenceError, InputError
@@ -304,7 +304,8 @@ def mesh_surfaces(
         held = walls(frame) if walls is not None else ()
         channels, state = surface_frame(data, settings, dt=1.0 / cache.index.fps, before=state, walls=held)
         channels["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
-        files.add_digest(write_container(files.path(frame), channels))
+        heated = "particle/temperature" in data
+        files.write(frame, channels, frozenset({"surface", "surface heat"} if heated else {"surface"}))
         if progress is not None:
             progress(frame + 1, frames, f"{cache.index.solver}: surface of frame {frame + 1} of {frames}")
         if check is not None:

@@ -99,7 +99,7 @@ def map_wet(
         found = _wet(texels, groups, parts, frame, position[whole], data["particle/fluid"][whole], spacing, up, layer)
         found |= tracks.follow(frame, found)
         found["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
-        files.add_digest(write_container(files.path(frame), found))
+        files.write(frame, found, frozenset({"wet"}))
         if progress is not None:
             progress(frame + 1, frames, f"{cache.index.solver}: wet map of frame {frame + 1} of {frames}")
         if check is not None:

@@ -13,7 +13,6 @@ from ...worlds.arrays import F64
 from ...worlds.fields import Fields, fields_of
 from ..boundaries import BodyState
 from ..partner import SolverPartner, motion_records
-from ..protocol import Channel
 from .energy import Elastic
 
 if TYPE_CHECKING:
@@ -21,19 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FramedParticles", "Taken"]
 
-CHANNELS = (
-    Channel("origin", "f8", "m", ("3",), "frame"),
-    Channel("particle/position", "f4", "m", ("particles", "3"), "particle"),
-    Channel("particle/velocity", "f4", "m/s", ("particles", "3"), "particle"),
-    Channel("particle/spin", "f4", "rad/s", ("particles", "3"), "particle"),
-    Channel("particle/id", "i4", "1", ("particles",), "particle"),
-    Channel("particle/member", "i4", "1", ("particles",), "particle"),
-    Channel("particle/radius", "f4", "m", ("particles",), "particle"),
-    Channel("exchange/impulse", "f8", "N s, N m s", ("boundaries", "6"), "body"),
-    Channel("exchange/reaction", "f8", "N s, N m s", ("boundaries", "6"), "body"),
-    Channel("field/impulse", "f8", "N s", ("members", "3"), "frame"),
-    Channel("outflow/momentum", "f8", "N s", ("3",), "frame"),
-)
 LEDGER = (
     "inflow_mass",
     "inflow_count",
@@ -205,10 +191,6 @@ class FramedParticles(SolverPartner):
             "outflow/momentum": tally["left"].copy(),
             **{f"record/{k}": np.float64(v) for k, v in records.items()},
         }
-
-    def channels(self) -> tuple[Channel, ...]:
-        """What `frame_data` holds, records apart."""
-        return CHANNELS
 
     def driver_names(self) -> tuple[str, ...]:
         """Fields that act on its members."""

@@ -16,7 +16,6 @@ from ...worlds.errors import InputError
 from ...worlds.spec import ElasticPhysics, Pin, WorldSpec
 from ..boundaries import MovingSurface
 from ..elastic import Lattice
-from ..protocol import Channel
 from .contact_law import IMPEDANCE
 from .holds import MOVING
 from .records import velocities
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from .model import RigidModel
 
 __all__ = [
-    "SOFT_CHANNELS",
     "SOLIMP",
     "FlexBody",
     "Flexes",
@@ -39,10 +37,6 @@ __all__ = [
     "pinned_nodes",
 ]
 
-SOFT_CHANNELS = (
-    Channel("vertex/position", "f8", "m", ("vertices", "3"), "vertex"),
-    Channel("vertex/velocity", "f4", "m/s", ("vertices", "3"), "vertex"),
-)
 SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0)
 """MuJoCo `solimp`: constant, so that a contact is the linear law of `contact_law`."""
 NODE_INERTIA = 1e-9

@@ -10,15 +10,12 @@ from ...physics.drag import face_drag
 from ...worlds.arrays import F64
 from ...worlds.errors import EngineError
 from ...worlds.fields import Fields, fields_of
-from ..protocol import Channel
 
 if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from .flex import FlexBody, Flexes
 
-__all__ = ["SOFT_FIELDS", "FlexFields"]
-
-SOFT_FIELDS = Channel("field/soft", "f8", "N s", ("deformables", "3"), "body")
+__all__ = ["FlexFields"]
 
 
 class FlexFields:

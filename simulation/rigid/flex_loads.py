@@ -8,14 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ..protocol import Channel
 
 if TYPE_CHECKING:
     from .flex import FlexBody, Flexes
 
-__all__ = ["SOFT_EXCHANGED", "SoftLoads"]
-
-SOFT_EXCHANGED = Channel("exchange/soft", "f8", "N s, N m s", ("deformables", "6"), "body")
+__all__ = ["SoftLoads"]
 
 
 class SoftLoads:

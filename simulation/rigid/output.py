@@ -7,21 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.cache import CacheIndex
-from .channels import BROKEN, CHANNELS, EXCHANGED, FIELDS
-from .flex import SOFT_CHANNELS
-from .flex_fields import SOFT_FIELDS
-from .flex_loads import SOFT_EXCHANGED
 from .rows import row_velocities
 
 if TYPE_CHECKING:
     from ...worlds.arrays import F64
     from ...worlds.spec import WorldSpec
     from ..fracture import Breakage
-    from ..protocol import Channel
     from .exchange import Exchange
     from .parts import Parts
 
-__all__ = ["channels_of", "frame_channels", "index_of"]
+__all__ = ["frame_channels", "index_of"]
 
 
 def frame_channels(
@@ -52,14 +47,6 @@ def frame_channels(
         **({} if soft is None else {"exchange/soft": soft.impulse.copy()}),
         **(breakage.arrays() if breakage else {}),
     }
-
-
-def channels_of(parts: Parts, breakage: Breakage, exchange: Exchange, *, coupled: bool) -> tuple[Channel, ...]:
-    """What `frame_channels` holds."""
-    soft = () if parts.flexes is None else (*SOFT_CHANNELS, *((SOFT_FIELDS,) if parts.flexes.fields else ()))
-    soft = soft if exchange.soft is None else (*soft, SOFT_EXCHANGED)
-    more = (*((EXCHANGED,) if coupled else ()), *((FIELDS,) if parts.fields else ()))
-    return (*CHANNELS, *soft, *more, *(BROKEN if breakage else ()))
 
 
 def index_of(spec: WorldSpec, parts: Parts, name: str, breakables: tuple[str, ...]) -> CacheIndex:

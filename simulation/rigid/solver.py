@@ -12,12 +12,11 @@ from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import InputError
 from ...worlds.spec import WorldSpec
-from ..protocol import Channel, Intervention, Port, Within, repeated
+from ..protocol import Intervention, Within, repeated
 from .checkpoint import Held, pack, read_state, unpack, write_state
 from .contact_law import set_contact_law
 from .distances import nearest, settle_kinematics
-from .output import channels_of, frame_channels, index_of
-from .ports import ports_of, response
+from .output import frame_channels, index_of
 from .records import velocities
 from .stepper import Stepper
 
@@ -80,11 +79,6 @@ class SolverRigid(Stepper):
         # What partners gave during the preroll is of no frame, as in their own books.
         self._exchange.begin()
         self._finish_frame(0, self.settings.step)
-
-    def max_stable_dt(self) -> float:
-        """Step in which the fastest body crosses the summed skins; at least 20 us [s]."""
-        speed = float(np.linalg.norm(velocities(self.model, self.data)[0], axis=1).max(initial=0.0))
-        return max(2e-5, 2 * self.settings.skin / speed) if speed > 0 else self.settings.step
 
     def advance(self, frame: int, *, tell: Within | None = None) -> None:
         """Advance from frame - 1 to `frame`; a frame whose visible surfaces could overlap at its end is redone finer.
@@ -246,18 +240,6 @@ class SolverRigid(Stepper):
         """Channels and records of the present frame."""
         return self._data
 
-    def channels(self) -> tuple[Channel, ...]:
-        """What `frame_data` holds, records apart."""
-        return channels_of(self._now, self.breakage, self._exchange, coupled=self._coupled)
-
     def index(self) -> CacheIndex:
         """Names behind the channels' rows."""
         return index_of(self.spec, self._now, self.name, self.breakage.names)
-
-    def ports(self) -> tuple[Port, ...]:
-        """Every part of every free body takes wrenches and gives motion."""
-        return ports_of(self.spec, self.built, self.members)
-
-    def respond(self, port: Port, wrench: F64) -> F64:
-        """Acceleration (6,) [linear, angular] of the port's body under a wrench (6,) at its centre of mass."""
-        return response(self.rigid, self.data, self.built[port.entity], port, wrench)

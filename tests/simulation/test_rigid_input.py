@@ -1,7 +1,7 @@
 """What the rigid solver refuses, and that the text says what to do."""
 
 import pytest
-from worldagent.tests.physics.rigid_world import ball, box, entity, floor, solver, world
+from worldagent.tests.physics.rigid_world import ball, box, entity, solver, world
 from worldagent.worlds.errors import InputError
 
 HINGE = {"kind": "hinge", "anchor": (0, 0, 0), "axis": (0, 0, 1)}
@@ -102,26 +102,3 @@ def test_a_special_pair_of_very_many_pieces_is_refused():
         solver(
             world({"a": entity(wheel), "b": entity(wheel, at=(0, 0, 1))}, contacts={"c": {"a": "a", "b": "b", "friction": 0.1}})
         )
-
-
-def test_channels_match_what_is_declared():
-    made = solver(world({"ground": floor(), "a": ball(0.1, at=(0, 0, 0.2)), "b": ball(0.1, at=(1, 0, 0.2))}))
-    made.advance(1)
-    data = made.frame_data()
-    sizes = {"bodies": 2, "joints": 0, "drivers": 0, "pairs": len(data["contact/pair"]), "events": len(data["event/time"])}
-    for channel in made.channels():
-        array = data[channel.name]
-        assert array.dtype.str[1:] == channel.dtype
-        assert array.shape == tuple(sizes.get(n, int(n) if n.isdigit() else -1) for n in channel.shape)
-    from worldagent.worlds.records import QUANTITIES
-
-    assert {f"record/{n}" for n, q in QUANTITIES.items() if "rigid" in q.of} == {k for k in data if k.startswith("record/")}
-
-
-def test_the_response_to_a_wrench_is_newtons():
-    made = solver(world({"a": box(0.1, 0.2, 0.3, mass=2.0)}))
-    import numpy as np
-
-    answer = made.respond(made.ports()[0], np.array([1.0, 2.0, 3.0, 0, 0, 0.5]))
-    assert answer[:3] == pytest.approx([0.5, 1.0, 1.5])
-    assert answer[5] == pytest.approx(0.5 / (2.0 * (0.1**2 + 0.2**2) / 12))

@@ -17,8 +17,8 @@ from worldagent.testing.worlds.small_worlds import ball, box, ground, world
 from worldagent.tests.physics.fracture_world import struck_wall
 from worldagent.workflow import measurements
 from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.channels import QUANTITIES
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.records import QUANTITIES
 from worldagent.worlds.spec import ElasticPhysics, FieldDriver, RigidSettings, WorldSpec
 from worldagent.worlds.spec.fields import WindField
 

@@ -32,27 +32,6 @@ from .story import coverage_of, evidence_problems, graph_problems, shot_problems
 
 __all__ = ["AuditReport", "audit"]
 
-_PARTICLES = frozenset(
-    {f"particle/{n}" for n in ("position", "velocity", "id", "fluid", "volume", "density", "pressure")}
-    | {"origin", "exchange/impulse", "exchange/reaction", "inflow/mass", "outflow/mass"}
-)
-_GRAINS = frozenset(
-    {f"particle/{n}" for n in ("position", "velocity", "spin", "id", "member", "radius")}
-    | {"origin", "exchange/impulse", "exchange/reaction", "field/impulse", "outflow/momentum"}
-)
-ENGINE_CHANNELS: Mapping[str, frozenset[str]] = {
-    "mujoco": frozenset(
-        {"position", "quaternion", "velocity", "angular_velocity", "joint", "contact/pair", "contact/impulse", "contact/min_gap"}
-    ),
-    "dfsph": _PARTICLES,
-    "flip": _PARTICLES,
-    "shell": frozenset({"position", "quaternion", "vertex/position", "vertex/velocity"}),
-    "dem": _GRAINS,
-    "ballistic": _GRAINS,
-}
-"""Evidence each engine of this build writes."""
-BOND_CHANNELS = frozenset({"bond/broken", "break/time", "break/bond", "break/cause"})
-"""Evidence of breakable members."""
 SKIN_SHARE = 0.9
 """Two skins may take at most this share of the contact tolerance: a body placed at two skins must count as touching."""
 SKILL = "skill://world-building/SKILL.md"
@@ -192,7 +171,7 @@ class _Audit:
         """R14-R16, R28, R29: beats in range, owned, checkable, with evidence, causally ordered."""
         text = "beats lie in the sequence, have owners, and their causes are ordered and acyclic"
         self.add("story", text, story_problems(self.spec), group="temporal")
-        unseen = evidence_problems(self.spec, ENGINE_CHANNELS, BOND_CHANNELS)
+        unseen = evidence_problems(self.spec)
         self.add("evidence", "every mandatory predicate has an evaluator and an evidence source", unseen, group="temporal")
 
     def matter(self) -> None:

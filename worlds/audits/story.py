@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..categories.cloth.facts import tears
-from ..categories.liquid.facts import declares_heat
 from ..categories.registry import CATEGORIES
+from ..channels import names_written
 from ..drivers import deed, to_declare, undeclared
 from ..errors import EvidenceError
 from ..fields import acting_on
@@ -17,13 +16,12 @@ from ..predicates.registry import PREDICATES
 from ..problems import Problem, removed, replaced
 from ..references import cycle_in, kinds_of, mentions_joint
 from ..spec import FieldDriver, SpecModel, Supports, WorldSpec
+from ..writers import writers_of
 
 __all__ = ["STARTED", "coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
 
 STARTED = 1e-3
 """[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
-TEAR_CHANNELS = frozenset({"edge/open", "tear/corner", "tear/side", "tear/cause"})
-"""Evidence of cloth that can tear."""
 
 
 def story_problems(spec: WorldSpec) -> list[Problem]:
@@ -122,24 +120,13 @@ def uncaused(spec: WorldSpec) -> str | None:
     return text + f'say which beat brings about which, such as "causes": ["{first}"] in /story/beats/{last}, if that is so'
 
 
-def evidence_problems(spec: WorldSpec, written: Mapping[str, frozenset[str]], bonds: frozenset[str]) -> list[Problem]:
-    """R29: what predicates read is written by an engine in use.
-
-    Args:
-        spec: the specification.
-        written: channels per engine.
-        bonds: channels of breakable members.
-    """
-    plan, problems = spec.simulation, []
-    channels = frozenset().union(*(written.get(s.engine, frozenset()) for s in plan.solvers.values()))
-    channels |= bonds if any(e.breakable is not None for e in spec.entities.values()) else frozenset()
-    channels |= {"particle/temperature"} if any(declares_heat(spec, n) for n in plan.liquid) else frozenset()
-    # Elastic members and cloth make their instances write vertices.
-    soft = {n for n, e in spec.entities.items() if e.physics.category in ("elastic", "cloth")}
-    if any(soft & set(s.members) for s in plan.solvers.values()):
-        channels |= {"vertex/position", "vertex/velocity"}
-    if any(tears(spec, n) for s in plan.cloth.values() for n in s.members):
-        channels |= TEAR_CHANNELS
+def evidence_problems(spec: WorldSpec) -> list[Problem]:
+    """R29: what predicates read is written by an engine in use."""
+    problems = []
+    solvers = spec.simulation.solvers
+    channels = frozenset().union(*(names_written(writers_of(spec, name)) for name in solvers))
+    if spec.simulation.cloth:
+        channels |= {"position", "quaternion"}  # sheets have no bodies, but predicates of poses measure their vertices
     for place, predicate in _said(spec):
         missing = [c for k in kinds_of(predicate) for c in PREDICATES[k].channels if c not in channels]
         if missing:

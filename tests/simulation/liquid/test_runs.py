@@ -16,14 +16,13 @@ from worldagent.simulation.runs import groups_of, make_run
 from worldagent.simulation.schedule import run_frames
 from worldagent.simulation.variants import run_variant, simulated
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
-from worldagent.worlds.audits.audit import ENGINE_CHANNELS
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.categories.liquid.surface import LiquidSurface
+from worldagent.worlds.channels import names_written
 from worldagent.worlds.errors import EngineError, EvidenceError, InputError
 from worldagent.worlds.patch import apply_patch, parse_spec
-from worldagent.worlds.records import QUANTITIES
 from worldagent.worlds.spec import WorldSpec
 
 FRAMES = 14
@@ -84,8 +83,7 @@ def test_intervals_replay_from_their_checkpoints_by_the_byte(baked: Candidate) -
 def test_the_cache_holds_what_was_promised(baked: Candidate) -> None:
     cache = baked.liquid_caches["water"]
     frame = cache.read(FRAMES - 1)
-    assert set(frame) >= ENGINE_CHANNELS["dfsph"]
-    assert {f"record/{n}" for n, q in QUANTITIES.items() if "liquid" in q.of} == {n for n in frame if n.startswith("record/")}
+    assert set(frame) == names_written(frozenset({"liquid"}))
     assert cache.index.bodies == ("water",)
     assert cache.index.colliders == ("crate/body", "tank/body")
     count = len(frame["particle/id"])

@@ -17,8 +17,8 @@ from worldagent.worlds.arrays import F64
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.categories.liquid.surface import LiquidSurface, mesh_of
+from worldagent.worlds.channels import QUANTITIES
 from worldagent.worlds.errors import EvidenceError, InputError
-from worldagent.worlds.records import QUANTITIES
 
 S = 0.02
 """Spacing of the particles [m]."""

@@ -12,6 +12,7 @@ from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, 
 from worldagent.verifiers.story.phases import check, find_phases
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.channels import CHANNELS
 from worldagent.worlds.predicates import Contact, Displacement, Speed
 from worldagent.worlds.spec import (
     Beat,
@@ -44,7 +45,7 @@ def write(folder: Path, index: CacheIndex, channels: dict[str, Any]) -> Cache:
     cache = Cache(folder)
     cache.write_index(index)
     for k in range(index.frames):
-        write_container(cache.path(k), {n: np.asarray(v[k]) for n, v in channels.items()})
+        write_container(cache.path(k), {n: np.asarray(v[k], dtype=CHANNELS[n].type) for n, v in channels.items()})
     return cache
 
 

@@ -1,23 +1,7 @@
 """Surfaces of a liquid instance: closed meshes, spray and foam per frame, beside the particles they were made of.
 
-They stand in `surface/` in the folder of the instance's cache, one container per frame, and are a cache of their own. Positions are relative to `origin`,
-which is that of the particles.
-
-| channel | dtype, shape | meaning |
-|---|---|---|
-| `origin` | f8 (3,) | [m] |
-| `source` | u1 (32,) | digest of the particles' container |
-| `surface/vertices` | f4 (v, 3) | closed meshes, outward, of all liquids [m] |
-| `surface/faces` | i4 (m, 3) | |
-| `surface/fluid` | i4 (m,) | index into `CacheIndex.bodies` |
-| `surface/velocity` | f4 (v, 3) | of the liquid [m/s] |
-| `surface/temperature` | f4 (v,) | [K]; only where particles have one |
-| `spray/position`, `spray/velocity` | f4 (s, 3) | particles apart from the liquid, left out of the meshes |
-| `spray/volume`, `spray/fluid`, `spray/id` | f4, i4, i4 (s,) | |
-| `spray/temperature` | f4 (s,) | [K]; only where particles have one |
-| `foam/position` | f4 (f, 3) | bubbles on the surface; they carry no mass |
-| `foam/id`, `foam/amount` | i4, f4 (k,) | particles that carry foam, 0..1: the state that the next frame continues from |
-| `record/surface_volume`, ... | f8 () | quantities of `worlds/records.py` |
+They stand in `surface/` in the folder of the instance's cache, one container per frame, and are a cache of their own. Positions are
+relative to `origin`, which is that of the particles. `worlds/channels.py` says what the channels hold.
 """
 
 from __future__ import annotations

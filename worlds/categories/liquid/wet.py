@@ -6,19 +6,9 @@ long in all and how deep at most follows from the frames. Drying is a declared l
 fades as exp(-t / drying), with `appearance.drying` of the liquid's material. Tracks are one too: where a surface with a film meets
 another, the film splits and each keeps half of both (the usual ratio of ink between smooth faces, Walker and Fetsko 1955).
 
-| file | channel | dtype, shape | meaning |
-|---|---|---|---|
-| `texels.npz` | `texel/position` | f4 (t, 3) | on the visible surface, in the frame of its body [m] |
-| | `texel/normal` | f4 (t, 3) | outward |
-| | `texel/area` | f4 (t,) | that it stands for [m^2] |
-| | `texel/part` | i4 (t,) | index into `parts` of `wet.json` |
-| `frame_*.npz` | `wet/texel` | i4 (w,) | those with liquid within `touch` on their outer side, ascending |
-| | `wet/depth` | f4 (w,) | of each under the top of the liquid that it touches, along gravity [m] |
-| | `wet/fluid` | i4 (w,) | index into `CacheIndex.bodies` of what it touches |
-| | `track/texel` | i4 (k,) | those whose film changed by contact with another surface since the frame before, ascending |
-| | `track/film` | f4 (k,) | amount of film that they have then, 1 under liquid |
-| | `track/fluid` | i4 (k,) | index into `CacheIndex.bodies` of what the film is of |
-| | `source` | u1 (32,) | digest of the particles' container |
+`worlds/channels.py` says what the channels of a frame hold. Those of `texels.npz`: `texel/position` on the visible surface in the frame
+of its body [m] and outward `texel/normal`, f4 (t, 3); `texel/area` that it stands for [m^2], f4 (t,); `texel/part`, i4 (t,), index into
+`parts` of `wet.json`.
 """
 
 from __future__ import annotations

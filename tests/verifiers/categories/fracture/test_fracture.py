@@ -229,7 +229,7 @@ def test_pieces_that_still_hold_together_are_one_lump_of_debris(run: Candidate, 
     def part(whole: bool) -> Callable[[int, Channels], None]:
         def change(frame: int, data: Channels) -> None:
             if frame == 1:
-                data["bond/broken"] = np.isin(ends, pair).any(axis=1)
+                data["bond/broken"] = np.isin(ends, pair).any(axis=1).astype(np.uint8)
                 data["bond/broken"][held] = not whole
                 data["position"][frames.rows[pair], 2] += 1.0
 
@@ -252,7 +252,7 @@ def test_debris_counts_what_fell_from_where_it_is_asked_for(run: Candidate, tmp_
 
     def change(frame: int, data: Channels) -> None:
         if frame == 1:
-            data["bond/broken"] = np.isin(frames.bonds.pieces, [upper, lower]).any(axis=1)
+            data["bond/broken"] = np.isin(frames.bonds.pieces, [upper, lower]).any(axis=1).astype(np.uint8)
             data["position"][frames.rows[upper], 2] -= 1.0
             data["position"][frames.rows[lower], 1] += 1.0
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.built import BuiltEntity
+from ..worlds.candidate import Candidate, open_candidate, recorded_inputs
 from ..worlds.folder import WorldFolder
-from .probe import recorded_inputs
 from .schedule import run_frames
 
 __all__ = ["run_bake"]
@@ -16,16 +16,17 @@ def run_bake(
     folder: WorldFolder,
     freeze: str,
     *,
+    built: Mapping[str, BuiltEntity] | None = None,
     progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
     reuse: bool = True,
 ) -> Candidate:
     """Bake every frame of a freeze, resuming from its last checkpoint, and open it for checking.
 
-    `reuse` lets a liquid take its frames from another candidate with the same recipe.
+    `built` are entities at hand, which need not be read again (`recorded_inputs`). `reuse` lets a liquid take its frames from another candidate with the same recipe.
     """
-    spec, built = recorded_inputs(folder, freeze)
+    spec, found = recorded_inputs(folder, freeze, built)
     run_frames(
-        spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, progress=progress, check=check, reuse=reuse
+        spec, found, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, progress=progress, check=check, reuse=reuse
     )
-    return open_candidate(folder, freeze, "full")
+    return open_candidate(folder, freeze, "full", found)

@@ -11,19 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from ..worlds.built import BuiltEntity, load_built
+from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, digest_arrays
-from ..worlds.candidate import Candidate, open_candidate
+from ..worlds.candidate import Candidate, open_candidate, recorded_inputs
 from ..worlds.coarsening import coarsened, read_overrides, write_overrides
-from ..worlds.errors import EngineError, EvidenceError, SpecError
-from ..worlds.folder import WorldFolder, safe_join
-from ..worlds.patch import parse_spec
+from ..worlds.errors import EngineError, EvidenceError
+from ..worlds.folder import WorldFolder
 from ..worlds.spec import WorldSpec
 from .protocol import Solver
 from .runs import Run, groups_of, make_run
 from .schedule import checkpoint_frames, checkpoint_path, run_frames
 
-__all__ = ["positions_of", "probe_frames", "recorded_inputs", "replay", "run_probe"]
+__all__ = ["positions_of", "probe_frames", "replay", "run_probe"]
 
 SETTLING_SECONDS = 0.75
 """Simulated after the last beat's end, so that early settling can be seen [s]."""
@@ -43,22 +42,23 @@ def run_probe(
     folder: WorldFolder,
     freeze: str,
     *,
+    built: Mapping[str, BuiltEntity] | None = None,
     overrides: Mapping[str, float] | None = None,
     progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
 ) -> Candidate:
     """Run the probe of a freeze and open it for checking.
 
-    `overrides` are settings that it leaves coarser than production (`worlds/coarsening.py`); frames of a probe with others go.
+    `built` are entities at hand, which need not be read again (`recorded_inputs`). `overrides` are settings that it leaves coarser than production (`worlds/coarsening.py`); frames of a probe with others go.
     """
-    spec, built = recorded_inputs(folder, freeze)
+    spec, found = recorded_inputs(folder, freeze, built)
     root, wanted = folder.candidate(freeze) / "probe", dict(overrides or {})
     spec = coarsened(spec, wanted)
     if _recorded(root) != wanted:
         _discard(root)
         write_overrides(root, wanted)
-    run_frames(spec, built, root, frames=probe_frames(spec), progress=progress, check=check)
-    return open_candidate(folder, freeze, "probe")
+    run_frames(spec, found, root, frames=probe_frames(spec), progress=progress, check=check)
+    return open_candidate(folder, freeze, "probe", found)
 
 
 def _discard(root: Path) -> None:
@@ -75,16 +75,6 @@ def _recorded(root: Path) -> dict[str, float] | None:
         return read_overrides(root)
     except EvidenceError:
         return None
-
-
-def recorded_inputs(folder: WorldFolder, freeze: str) -> tuple[WorldSpec, dict[str, BuiltEntity]]:
-    """Specification and geometry that a freeze recorded."""
-    record = folder.read_json(folder.candidate(freeze) / "candidate.json")
-    try:
-        spec, files = parse_spec(record["spec"]), {name: str(file) for name, (file, _) in record["built"].items()}
-    except (SpecError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise EvidenceError(f"candidate.json of {freeze[:16]!r} is damaged ({error}); call probe_sim again") from error
-    return spec, {name: load_built(safe_join(folder.root, file)) for name, file in files.items()}
 
 
 def replay(

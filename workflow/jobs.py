@@ -6,7 +6,7 @@ import dataclasses
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ..execution import JobContext, Part
 from ..worlds.canonical import spec_digest
@@ -19,6 +19,7 @@ from .rows import summary
 from .session import Session
 
 if TYPE_CHECKING:
+    from ..worlds.built import BuiltEntity
     from ..worlds.candidate import Candidate
 
 __all__ = ["accept", "bake", "check", "final", "probe", "terrain"]
@@ -60,15 +61,30 @@ def _failing(rows: list[Row], last: int) -> list[str]:
     return [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified") and r.id not in later]
 
 
-def _session(payload: dict[str, Any]) -> tuple[Session, str]:
-    """The world, and the freeze of its present specification written to its candidate folder."""
+class _Work(NamedTuple):
+    """The world of a job; its geometry is read or built once, here."""
+
+    session: Session
+    freeze: str
+    """Of its present specification, written to its candidate folder."""
+    built: dict[str, BuiltEntity]
+
+    def candidate(self, stage: Literal["probe", "full"]) -> Candidate:
+        """The caches of the freeze; errors as `open_candidate`."""
+        from ..worlds.candidate import open_candidate
+
+        return open_candidate(self.session.folder, self.freeze, stage, self.built)
+
+
+def _work(payload: dict[str, Any]) -> _Work:
+    """Open the world of a job."""
     from ..construction import build_world, built_paths
     from ..simulation.freeze import open_freeze
 
     session = Session.at(WorldFolder.at(Path(payload["folder"])))
     built, _ = build_world(session.folder, session.spec)
     files = built_paths(session.folder, session.spec)
-    return session, open_freeze(session.folder, session.spec, built, files, session.revision)
+    return _Work(session, open_freeze(session.folder, session.spec, built, files, session.revision), built)
 
 
 def _sheet(candidate: Any, folder: WorldFolder, name: str) -> str:
@@ -109,14 +125,14 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..verifiers.story.phases import find_phases
     from ..worlds.coarsening import overrides_for
 
-    session, freeze = _session(payload)
+    session, freeze, built = _work(payload)
     total, known = probe_frames(session.spec), session.ledger.freeze(freeze)
     split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
     pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
     coarser = float(payload.get("coarser") or 1.0)
     overrides = overrides_for(session.spec, coarser)
     started, seconds = time.monotonic(), {}
-    candidate = run_probe(session.folder, freeze, overrides=overrides, progress=pace, check=context.check)
+    candidate = run_probe(session.folder, freeze, built=built, overrides=overrides, progress=pace, check=context.check)
     if pace.reports >= total * len(groups_of(session.spec)):
         seconds["simulated"] = time.monotonic() - started
     candidate = _keeping(candidate, session.folder, freeze)
@@ -187,7 +203,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .measurements import refuted
     from .promises import promise_row
 
-    session, freeze = _session(payload)
+    session, freeze, built = _work(payload)
     record = session.ledger.freeze(freeze)
     if record is None or not record["passed"]:
         raise RefusedError(
@@ -204,7 +220,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     split = 1.0 - judging_share(session.spec, "full")
     part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
-    candidate = run_bake(session.folder, freeze, progress=part, check=context.check, reuse=not forged)
+    candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged)
     rows = run_checks(candidate, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
@@ -231,11 +247,11 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..verifiers.checks import names_of, rerun_ids, run_checks
     from ..verifiers.delivery.binding import cache_row
     from ..worlds.baked import bake_record
-    from ..worlds.candidate import open_candidate
 
-    session, freeze = _session(payload)
+    work = _work(payload)
+    session, freeze = work.session, work.freeze
     stage = payload["scope"]
-    candidate = open_candidate(session.folder, freeze, stage)
+    candidate = work.candidate(stage)
     if stage == "probe":
         candidate = _keeping(candidate, session.folder, freeze)
     rows = run_checks(candidate, only=payload.get("only"), progress=Part(context.progress))
@@ -267,10 +283,10 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..verifiers.acceptance import judge_fresh
     from .bundles import remember_refuted
 
-    session, freeze = _session(payload)
+    session, freeze, built = _work(payload)
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
-    require_true_geometry(session)
+    require_true_geometry(session, built)
     context.progress(0, 1, "a fresh process judges the candidate")
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
     if record["spec_digest"] != spec_digest(session.spec):
@@ -318,15 +334,14 @@ def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
     return {**found, "bundle": folder.relative(written.path), "bundle_digest": written.digest}
 
 
-def require_true_geometry(session: Session) -> None:
+def require_true_geometry(session: Session, built: Mapping[str, BuiltEntity]) -> None:
     """Build every entity again and compare: a built file that was replaced before the probe hashes like any other.
 
     Raises:
         EvidenceError: one differs from what the specification gives; it is moved aside.
     """
-    from ..construction import build_entity, build_world, built_paths
+    from ..construction import build_entity, built_paths
 
-    built, _ = build_world(session.folder, session.spec)
     files = built_paths(session.folder, session.spec)
     for name, found in built.items():
         if build_entity(session.spec, name, session.folder.assets).digest() != found.digest():
@@ -359,11 +374,11 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
 def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Render the final sequence of an accepted candidate to frames and a video."""
     from ..rendering import render_sequence, write_video
-    from ..worlds.candidate import open_candidate
 
-    session, freeze = _session(payload)
+    work = _work(payload)
+    session, freeze = work.session, work.freeze
     require_acceptance(session, freeze)
-    candidate = open_candidate(session.folder, freeze, "full")
+    candidate = work.candidate("full")
     for cache in candidate.caches.values():
         digests = cache.digests()
         altered = next((k for k in range(cache.index.frames) if cache.frame_digest(k) != digests[k]), None)

@@ -19,7 +19,7 @@ from typing import Any
 
 from ..worlds.audits.audit import audit
 from ..worlds.bundle import Bundle, open_bundle
-from ..worlds.candidate import open_candidate
+from ..worlds.candidate import open_candidate, recorded_inputs
 from ..worlds.canonical import spec_digest
 from ..worlds.environment import environment
 from ..worlds.errors import EvidenceError, WorldAgentError
@@ -231,7 +231,6 @@ def untrue_geometry(folder: WorldFolder, spec: WorldSpec, known: Mapping[str, An
 
 def _bake_again(found: Verification, folder: WorldFolder, freeze: str) -> None:
     """Simulate the whole motion, whose frames the bundle holds by digest only, and compare with its digests."""
-    from ..simulation.probe import recorded_inputs
     from ..simulation.schedule import run_frames
     from ..worlds.cache import Cache
 

@@ -12,6 +12,7 @@ import io
 import json
 import zipfile
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,10 @@ class BuiltEntity:
 
     def digest(self) -> str:
         """SHA-256 over the content (not the recipe), hex."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
         return hashlib.sha256(_encode(self, with_recipe=False)).hexdigest()
 
 

@@ -27,7 +27,7 @@ from .patch import parse_spec
 from .spec import LiquidPhysics, ParticlePhysics, Shot, WorldSpec
 from .writers import writers_of
 
-__all__ = ["Candidate", "Stage", "cache_digest", "open_candidate"]
+__all__ = ["Candidate", "Stage", "cache_digest", "open_candidate", "recorded_inputs"]
 
 Stage = Literal["static", "probe", "full"]
 T = TypeVar("T")
@@ -288,8 +288,15 @@ def cache_digest(caches: Mapping[str, Cache], frames: Mapping[str, Sequence[str]
     return state.hexdigest()
 
 
-def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "full"]) -> Candidate:
-    """Open the caches of a freeze from its own record, without building anything.
+def recorded_inputs(
+    folder: WorldFolder, freeze: str, built: Mapping[str, BuiltEntity] | None = None
+) -> tuple[WorldSpec, dict[str, BuiltEntity]]:
+    """Specification and geometry that a freeze recorded.
+
+    Args:
+        folder: the world.
+        freeze: which.
+        built: entities at hand: one whose content is the recorded one is not read again.
 
     Raises:
         EvidenceError: something recorded is missing, damaged or altered.
@@ -307,19 +314,29 @@ def open_candidate(folder: WorldFolder, freeze: str, stage: Literal["probe", "fu
         raise EvidenceError(f"the specification in candidate.json of {root.name!r} is damaged; call probe_sim again")
     if not files.keys() <= spec.entities.keys():
         raise EvidenceError(f"candidate.json of {root.name!r} is damaged: it names what is no entity; call probe_sim again")
-    built = {}
+    found = {}
     for entity, (file, digest) in files.items():
-        built[entity] = load_built(safe_join(folder.root, file))
-        if built[entity].digest() != digest:
+        at_hand = (built or {}).get(entity)
+        path = safe_join(folder.root, file)
+        found[entity] = at_hand if at_hand is not None and at_hand.digest() == digest else load_built(path)
+        if found[entity].digest() != digest:
             raise EvidenceError(f"built entity {entity!r} was altered since the freeze; call place_object, then probe again")
-    where = root / ("probe" if stage == "probe" else "bake")
+    return spec, found
+
+
+def open_candidate(
+    folder: WorldFolder, freeze: str, stage: Literal["probe", "full"], built: Mapping[str, BuiltEntity] | None = None
+) -> Candidate:
+    """Open the caches of a freeze from its own record, without building anything; errors and `built` as `recorded_inputs`."""
+    spec, found = recorded_inputs(folder, freeze, built)
+    where = folder.candidate(freeze) / ("probe" if stage == "probe" else "bake")
     if stage == "probe":
         spec = coarsened(spec, read_overrides(where))
     caches = {name: Cache(where / name) for name in spec.simulation.solvers}
     return Candidate(
         folder=folder.root,
         spec=spec,
-        built=built,
+        built=found,
         stage=stage,
         caches=caches,
         artifact=folder.relative(where),

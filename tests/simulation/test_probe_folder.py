@@ -32,7 +32,7 @@ def test_frames_of_a_coarser_probe_never_pass_for_those_of_another(tmp_path: Pat
     def run(spec: WorldSpec, built: Any, where: Path, **_: Any) -> None:
         found.append(sorted(p.name for p in where.rglob("frame_*")))
 
-    monkeypatch.setattr(probe, "recorded_inputs", lambda folder, freeze: (spec, {}))
+    monkeypatch.setattr(probe, "recorded_inputs", lambda folder, freeze, built=None: (spec, {}))
     monkeypatch.setattr(probe, "run_frames", run)
     monkeypatch.setattr(probe, "open_candidate", lambda *_: None)
     remove = shutil.rmtree

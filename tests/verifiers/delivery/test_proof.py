@@ -69,7 +69,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     session = Session.open(tmp_path, "w")
     session.ledger.put_bake("f" * 64, 1, "d", {})
     monkeypatch.setattr(jobs, "_session", lambda payload: (session, "f" * 64))
-    monkeypatch.setattr(jobs, "require_true_geometry", lambda session: None)
+    monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
     monkeypatch.setattr(
         "worldagent.verifiers.acceptance.judge_fresh",
         lambda *_, **__: {"spec_digest": "of another", "rows": [], "verdict": "accepted", "subject": "s", "freeze": "f" * 64},

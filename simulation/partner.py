@@ -18,7 +18,7 @@ from ..worlds.errors import EngineError, InputError
 from .bodies import CacheMotion, resting
 from .boundaries import BodyState, Surround
 from .protocol import SHORTEST, Intervention, Within, stepping
-from .sealed import seal, unseal
+from .sealed import Stamp, seal, unseal
 
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
@@ -44,8 +44,6 @@ class SolverPartner(ABC):
         recipe: hash of everything that decides its motion, for the cache's index.
     """
 
-    MAGIC = b""
-    """Of its checkpoints."""
     KIND = ""
     """Of the instance, for messages."""
     REMEDY = ""
@@ -200,7 +198,10 @@ class SolverPartner(ABC):
     # ------------------------------------------------------------------ state
 
     def _bytes(self) -> bytes:
-        return seal(self.MAGIC, self._ledger, self.pack())
+        return seal(self._stamp(self.frame), self._ledger, self.pack())
+
+    def _stamp(self, frame: int) -> Stamp:
+        return Stamp(self.instance.engine, self.name, frame)
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes."""
@@ -212,15 +213,13 @@ class SolverPartner(ABC):
         """Continue from a checkpoint taken at `frame`.
 
         Raises:
-            EngineError: the bytes are damaged, or not a checkpoint of this instance.
+            EngineError: the bytes are damaged, or not a checkpoint of this instance at this frame.
         """
-        ledger, held = unseal(self.MAGIC, state, frame, self.KIND)
-        if _form(ledger) != _form(self._ledger):
-            raise EngineError(
-                f"the checkpoint of frame {frame} belongs to another {self.KIND} instance than {self.name!r}; "
-                "delete the candidate's checkpoints and bake again"
-            )
-        self.unpack(held)
+        ledger, held = unseal(self._stamp(frame), state)
+        with self._stamp(frame).fits():
+            if _form(ledger) != _form(self._ledger):
+                raise ValueError(f"it has sums {_form(ledger)}, not {_form(self._ledger)}")
+            self.unpack(held)
         self._ledger, self.frame = ledger, frame
 
     # ------------------------------------------------------------------ output

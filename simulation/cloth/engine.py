@@ -12,6 +12,7 @@ from ...geometry.launch import chosen_device, warp
 from ...worlds.arrays import F64, I32
 from ...worlds.errors import EngineError
 from ..passes import Passes
+from ..sealed import from_bytes, to_bytes
 from . import force_kernels as forces
 from . import step_kernels as steps
 from .contacts import Contacts
@@ -422,22 +423,22 @@ class Cloth:
     def checkpoint(self) -> bytes:
         """The full state of the sheets."""
         x, v = self.vertices()
-        return np.concatenate([x, v]).astype("<f8").tobytes()
+        return to_bytes({"x": x, "v": v})
 
     def restore(self, state: bytes) -> None:
         """Continue from a checkpoint; solids come with the next step.
 
         Raises:
-            EngineError: the bytes are of another cloth.
+            EngineError: these are not the bytes of such a checkpoint.
+            ValueError: it is of another cloth.
         """
-        values = np.frombuffer(state, dtype="<f8")
-        if len(values) != 6 * self.n:
-            raise EngineError("checkpoint belongs to another cloth; delete the candidate's checkpoints and bake again")
-        both = values.reshape(2, self.n, 3)
+        found = from_bytes(state, ("x", "v"))
+        if len(found["x"]) != self.n:
+            raise ValueError(f"{len(found['x'])} vertices for a cloth of {self.n}")
         whole = self.x.numpy().copy()
-        whole[: self.n] = both[0]
+        whole[: self.n] = found["x"]
         self.x.assign(whole)
-        self.v.assign(both[1])
+        self.v.assign(found["v"])
         self._known = False
         self._patience.restart()
         self._last_span = 0.0

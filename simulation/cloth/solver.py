@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
 from ...worlds.categories.cloth.facts import release_time
-from ...worlds.errors import EngineError
 from ..boundaries import BodyState, MovingSurface, Surround
 from ..partner import SolverPartner, motion_records
 from ..protocol import SHORTEST
+from ..sealed import from_bytes, to_bytes
 from .energy import bending_energy, edge_ratios, membrane_energy
 from .engine import Cloth
 from .scene import build_scene
@@ -32,7 +32,6 @@ SUMS = ("air", "hold", "cut", "solid", "load")
 class SolverCloth(SolverPartner):
     """One cloth instance."""
 
-    MAGIC = b"WACL1"
     KIND = "cloth"
     REMEDY = "shorten max_step"
     PASSES = True
@@ -139,15 +138,15 @@ class SolverCloth(SolverPartner):
     # ------------------------------------------------------------------ state
 
     def pack(self) -> bytes:
-        """State of the engine, after the sides that are open."""
-        return self._opened().tobytes() + self.engine.checkpoint()
+        """State of the engine, and the sides that are open."""
+        return to_bytes({"opened": self._opened(), "engine": np.frombuffer(self.engine.checkpoint(), dtype=np.uint8)})
 
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
-        opened = self._opened()
-        wanted = np.frombuffer(state[: len(opened)], dtype=np.uint8)
-        if len(wanted) < len(opened):
-            raise EngineError("checkpoint belongs to another cloth; delete the candidate's checkpoints and bake again")
+        found, opened = from_bytes(state, ("opened", "engine")), self._opened()
+        wanted = found["opened"]
+        if len(wanted) != len(opened):
+            raise ValueError(f"{len(wanted)} sides for a cloth of {len(opened)}")
         if not np.array_equal(opened, wanted):
             start = 0
             for piece in self.scene.pieces:
@@ -156,7 +155,7 @@ class SolverCloth(SolverPartner):
                     start += len(piece.rest)
             self.scene = self.scene.laid()
             self.engine = Cloth(self.scene.setup)
-        self.engine.restore(state[len(opened) :])
+        self.engine.restore(found["engine"].tobytes())
 
     def _opened(self) -> NDArray[np.uint8]:
         """Which sides are open, of all parts that can tear."""

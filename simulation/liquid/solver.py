@@ -45,7 +45,6 @@ def make_engine(instance: LiquidInstance, setup: LiquidSetup) -> Engine:
 class SolverLiquid(SolverPartner):
     """One liquid instance."""
 
-    MAGIC = b"WALQ1"
     KIND = "liquid"
     REMEDY = "shorten max_step or cfl"
 

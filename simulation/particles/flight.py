@@ -6,8 +6,6 @@ the bodies' surfaces in their own frames, at their places at its start and at it
 
 from __future__ import annotations
 
-import io
-import zipfile
 from typing import Any
 
 import numpy as np
@@ -15,8 +13,8 @@ import numpy as np
 from ...geometry.launch import chosen_device, launch, warp
 from ...physics.drag import Medium, sphere_drag_rate
 from ...worlds.arrays import F64
-from ...worlds.errors import EvidenceError
 from ..boundaries import BodyState, Surround
+from ..sealed import from_bytes, to_bytes
 from .frames import FramedParticles, Taken
 from .scatter import emitted, scattered
 from .scene import surround_for
@@ -31,8 +29,6 @@ FREE = -1
 
 class SolverFlight(FramedParticles):
     """Sparks, dust, rain, ash."""
-
-    MAGIC = b"WABA1"
 
     @property
     def surround(self) -> Surround:
@@ -264,22 +260,12 @@ class SolverFlight(FramedParticles):
 
     def pack(self) -> bytes:
         """State of the engine."""
-        out = io.BytesIO()
         counts = np.array([self.out[k] for k in self.emitters], dtype=np.int64)
-        np.savez(out, **self.now, out=counts, next_identity=np.int64(self.next_identity))
-        return out.getvalue()
+        return to_bytes({**self.now, "out": counts, "next_identity": np.int64(self.next_identity)})
 
     def unpack(self, state: bytes) -> None:
-        """Continue from such a state.
-
-        Raises:
-            EvidenceError: these are not the bytes of such a state.
-        """
-        try:
-            with np.load(io.BytesIO(state), allow_pickle=False) as data:
-                found = {name: data[name] for name in data.files}
-            self.now = {name: found[name] for name in FIELDS}
-            self.out = dict(zip(self.emitters, map(int, found["out"]), strict=True))
-            self.next_identity = int(found["next_identity"])
-        except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-            raise EvidenceError(f"the checkpoint of flying particles cannot be read ({error}); start from frame 0") from error
+        """Continue from such a state."""
+        found = from_bytes(state, (*FIELDS, "out", "next_identity"))
+        self.now = {name: found[name] for name in FIELDS}
+        self.out = dict(zip(self.emitters, map(int, found["out"]), strict=True))
+        self.next_identity = int(found["next_identity"])

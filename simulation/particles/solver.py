@@ -23,8 +23,6 @@ COLLISION_SHARE = 8.0
 class SolverGrains(FramedParticles):
     """Grains with Hertz-Mindlin contacts."""
 
-    MAGIC = b"WADE1"
-
     @property
     def surround(self) -> Surround:
         """The bodies that it meets."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...geometry.launch import warp
-from ...worlds.errors import EvidenceError
+from ..sealed import from_bytes, to_bytes
 from .grain_kernels import MET
 from .lists import FIELDS
 
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["pack", "unpack"]
 
-FORMAT = 2
 KEPT = ("place", "left", "motion", "spin", "rest", "rest_spin", "identity")
 
 
@@ -45,31 +42,22 @@ def pack(engine: Grains) -> bytes:
             kept = np.abs(p.way[:m].numpy()).any(axis=(1, 2))
             pair = np.stack([p.grain[:m].numpy(), p.body[:m].numpy()], axis=1)[kept]
             way, wall_spring, wall_roll, depth = (x[:m].numpy()[kept] for x in (p.way, p.spring, p.roll, p.depth))
-    out = io.BytesIO()
-    np.savez(
-        out, **found, grain=grain, other=other, spring=spring, roll=roll, pair=pair, way=way, wall_spring=wall_spring,
-        wall_roll=wall_roll, wall_depth=depth, time=np.float64(engine.time), speed=np.float64(engine.speed), format=np.int64(FORMAT),
-    )  # fmt: skip
-    return out.getvalue()
+    contacts = {"grain": grain, "other": other, "spring": spring, "roll": roll}
+    walls = {"pair": pair, "way": way, "wall_spring": wall_spring, "wall_roll": wall_roll, "wall_depth": depth}
+    return to_bytes({**found, **contacts, **walls, "time": np.float64(engine.time), "speed": np.float64(engine.speed)})
 
 
 def unpack(engine: Grains, state: bytes) -> None:
     """Continue from a checkpoint of an engine with the same setup.
 
     Raises:
-        EvidenceError: these are not the bytes of such a checkpoint.
+        EngineError: these are not the bytes of such a checkpoint.
+        ValueError: it holds more grains than there are.
     """
-    try:
-        with np.load(io.BytesIO(state), allow_pickle=False) as data:
-            found: dict[str, Any] = {name: data[name] for name in data.files}
-        if int(found["format"]) != FORMAT:
-            raise EvidenceError("the checkpoint of grains is of another version; start from frame 0")
-        n = len(found["place"])
-        columns = {name: found[name] for name in KEPT}
-    except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-        raise EvidenceError(f"the checkpoint of grains cannot be read ({error}); start from frame 0") from error
+    found = from_bytes(state, (*KEPT, "grain", "pair"))
+    n, columns = len(found["place"]), {name: found[name] for name in KEPT}
     if n > engine.now.capacity:
-        raise EvidenceError("the checkpoint holds more grains than there are; start from frame 0")
+        raise ValueError(f"{n} grains for an engine of {engine.now.capacity}")
     empty = {name: np.zeros((n, width) if width > 1 else n, dtype=dtype) for name, (_, dtype, width) in FIELDS.items()}
     engine.now.assign(empty | columns)
     engine.count = n

@@ -13,7 +13,8 @@ from ...worlds.cache import CacheIndex
 from ...worlds.errors import InputError
 from ...worlds.spec import WorldSpec
 from ..protocol import Intervention, Within, repeated
-from .checkpoint import Held, pack, read_state, unpack, write_state
+from ..sealed import Stamp, seal, unseal
+from .checkpoint import read_state, write_state
 from .contact_law import set_contact_law
 from .distances import nearest, settle_kinematics
 from .output import frame_channels, index_of
@@ -175,9 +176,12 @@ class SolverRigid(Stepper):
     # ------------------------------------------------------------------ state
 
     def _bytes(self) -> bytes:
-        bonds = self.breakage.memory().decode()
-        head = {"work": self._work, "overflows": self._overflows, "relaxation": self.relaxation, "bonds": bonds}
-        return pack(Held(head, self.monitor.memory(), read_state(self.model, self.data)))
+        sums = {"work": self._work, "overflows": self._overflows, "relaxation": self.relaxation}
+        memory = {"bonds": self.breakage.memory().decode(), "contacts": self.monitor.memory().decode()}
+        return seal(self._stamp(self.frame), {**sums, **memory}, read_state(self.model, self.data).tobytes())
+
+    def _stamp(self, frame: int) -> Stamp:
+        return Stamp("mujoco", self.name, frame)
 
     def checkpoint(self) -> bytes:
         """The full state; the solver itself continues from exactly these bytes (all bodies awake)."""
@@ -190,23 +194,24 @@ class SolverRigid(Stepper):
         """Continue from a checkpoint taken at `frame`.
 
         Raises:
-            EngineError: the bytes are damaged, or not a checkpoint of this model.
+            EngineError: the bytes are damaged, or not a checkpoint of this instance at this frame.
         """
-        held = unpack(state, frame)
+        held, numbers = unseal(self._stamp(frame), state)
         time = frame * self._frame_time
-        if self.breakage.recall(held.head["bonds"].encode()):
-            self._split(time)
-        self.breakage.bind(self.rigid)  # solutions and sleepers are no part of a checkpoint
-        write_state(self.model, self.data, held.state)
+        with self._stamp(frame).fits():
+            if self.breakage.recall(held["bonds"].encode()):
+                self._split(time)
+            self.breakage.bind(self.rigid)  # solutions and sleepers are no part of a checkpoint
+            write_state(self.model, self.data, np.frombuffer(numbers))
+            self.monitor.recall(held["contacts"].encode())
         self.drivers.set_model(time)
         set_contact_law(self.rigid, self.settings.contact_steps, self.settings.step)
         if self.drivers.kinematic:
             self.drivers.plan_paths(time, self.settings.step, 0)
             self.drivers.follow_paths(self.data, 0, self.settings.step)
         settle_kinematics(self.model, self.data)
-        self.monitor.recall(held.contacts)
         self.monitor.wake_all(time)
-        self._work, self._overflows, self.relaxation = (held.head[k] for k in ("work", "overflows", "relaxation"))
+        self._work, self._overflows, self.relaxation = (held[k] for k in ("work", "overflows", "relaxation"))
         self.frame = frame
 
     # ------------------------------------------------------------------ output

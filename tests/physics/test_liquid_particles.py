@@ -11,7 +11,7 @@ from worldagent.simulation.liquid.engine import Fluid, Inflow, Outflow
 from worldagent.tests.physics.liquid_column import G, bodies, liquid, momentum, run
 from worldagent.verifiers.categories.liquid.footing import NARROW
 from worldagent.worlds.built import TriangleMesh
-from worldagent.worlds.errors import EngineError, EvidenceError
+from worldagent.worlds.errors import EngineError
 
 FRONT = np.array([(1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134)])
 """Martin and Moyce 1952, column twice as high as wide: time t sqrt(2 g/a), front x/a."""
@@ -225,7 +225,7 @@ def test_equal_runs_have_equal_bytes_and_continue_equally():
         for _ in range(5):
             engine.step(1.0, bodies())
     assert one.checkpoint() == other.checkpoint()
-    with pytest.raises(EvidenceError):
+    with pytest.raises(EngineError):
         other.restore(state[: len(state) // 2])
 
 

@@ -97,10 +97,8 @@ def test_every_resume_continues_byte_for_byte():
 
 def test_a_checkpoint_of_another_model_is_refused():
     one, other = solver(world({"a": ball(0.1)})), solver(world({"a": ball(0.1), "b": ball(0.1, at=(1, 0, 0))}))
-    with pytest.raises(EngineError, match="another model"):
+    with pytest.raises(EngineError, match="is not of 'main' as it is specified"):
         other.restore(one.checkpoint(), 0)
-    with pytest.raises(EngineError, match="not a checkpoint"):
-        other.restore(b"nothing of the kind", 0)
 
 
 def test_frames_come_in_order():

@@ -11,8 +11,9 @@ import numpy as np
 
 from ....geometry.launch import chosen_device, warp
 from ....worlds.arrays import F64
-from ....worlds.errors import EngineError, EvidenceError, LimitError
+from ....worlds.errors import EngineError, LimitError
 from ...boundaries import BodyState
+from ...sealed import from_bytes, to_bytes
 from ..blowing import Blowing
 from ..engine import LiquidSetup, Particles, StepReport
 from ..zones import Zones
@@ -27,7 +28,7 @@ from . import transfer_kernels as transfer
 from . import viscous_kernels as thick
 from .exchange import Exchange
 from .grid import Grid, build
-from .markers import Markers, from_bytes, to_bytes
+from .markers import Markers
 from .run import Runner
 from .settings import FlipSettings
 from .solids import Solids
@@ -430,13 +431,11 @@ class Flip:
         """Continue from a checkpoint.
 
         Raises:
-            EvidenceError: the bytes are no checkpoint of this engine.
+            EngineError: the bytes are no checkpoint of this engine.
+            ValueError: it is of another liquid.
         """
-        try:
-            found = from_bytes(state)
-            self.markers.load(found)
-            self.time, self._speed, self.volume = (float(value) for value in found["clock"])
-            for mouth, (travel, layers) in zip(self.sources.mouths, found["travel"], strict=True):
-                mouth.travel, mouth.layers = float(travel), int(layers)
-        except (KeyError, ValueError, OSError) as error:
-            raise EvidenceError(f"these bytes are no checkpoint of the grid engine ({error}); start from another one") from error
+        found = from_bytes(state, ("position", "clock", "travel"))
+        self.markers.load(found)
+        self.time, self._speed, self.volume = (float(value) for value in found["clock"])
+        for mouth, (travel, layers) in zip(self.sources.mouths, found["travel"], strict=True):
+            mouth.travel, mouth.layers = float(travel), int(layers)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
@@ -178,16 +177,3 @@ class Markers:
         self.identity, self.fluid = state["identity"].copy(), state["fluid"].copy()
         self.volume, self.temperature = state["volume"].copy(), state["temperature"].copy()
         self.dead, self.next = (int(value) for value in state["counts"])
-
-
-def to_bytes(state: dict[str, NDArray[Any]]) -> bytes:
-    """Arrays as one container without pickles."""
-    buffer = io.BytesIO()
-    np.savez(buffer, **state)  # type: ignore[arg-type]
-    return buffer.getvalue()
-
-
-def from_bytes(data: bytes) -> dict[str, NDArray[Any]]:
-    """The arrays of `to_bytes`."""
-    with np.load(io.BytesIO(data), allow_pickle=False) as file:
-        return {name: file[name] for name in file.files}

@@ -9,7 +9,7 @@ import pytest
 from worldagent.simulation.liquid.engine import Fluid, Inflow, Outflow
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.flip.settings import FlipSettings
-from worldagent.worlds.errors import EngineError, EvidenceError, InputError
+from worldagent.worlds.errors import EngineError, InputError
 
 from .flip_setup import WATER, advance, block, tank
 
@@ -59,7 +59,7 @@ def test_a_restored_engine_continues_with_the_same_bytes() -> None:
 
 
 def test_bytes_that_are_no_checkpoint_are_refused() -> None:
-    with pytest.raises(EvidenceError, match="checkpoint"):
+    with pytest.raises(EngineError, match="no state of an engine"):
         column().restore(b"nothing")
 
 

@@ -84,7 +84,7 @@ class BodyState:
     inverse_inertia: F64
     """(b, 3, 3) world axes [1/(kg m^2)]; 0 where it does not react."""
     acceleration: F64
-    """Linear acceleration (b, 3) from everything but the partner (gravity, contacts, drivers) [m/s^2]."""
+    """Linear acceleration (b, 3) from everything but the coupled solver that meets it (gravity, contacts, drivers) [m/s^2]."""
     vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
     """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
     vertex_lightness: dict[int, F64] = field(default_factory=dict)
@@ -92,7 +92,7 @@ class BodyState:
     vertex_give: dict[int, F64] = field(default_factory=dict)
     """Of those whose vertices share what they carry: row -> a bound of the same where all get impulses at once (v,) [1/kg]."""
     vertex_pace: dict[int, float] = field(default_factory=dict)
-    """Of those that swing undamped: row -> longest step in which a partner may take their velocities for steady [s]."""
+    """Of those that swing undamped: row -> longest step in which a solver may take their velocities for steady [s]."""
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.instances import bake_order, cloth_of, coupled_groups, membership_problems
+from .engines import solver_class
 from .protocol import Intervention, Solver, Within
 from .recipes import alone_recipe, coupled_recipe
 
@@ -15,20 +15,9 @@ if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
     from ..worlds.spec import WorldSpec
-    from .coupling import CoupledRun, Partner
-    from .rigid import SolverRigid
+    from .coupling import CoupledRun
 
 __all__ = ["Run", "groups_of", "make_run", "reads"]
-
-PARTNERS = {
-    "dfsph": (".liquid.solver", "SolverLiquid"),
-    "flip": (".liquid.solver", "SolverLiquid"),
-    "shell": (".cloth.solver", "SolverCloth"),
-    "dem": (".particles.solver", "SolverGrains"),
-    "ballistic": (".particles.flight", "SolverFlight"),
-}
-"""Module and class of the solver of each engine but the rigid one: a `coupling.Partner`, made from (spec, built, name, *, caches of
-the instances that it reads or None where a coupling tells it the bodies, intervention, recipe). Loaded when needed: they compile kernels."""
 
 
 def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
@@ -95,48 +84,26 @@ def make_run(
         InputError: a member has no engine in this build.
         EvidenceError: what the group reads has no cache.
     """
-    plan = spec.simulation
     wrong = membership_problems(spec)
     if wrong:
         raise InputError(wrong[0].text)
-    partners = [n for n in names if n not in plan.rigid]
-    if not partners:
-        return Run({n: _rigid(spec, built, n, intervention) for n in names})
-    if len(names) == 1:
-        name = names[0]
-        read = {n: (caches or {}).get(n) for n in reads(spec, name)}
-        missing = sorted(n for n, c in read.items() if c is None)
-        if missing:
-            raise EvidenceError(f"{name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
-        have = {n: c for n, c in read.items() if c is not None}
-        recipe = alone_recipe(spec, built, name, have)
-        return Run({name: _partner(spec, built, name, intervention, recipe, have)})
-    from .coupling import CoupledRun
 
-    recipe = coupled_recipe(spec, built)
-    first = _rigid(spec, built, names[0], intervention, coupled=True)
-    others = {n: _partner(spec, built, n, intervention, recipe) for n in partners}
-    return Run({names[0]: first, **others}, CoupledRun(first, list(others.values())))
+    def solver(name: str, **more: Any) -> Any:
+        return solver_class(spec, name)(spec, built, name, intervention=intervention, **more)
 
+    rigid = names[0] in spec.simulation.rigid
+    if len(names) > 1 and rigid:
+        from .coupling import CoupledRun
 
-def _partner(
-    spec: WorldSpec,
-    built: Mapping[str, BuiltEntity],
-    name: str,
-    intervention: Intervention | None,
-    recipe: str,
-    caches: Mapping[str, Cache] | None = None,
-) -> Partner:
-    module, solver = PARTNERS[spec.simulation.solvers[name].engine]
-    made: Partner = getattr(import_module(module, __package__), solver)(
-        spec, built, name, caches=caches, intervention=intervention, recipe=recipe
-    )
-    return made
-
-
-def _rigid(
-    spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, intervention: Intervention | None, *, coupled: bool = False
-) -> SolverRigid:
-    from .rigid import SolverRigid
-
-    return SolverRigid(spec, built, name, intervention, coupled=coupled)
+        first, recipe = solver(names[0], coupled=True), coupled_recipe(spec, built)
+        others = {n: solver(n, recipe=recipe) for n in names[1:]}
+        return Run({names[0]: first, **others}, CoupledRun(first, list(others.values())))
+    name = names[0]
+    if rigid:
+        return Run({name: solver(name)})
+    read = {n: (caches or {}).get(n) for n in reads(spec, name)}
+    missing = sorted(n for n, c in read.items() if c is None)
+    if missing:
+        raise EvidenceError(f"{name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
+    have = {n: c for n, c in read.items() if c is not None}
+    return Run({name: solver(name, caches=have, recipe=alone_recipe(spec, built, name, have))})

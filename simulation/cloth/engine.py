@@ -411,8 +411,9 @@ class Cloth:
             work = -float(np.where(soft, worked, (total * twist).sum(axis=1)).sum())
         fastest = float(np.sqrt((self.v.numpy() ** 2).sum(1).max()))
         return ClothReport(
-            span, impulse, total, count, air, reaction, cut, work, self.contacts.count, fastest, load, self._soft.given(pressed)
-        )
+            dt=span, impulse=impulse, vertex_impulse=self._soft.given(pressed), steps=count, fastest=fastest, contact=total,
+            air=air, held=reaction, cut=cut, load=load, work=work, contacts=self.contacts.count,
+        )  # fmt: skip
 
     # ------------------------------------------------------------------ state
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...physics.substances import AIR_DENSITY
 from ...worlds.arrays import F64, I32
+from ..step_reports import StepReport
 from .mesh import Sheet
 
 if TYPE_CHECKING:
@@ -70,30 +71,21 @@ class ClothSetup:
     device: str = "cpu"
 
 
-@dataclass
-class ClothReport:
-    """What one call did."""
+@dataclass(frozen=True, kw_only=True)
+class ClothReport(StepReport):
+    """One exchange of cloth."""
 
-    dt: float
-    """[s]"""
-    impulse: F64
-    """Given by the cloth to each boundary, linear and angular about its centre of mass (b, 6) [N s, N m s]."""
-    contact: F64
-    """Of that, by contact and not by what hangs on it (b, 6)."""
-    steps: int
+    contact: F64 = field(default_factory=lambda: np.zeros((0, 6)))
+    """Of `impulse`, that by contact and not by what hangs on it (b, 6)."""
     air: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum [N s] and energy [J] that air and force fields gave, (4,)."""
     held: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum and energy that what holds vertices in place gave, (4,)."""
     cut: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum that was lost where displacements were cut short, and how many vertices that were, (4,)."""
+    load: F64 = field(default_factory=lambda: np.zeros(4))
+    """Momentum and energy that others gave to the vertices, (4,)."""
     work: float = 0.0
     """Energy that moving boundaries gave [J]."""
     contacts: int = 0
     """Pairs that were looked at in the last step."""
-    fastest: float = 0.0
-    """Fastest vertex at its end [m/s]."""
-    load: F64 = field(default_factory=lambda: np.zeros(4))
-    """Momentum and energy that others gave to the vertices, (4,)."""
-    vertex_impulse: dict[int, F64] = field(default_factory=dict)
-    """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""

@@ -14,7 +14,7 @@ from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
 from ...worlds.categories.cloth.facts import release_time
 from ..boundaries import BodyState, MovingSurface, Surround
-from ..partner import SolverPartner, motion_records
+from ..coupled_solver import CoupledSolver, motion_records
 from ..protocol import SHORTEST
 from ..sealed import from_bytes, to_bytes
 from .energy import bending_energy, edge_ratios, membrane_energy
@@ -29,7 +29,7 @@ SUMS = ("air", "hold", "cut", "solid", "load")
 """What gives momentum to cloth, summed since frame 0."""
 
 
-class SolverCloth(SolverPartner):
+class SolverCloth(CoupledSolver):
     """One cloth instance."""
 
     KIND = "cloth"
@@ -93,10 +93,8 @@ class SolverCloth(SolverPartner):
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
         """One exchange of at most `limit` seconds from `time`, counted into the frame."""
         if self.held(time):
-            none = np.zeros((len(self.surround.boundaries), 6))
             left = self._let_go - time
-            still = {row: np.zeros((len(s.mass), 3)) for row, s in self.surround.soft.items()}
-            return ClothReport(min(limit, left) if left > SHORTEST else limit, none, none, 0, vertex_impulse=still)
+            return ClothReport.still(min(limit, left) if left > SHORTEST else limit, self.surround)
         report = self.engine.step(limit, bodies, time)
         tally, ledger = self._tally, self._ledger
         tally["steps"] += report.steps

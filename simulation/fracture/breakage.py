@@ -148,7 +148,7 @@ class Breakage:
             dt: its length [s].
             still: entities that something holds; their bonds do not break.
             retakes: how often this step was taken already.
-            others: wrenches of partners on the instance's bodies about their centres, world axes, shape (rows, 6) [N, N m].
+            others: wrenches of coupled solvers on the instance's bodies about their centres, world axes, shape (rows, 6) [N, N m].
 
         The step is taken again with the pieces apart, or what strikes them would feel the whole body: `MOST_RETAKES` times where
         another body strikes, `FEW_RETAKES` times where loose pieces push others off, through faces that crumble. What breaks after

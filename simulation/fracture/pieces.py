@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
     from ...worlds.spec import Breakable, WorldSpec
 
-__all__ = ["NO_CAUSE", "PARTNER", "Pieces", "pieces_of"]
+__all__ = ["COUPLED", "NO_CAUSE", "Pieces", "pieces_of"]
 
 CHANGE = (0.005, 0.2, 0.5)
 """Change of a load, in parts of the largest one last solved for, that asks for a new solution: the first where a bond is about to
@@ -28,7 +28,7 @@ LATEST = 8.0
 FAINT = 1e-9
 """Loads below this share of a cluster's weight are none."""
 NO_CAUSE = -1
-PARTNER = -2
+COUPLED = -2
 """As a cause: what liquids, cloth or grains of a two-way coupling give."""
 
 

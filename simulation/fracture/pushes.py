@@ -1,4 +1,4 @@
-"""What contacts, partners and what lies asleep on them do to the pieces of an instance."""
+"""Forces of contacts, coupled solvers and what lies asleep on them on the pieces of an instance."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64, cross
-from .pieces import NO_CAUSE, PARTNER
+from .pieces import COUPLED, NO_CAUSE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -83,7 +83,7 @@ class Pushes:
         sleeps, whose contacts are not listed, the last forces."""
         pushed = self._contacts(data)
         if others is not None:
-            pushed = self._with_partners(pushed, others, data)
+            pushed = self._with_coupled(pushed, others, data)
         resting = self._asleep(self._partner, data) | self._asleep(self._tree, data)
         if not resting.any():
             return pushed, pushed
@@ -151,7 +151,7 @@ class Pushes:
         cause[piece[order]], tree[piece[order]] = self._collider_of_geom[strongest], self._tree_of_geom[strongest]
         return Pushed(total, cause, tree)
 
-    def _with_partners(self, pushed: Pushed, others: F64, data: Any) -> Pushed:
+    def _with_coupled(self, pushed: Pushed, others: F64, data: Any) -> Pushed:
         """Contacts, and what liquids, cloth and grains do to the pieces: no collider of the instance is the cause of that."""
         given = others[self._rows]
         if not given.any():
@@ -159,7 +159,7 @@ class Pushes:
         turn, _ = self._placed(data, np.arange(len(given)))
         own = np.concatenate([_along(given[:, :3], turn), _along(given[:, 3:], turn)], axis=1)
         more = np.linalg.norm(own[:, :3], axis=1) > np.linalg.norm(pushed.force[:, :3], axis=1)
-        return Pushed(pushed.force + own, np.where(more, PARTNER, pushed.cause), pushed.tree)
+        return Pushed(pushed.force + own, np.where(more, COUPLED, pushed.cause), pushed.tree)
 
 
 def _along(vectors: F64, axes: F64) -> F64:

@@ -15,15 +15,16 @@ from ...physics.waves import Sea
 from ...worlds.arrays import F64, I32
 from ...worlds.fields import Fields
 from ..boundaries import BodyState, Boundary
+from ..step_reports import StepReport
 
 __all__ = [
     "Engine",
     "Fluid",
     "Inflow",
+    "LiquidReport",
     "LiquidSetup",
     "Outflow",
     "Particles",
-    "StepReport",
     "WaveZones",
 ]
 
@@ -130,30 +131,22 @@ class LiquidSetup:
     seed: int = 0
 
 
-@dataclass(frozen=True)
-class StepReport:
-    """What one step did."""
+@dataclass(frozen=True, kw_only=True)
+class LiquidReport(StepReport):
+    """One step of a liquid; impulses and reactions sum to zero."""
 
-    dt: float
-    """[s]"""
-    impulse: F64
-    """Given by the liquid to each boundary over the step, linear and angular about `BodyState.center` (b, 6) [N s, N m s]."""
-    reaction: F64
-    """Momentum that the liquid itself changed by through boundaries, measured on the particles or cells (b, 6); sums to -impulse."""
-    added: dict[str, float]
+    added: dict[str, float] = field(default_factory=dict)
     """Mass that entered, by inflow [kg]."""
-    removed: dict[str, float]
+    removed: dict[str, float] = field(default_factory=dict)
     """Mass that left, by outflow, `domain` for open sides [kg]."""
-    iterations: tuple[int, int]
+    iterations: tuple[int, int] = (0, 0)
     """Of the constant-density (or pressure) and the divergence-free solve."""
-    capped: int
+    capped: int = 0
     """Solves that stopped at their cap of iterations."""
-    density_error: tuple[float, float]
+    density_error: tuple[float, float] = (0.0, 0.0)
     """Mean and largest relative compression at the end of the step."""
     driven: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum [N s] and energy [J] that zones of waves gave to the liquid, (4,)."""
-    vertex_impulse: dict[int, F64] = field(default_factory=dict)
-    """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""
     blown: F64 = field(default_factory=lambda: np.zeros(4))
     """The same from force fields, (4,)."""
 
@@ -183,7 +176,7 @@ class Engine(Protocol):
     def stable_dt(self) -> float:
         """Largest stable step in the present state [s]."""
 
-    def step(self, limit: float, bodies: BodyState) -> StepReport:
+    def step(self, limit: float, bodies: BodyState) -> LiquidReport:
         """One step of at most `limit` seconds, with bodies as they are at its start; the steps to `limit` are about equal."""
 
     def particles(self) -> Particles:

@@ -11,9 +11,9 @@ from ...worlds.arrays import F64
 from ...worlds.categories.liquid.facts import declares_heat
 from ...worlds.errors import EngineError
 from ..boundaries import BodyState, Surround
-from ..partner import SolverPartner, motion_records
+from ..coupled_solver import CoupledSolver, motion_records
 from ..protocol import SHORTEST
-from .engine import Engine, LiquidSetup, StepReport
+from .engine import Engine, LiquidReport, LiquidSetup
 from .scene import LiquidScene, build_scene
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def make_engine(instance: LiquidInstance, setup: LiquidSetup) -> Engine:
     return made
 
 
-class SolverLiquid(SolverPartner):
+class SolverLiquid(CoupledSolver):
     """One liquid instance."""
 
     KIND = "liquid"
@@ -88,14 +88,9 @@ class SolverLiquid(SolverPartner):
         """Length [s] of the next exchange: all that is left, of which the engine makes one of equal steps."""
         return left
 
-    def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
+    def step(self, limit: float, bodies: BodyState, time: float) -> LiquidReport:
         """One step of at most `limit` seconds from `time`, counted into the frame."""
-        if self.held(time):
-            none = np.zeros((len(self.surround.boundaries), 6))
-            still = {row: np.zeros((len(s.mass), 3)) for row, s in self.surround.soft.items()}
-            report = StepReport(limit, none, none, {}, {}, (0, 0), 0, (0.0, 0.0), vertex_impulse=still)
-        else:
-            report = self.engine.step(limit, bodies)
+        report = LiquidReport.still(limit, self.surround) if self.held(time) else self.engine.step(limit, bodies)
         if not SHORTEST * 1e-3 < report.dt <= limit * (1 + 1e-6):
             raise EngineError(
                 f"engine {self.instance.engine!r} made a step of {report.dt!r} s where at most {limit:g} s was asked"
@@ -103,9 +98,9 @@ class SolverLiquid(SolverPartner):
         self._count(report)
         return report
 
-    def _count(self, report: StepReport) -> None:
+    def _count(self, report: LiquidReport) -> None:
         tally, ledger = self._tally, self._ledger
-        tally["steps"] += 1
+        tally["steps"] += report.steps
         tally["time"] += report.dt
         tally["impulse"] += report.impulse
         tally["reaction"] += report.reaction

@@ -186,9 +186,10 @@ class Grains:
         impulse = self.walls.end()
         reaction = self.walls.taken(self.passes, self.now)
         blown, work = self._blown()
-        given = self.walls.soft.given()
-        worked = float(reaction[:, 6].sum())
-        return GrainReport(seconds, impulse, reaction[:, :6], taken, speed, blown, work, self.left, given, worked)
+        return GrainReport(
+            dt=seconds, impulse=impulse, reaction=reaction[:, :6], vertex_impulse=self.walls.soft.given(), steps=taken, fastest=speed,
+            blown=blown, work=work, wall_work=float(reaction[:, 6].sum()), left=self.left,
+        )  # fmt: skip
 
     def _run(self, batch: int) -> int:
         """Queue steps; how many were done before the lists were used up."""

@@ -15,9 +15,10 @@ from ...physics.drag import Medium, sphere_drag_rate
 from ...worlds.arrays import F64
 from ..boundaries import BodyState, Surround
 from ..sealed import from_bytes, to_bytes
-from .frames import FramedParticles, Taken
+from .frames import FramedParticles
 from .scatter import emitted, scattered
 from .scene import surround_for
+from .setup import GrainReport
 
 __all__ = ["SolverFlight"]
 
@@ -95,7 +96,7 @@ class SolverFlight(FramedParticles):
 
     # ------------------------------------------------------------------ steps
 
-    def exchange(self, seconds: float, bodies: BodyState, time: float) -> Taken:
+    def exchange(self, seconds: float, bodies: BodyState, time: float) -> GrainReport:
         """One step of `seconds` from `time`."""
         reaction = np.zeros((len(self._surround.boundaries), 6))
         spans = np.full(len(self.now["radius"]), seconds)
@@ -122,8 +123,10 @@ class SolverFlight(FramedParticles):
         speed = float(np.linalg.norm(self.now["velocity"], axis=1).max(initial=0.0))
         kept = ~(dead | out)
         self.now = {name: values[kept] for name, values in self.now.items()}
-        none = np.zeros_like(reaction)
-        return Taken(seconds, none, reaction, 1, speed, blown, work, left, came, died)
+        return GrainReport(
+            dt=seconds, impulse=np.zeros_like(reaction), reaction=reaction, fastest=speed, blown=blown, work=work, left=left, came=came,
+            died=died,
+        )  # fmt: skip
 
     def _masses(self) -> F64:
         result: F64 = 4.0 / 3.0 * np.pi * self.density[self.now["kind"]] * self.now["radius"] ** 3

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.fields import Fields, fields_of
 from ..boundaries import BodyState
-from ..partner import SolverPartner, motion_records
+from ..coupled_solver import CoupledSolver, motion_records
 from .energy import Elastic
+from .setup import GrainReport
 
 if TYPE_CHECKING:
     from ...worlds.spec import ParticlePhysics
 
-__all__ = ["FramedParticles", "Taken"]
+__all__ = ["FramedParticles"]
 
 LEDGER = (
     "inflow_mass",
@@ -34,30 +33,7 @@ LEDGER = (
 """Sums since frame 0."""
 
 
-class Taken(NamedTuple):
-    """What one exchange did; see `coupling.Stepped`."""
-
-    dt: float
-    impulse: F64
-    reaction: F64
-    steps: int
-    speed: float
-    blown: F64
-    """Impulse of fields per member (m, 3) [N s]."""
-    work: float
-    """Of fields [J]."""
-    left: F64
-    """What left the domain: number, mass, momentum (5,)."""
-    came: tuple[int, float] = (0, 0.0)
-    """Number and mass of what was let in."""
-    died: tuple[int, float] = (0, 0.0)
-    vertex_impulse: Mapping[int, F64] = MappingProxyType({})
-    """See `coupling.Stepped`."""
-    wall_work: float = 0.0
-    """Of the motion of bodies on grains in contact [J]."""
-
-
-class FramedParticles(SolverPartner):
+class FramedParticles(CoupledSolver):
     """One instance of particles."""
 
     KIND = "particles"
@@ -76,7 +52,7 @@ class FramedParticles(SolverPartner):
         """Give the declared velocities, at frame 0."""
 
     @abstractmethod
-    def exchange(self, seconds: float, bodies: BodyState, time: float) -> Taken:
+    def exchange(self, seconds: float, bodies: BodyState, time: float) -> GrainReport:
         """Go on by `seconds` from `time`, with bodies as they are at its start."""
 
     @abstractmethod
@@ -112,36 +88,32 @@ class FramedParticles(SolverPartner):
             "blown": np.zeros((len(self.members), 3)), "left": np.zeros(3),
         }  # fmt: skip
 
-    def step(self, limit: float, bodies: BodyState, time: float) -> Taken:
+    def step(self, limit: float, bodies: BodyState, time: float) -> GrainReport:
         """One exchange of at most `limit` seconds from `time`, counted into the frame."""
         parts = max(1, int(np.ceil(limit / self.max_stable_dt() - 1e-6)))
-        seconds = limit / parts
-        if self.held(time):
-            none = np.zeros((len(self.surround.boundaries), 6))
-            taken = Taken(limit, none, none, 0, 0.0, np.zeros((len(self.members), 3)), 0.0, np.zeros(5))
-        else:
-            taken = self.exchange(seconds, bodies, time)
-        self._count(taken)
-        return taken
+        held = self.held(time)
+        report = GrainReport.still(limit, self.surround, steps=0) if held else self.exchange(limit / parts, bodies, time)
+        self._count(report)
+        return report
 
-    def _count(self, taken: Taken) -> None:
+    def _count(self, report: GrainReport) -> None:
         tally, ledger = self._tally, self._ledger
-        tally["steps"] += taken.steps
+        tally["steps"] += report.steps
         tally["exchanges"] += 1
-        tally["time"] += taken.dt
-        tally["speed"] = max(tally["speed"], taken.speed)
-        tally["impulse"] += taken.impulse
-        tally["reaction"] += taken.reaction
-        tally["blown"] += taken.blown
-        tally["left"] += taken.left[2:]
-        ledger["outflow_count"] += float(taken.left[0])
-        ledger["domain_outflow"] += float(taken.left[1])
-        ledger["driver_work"] += taken.work
-        ledger["wall_work"] += taken.wall_work
-        ledger["inflow_count"] += taken.came[0]
-        ledger["inflow_mass"] += taken.came[1]
-        ledger["died_count"] += taken.died[0]
-        ledger["died_mass"] += taken.died[1]
+        tally["time"] += report.dt
+        tally["speed"] = max(tally["speed"], report.fastest)
+        tally["impulse"] += report.impulse
+        tally["reaction"] += report.reaction
+        tally["blown"] += report.blown
+        tally["left"] += report.left[2:]
+        ledger["outflow_count"] += float(report.left[0])
+        ledger["domain_outflow"] += float(report.left[1])
+        ledger["driver_work"] += report.work
+        ledger["wall_work"] += report.wall_work
+        ledger["inflow_count"] += report.came[0]
+        ledger["inflow_mass"] += report.came[1]
+        ledger["died_count"] += report.died[0]
+        ledger["died_mass"] += report.died[1]
 
     # ------------------------------------------------------------------ output
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...worlds.arrays import F64, I32
 from ..boundaries import Boundary
+from ..step_reports import StepReport
 
 __all__ = ["GrainReport", "GrainSetup", "Kind", "Pair", "law_of", "wall_law"]
 
@@ -101,26 +102,19 @@ class GrainSetup:
         assert np.asarray(self.position).shape == (len(self.radius), 3)
 
 
-@dataclass
-class GrainReport:
-    """What one exchange did."""
+@dataclass(frozen=True, kw_only=True)
+class GrainReport(StepReport):
+    """One exchange of grains or flying particles."""
 
-    dt: float
-    """[s]"""
-    impulse: F64
-    """Given to each boundary, linear and angular about its centre (b, 6) [N s, N m s]."""
-    reaction: F64
-    """Got from each boundary, measured on the grains (b, 6)."""
-    steps: int
-    speed: float
-    """Of the fastest grain over all steps [m/s]."""
-    blown: F64
-    """Impulse of fields per kind (k, 3) [N s]."""
-    work: float
+    blown: F64 = field(default_factory=lambda: np.zeros(3))
+    """Impulse of fields per member (m, 3), or none (3,) [N s]."""
+    work: float = 0.0
     """Of fields [J]."""
-    left: F64
-    """What left the domain: number, mass, momentum (5,)."""
-    vertex_impulse: dict[int, F64] = field(default_factory=dict)
-    """Given to each vertex of deforming boundaries, by row (v, 3) [N s]."""
     wall_work: float = 0.0
     """Of the motion of bodies on grains in contact [J]."""
+    left: F64 = field(default_factory=lambda: np.zeros(5))
+    """What left the domain: number, mass [kg], momentum [N s] (5,)."""
+    came: tuple[int, float] = (0, 0.0)
+    """Number and mass [kg] of what was let in."""
+    died: tuple[int, float] = (0, 0.0)
+    """The same of what died."""

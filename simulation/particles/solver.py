@@ -1,4 +1,4 @@
-"""An instance of grains as a `Solver` and a `Partner` of rigid bodies."""
+"""An instance of grains as a coupled solver."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from ...physics.drag import sphere_drag_rate
-from ...worlds.arrays import F64
 from ..boundaries import BodyState, Surround
 from .energy import Elastic, elastic
 from .engine import Grains
-from .frames import FramedParticles, Taken
+from .frames import FramedParticles
 from .scene import build_grains
+from .setup import GrainReport
 
 __all__ = ["SolverGrains"]
 
@@ -58,22 +58,15 @@ class SolverGrains(FramedParticles):
         """Longest exchange [s]."""
         return self._exchange
 
-    def exchange(self, seconds: float, bodies: BodyState, time: float) -> Taken:
+    def exchange(self, seconds: float, bodies: BodyState, time: float) -> GrainReport:
         """Go on by `seconds` from `time`."""
-        kinds = self._feel(time)
-        report = self.engine.step(seconds, bodies)
-        blown = np.zeros((len(self.members), 3))
-        if kinds is not None:
-            blown = report.blown
-        return Taken(
-            seconds, report.impulse, report.reaction, report.steps, report.speed, blown, report.work, report.left,
-            vertex_impulse=report.vertex_impulse, wall_work=report.wall_work,
-        )  # fmt: skip
+        self._feel(time)
+        return self.engine.step(seconds, bodies)
 
-    def _feel(self, time: float) -> F64 | None:
+    def _feel(self, time: float) -> None:
         """Tell the engine what fields do at its grains."""
         if not any(self.fields) or time < 0:
-            return None
+            return
         c = self.engine.columns()
         velocity, pull = np.zeros((2, len(c["mass"]), 3))
         rate = np.zeros(len(c["mass"]))
@@ -87,7 +80,6 @@ class SolverGrains(FramedParticles):
                 velocity[own] = medium.velocity
                 rate[own] = sphere_drag_rate(medium, c["radius"][own], c["mass"][own], c["velocity"][own])
         self.engine.set_air(velocity, rate, pull)
-        return pull
 
     def columns(self) -> dict[str, Any]:
         """The present state."""

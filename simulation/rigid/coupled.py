@@ -19,7 +19,7 @@ __all__ = ["MovingBodies", "RigidBodies"]
 
 SHORT = 0.5
 """Part of the rigid step; equal steps of an exchange that is as long are no shorter. Contacts stop what closes within some of their
-steps, so after an exchange of a microsecond they would tell accelerations of 1e6 m/s^2, and partners would go on with them for
+steps, so after an exchange of a microsecond they would tell accelerations of 1e6 m/s^2, and coupled solvers would go on with them for
 milliseconds: accelerations are told as in a step of this length."""
 
 
@@ -80,7 +80,7 @@ class RigidBodies:
         What hangs on joints answers with its whole tree: the mean over the directions is taken for 1/mass. A piece answers with
         its cluster, as if all pieces of that were pushed by their share of the mass: M / m times the cluster's answer at the
         piece. By Cauchy-Schwarz that is never less than how the cluster gives way when many are pushed at once, so that a
-        partner which solves for its pieces one by one stays stable; a piece by itself answers as any body.
+        coupled solver which solves for its pieces one by one stays stable; a piece by itself answers as any body.
         """
         mujoco, solver = self._mj, self._solver
         model, data, ids = solver.model, solver.data, solver.rigid.body_ids

@@ -35,8 +35,8 @@ class SolverRigid(Stepper):
         spec: WorldSpec,
         built: Mapping[str, BuiltEntity],
         name: str,
-        intervention: Intervention | None = None,
         *,
+        intervention: Intervention | None = None,
         coupled: bool = False,
     ) -> None:
         super().__init__(spec, built, name, intervention, coupled=coupled)
@@ -77,7 +77,7 @@ class SolverRigid(Stepper):
         self.restore(self._bytes(), 0)
         self.ledger.begin()
         self.fields.begin()
-        # What partners gave during the preroll is of no frame, as in their own books.
+        # What coupled solvers gave during the preroll is of no frame, as in their own ledgers.
         self._exchange.begin()
         self._finish_frame(0, self.settings.step)
 

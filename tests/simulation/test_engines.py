@@ -6,10 +6,11 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
+from worldagent.simulation.engines import ENGINES, solver_class
 from worldagent.simulation.runs import Run, groups_of, make_run
 from worldagent.simulation.schedule import run_frames
 from worldagent.simulation.sealed import Stamp, seal, to_bytes, unseal
@@ -19,7 +20,7 @@ from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache, digest_arrays
 from worldagent.worlds.channels import CHANNELS, names_written
 from worldagent.worlds.errors import EngineError
-from worldagent.worlds.spec import WorldSpec
+from worldagent.worlds.spec import SolverInstance, WorldSpec
 from worldagent.worlds.writers import writers_of
 
 FREE_FALL = (
@@ -43,6 +44,17 @@ class Baked:
 def baked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Baked:
     spec, built = built_world(request.param)
     return Baked(spec, built, run_frames(spec, built, tmp_path_factory.mktemp("run"), frames=spec.simulation.frames))
+
+
+def test_every_engine_that_an_instance_can_name_has_one_solver_and_a_world() -> None:
+    models = get_args(get_args(SolverInstance)[0])
+    named = [e for m in models for e in get_args(m.model_fields["engine"].annotation)]
+    assert sorted(named) == sorted(ENGINES)
+    specs = [make() for make in WORLDS.values()]
+    assert {i.engine for s in specs for i in s.simulation.solvers.values()} == set(ENGINES)
+    for spec in specs:
+        for name, instance in spec.simulation.solvers.items():
+            assert solver_class(spec, name).__name__ == ENGINES[instance.engine][1]
 
 
 def test_the_worlds_have_every_writer_that_is_an_instance() -> None:

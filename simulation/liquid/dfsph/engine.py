@@ -13,7 +13,7 @@ from ....worlds.errors import EngineError
 from ...boundaries import BodyState
 from ...passes import Pass, Passes
 from ..blowing import Blowing
-from ..engine import LiquidSetup, Particles, StepReport
+from ..engine import LiquidReport, LiquidSetup, Particles
 from ..zones import Zones
 from .bodies import Coupling
 from .dissipation import Dissipation
@@ -144,7 +144,7 @@ class Dfsph:
             dt = min(dt, 2.0 * reach / (speed + float(np.sqrt(speed**2 + 4.0 * fall * reach))))
         return dt
 
-    def step(self, limit: float, bodies: BodyState) -> StepReport:
+    def step(self, limit: float, bodies: BodyState) -> LiquidReport:
         """One step of at most `limit` seconds, with bodies as they are at its start; shorter where that makes the steps to `limit` equal.
 
         Were it as long as it may be, what is left of a frame could be any part of that, a microsecond too. What happens in so short a
@@ -163,7 +163,8 @@ class Dfsph:
             self.time += dt
             self.steps += 1
             none = {row: np.zeros((len(ease), 3)) for row, ease in bodies.vertex_lightness.items()}
-            return StepReport(dt, *self.coupling.wrenches(), added, {}, (0, 0), 0, (0.0, 0.0), vertex_impulse=none)
+            given, taken = self.coupling.wrenches()
+            return LiquidReport(dt=dt, impulse=given, reaction=taken, added=added, vertex_impulse=none)
         self.coupling.begin(bodies, self._grid, dt)
         self.keep_out.place(self.coupling)
         self._sort(w)
@@ -201,9 +202,10 @@ class Dfsph:
         self.steps += 1
         given, taken = self.coupling.wrenches()
         capped = int(pressed.capped) + int(spread.capped) + int(not thin)
-        return StepReport(
-            dt, given, taken, added, self._let_out(w), (pressed.iterations, spread.iterations), capped, error, driven,
-            vertex_impulse=self.coupling.soft.given(given, dt), blown=blown,
+        return LiquidReport(
+            dt=dt, impulse=given, reaction=taken, added=added, removed=self._let_out(w),
+            vertex_impulse=self.coupling.soft.given(given, dt), iterations=(pressed.iterations, spread.iterations), capped=capped,
+            density_error=error, driven=driven, blown=blown,
         )  # fmt: skip
 
     def _blow(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> F64:

@@ -15,7 +15,7 @@ from ....worlds.errors import EngineError, LimitError
 from ...boundaries import BodyState
 from ...sealed import from_bytes, to_bytes
 from ..blowing import Blowing
-from ..engine import LiquidSetup, Particles, StepReport
+from ..engine import LiquidReport, LiquidSetup, Particles
 from ..zones import Zones
 from . import column_kernels as columns
 from . import cut_kernels as cuts
@@ -108,7 +108,7 @@ class Flip:
         fall = math.sqrt(FALL * self._cell / gravity) if gravity > 0.0 else math.inf
         return min(self.settings.max_step, fast, fall)
 
-    def step(self, limit: float, bodies: BodyState) -> StepReport:
+    def step(self, limit: float, bodies: BodyState) -> LiquidReport:
         """One step of at most `limit` seconds; shorter where that makes the steps to `limit` equal.
 
         Raises:
@@ -181,7 +181,7 @@ class Flip:
 
     def _close(
         self, dt: float, impulse: F64, reaction: F64, iterations: tuple[int, int], capped: int, excess: tuple[float, float]
-    ) -> StepReport:
+    ) -> LiquidReport:
         """Take out what left, let in what came, and find the fastest particle."""
         wp, run, markers = warp(), self.run, self.markers
         removed = self.sources.take_out(markers, run.array("left", max(1, markers.total), wp.int32))
@@ -195,7 +195,10 @@ class Flip:
             self._fail()
         inflow = max((i.speed for i in self.setup.inflows), default=0.0)
         self._speed = max(math.sqrt(most), inflow)
-        return StepReport(dt, impulse, reaction, added, removed, iterations, capped, excess)
+        return LiquidReport(
+            dt=dt, impulse=impulse, reaction=reaction, added=added, removed=removed, iterations=iterations, capped=capped,
+            density_error=excess,
+        )  # fmt: skip
 
     def _fail(self) -> None:
         velocity = self.run.read(self.markers.velocity, self.markers.total)

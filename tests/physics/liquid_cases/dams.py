@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import brentq
-from worldagent.simulation.liquid.engine import Engine, StepReport
+from worldagent.simulation.liquid.engine import Engine, LiquidReport
 from worldagent.worlds.arrays import F64
 
 from .world import EngineName, Figure, G, advance, below, lattice, liquid, make, near
@@ -79,7 +79,7 @@ def martin_moyce(engine: EngineName, cells: int, ratio: int = 2, *, far: bool = 
     running = make(engine, liquid(spacing, lattice((0, 0, 0), (a, room[1], ratio * a), spacing), room), **rub)
     time, front, height = [0.0], [1.0], [1.0]
 
-    def look(now: float, _: StepReport) -> None:
+    def look(now: float, _: LiquidReport) -> None:
         time.append(now * unit)
         front.append(_front(running, spacing) / a)
         height.append(_wall_height(running, spacing) / (ratio * a))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from worldagent.simulation.boundaries import Boundary
-from worldagent.simulation.liquid.engine import LiquidSetup, StepReport
+from worldagent.simulation.liquid.engine import LiquidReport, LiquidSetup
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.built import TriangleMesh
 
@@ -52,7 +52,7 @@ def draft(engine: EngineName, cells: int, ratio: float = 0.5) -> list[Figure]:
     running = make(engine, _pool(spacing, (side, side, depth), boundary, at, 2 * depth))
     course: list[tuple[float, float, float]] = []
 
-    def look(time: float, report: StepReport) -> None:
+    def look(time: float, report: LiquidReport) -> None:
         course.append((time, report.dt, body.position[2]))
 
     advance(running, 4.0, [body], look, longest=1 / 48)
@@ -115,7 +115,7 @@ def released(engine: EngineName, cells: int) -> list[Figure]:
     body.held = False
     course: list[tuple[float, float]] = []
 
-    def look(time: float, _: StepReport) -> None:
+    def look(time: float, _: LiquidReport) -> None:
         course.append((time, body.velocity[2]))
 
     advance(running, 0.1, [body], look, longest=0.005)

@@ -13,7 +13,7 @@ from worldagent.geometry.solids import Solid
 from worldagent.simulation.boundaries import BodyState, Boundary
 from worldagent.simulation.liquid.dfsph.engine import Dfsph
 from worldagent.simulation.liquid.dfsph.settings import DfsphSettings
-from worldagent.simulation.liquid.engine import Engine, Fluid, LiquidSetup, StepReport
+from worldagent.simulation.liquid.engine import Engine, Fluid, LiquidReport, LiquidSetup
 from worldagent.simulation.liquid.filling import PlacedSolid, fill
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.flip.settings import FlipSettings
@@ -217,12 +217,12 @@ def advance(
     engine: Engine,
     seconds: float,
     bodies: Sequence[Body | Boundary] = (),
-    watch: Callable[[float, StepReport], None] | None = None,
+    watch: Callable[[float, LiquidReport], None] | None = None,
     *,
     longest: float = np.inf,
-) -> list[StepReport]:
+) -> list[LiquidReport]:
     """Steps until a time has passed; bodies move with what they are given. `watch` gets the time passed and the report."""
-    reports: list[StepReport] = []
+    reports: list[LiquidReport] = []
     passed = 0.0
     while passed < seconds * (1 - 1e-9):
         report = engine.step(float(min(seconds - passed, longest)), still(bodies))

@@ -1,6 +1,6 @@
-"""What solvers beside the rigid one share: frames, ledgers and checkpoints around an engine that steps alone or with bodies.
+"""Frames, ledgers and checkpoints of every solver but the rigid one, around an engine that steps alone or coupled with bodies.
 
-An engine's solver says how it is set up, how it steps and what a frame holds; see `coupling.Partner` for how it is driven.
+A subclass says how its engine is set up, how it steps and what a frame holds; `coupling.CoupledRun` drives it with bodies.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
     from ..worlds.spec import WorldSpec
-    from .coupling import Stepped
+    from .step_reports import StepReport
 
-__all__ = ["SolverPartner", "motion_records"]
+__all__ = ["CoupledSolver", "motion_records"]
 
 Books = dict[str, Any]
 """Sums by name."""
 
 
-class SolverPartner(ABC):
-    """One instance that meets bodies (a `coupling.Partner`).
+class CoupledSolver(ABC):
+    """One instance that meets bodies.
 
     Args:
         spec: the specification.
@@ -88,7 +88,7 @@ class SolverPartner(ABC):
         """Longest exchange in the present state [s]."""
 
     @abstractmethod
-    def step(self, limit: float, bodies: BodyState, time: float) -> Stepped:
+    def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
         """One exchange of at most `limit` seconds from `time`, counted into the frame."""
 
     @abstractmethod

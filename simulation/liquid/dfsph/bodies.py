@@ -96,6 +96,21 @@ class Coupling:
         self.total = 0
         self.reacts = False
 
+    def fastest(self, bodies: BodyState) -> float:
+        """Largest speed of a moving surface [m/s], bounded by its samples' distance from the centre."""
+        fastest = 0.0
+        for k, (boundary, sampled) in enumerate(zip(self.setup.boundaries, self.sampled, strict=True)):
+            if boundary.motion == "static" and not boundary.deforming:
+                continue
+            if k in bodies.vertices:
+                fastest = max(fastest, float(np.linalg.norm(bodies.vertices[k][1], axis=1).max(initial=0.0)))
+                continue
+            if len(sampled.position):
+                arm = float(np.linalg.norm(sampled.position, axis=1).max())
+                turning = arm * np.linalg.norm(bodies.angular_velocity[k])
+                fastest = max(fastest, float(np.linalg.norm(bodies.velocity[k]) + turning))
+        return fastest
+
     def _make_room(self, room: int) -> None:
         from .boundary_kernels import Pairs
 
@@ -153,8 +168,8 @@ class Coupling:
 
     def meet(self, work: Work, x: Any, volume: Any, lift: Any, surfaces: Any, h: float, n: int) -> None:
         """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
-        from . import boundary_kernels as kernels
         from . import grid_kernels, reaction_kernels
+        from . import pair_kernels as kernels
 
         wp, w, run = warp(), work, self.passes
         self.total = 0

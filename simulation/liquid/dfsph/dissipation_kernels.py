@@ -11,12 +11,13 @@ from typing import Any
 import warp as wp
 
 from .list_kernels import KINDS, neighbour, toward
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["damp", "shear"]
 
-DT = wp.constant(0)
+DT = wp.constant(int(Slot.DT))
 STRENGTH = wp.constant(wp.float32(1.0))
 """Factor of the squared difference; the classical values are 1 to 2."""
 REGULAR = wp.constant(wp.float32(0.1))

@@ -19,11 +19,11 @@ from .bodies import Coupling
 from .dissipation import Dissipation
 from .flow import Mouth, outflow_boxes, reasons
 from .keep_out import KeepOut
-from .pressure import RELAXATION, Solved, solve
+from .pressure import PressureSolves
 from .samples import sampled_boundaries
 from .settings import DfsphSettings
 from .state import pack, unpack
-from .store import FIELDS, SETTINGS, Store, Work, cells_of
+from .store import FIELDS, Store, Work, cells_of
 from .tension import Tension
 from .viscosity import Viscosity
 
@@ -72,7 +72,6 @@ class Dfsph:
         self.h = SUPPORT * setup.spacing
         self.time, self.steps, self.lost = 0.0, 0, 0
         self.full = 1.0
-        self.relaxation = [RELAXATION, RELAXATION]
         self.store = Store(self.device, self._first())
         self.next_identity = self.store.count
         self.speed = float(np.sqrt((np.asarray(setup.velocity) ** 2).sum(axis=1).max(initial=0.0)))
@@ -99,7 +98,7 @@ class Dfsph:
         self.dissipation = Dissipation(setup, self.passes)
         self.zones = Zones(setup, self.origin, self.device)
         self.blowing = Blowing(setup)
-        self._host = np.zeros(SETTINGS, dtype=np.float32)
+        self.solves = PressureSolves(self.passes, self.coupling, self.settings)
         self._work: Work | None = None
         self._sorted = 0
         self._leavers = 0
@@ -153,12 +152,11 @@ class Dfsph:
         from . import step_kernels as kernels
 
         added = self._let_in()
-        stable = min(self._stable(self.speed), self._stable(_fastest(bodies, self)))
+        stable = min(self._stable(self.speed), self._stable(self.coupling.fastest(bodies)))
         dt = limit / max(1, math.ceil(limit / min(stable, self.coupling.soft.longest(bodies)) - 1e-6))
         w, n = self.work, self.store.count
-        self._host[10] = self.full
-        self._host[:8] = (dt, max(n, 1), 0.0, 1.0, 0.0, 0.0, self.time, 0.0)
-        w.settings.assign(self._host)
+        w.put(DT=dt, COUNT=max(n, 1), BETA=0.0, NESTEROV=1.0, ERROR=0.0, OMEGA=0.0, TIME=self.time, FULL=self.full)
+        w.send()
         if n == 0:
             self.time += dt
             self.steps += 1
@@ -173,21 +171,9 @@ class Dfsph:
         if self.steps % PACKING_EVERY == 0:
             self._measure_packing(w)
         self.coupling.meet(w, s.x, s.volume, w.lift, self.keep_out.surfaces, self.h, n)
-        launch, pull = (lambda k, many, of: run("zones", k, many, of)()), [s.x, s.volume, w.lightness, s.v]
-        driven = self.zones.pull(launch, "pull_particles", n, pull, self.time, dt)
-        blown = self._blow(s, w, bodies, n, dt)
-        run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
-        self.tension.apply(w, s, self.coupling, self._grid, self._sides, self.h, n)
-        self.coupling.advance()
-        self.coupling.bear(s.v)
-        thin = self.viscosity.apply(
-            w, s, self.coupling, self.h, n, dt, tolerance=self.settings.viscosity_error, most=self.settings.iterations
-        )
-        self.viscosity.conduct(w, s, self.h, n, dt)
-        self.dissipation.apply(w, s, n, dt)
-        self.coupling.soft.kick()
-        spread = self._solve(w, density=False)
-        pressed = self._solve(w, density=True)
+        driven, blown, thin = self._accelerate(s, w, bodies, n, dt)
+        spread = self.solves.solve(w, s, n, density=False)
+        pressed = self.solves.solve(w, s, n, density=True)
         self.keep_out.apply(w, s, self.coupling, n)
         run("travel", kernels.travel, n, [w.way, w.settings, s.x])()
         margin = self.setup.spacing
@@ -208,6 +194,25 @@ class Dfsph:
             density_error=error, driven=driven, blown=blown,
         )  # fmt: skip
 
+    def _accelerate(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> tuple[F64, F64, bool]:
+        """Everything but pressure acts; what zones of waves and fields gave, each (4,), and whether viscosity was solved for."""
+        from . import step_kernels as kernels
+
+        run, pull = self.passes, [s.x, s.volume, w.lightness, s.v]
+        driven = self.zones.pull(lambda k, many, of: run("zones", k, many, of)(), "pull_particles", n, pull, self.time, dt)
+        blown = self._blow(s, w, bodies, n, dt)
+        run("fall", kernels.fall, n, [w.lightness, self._gravity, w.settings, s.v])()
+        self.tension.apply(w, s, self.coupling, self._grid, self._sides, self.h, n)
+        self.coupling.advance()
+        self.coupling.bear(s.v)
+        thin = self.viscosity.apply(
+            w, s, self.coupling, self.h, n, dt, tolerance=self.settings.viscosity_error, most=self.settings.iterations
+        )
+        self.viscosity.conduct(w, s, self.h, n, dt)
+        self.dissipation.apply(w, s, n, dt)
+        self.coupling.soft.kick()
+        return driven, blown, thin
+
     def _blow(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> F64:
         """Let force fields act on the particles; momentum and energy that they gave, (4,)."""
         if not self.blowing.acts(self.time, dt):
@@ -219,24 +224,6 @@ class Dfsph:
         v[:n] += found.change.astype(np.float32)
         s.v.assign(v)
         return found.given
-
-    def _solve(self, w: Work, *, density: bool) -> Solved:
-        s, k = self.store.now, self.settings
-        solved = solve(
-            self.passes,
-            w,
-            s.push if density else s.pressure,
-            s,
-            count=self.store.count,
-            density=density,
-            settings=self._host,
-            tolerance=k.density_error if density else k.divergence_error,
-            most=k.iterations,
-            coupling=self.coupling,
-            relaxation=self.relaxation[int(density)],
-        )
-        self.relaxation[int(density)] = solved.relaxation
-        return solved
 
     def _sort(self, w: Work) -> None:
         """Bring the particles into the order of their cells; those that leave are dropped."""
@@ -337,8 +324,8 @@ class Dfsph:
         if deep.sum() >= LEAST_DEEP:
             found = float(np.clip(fill[deep].mean() / dense[deep].mean(), *FULL_RANGE))
             self.full += PACKING_RATE * (found - self.full)
-            self._host[10] = self.full
-            w.settings.assign(self._host)
+            w.put(FULL=self.full)
+            w.send()
 
     def _census(self, w: Work) -> tuple[float, float]:
         """Mean and largest compression, on the positions that the step started from; the largest speed; who leaves."""
@@ -387,18 +374,3 @@ class Dfsph:
         """Continue from a checkpoint."""
         unpack(self, state)
         self._sorted = 0
-
-
-def _fastest(bodies: BodyState, engine: Dfsph) -> float:
-    """Largest speed of a moving surface [m/s], bounded by its samples' distance from the centre."""
-    fastest = 0.0
-    for k, (boundary, sampled) in enumerate(zip(engine.setup.boundaries, engine.coupling.sampled, strict=True)):
-        if boundary.motion == "static" and not boundary.deforming:
-            continue
-        if k in bodies.vertices:
-            fastest = max(fastest, float(np.linalg.norm(bodies.vertices[k][1], axis=1).max(initial=0.0)))
-            continue
-        if len(sampled.position):
-            arm = float(np.linalg.norm(sampled.position, axis=1).max())
-            fastest = max(fastest, float(np.linalg.norm(bodies.velocity[k]) + arm * np.linalg.norm(bodies.angular_velocity[k])))
-    return fastest

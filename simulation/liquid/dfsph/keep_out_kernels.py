@@ -4,8 +4,11 @@
 import warp as wp
 
 from .boundary_kernels import Bodies, Pairs, Surfaces, at_corners, wall_speed
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
+
+DT = wp.constant(int(Slot.DT))
 
 __all__ = ["keep_out"]
 
@@ -76,7 +79,7 @@ def keep_out(
     The way is seen from the body, as it moves at the end of the step.
     """
     i = first + wp.tid()
-    dt = settings[0]
+    dt = settings[DT]
     play = PLAY * spacing
     begin = pairs.start[i]
     count = pairs.touched[i]

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from . import solve_kernels as kernels
+from .step_slots import Slot
 
 if TYPE_CHECKING:
     from ...passes import Passes
     from .bodies import Coupling
+    from .settings import DfsphSettings
     from .store import Work
 
-__all__ = ["Solved", "solve"]
+__all__ = ["PressureSolves", "Solved"]
 
 RELAXATION = 0.4
 """Step along the gradient scaled by the diagonal, at first; it is cut to what the iterates show of the largest eigenvalue."""
@@ -29,85 +31,73 @@ class Solved:
     error: float
     """Mean compression (of the density solve), or mean rate of compression times dt."""
     capped: bool
-    relaxation: float
-    """To begin the next solve with."""
 
 
-def solve(
-    passes: Passes,
-    work: Work,
-    p: Any,
-    s: Any,
-    *,
-    count: int,
-    density: bool,
-    settings: Any,
-    tolerance: float,
-    most: int,
-    coupling: Coupling,
-    relaxation: float,
-) -> Solved:
-    """Raise p >= 0 [Pa] until nothing is compressed; p starts where the last step ended.
+class PressureSolves:
+    """Raises p >= 0 [Pa] until nothing is compressed; p starts where the last step ended.
 
     The velocity solve changes v and moves bodies; the density solve writes the velocity of travel into `work.way` and leaves v and
     bodies as they are.
 
     Args:
         passes: prepared kernels.
-        work: arrays of the step; `settings` and neighbours are filled in.
-        p: pressure of this solve.
-        s: particles.
-        count: particles.
-        density: the constant-density solve of places; else the divergence-free one of velocities.
-        settings: host values of `work.settings`.
-        tolerance: mean error at which to stop.
-        most: iterations at most.
         coupling: bodies that move with the pressure.
-        relaxation: step along the scaled gradient to begin with.
+        settings: tolerances and the most iterations.
+
+    Attributes:
+        relaxation: steps along the scaled gradient to begin the velocity and the density solve with.
     """
-    w, name = work, "density" if density else "divergence"
-    coupling.moving_walls()
-    passes(name + "rates", kernels.rates, count, [s.v, w.lean, *w.lists, w.moving, w.rate])()
-    passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b])()
-    passes(name + "begin", kernels.begin, count, [p, w.y])()
-    settings[2:6] = (0.0, 1.0, 0.0, relaxation)
-    settings[12:16] = (tolerance, most, 0.0, 0.0)
-    w.settings.assign(settings)
-    passes.fold("asked", kernels.asked, count, [w.b, w.partial])()
-    passes.close("before", kernels.judge, count, [w.partial, w.settings, 1, w.going])()
-    reaction = coupling.reaction(w.y, moves=not density)
-    chain: list[Callable[[], None]] = [
-        passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.a]),
-        *reaction,
-        passes(
-            name + "relax",
-            kernels.relax,
-            count,
-            [
-                w.a,
-                w.lean,
-                *w.lists,
-                coupling.taken,
-                w.firm if density else w.stiffness,
-                w.b,
-                s.volume,
-                w.settings,
-                p,
-                w.y,
-                w.last_y,
-                w.last_r,
-                w.sums,
-            ],
-        ),
-        passes.fold("gather", kernels.gather, count, [w.sums, w.partial]),
-        passes.close("judge", kernels.judge, count, [w.partial, w.settings, 0, w.going]),
-    ]
-    passes.chain(name, chain, going=w.going)()
-    passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *w.lists, w.a])()
-    if density:
-        passes("shift", kernels.shift, count, [s.v, w.a, w.settings, w.way])()
-    else:
-        coupling.book(p)
-        passes("end", kernels.end, count, [w.a, w.settings, s.v])()
-    found = w.settings.numpy()
-    return Solved(int(found[14]), float(found[4]), found[15] == 0.0, min(RELAXATION, RECOVERY * float(found[5])))
+
+    def __init__(self, passes: Passes, coupling: Coupling, settings: DfsphSettings) -> None:
+        self._passes, self._coupling, self._settings = passes, coupling, settings
+        self.relaxation = [RELAXATION, RELAXATION]
+
+    def solve(self, w: Work, s: Any, count: int, *, density: bool) -> Solved:
+        """One solve.
+
+        Args:
+            w: arrays of the step; its numbers and neighbours are filled in.
+            s: particles.
+            count: particles.
+            density: the constant-density solve of places; else the divergence-free one of velocities.
+        """
+        passes, coupling, name = self._passes, self._coupling, "density" if density else "divergence"
+        p = s.push if density else s.pressure
+        self._begin(w, s, p, count, density=density)
+        passes.chain(name, self._iteration(w, s, p, count, density=density), going=w.going)()
+        passes(name + "accelerate", kernels.accelerate, count, [p, w.lightness, w.lean, *w.lists, w.a])()
+        if density:
+            passes("shift", kernels.shift, count, [s.v, w.a, w.settings, w.way])()
+        else:
+            coupling.book(p)
+            passes("end", kernels.end, count, [w.a, w.settings, s.v])()
+        found = w.settings.numpy()
+        self.relaxation[int(density)] = min(RELAXATION, RECOVERY * float(found[Slot.OMEGA]))
+        return Solved(int(found[Slot.DONE]), float(found[Slot.ERROR]), found[Slot.MET] == 0.0)
+
+    def _begin(self, w: Work, s: Any, p: Any, count: int, *, density: bool) -> None:
+        """The right side and what is asked of the solve."""
+        passes, name, k = self._passes, "density" if density else "divergence", self._settings
+        self._coupling.moving_walls()
+        passes(name + "rates", kernels.rates, count, [s.v, w.lean, *w.lists, w.moving, w.rate])()
+        passes(name + "source", kernels.source, count, [w.fill, w.rate, w.settings, int(density), w.b])()
+        passes(name + "begin", kernels.begin, count, [p, w.y])()
+        tolerance = k.density_error if density else k.divergence_error
+        w.put(BETA=0.0, NESTEROV=1.0, ERROR=0.0, OMEGA=self.relaxation[int(density)])
+        w.put(TOLERANCE=tolerance, MOST=k.iterations, DONE=0.0, MET=0.0)
+        w.send()
+        passes.fold("asked", kernels.asked, count, [w.b, w.partial])()
+        passes.close("before", kernels.judge, count, [w.partial, w.settings, 1, w.going])()
+
+    def _iteration(self, w: Work, s: Any, p: Any, count: int, *, density: bool) -> list[Callable[[], None]]:
+        """Passes of one iteration."""
+        passes, coupling, name = self._passes, self._coupling, "density" if density else "divergence"
+        reaction = coupling.reaction(w.y, moves=not density)
+        inputs = [w.a, w.lean, *w.lists, coupling.taken, w.firm if density else w.stiffness, w.b, s.volume, w.settings]
+        return [
+            passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.a]),
+            *reaction,
+            passes(name + "relax", kernels.relax, count, [*inputs, p, w.y, w.last_y, w.last_r, w.sums]),
+            passes.fold("gather", kernels.gather, count, [w.sums, w.partial]),
+            passes.close("judge", kernels.judge, count, [w.partial, w.settings, 0, w.going]),
+        ]

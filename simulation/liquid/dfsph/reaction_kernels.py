@@ -4,8 +4,11 @@
 import warp as wp
 
 from .boundary_kernels import Bodies, Pairs, at_corners, at_place
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
+
+DT = wp.constant(int(Slot.DT))
 
 VERTICES = wp.constant(wp.float32(0.5))
 """Of the sum of a row of A through vertices: what counts as its diagonal. Forces on one vertex hardly differ in direction."""
@@ -55,7 +58,7 @@ def kick(
 ):
     """Velocity by the acceleration of everything but the liquid."""
     b = first + wp.tid()
-    velocity[b] = velocity[b] + settings[0] * acceleration[b]
+    velocity[b] = velocity[b] + settings[DT] * acceleration[b]
 
 
 @wp.kernel
@@ -267,13 +270,13 @@ def account(
     for t in range(parts):
         f += force[b * parts + t]
         m += torque[b * parts + t]
-    dt = wp.float64(settings[0])
+    dt = wp.float64(settings[DT])
     linear[b] = linear[b] + dt * f
     angular[b] = angular[b] + dt * m
     if moves != 0:
-        bodies.velocity[b] = bodies.velocity[b] + settings[0] * bodies.lightness[b] * wp.vec3(
+        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * bodies.lightness[b] * wp.vec3(
             wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2])
         )
-        bodies.spin[b] = bodies.spin[b] + settings[0] * (
+        bodies.spin[b] = bodies.spin[b] + settings[DT] * (
             bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
         )

@@ -9,11 +9,15 @@ from typing import Any
 
 import warp as wp
 
-from .boundary_kernels import SHEET, Bodies, Pairs, Surfaces
+from .boundary_kernels import Bodies, Pairs, Surfaces
 from .list_kernels import KINDS, neighbour, toward
+from .pair_kernels import SHEET
 from .shape_kernels import weight
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
+
+DT = wp.constant(int(Slot.DT))
 
 __all__ = ["attach", "cut", "kick_vertices", "lay_samples", "press", "pull", "slow", "soften", "take", "thicken_walls", "weigh"]
 
@@ -215,7 +219,7 @@ def slow(
             k = e / 3
             i = pairs.particle[k]
             s += pairs.share[k][e % 3] * volume[i] * viscosity[i] * pairs.drag[k]
-    load[v] = settings[0] * ease[v] * s
+    load[v] = settings[DT] * ease[v] * s
 
 
 @wp.kernel
@@ -290,8 +294,8 @@ def take(
         k = e / 3
         one = pairs.share[k][e % 3] * force[k]
         f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
-    impulse[v] = impulse[v] + wp.float64(settings[0]) * f
-    velocity[v] = velocity[v] + settings[0] * ease[v] * wp.vec3(wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2]))
+    impulse[v] = impulse[v] + wp.float64(settings[DT]) * f
+    velocity[v] = velocity[v] + settings[DT] * ease[v] * wp.vec3(wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2]))
 
 
 @wp.kernel

@@ -14,28 +14,26 @@ from typing import Any
 import warp as wp
 
 from .list_kernels import KINDS, neighbour, toward
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["Sums", "Totals", "accelerate", "asked", "begin", "end", "gather", "judge", "rates", "relax", "shift", "source"]
 
-DT = wp.constant(0)
-COUNT = wp.constant(1)
-BETA = wp.constant(2)
-NESTEROV = wp.constant(3)
-ERROR = wp.constant(4)
-OMEGA = wp.constant(5)
-OPEN = wp.constant(8)
-ASKED = wp.constant(9)
-FULL = wp.constant(10)
-FRESH = wp.constant(11)
-TOLERANCE = wp.constant(12)
-MOST = wp.constant(13)
-DONE = wp.constant(14)
-MET = wp.constant(15)
-"""Places in `settings`: step, particles, momentum of the solve and its counter, mean error, relaxation; (6 is the time;) residual that is left, and what was asked;
-fill of liquid at rest; whether no iteration has been made; mean error to stop at, iterations at most, how many were made,
-and whether they met what was asked."""
+DT = wp.constant(int(Slot.DT))
+COUNT = wp.constant(int(Slot.COUNT))
+BETA = wp.constant(int(Slot.BETA))
+NESTEROV = wp.constant(int(Slot.NESTEROV))
+ERROR = wp.constant(int(Slot.ERROR))
+OMEGA = wp.constant(int(Slot.OMEGA))
+OPEN = wp.constant(int(Slot.OPEN))
+ASKED = wp.constant(int(Slot.ASKED))
+FULL = wp.constant(int(Slot.FULL))
+FRESH = wp.constant(int(Slot.FRESH))
+TOLERANCE = wp.constant(int(Slot.TOLERANCE))
+MOST = wp.constant(int(Slot.MOST))
+DONE = wp.constant(int(Slot.DONE))
+MET = wp.constant(int(Slot.MET))
 RESIDUAL = wp.constant(wp.float32(0.2))
 """Share of the compression asked away that may be left: keeps tall columns from sagging, whose bottom alone is compressed."""
 SMALL = wp.constant(wp.float32(0.02))

@@ -22,7 +22,7 @@ def pack(engine: Dfsph) -> bytes:
         "speed": np.float64(engine.speed),
         "pressed": np.float64(engine.pressed),
         "full": np.float64(engine.full),
-        "relaxation": np.array(engine.relaxation, dtype=np.float64),
+        "relaxation": np.array(engine.solves.relaxation, dtype=np.float64),
         "steps": np.int64(engine.steps),
         "lost": np.int64(engine.lost),
         "next_identity": np.int64(engine.next_identity),
@@ -48,5 +48,5 @@ def unpack(engine: Dfsph, state: bytes) -> None:
     engine.steps, engine.lost = int(found["steps"]), int(found["lost"])
     engine.next_identity = int(found["next_identity"])
     engine.full = float(found["full"])
-    engine.relaxation = [float(k) for k in found["relaxation"]]
+    engine.solves.relaxation = [float(k) for k in found["relaxation"]]
     engine.layers = [int(k) for k in found["layers"]]

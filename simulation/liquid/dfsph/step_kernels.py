@@ -4,14 +4,15 @@
 import warp as wp
 
 from .shape_kernels import cell_of, wrapped
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 4})  # `packing` looks into 125 cells
 
 __all__ = ["Tally", "census", "close_census", "fall", "leave", "lighten", "packing", "travel"]
 
-DT = wp.constant(0)
-TIME = wp.constant(6)
-FULL = wp.constant(10)
+DT = wp.constant(int(Slot.DT))
+TIME = wp.constant(int(Slot.TIME))
+FULL = wp.constant(int(Slot.FULL))
 OPEN = wp.constant(1)
 LOST = wp.constant(2)
 

@@ -9,6 +9,7 @@ import numpy as np
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ...passes import Passes
+from .step_slots import Slot
 
 __all__ = ["FIELDS", "Store", "Work"]
 
@@ -27,8 +28,6 @@ FIELDS = {
 ROOM = 40
 """Neighbours that a list has room for at first; water at rest has 27 to 33."""
 GROWTH = 1.3
-SETTINGS = 16
-"""Numbers of a step and its solves that kernels read; `solve_kernels.py` names them."""
 
 
 class Store:
@@ -129,7 +128,18 @@ class Work:
         self.last_y, self.last_r = zeros(capacity, wp.float32), zeros(capacity, wp.float32)
         self.tallies, self.tally = zeros(parts, Tally), zeros(1, Tally)
         self.longest, self.most = zeros(parts, wp.int32), zeros(1, wp.int32)
-        self.settings = zeros(SETTINGS, wp.float32)
+        self._numbers = np.zeros(max(Slot) + 1, dtype=np.float32)
+        self.settings = zeros(len(self._numbers), wp.float32)
+        """Numbers that kernels read and write, by `Slot`."""
+
+    def put(self, **numbers: float) -> None:
+        """Note numbers by the names of `Slot`, for `send`."""
+        for name, value in numbers.items():
+            self._numbers[Slot[name]] = value
+
+    def send(self) -> None:
+        """Write the noted numbers to the device, over what kernels wrote."""
+        self.settings.assign(self._numbers)
 
     def grow(self, room: int) -> None:
         """Neighbour lists with this much room; neighbour k of particle i stands at i row + k stride."""

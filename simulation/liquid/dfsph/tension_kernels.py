@@ -6,12 +6,13 @@ import warp as wp
 from .boundary_kernels import Pairs
 from .domain_kernels import MIRROR
 from .shape_kernels import SIGMA, cell_of, plane_weight, wrapped
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["adhere", "attract", "cling"]
 
-DT = wp.constant(0)
+DT = wp.constant(int(Slot.DT))
 SIDES = wp.constant(wp.float32(2.75))
 """Measured: closed sides attract so much more than bodies, so that drops stand on them at about 90 degrees; none within a gap of theirs."""
 

@@ -11,12 +11,13 @@ import warp as wp
 
 from .boundary_kernels import Bodies, Pairs, wall_speed
 from .list_kernels import KINDS, neighbour, toward
+from .step_slots import Slot
 
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["blend", "conduct", "direct", "dots", "rub", "steer", "thicken", "update", "warm"]
 
-DT = wp.constant(0)
+DT = wp.constant(int(Slot.DT))
 PAIR = wp.constant(wp.float32(11.8))
 """10 of the continuum, times what lists of 30 neighbours lack: measured, liquid that has flowed then has 1.02 to 1.08 of its
 viscosity and a lattice sheared along its rows 0.92 to 0.95."""

@@ -41,7 +41,7 @@ class Boundary:
 
 @dataclass(frozen=True)
 class SoftBoundary:
-    """What a deforming boundary is the surface of."""
+    """The entity behind a deforming boundary."""
 
     entity: str
     parts: tuple[str, ...]

@@ -155,7 +155,7 @@ class _Frames:
         self._since = time.monotonic()
 
     def within(self, frame: int) -> Within:
-        """What takes how far a frame is."""
+        """A function that takes how far a frame is."""
 
         def tell(share: float, doing: str) -> None:
             if time.monotonic() - self._since >= SLOW_FRAME_SECONDS:

@@ -1,4 +1,4 @@
-"""Checkpoints: what they are of, sums since frame 0 and the engine's arrays, under a seal that tells damage."""
+"""Checkpoints: a stamp, sums since frame 0 and the engine's arrays, under a seal that tells damage."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AGAIN = "delete the candidate's checkpoints and bake again"
 
 @dataclass(frozen=True)
 class Stamp:
-    """What a checkpoint is of."""
+    """The engine, instance and frame of a checkpoint."""
 
     engine: str
     instance: str

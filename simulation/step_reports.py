@@ -1,4 +1,4 @@
-"""What a sub-step of a coupled solver gave to bodies, and how long it was."""
+"""Step reports: impulses that a sub-step of a coupled solver gave to bodies, and how long it was."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ _Own = dict[str, dict[int, Mapping[str, Any]]]
 
 
 class _Once:
-    """What a function gives, or the evidence that it found missing: it is called at the first question, and once."""
+    """The value of a function, or the evidence that it found missing: it is called at the first question, and once."""
 
     def __init__(self, make: Callable[[], _Own]) -> None:
         self._make = make

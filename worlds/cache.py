@@ -49,7 +49,7 @@ KEPT_BYTES = 256_000_000
 
 @dataclass(frozen=True)
 class CacheIndex:
-    """What the rows of the channels stand for; `index.json` beside the frames."""
+    """Names of the rows of the channels; `index.json` beside the frames."""
 
     solver: str
     engine: str

@@ -17,7 +17,7 @@ __all__ = ["writers_of"]
 
 
 def writers_of(spec: WorldSpec, name: str) -> frozenset[Writer]:
-    """What the instance `name` writes channels as."""
+    """The writers that an instance is."""
     plan = spec.simulation
     members = [m for m in plan.solvers[name].members if m in spec.entities]
     categories = {spec.entities[m].physics.category for m in members}

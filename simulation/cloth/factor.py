@@ -1,4 +1,4 @@
-"""What an implicit step is preconditioned with: the sheets at rest, along warp, along weft and across, factored once for each length of step."""
+"""Preconditioner of implicit steps: the sheets at rest, along warp, along weft and across, factored once for each length of step."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Preconditioner:
         return self._order[far]
 
     def matrices(self, step: float) -> list[sp.csr_matrix]:
-        """What is factored for a step of about this length [s]: mass and squared step times stiffness, of the free vertices, three times."""
+        """The matrices of a step of about this length [s]: mass and squared step times stiffness, of the free vertices, three times."""
         square = 2.0 ** (2 * round(PARTS * math.log2(step)) / PARTS)
         warp, weft, across, bend = self._parts
         own = bend if self._far(square) else sp.diags(bend.diagonal())

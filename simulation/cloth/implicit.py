@@ -112,7 +112,7 @@ class Implicit:
         self._blocks = wp.zeros(len(unique), dtype=wp.mat33d, device=device)
 
     def _pieces(self, faces: I32, free: Any) -> None:
-        """What hangs together, and whether any of it is held."""
+        """Connected pieces of the sheets, and whether any vertex of each is held."""
         ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
         links = sp.coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(self.n, self.n))
         count, piece = connected_components(links, directed=False)
@@ -231,7 +231,7 @@ class Implicit:
             one()
 
     def factor(self) -> tuple[Any, ...]:
-        """What the system is preconditioned with."""
+        """The preconditioner of the system."""
         return self._order, self.frames.numpy(), *self._factor
 
     def matrix(self) -> tuple[Any, ...]:

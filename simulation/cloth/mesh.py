@@ -17,7 +17,7 @@ LEAST_AREA = 1e-12
 
 @dataclass(frozen=True)
 class Fabric:
-    """What one sheet is made of."""
+    """Material of one sheet."""
 
     area_density: float
     """[kg/m^2]"""

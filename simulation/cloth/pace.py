@@ -1,4 +1,4 @@
-"""What shortens steps while cloth runs: stretch that stiffens it, and solids that come fast."""
+"""Reasons to shorten steps while cloth runs: stretch that stiffens it, and solids that come fast."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the cloth engine is given and what it answers: plain arrays, so that it knows nothing of worlds."""
+"""Input and step report of the cloth engine: plain arrays, so that it knows nothing of worlds."""
 
 from __future__ import annotations
 

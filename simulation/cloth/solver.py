@@ -51,7 +51,7 @@ class SolverCloth(CoupledSolver):
         return self.scene.surround
 
     def open_ledger(self) -> dict[str, Any]:
-        """What it was given since frame 0: impulse and work."""
+        """Impulse and work that it was given since frame 0, by origin."""
         return {name: [0.0] * 4 for name in SUMS}
 
     def _rows(self, entity: str) -> slice:

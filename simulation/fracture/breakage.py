@@ -38,7 +38,7 @@ FEW_RETAKES = 1
 
 
 class Fate(Enum):
-    """What becomes of the clusters in a step."""
+    """The fate of the clusters in a step."""
 
     WHOLE = "whole"
     AGAIN = "again"
@@ -124,7 +124,7 @@ class Breakage:
         return changed
 
     def sleepers(self) -> tuple[F64, Any]:
-        """What lies on the pieces and may be asleep, for `lay`."""
+        """Forces of bodies that lie on the pieces and may be asleep, for `lay`."""
         return self._pushes.sleepers()
 
     def lay(self, sleepers: tuple[F64, Any]) -> None:

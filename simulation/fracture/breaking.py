@@ -30,7 +30,7 @@ FAINT_CAUSE = 1e-3
 
 
 class _Steady(NamedTuple):
-    """What bonds carry of lasting loads."""
+    """Forces in the bonds under lasting loads."""
 
     bonds: Any
     force: F64
@@ -121,7 +121,7 @@ class Breaker:
                 steady = None
 
     def _steady(self, cluster: Cluster, loads: F64) -> _Steady:
-        """What the bonds of a cluster carry of lasting loads, shape (pieces, 6)."""
+        """Forces in the bonds of a cluster under lasting loads, shape (pieces, 6)."""
         network, stiffness = self.pieces.network, self.pieces.stiffness(cluster, 0.0)
         force = network.carry(stiffness, loads)
         return _Steady(stiffness.bonds, force, float(network.ratio(stiffness.faces, force).max(initial=0.0)))

@@ -104,11 +104,11 @@ class BondNetwork:
         )
 
     def faces(self, rows: Any) -> Faces:
-        """What is needed of some bonds to find what they carry."""
+        """Data of some bonds from which their forces follow."""
         return Faces(*(values[rows] for values in self._faces))
 
     def carry(self, stiffness: Stiffness, loads: F64) -> F64:
-        """What the bonds of a cluster carry under loads on its pieces: opening force, two sliding forces, twisting, two
+        """Forces in the bonds of a cluster under loads on its pieces: opening force, two sliding forces, twisting, two
         bending moments, shape (b, 6) [N, N m].
 
         Args:

@@ -93,7 +93,7 @@ class Pieces:
         self.factors = self._inherited()
 
     def _inherited(self) -> dict[tuple[str, float], Stiffness]:
-        """What is known of the stiffness of clusters, handed to the largest part of each that is left."""
+        """Known stiffness of clusters, handed to the largest part of each that is left."""
         found: dict[tuple[str, float], Stiffness] = {}
         first = np.array([c.pieces[0] for c in self.clusters], dtype=np.int64)
         size, fixed = np.array([len(c.pieces) for c in self.clusters]), np.array([c.fixed for c in self.clusters], dtype=bool)

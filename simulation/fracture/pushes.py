@@ -19,7 +19,7 @@ __all__ = ["Pushed", "Pushes"]
 
 
 class Pushed(NamedTuple):
-    """What pushes pieces in a step, n of them."""
+    """Pushes on n pieces in a step."""
 
     force: F64
     """Forces and torques about the pieces' centres, entity's frame, shape (n, 6)."""
@@ -71,7 +71,7 @@ class Pushes:
                         self._piece_of_geom[geom] = first + k
 
     def sleepers(self) -> tuple[F64, Any]:
-        """What lies on the pieces and may be asleep, for `lay`."""
+        """Forces of bodies that lie on the pieces and may be asleep, for `lay`."""
         return self._pressing.copy(), self._partner.copy()
 
     def lay(self, sleepers: tuple[F64, Any]) -> None:
@@ -79,7 +79,7 @@ class Pushes:
         self._pressing, self._partner = sleepers[0].copy(), sleepers[1].copy()
 
     def found(self, data: Any, others: F64 | None) -> tuple[Pushed, Pushed]:
-        """What pushes the pieces in a step whose contacts are solved, and what the bonds feel of it: where a piece or what lies on it
+        """Pushes on the pieces in a step whose contacts are solved, and how much of them the bonds feel: where a piece or what lies on it
         sleeps, whose contacts are not listed, the last forces."""
         pushed = self._contacts(data)
         if others is not None:
@@ -122,7 +122,7 @@ class Pushes:
         return turn, data.xpos[ids] + (turn @ self._arms[piece][:, :, None])[:, :, 0]
 
     def _contacts(self, data: Any) -> Pushed:
-        """What contacts do to the pieces."""
+        """Pushes of contacts on the pieces."""
         count = int(self.first[-1])
         none = np.full(count, NO_CAUSE)
         total, cause, tree = Pushed(np.zeros((count, 6)), none, none.copy())

@@ -1,4 +1,4 @@
-"""What a frame tells of bonds: loads on the pieces, stresses, and those that broke."""
+"""Records of the bonds in a frame: loads on the pieces, stresses, and those that broke."""
 
 from __future__ import annotations
 

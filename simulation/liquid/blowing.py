@@ -21,7 +21,7 @@ __all__ = ["Blowing", "Blown"]
 
 
 class Blown(NamedTuple):
-    """What fields did in a step."""
+    """Effect of fields in a step."""
 
     change: F64
     """Of velocities [m/s], shape (n, 3)."""

@@ -1,4 +1,4 @@
-"""What a liquid engine is given and what it answers: plain arrays, so that engines know nothing of worlds.
+"""Input, step report and particles of a liquid engine: plain arrays, so that engines know nothing of worlds.
 
 World coordinates, SI units, float64 here; an engine may hold float32 relative to an origin of its own. The particle
 engine (DFSPH) and the grid engine (FLIP) keep this interface; `solver.py` turns either into a `Solver`.

@@ -1,4 +1,4 @@
-"""What a liquid's spacing cannot resolve, refused with its name before anything runs (R58)."""
+"""Refusal, by name and before anything runs, of geometry that a liquid's spacing cannot resolve (R58)."""
 
 from __future__ import annotations
 

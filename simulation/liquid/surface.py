@@ -87,7 +87,7 @@ def default_settings(
 
 @dataclass(frozen=True)
 class _State:
-    """What a frame takes over from the one before."""
+    """State that a frame takes over from the one before."""
 
     spray: I32
     foam: foam.FoamState

@@ -1,4 +1,4 @@
-"""What surrounds each particle: how many, on which side, and how it moves against them. Compiled by numba, kept on disk.
+"""Neighbours of each particle: how many, on which side, and how it moves against them. Compiled by numba, kept on disk.
 
 Particles lie sorted by the key of their cell (z fastest), so that three cells in a column are one run of the arrays.
 """

@@ -60,7 +60,7 @@ def ramps(z: Zones, x: wp.vec3, axis: wp.int32):
 
 @wp.struct
 class Aim:
-    """What a zone draws towards, and the force that this motion needs beside gravity and pressure."""
+    """Motion that a zone draws towards, and the force that this motion needs beside gravity and pressure."""
 
     velocity: wp.vec3
     force: wp.vec3

@@ -26,7 +26,7 @@ class Elastic(NamedTuple):
 
 
 def elastic(engine: Grains) -> Elastic:
-    """What contacts hold at the present places; springs are as the last step left them. Sums keep one order on a device."""
+    """Elastic energy of contacts at the present places; springs are as the last step left them. Sums keep one order on a device."""
     from . import energy_kernels as kernels
 
     now, n = engine.now, engine.count

@@ -91,7 +91,7 @@ def wall_energy(
     dt: wp.array(dtype=wp.float32),
     energy: wp.array2d(dtype=wp.float32),
 ):
-    """What the contacts of a pair hold: their depths at the last step, and how they went on over it."""
+    """Elastic energy of the contacts of a pair: their depths at the last step, and how they went on over it."""
     q = first + wp.tid()
     p = state.place[pairs.grain[q]]
     m = state.motion[pairs.grain[q]]

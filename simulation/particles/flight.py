@@ -206,7 +206,7 @@ class SolverFlight(FramedParticles):
         return dead
 
     def _meet(self, start: F64, end: F64, radius: F64, bodies: BodyState, seconds: float) -> tuple[Any, ...]:
-        """What ways meet first: share of the way, body (-1: none), normal in the body's frame. After a bounce, bodies are where they
+        """First surface that each way meets: share of the way, body (-1: none), normal in the body's frame. After a bounce, bodies are where they
         were at the start of the step."""
         n, b = len(start), len(self._surround.boundaries)
         if not b:

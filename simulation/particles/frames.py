@@ -1,4 +1,4 @@
-"""What instances of particles share: counts and frames of what an engine did."""
+"""Counts and frames of instances of particles, whatever their engine."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class FramedParticles(CoupledSolver):
         return found
 
     def elastic(self) -> Elastic:
-        """What contacts hold in the present state: nothing, where particles do not meet."""
+        """Elastic energy of contacts in the present state: zero where particles do not meet."""
         return Elastic(0.0, 0.0)
 
     # ------------------------------------------------------------------ runs

@@ -21,7 +21,7 @@ INDEX = wp.constant(wp.int32(MET - 1))
 
 @wp.struct
 class State:
-    """What a grain carries from step to step."""
+    """State that a grain carries from step to step."""
 
     place: wp.array(dtype=wp.vec4i)
     left: wp.array(dtype=wp.vec3)
@@ -44,7 +44,7 @@ class State:
 
 @wp.struct
 class Clock:
-    """What steers the steps; on the device, so that steps queue up."""
+    """Counters that steer the steps; on the device, so that steps queue up."""
 
     stop: wp.int32
     """Not 0: steps do nothing until the lists are made anew."""

@@ -25,7 +25,7 @@ class Law:
 
 @wp.struct
 class Touch:
-    """What one contact does."""
+    """Forces of one contact."""
 
     force: wp.vec3
     """On the first [N]."""

@@ -128,7 +128,7 @@ def carry(
     fresh: Pairs,
     known: wp.int32,
 ):
-    """What the contacts of a pair stored in the old lists; `index` tells the old place of a grain."""
+    """Take over the history of a pair's contacts from the old lists; `index` tells the old place of a grain."""
     q = first + wp.tid()
     for s in range(SLOT_COUNT):
         fresh.way[q, s] = wp.vec3(0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""What an engine of grains is given, and what it reports."""
+"""Input and step report of an engine of grains."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["GrainReport", "GrainSetup", "Kind", "Pair", "law_of", "wall_law"]
 
 @dataclass(frozen=True)
 class Kind:
-    """What grains of one entity are made of."""
+    """Material of the grains of one entity."""
 
     name: str
     density: float

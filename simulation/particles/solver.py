@@ -86,7 +86,7 @@ class SolverGrains(FramedParticles):
         return self.engine.columns()
 
     def elastic(self) -> Elastic:
-        """What contacts hold."""
+        """Elastic energy of contacts."""
         return elastic(self.engine)
 
     def pack(self) -> bytes:

@@ -120,12 +120,12 @@ class Walls:
         return max(float(speed[self._rigid].max(initial=0.0)), self.soft.begin(state))
 
     def end(self) -> F64:
-        """What the bodies got since the exchange began, shape (b, 6)."""
+        """Impulses on the bodies since the exchange began, shape (b, 6)."""
         found: F64 = np.concatenate([self.bodies.impulse.numpy(), self.bodies.twist.numpy()], axis=1)[: self.count]
         return found
 
     def taken(self, run: Passes, buffer: Buffer) -> F64:
-        """What the grains got from the bodies since the exchange began, and the work of the bodies' motion on them, shape (b, 7)."""
+        """Impulses on the grains from the bodies since the exchange began, and the work of the bodies' motion on them, shape (b, 7)."""
         self.settle(run, buffer)
         found: F64 = self.reaction.numpy()[: self.count].copy()
         return found

@@ -48,7 +48,7 @@ class ContactGain:
 
 
 def contact_work(data: Any, model: Any) -> tuple[F64, F64]:
-    """What each constraint that is a contact gives in the step, and the size of what it exchanges [J], each shape (nefc,).
+    """Energy that each constraint of a contact gives in the step, and the size of what it exchanges [J], each shape (nefc,).
 
     Forces must be found, and the constraints be those of the step's beginning.
     """

@@ -1,4 +1,4 @@
-"""What others need of a running rigid instance to push its bodies: where they are, how they move and how they answer."""
+"""Bodies of a running rigid instance as coupled solvers meet them: where they are, how they move and how they answer a push."""
 
 from __future__ import annotations
 

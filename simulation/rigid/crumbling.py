@@ -255,7 +255,7 @@ def make_crumbling(
     geom_names: Sequence[str],
     geom_entity: Mapping[str, str],
 ) -> Crumbling | None:
-    """What a model must know of its breakable bodies; None where it has none."""
+    """Crumbling of the breakable bodies of a model; None where it has none."""
     names = [c for c in colliders if built[c].bonds is not None]
     if not names:
         return None
@@ -279,7 +279,7 @@ def make_crumbling(
 
 
 def _columns(spec: WorldSpec, built: BuiltEntity) -> F64:
-    """What a contact point of each piece may have to bear, shape (pieces,) [N]: the weight of a column as wide as the piece from it to
+    """Greatest load on a contact point of each piece, shape (pieces,) [N]: the weight of a column as wide as the piece from it to
     the top of the body that it was part of, twice for faces wider than high, by the four points that a face has at least."""
     gravity = np.array(spec.simulation.gravity)
     strength = float(np.linalg.norm(gravity))

@@ -1,4 +1,4 @@
-"""What others of a two-way coupling push the bodies with, and what the engine took of it."""
+"""Wrenches of coupled solvers on the bodies, and the part of them that the engine integrated."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Exchange:
             self.soft.begin()
 
     def give(self, data: Any, wrench: F64 | None, loads: Mapping[str, F64] | None) -> None:
-        """What is given from now on: wrenches on rows, forces at the vertices of elastic entities, each (v, 3) [N]."""
+        """Set the loads from now on: wrenches on rows, forces at the vertices of elastic entities, each (v, 3) [N]."""
         self.asked = wrench
         if self.soft is not None:
             self.soft.lay(data, loads or {})
@@ -68,7 +68,7 @@ class Exchange:
         parts.data.xfrc_applied += self._on_bodies(parts)
 
     def outside(self, parts: Parts) -> F64 | None:
-        """What is given to all bodies of the model, shape (nbody, 6): its work is no driver's."""
+        """Present wrenches of others on all bodies of the model, shape (nbody, 6): their work is no driver's."""
         return None if self._wrench is None else self._on_bodies(parts)
 
     def _on_bodies(self, parts: Parts) -> F64:

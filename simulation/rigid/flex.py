@@ -71,7 +71,7 @@ class FlexBody:
 
     @cached_property
     def lightness(self) -> F64:
-        """What each simulation vertex alone is sped up by an impulse at it [1/kg], shape (v,)."""
+        """Speed that an impulse at each simulation vertex alone gives it [1/kg], shape (v,)."""
         index, weight = self.lattice.vertex_weights
         ease = np.where(self.free, 1.0 / np.maximum(self.masses, 1e-300), 0.0)
         return np.asarray((weight**2 * ease[index]).sum(axis=1))

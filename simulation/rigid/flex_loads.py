@@ -1,4 +1,4 @@
-"""What others do to elastic bodies: forces at the vertices of their surfaces, taken to the nodes that carry those."""
+"""Loads of coupled solvers on elastic bodies: forces at the vertices of their surfaces, taken to the nodes that carry those."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What joins entities of one solver instance: springs, welds that can open, motors, pairs with a friction of their own."""
+"""Links between entities of one solver instance: springs, welds that can open, motors, pairs with a friction of their own."""
 
 from __future__ import annotations
 

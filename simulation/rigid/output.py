@@ -1,4 +1,4 @@
-"""What a rigid instance tells of a frame."""
+"""Channels of a rigid instance in a frame, and the names of their rows."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ class SolverRigid(Stepper):
         self.fields.begin()
 
     def repeats(self) -> str:
-        """What is told while a frame is made again."""
+        """Progress text while a frame is retried."""
         return repeated(self.refined, self.settings.refine, self.settings.step / 2**self.refined)
 
     def step_to(

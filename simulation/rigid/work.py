@@ -83,7 +83,7 @@ class DriverWork:
 
 
 def _inertial(model: Any, data: Any, dofs: Any, dt: float) -> F64:
-    """What a free body alone takes to move as it does, against gravity, in its own six coordinates [N, N m].
+    """Force and torque that a free body alone takes to move as it does, against gravity, in its own six coordinates [N, N m].
 
     Newton and Euler about the centre of mass, carried to the body's origin; the state is that of the step's beginning, with
     velocities already integrated.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 from pathlib import Path
 from typing import Any, get_args
 
@@ -136,3 +137,9 @@ def test_values_of_instances_add_up_or_are_the_extreme_of_them() -> None:
 def test_named_sizes_are_the_same_in_all_channels_of_a_frame() -> None:
     assert mismatch({"tear/time": np.zeros(2), "tear/cause": np.zeros(2, dtype=np.int32)}, {}) == ""
     assert "tear/cause" in mismatch({"tear/time": np.zeros(2), "tear/cause": np.zeros(3, dtype=np.int32)}, {})
+
+
+def test_the_page_of_channels_is_not_stale() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    made = runpy.run_path(str(docs / "generate_channels.py"))["page"]()
+    assert made == (docs / "channels.md").read_text(), "run python docs/generate_channels.py"

@@ -28,7 +28,7 @@ ROOM = 1024
 
 
 class _State:
-    """What changes of the bodies from step to step, in one block of memory: one copy to a GPU instead of eight."""
+    """State of the bodies in a step, in one block of memory: one copy to a GPU instead of eight."""
 
     WIDTHS: ClassVar[dict[str, int]] = {
         "center": 3, "velocity": 3, "spin": 3, "lightness": 1, "mobility": 9, "acceleration": 3, "rotation": 9, "position": 3,

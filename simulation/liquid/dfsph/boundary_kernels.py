@@ -54,7 +54,7 @@ def at_place(velocity: wp.vec3, spin: wp.vec3, arm: wp.vec3):
 
 @wp.func
 def at_corners(values: wp.array(dtype=wp.vec3), corner: wp.vec3i, share: wp.vec3):
-    """What a place on a triangle has of the values at its corners."""
+    """Value at a place on a triangle, from those at its corners."""
     return share[0] * values[corner[0]] + share[1] * values[corner[1]] + share[2] * values[corner[2]]
 
 

@@ -29,7 +29,7 @@ def side(d: wp.float32, spacing: wp.float32, h: wp.float32):
 
 @wp.func
 def behind(d: wp.float32, spacing: wp.float32, h: wp.float32):
-    """What layers behind a plane at distance d give to the gradient of a field that is linear across it, and along it; 1 all around."""
+    """Share that layers behind a plane at distance d give to the gradient of a field that is linear across it, and along it; 1 all around."""
     across = wp.float32(0.0)
     along = wp.float32(0.0)
     for k in range(4):

@@ -1,4 +1,4 @@
-"""What comes in and goes out: layers of inflows, boxes of outflows, open sides, and the masses of each."""
+"""Liquid that comes in and goes out: layers of inflows, boxes of outflows, open sides, and the masses of each."""
 
 from __future__ import annotations
 

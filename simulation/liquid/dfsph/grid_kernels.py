@@ -65,7 +65,7 @@ def spans(first: wp.int32, count: wp.int32, key: wp.array(dtype=wp.int32), span:
 
 @wp.struct
 class Particles:
-    """What a particle carries from step to step."""
+    """State that a particle carries from step to step."""
 
     x: wp.array(dtype=wp.vec3)
     v: wp.array(dtype=wp.vec3)

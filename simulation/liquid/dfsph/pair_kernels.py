@@ -126,7 +126,7 @@ def second_wall(d: wp.float32, n: wp.vec3, e: wp.float32, m: wp.vec3, spacing: w
 
 @wp.func
 def lifted(d: wp.float32, n: wp.vec3, lift: wp.vec3, fixed: wp.float32, spacing: wp.float32, h: wp.float32):
-    """What a plane wall bears of the lift; along itself where it is fixed."""
+    """Part of the lift that a plane wall bears; along itself where it is fixed."""
     part = behind(d, spacing, h)
     along = fixed * part[1]
     return along * lift + ((part[0] - along) * wp.dot(lift, n)) * n

@@ -37,7 +37,7 @@ def carry(
     vertices: wp.array(dtype=wp.vec3),
     moving: wp.array(dtype=wp.float32),
 ):
-    """What bodies that move (or accelerate) with `velocity` and `spin`, or whose `vertices` do, take away from D."""
+    """Part of D that bodies which move (or accelerate) with `velocity` and `spin`, or whose `vertices` do, take away."""
     i = first + wp.tid()
     s = wp.float32(0.0)
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
@@ -202,7 +202,7 @@ def ledger_lanes(
     force: wp.array(dtype=wp.vec3d),
     torque: wp.array(dtype=wp.vec3d),
 ):
-    """What a body's pressure changes of the liquid's own momentum: masses times accelerations of the particles, one lane."""
+    """Change of the liquid's own momentum by a body's pressure: masses times accelerations of the particles, one lane."""
     t = first + wp.tid()
     b = t / lanes
     span = spans[b]

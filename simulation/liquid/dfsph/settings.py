@@ -1,4 +1,4 @@
-"""What steers the particle engine."""
+"""Settings of the particle engine."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ LARGEST = 10.0
 
 
 class _Last(NamedTuple):
-    """What the last step left of one surface."""
+    """State of one surface after the last step."""
 
     speed: F64
     """At its start (v, 3) [m/s]."""
@@ -221,7 +221,7 @@ class SoftSurfaces:
             self.passes("take", kernels.take, self.count, inputs)()
 
     def given(self, impulse: F64, dt: float) -> dict[int, F64]:
-        """What each vertex of the reacting surfaces got in the step, by row (v, 3) [N s]; kept for the next one.
+        """Impulse on each vertex of the reacting surfaces in the step, by row (v, 3) [N s]; kept for the next one.
 
         Args:
             impulse: of all boundaries, linear and angular about their centres (b, 6).
@@ -248,7 +248,7 @@ class SoftSurfaces:
     # ------------------------------------------------------------------ state
 
     def pack(self) -> dict[str, F64]:
-        """What the next step needs of this one."""
+        """State that the next step goes on from."""
         found: dict[str, F64] = {}
         for row, last in self._last.items():
             pace = np.array([last.seconds, last.pull, last.near])

@@ -22,7 +22,7 @@ Tally = wp.types.vector(length=6, dtype=wp.float64)
 
 @wp.func
 def together(mean: wp.float64, worst: wp.float64, fast: wp.float64, wrong: wp.float64, leavers: wp.float64, pushed: wp.float64):
-    """What the threads of a block have of a census."""
+    """Sum of a census over the threads of a block."""
     return Tally(
         wp.tile_sum(wp.tile(mean))[0],
         wp.tile_max(wp.tile(worst))[0],

@@ -154,7 +154,7 @@ def steer(
     scalars: wp.array(dtype=wp.float32),
     going: wp.array(dtype=wp.int32),
 ):
-    """What conjugate gradients do with a product: 0 remember the first residual, 1 the length of a step, 2 the next direction."""
+    """Scalar step of conjugate gradients after a product: 0 remember the first residual, 1 the length of a step, 2 the next direction."""
     t = first + wp.tid()
     mine = wp.float64(0.0)
     for k in range(t, parts, width):

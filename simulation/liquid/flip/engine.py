@@ -317,7 +317,7 @@ class Flip:
         return multigrid.Solver(run, multigrid.hierarchy(run, level))
 
     def _shut(self, grid: Grid, level: multigrid.Level) -> Any:
-        """What closes the faces of the liquid's cells."""
+        """Walls that close faces of the liquid's cells."""
         wp, run = warp(), self.run
         shut = exchanges.Shut()
         shut.phi = self._of(grid, "phi")[0]

@@ -185,7 +185,7 @@ class Exchange:
         return np.asarray(impulse + self._stuck(self._of_owners()))
 
     def felt(self, impulse: F64, change: F64) -> F64:
-        """What the liquid's own momentum changed by through each boundary, about its centre (b, 6).
+        """Change of the liquid's own momentum through each boundary, about its centre (b, 6).
 
         Args:
             impulse: of `end`.

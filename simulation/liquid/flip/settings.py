@@ -1,4 +1,4 @@
-"""What a run of the grid engine can be told."""
+"""Settings of the grid engine."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def add_up(
     position: wp.array(dtype=wp.vec4), velocity: wp.array(dtype=wp.vec4), affine: wp.array(dtype=wp.mat33), apic: int,
     sums: wp.array(dtype=wp.vec4), weights: wp.array(dtype=wp.vec2),
 ):  # fmt: skip
-    """What the particles of one column give to the faces and centres of the nine columns around it."""
+    """Sums from the particles of one column to the faces and centres of the nine columns around it."""
     c = first + wp.tid()
     s = start[c]
     many = start[c + 1] - s

@@ -34,7 +34,7 @@ def at_temperature(fluid: Fluid, temperature: F64) -> F64:
 
 @dataclass(frozen=True)
 class Rubbed:
-    """What a viscous step did."""
+    """Result of a viscous step."""
 
     impulse: F64
     """On boundaries, mouths and the domain (last), linear and about their centres [N s, N m s]."""

@@ -11,8 +11,8 @@ import numpy as np
 from ...worlds.arrays import F64, U8
 from ...worlds.cache import Cache
 from ...worlds.candidate import Candidate
-from ...worlds.errors import EvidenceError, InputError
 from ...worlds.channels import QUANTITIES, RECORD
+from ...worlds.errors import EvidenceError, InputError
 from ..drawing import Color, distinct_color, line, text, text_size
 
 __all__ = ["DEFAULT_QUANTITIES", "DERIVED", "GRID", "INK", "Panel", "Series", "ledger_series", "plot_ledger", "ticks"]

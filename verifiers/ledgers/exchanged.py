@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from ...worlds.channels import QUANTITIES
 from ...worlds.errors import EvidenceError
-from ...worlds.records import QUANTITIES
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate

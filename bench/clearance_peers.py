@@ -1,4 +1,4 @@
-"""What other libraries say about the same pairs: python-fcl, coal, and trimesh with its collision manager.
+"""Clearances of the same pairs by other libraries: python-fcl, coal, and trimesh with its collision manager.
 
 Each takes a mesh as a soup of triangles: exact where surfaces are apart, without an inside. Where one is not installed
 its entry is None, with the reason.

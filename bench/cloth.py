@@ -80,7 +80,7 @@ def ours(side: int = SIDE, *, step: float = 1 / 240, device: str = "cpu", frames
 
 
 def _what(side: int = SIDE, **more: Any) -> dict[str, Any]:
-    """What a peer is asked."""
+    """Question put to a peer."""
     return {
         "density": DENSITY,
         "stiffness": STIFFNESS,

@@ -126,7 +126,7 @@ print("PEER " + json.dumps(found))
 
 
 def _asked(python: str, script: str, what: dict[str, Any]) -> tuple[dict[str, float] | None, str]:
-    """What a peer found, or why it found nothing."""
+    """Answer of a peer, or the reason why there is none."""
     try:
         ended = subprocess.run(
             [python, "-c", script, json.dumps(what)], capture_output=True, text=True, check=False, timeout=3600

@@ -1,4 +1,4 @@
-"""What scenes of columns and heaps of grains share: slabs, rough ground, a pipe, the engine's setup, walls at rest."""
+"""Parts of the scenes with columns and heaps of grains: slabs, rough ground, a pipe, the engine's setup, walls at rest."""
 
 from __future__ import annotations
 

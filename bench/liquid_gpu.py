@@ -142,7 +142,7 @@ def _step(engine: Dfsph, state: BodyState, steps: int) -> None:
 
 
 def _host_work(engine: Dfsph, state: BodyState, steps: int) -> dict[str, float]:
-    """What the host does in a step: reads (each waits for the device), writes, launches, graphs; and where its time goes."""
+    """Work of the host in a step: reads (each waits for the device), writes, launches, graphs; and where its time goes."""
     wp = warp()
     made: dict[str, int] = defaultdict(int)
     kinds = {

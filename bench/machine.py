@@ -1,4 +1,4 @@
-"""What all benchmarks report alike: machine, versions, commit, date."""
+"""Circumstances that every benchmark reports: machine, versions, commit, date."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def _ball(role: str, radius: float, at: Sequence[float], speed: float) -> Docume
 
 
 class _Draft:
-    """What a brief becomes: entities, relations, one beat."""
+    """Specification made from a brief: entities, relations, one beat."""
 
     def __init__(self, rules: Mapping[str, Any]) -> None:
         self.rules = rules

@@ -43,7 +43,7 @@ def chosen_landform(prompt: str) -> dict[str, Any]:
 
 
 def _plain(prompt: str, needs: Mapping[str, Any]) -> dict[str, Any]:
-    """What is declared without the skill: noise of the asked relief over the same ground."""
+    """Landscape declared without the skill: noise of the asked relief over the same ground."""
     like = chosen_landform(prompt)
     relief = math.sqrt(needs["relief"][0] * needs["relief"][1])
     layer = {"kind": "noise", "amplitude": relief / 2, "wavelength": like["extent"][0] / 2}

@@ -30,7 +30,7 @@ OPEN = ("fail", "unverified")
 
 @dataclass(frozen=True)
 class Judged:
-    """What one test of a world came to."""
+    """Outcome of one test of a world."""
 
     stage: str
     passed: bool

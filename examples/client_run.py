@@ -1,4 +1,4 @@
-"""What scripted agents share: a client session with a server of its own, the way to acceptance, and the film."""
+"""Session of a scripted agent: a client with a server of its own, the way to acceptance, and the film."""
 
 from __future__ import annotations
 

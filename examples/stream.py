@@ -170,7 +170,7 @@ def _body(role: str, material: str, shape: dict[str, Any], size: Sequence[float]
 
 
 def _open(rows: list[dict[str, Any]]) -> str:
-    """What open rows say, a line each."""
+    """Open rows, a line each."""
     told = [(r["id"], r["status"], r.get("evidence") or r.get("why") or "") for r in rows]
     return "".join(f"\n  {i}: {s}; {e.get('explanation', e) if isinstance(e, dict) else e}" for i, s, e in told)
 

@@ -106,6 +106,7 @@ class WorldServer(MCPServer[Any]):
             if binding.name in self._bindings:
                 raise ValueError(f"two tools are named {binding.name!r}")
             self._bindings[binding.name] = (binding, Arguments(binding))
+        self._replies = {kind: reply for binding in tools for kind, reply in binding.jobs.items()}
         self._described = [_described(*pair) for pair in self._bindings.values()]
         self._quick, self._waiting = anyio.CapacityLimiter(TOOLS_AT_A_TIME), anyio.CapacityLimiter(WAITING_AT_A_TIME)
         self.watch = ResourceWatch(ResourceStates(jobs.workspace, jobs), bus)
@@ -163,7 +164,12 @@ class WorldServer(MCPServer[Any]):
 
     def _context_of(self, progress: Callable[[float, float | None, str], None], cancelled: Callable[[], bool]) -> ToolContext:
         return ToolContext(
-            workspace=self.workspace, jobs=self.jobs, progress=progress, cancelled=cancelled, handover=HANDOVER.get()
+            workspace=self.workspace,
+            jobs=self.jobs,
+            progress=progress,
+            cancelled=cancelled,
+            handover=HANDOVER.get(),
+            replies=self._replies,
         )
 
     async def list_resources(self) -> list[Resource]:

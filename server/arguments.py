@@ -21,7 +21,7 @@ _SHOWN_CHARACTERS = 120
 
 
 class Arguments:
-    """What a tool accepts. Unknown names are refused; values are checked against type and range."""
+    """Arguments of a tool. Unknown names are refused; values are checked against type and range."""
 
     def __init__(self, binding: ToolBinding) -> None:
         context, *names = inspect.signature(binding.function).parameters

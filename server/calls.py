@@ -137,7 +137,7 @@ async def run_in_thread(
 
 
 def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply]) -> CallToolResult:
-    """What `make` returns, as content; what it raises, as an error that the calling model reads.
+    """Reply of `make` as content; an exception of it as an error that the calling model reads.
 
     Raises:
         MCPError: `make` raised it: an error of the protocol, which no model could avoid.
@@ -174,7 +174,7 @@ def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
 
 
 def error_text(error: WorldAgentError) -> str:
-    """What the caller reads: the kind of error, its text, and problems of a specification that the text leaves out."""
+    """Text of an error for the caller: its kind, its message, and problems of a specification that the message leaves out."""
     kind = next(word for base, word in _KINDS if isinstance(error, base))
     lines = [f"{kind}: {error}"]
     if isinstance(error, SpecError):

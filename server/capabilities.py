@@ -1,4 +1,4 @@
-"""What this installation can do: engines and versions, categories of physics, renderer, caps."""
+"""Capabilities of this installation: engines and versions, categories of physics, renderer, caps."""
 
 from __future__ import annotations
 

@@ -131,7 +131,7 @@ def _judged(known: Client, path: Path, text: str, content: dict[str, Any], name:
 
 
 def _problem(program: str) -> tuple[str, str]:
-    """What is wrong with the program of an entry, and what that costs; empty when nothing is."""
+    """Fault of the program that an entry starts, and its consequence; empty where there is none."""
     path = Path(program)
     if path.name in _LAUNCHERS:
         return f"starts {program}, which may download first", "a cold start may take longer than the client waits"

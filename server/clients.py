@@ -28,7 +28,7 @@ Format = Literal["json", "toml"]
 
 @dataclass(frozen=True)
 class Command:
-    """What a client starts."""
+    """Command that a client starts."""
 
     program: str
     """An executable: absolute, so that it does not hang on a PATH that programs with a window do not see."""

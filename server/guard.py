@@ -1,4 +1,4 @@
-"""What stands before every route of the HTTP server: Host, Origin, token, size and time of the body, response headers."""
+"""Checks before every route of the HTTP server: Host, Origin, token, size and time of the body; and response headers."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ def same_origin(origin: str, host: str) -> bool:
 
 
 def _foreign(headers: Headers, allowed: frozenset[str]) -> str:
-    """What a request comes from, if a page of another origin makes a browser send it; else empty."""
+    """Origin of a request that a page of another origin makes a browser send; else empty."""
     origins = headers.getlist("origin")
     if len(origins) > 1:
         return "a request with several Origin headers"

@@ -1,4 +1,4 @@
-"""What the machine must offer: Python, packages, memory, room for temporary files and caches, limits of a process, a clock."""
+"""Requirements on the machine: Python, packages, memory, room for temporary files and caches, limits of a process, a clock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a JSON-RPC message is, and the error that answers what is none.
+"""Validity of JSON-RPC messages, and the error that answers an invalid one.
 
 The SDK lets much of it pass or drops it in silence, in another way on each transport. Here one rule holds for all: strict
 JSON (RFC 8259: no NaN, no lone surrogate, UTF-8), one object, of JSON-RPC 2.0. Text that is no JSON is answered with -32700,
@@ -40,7 +40,7 @@ def too_long(ends: bytes, size: int) -> JSONRPCError:
 
 
 def defect_of(line: bytes) -> JSONRPCError | None:
-    """What is wrong with a message, as the error to answer with; None for messages, and for what needs no answer."""
+    """Error that answers an invalid message; None for valid ones, and for those that need no answer."""
     if not line or line.isspace():
         return None
     try:

@@ -1,4 +1,4 @@
-"""What a client can read without calling a tool: schema, capabilities, worlds and their matrices, pictures, skills."""
+"""Resources, which a client reads without calling a tool: schema, capabilities, worlds and their matrices, pictures, skills."""
 
 from __future__ import annotations
 

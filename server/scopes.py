@@ -1,4 +1,4 @@
-"""What a token's scope allows, judged for every MCP message.
+"""Scopes of tokens, checked for every MCP message.
 
 A missing scope is told as an error result of the tool, not as HTTP 403: clients answer 403 by looking for an OAuth server
 and drop the whole connection, while the model that made the call can read the result and go on with what it may do.

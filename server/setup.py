@@ -121,7 +121,7 @@ def container_command() -> Command:
 
 
 def plan(name: str, command: Command, *, project: Path | None = None, file: Path | None = None) -> Plan:
-    """What would change in the list of the client `name`.
+    """Planned change of the list of the client `name`.
 
     Raises:
         InputError: The client is unknown, or its file is not understood.

@@ -1,4 +1,4 @@
-"""What the workspace must be: writable, on a disk of this machine with room, without remains of processes that died."""
+"""Requirements on the workspace: writable, on a disk of this machine with room, without remains of processes that died."""
 
 from __future__ import annotations
 

@@ -2,13 +2,14 @@
 
 from ..workflow.context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from ..workflow.links import WORLD_VIEW
+from ..workflow.motion_replies import motion_reply
 from .bake_sim import bake_sim
 from .build_terrain import build_terrain, landscape_reply
 from .edit_spec import edit_spec
 from .inspect_world import inspect_world
 from .job import job
 from .place_object import place_object
-from .probe_sim import motion_reply, probe_sim
+from .probe_sim import probe_sim
 from .render_shot import film_reply, render_shot
 from .run_checks import run_checks, verdict_reply
 

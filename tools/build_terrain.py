@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.arguments import Hypothesis, WorldId
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
 from ..worlds.vocabulary import ID_PATTERN
 
 if TYPE_CHECKING:
     from ..execution import Job
+    from ..workflow.plain_ground import PlainGround
     from ..workflow.session import Session
 
 __all__ = ["build_terrain", "landscape_reply"]
@@ -20,7 +22,7 @@ __all__ = ["build_terrain", "landscape_reply"]
 
 def build_terrain(
     context: ToolContext,
-    world: Annotated[str, Field(description="World id")],
+    world: WorldId,
     entity: Annotated[str, Field(description="Entity id of the ground; replaced if it is a terrain already")] = "ground",
     terrain: Annotated[
         str | None,
@@ -61,7 +63,7 @@ def build_terrain(
     stems: Annotated[
         bool, Field(description="With terrain: bodies bounce off the trunks and boulders that stand on the ground, at most 2,000")
     ] = False,
-    hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
+    hypothesis: Hypothesis = "",
     wait_s: Annotated[float, Field(ge=0, le=240, description="With terrain: seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
     """Make the ground of an outdoor world: a static height field, as a new revision, and check it.
@@ -77,29 +79,25 @@ def build_terrain(
     entity replaces that ground. Returns: revision, heights, water, and of the open rows those that this call changed (the others by
     id in open_as_before). Works before the audit passes. Next: the reply's `next`.
     """
+    from ..workflow.plain_ground import PlainGround
     from ..workflow.session import Session
 
-    if re.match(ID_PATTERN, entity) is None:
-        raise InputError(f"entity id {entity!r} must match {ID_PATTERN}, e.g. 'ground'")
-    if liquid is not None and re.match(ID_PATTERN, liquid) is None:
-        raise InputError(f"entity id {liquid!r} must match {ID_PATTERN}, e.g. 'river'")
-    if size is not None and not all(0.5 <= s <= 2000 for s in size):
-        raise InputError(f"size {size} m is out of range; allowed 0.5 to 2000 m along each side")
+    _check_names(entity, liquid, size)
     session = Session.open(context.workspace, world)
     known = session.spec.entities.get(entity)
     if known is not None and not any(p.shape.kind == "heightfield" for p in known.parts.values()):
         raise InputError(f"entity {entity!r} exists and is no terrain; choose another id")
     if terrain is not None:
-        asked = {
+        asked: dict[str, Any] = {
             "terrain": terrain,
             "entity": entity,
             "center": center,
             "size": size,
             "cells": cells or 96,
             "material": material,
-            **({"liquid": liquid, "spacing": spacing} if liquid is not None else {}),
-            **({"stems": True} if stems else {}),
         }
+        asked |= {"liquid": liquid, "spacing": spacing} if liquid is not None else {}
+        asked |= {"stems": True} if stems else {}
         return _landscape(context, session, {**asked, "hypothesis": hypothesis}, wait_s)
     if liquid is not None:
         raise InputError("liquid makes an entity of a landscape's water; give terrain, too")
@@ -107,7 +105,17 @@ def build_terrain(
         raise InputError("stems are a landscape's trunks and boulders; give terrain, too")
     if cells is not None and cells > 200:
         raise InputError(f"cells {cells} is out of range without terrain; allowed 2 to 200")
-    return _plain(session, entity, kind, size or (20.0, 20.0), cells or 48, (relief, plain_radius, seed), material, hypothesis)
+    ground = PlainGround(kind, size or (20.0, 20.0), cells or 48, relief, plain_radius, seed)
+    return _plain(session, entity, ground, material, hypothesis)
+
+
+def _check_names(entity: str, liquid: str | None, size: tuple[float, float] | None) -> None:
+    """Refuses ids and extents that no ground can have."""
+    for name, example in ((entity, "ground"), (liquid, "river")):
+        if name is not None and re.match(ID_PATTERN, name) is None:
+            raise InputError(f"entity id {name!r} must match {ID_PATTERN}, e.g. {example!r}")
+    if size is not None and not all(0.5 <= s <= 2000 for s in size):
+        raise InputError(f"size {size} m is out of range; allowed 0.5 to 2000 m along each side")
 
 
 def _landscape(context: ToolContext, session: Session, payload: dict[str, Any], wait_s: float) -> ToolReply:
@@ -157,48 +165,17 @@ def _landscape_told(world: str, name: str, data: dict[str, Any]) -> ToolReply:
     return ToolReply(rows_answer(world, data, "concise", text, then), links=links)
 
 
-def _plain(
-    session: Session,
-    entity: str,
-    kind: str,
-    size: tuple[float, float],
-    cells: int,
-    form: tuple[float, float, int],
-    material: str | None,
-    hypothesis: str,
-) -> ToolReply:
+def _plain(session: Session, entity: str, ground: PlainGround, material: str | None, hypothesis: str) -> ToolReply:
     from ..workflow.answers import answer, call, rows_answer
-    from ..workflow.landscapes import ground_material, membership
+    from ..workflow.plain_ground import lay
     from ..workflow.rows import news, open_rows
-    from ..worlds.limits import check_limits
-    from ..worlds.patch import apply_patch
 
-    spec, world = session.spec, session.folder.id
-    ground = ground_material(spec, material)
-    heights = _heights(kind, size, cells, *form)
-    flat = [v for row in heights for v in row]
-    base = 0.5
-    contract = {
-        "role": f"ground ({kind})",
-        "motion": "static",
-        "material": ground,
-        "dimensions": {"size": [size[0], size[1], max(flat) - min(flat) + base]},
-        "parts": {"land": {"shape": {"kind": "heightfield", "size": list(size), "heights": heights, "base": base}}},
-    }
-    patch: list[dict[str, Any]] = [{"op": "add", "path": f"/entities/{entity}", "value": contract}]
-    patch += membership(spec, entity)
-    after = apply_patch(spec, patch)
-    check_limits(after)
+    world = session.folder.id
     before = {row.id: row for row in session.ledger.rows()}
-    outcome = session.commit(after, patch=patch, hypothesis=hypothesis)
+    data: dict[str, Any] = {"world": world, **lay(session, entity, ground, material, hypothesis)}
     report = session.audit()
-    data: dict[str, Any] = {
-        "world": world,
-        **outcome,
-        "height_range": [min(flat), max(flat)],
-        "cells": [len(heights[0]) - 1, len(heights) - 1],
-    }
-    text = f"{entity}: {kind} ground of {size[0]:g} x {size[1]:g} m, {len(heights[0]) - 1} x {len(heights) - 1} cells"
+    extent = f"{ground.size[0]:g} x {ground.size[1]:g} m, {data['cells'][0]} x {data['cells'][1]} cells"
+    text = f"{entity}: {ground.kind} ground of {extent}"
     if not report.passed:
         audit = rows_answer(world, news(report.rows, before), "concise", "", "")
         data["audit"] = {"passed": False, **{k: v for k, v in audit.items() if k not in ("summary", "warnings", "next")}}
@@ -208,32 +185,3 @@ def _plain(
     rows, changed, _ = session.check_static()
     data |= {"changed_rows": len(changed), **news(rows, before, static=True)}
     return ToolReply(rows_answer(world, data, "concise", text, call("place_object", world=world)))
-
-
-def _heights(kind: str, size: tuple[float, float], cells: int, relief: float, plain: float, seed: int) -> list[list[float]]:
-    """Heights [m], rows from south to north."""
-    import numpy as np
-
-    longer = max(size)
-    counts = [max(2, round(cells * s / longer)) for s in size]
-    x = np.linspace(-size[0] / 2, size[0] / 2, counts[0] + 1)
-    y = np.linspace(-size[1] / 2, size[1] / 2, counts[1] + 1)
-    xx, yy = np.meshgrid(x, y)
-    if kind == "flat" or relief == 0:
-        z = np.zeros_like(xx)
-    elif kind == "slope":
-        z = relief * (xx + size[0] / 2) / size[0]
-    else:
-        rng = np.random.default_rng(seed)
-        z = np.zeros_like(xx)
-        # Sum of plane waves with amplitude falling as 1 / wave number: a landscape without ridges or steps.
-        for octave in range(1, 6):
-            for _ in range(4):
-                angle, phase = rng.uniform(0, 2 * np.pi, 2)
-                k = 2 * np.pi * octave / longer
-                z += np.sin(k * (xx * np.cos(angle) + yy * np.sin(angle)) + phase) / octave
-        z = (z - z.min()) / np.ptp(z) * relief
-        distance = np.hypot(xx, yy)
-        fade = np.clip((distance - plain) / max(plain, 0.2 * longer), 0, 1)
-        z = z * fade * fade * (3 - 2 * fade)
-    return [[round(float(v), 6) for v in row] for row in z]

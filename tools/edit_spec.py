@@ -7,13 +7,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from ..workflow.context import ToolContext, ToolReply
-from ..worlds.audits.clauses import clauses_of
-from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
-from ..worlds.folder import WorldFolder
+from ..worlds.errors import InputError, RefusedError
 
 __all__ = ["edit_spec"]
 
-MAX_NAMED = 5
 SCENE_GROUPS = {"placement", "dimensions", "shape", "joints", "relations"}
 """Groups whose edits want the static checks first."""
 
@@ -66,14 +63,18 @@ def edit_spec(
     if prompt is not None:
         if patch is not None:
             raise InputError("prompt creates a world, patch edits one; give one of them")
-        return _create(context, world, prompt, spec or {})
+        from ..workflow.creation import create
+
+        return _answer(*create(context.workspace, world, prompt, spec or {}))
     if spec is not None:
         raise InputError("spec is only for creating a world, together with prompt; use patch to edit")
     from ..workflow.job_kinds import ENTRIES
     from ..workflow.session import Session
 
     if on_hand_edit != "refuse":
-        return _hand_edit(context, world, on_hand_edit, hypothesis, weakening_reason)
+        from ..workflow.creation import mend_hand_edit
+
+        return _answer(*mend_hand_edit(context.workspace, world, on_hand_edit, hypothesis=hypothesis, reason=weakening_reason))
     session = Session.open(context.workspace, world)
     context.jobs.warm_up(ENTRIES)
     if expected_revision is not None and expected_revision != session.revision:
@@ -156,115 +157,3 @@ def _after_undo(session: Any) -> str:
 
     again = f", or {call('run_checks', world=session.folder.id, scope='probe')} to judge the motion of these settings again"
     return f"edit_spec: another hypothesis{again if has_motion(session) else ''}"
-
-
-def _create(context: ToolContext, world: str, prompt: str, spec: dict[str, Any]) -> ToolReply:
-    from ..workflow.session import Session
-    from ..worlds.canonical import spec_digest
-    from ..worlds.folder import world_ids
-    from ..worlds.ledger import Ledger
-    from ..worlds.limits import check_cap, check_limits, check_workspace
-    from ..worlds.patch import parse_spec
-
-    folder = WorldFolder.of(context.workspace, world, create=True)
-    if folder.spec_path.exists():
-        raise RefusedError(f"world {world!r} exists already; edit it with patch, or choose another id for another prompt")
-    if "prompt" in spec and spec["prompt"] != prompt:
-        raise InputError("spec.prompt differs from prompt; leave it out of spec")
-    document = {"title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
-    parsed = parse_spec(document)
-    check_limits(parsed)
-    check_cap("worlds", len(world_ids(context.workspace)) + 1, what="this workspace")
-    check_workspace(context.workspace, len(parsed.model_dump_json()))
-    folder.root.mkdir(parents=True, exist_ok=True)
-    folder.assets.mkdir(exist_ok=True)
-    ledger = Ledger(folder.ledger_path)
-    siblings = _siblings(context, world, prompt)
-    session = Session(folder, ledger, parsed, 1)
-    with session.step():
-        number = ledger.add_revision(
-            parsed.model_dump_json(exclude_none=True),
-            spec_digest(parsed),
-            expected=0,
-            hypothesis="created",
-            weakenings=siblings,
-            reason="a new world for a prompt whose earlier world has failed rows",
-        )
-        if number is None:
-            if not folder.spec_path.exists():
-                raise RefusedError(
-                    f"world {world!r} has a ledger but no world.json (its creation was cut short, or the file was deleted); "
-                    "call edit_spec with on_hand_edit='restore', then edit it with patch"
-                )
-            raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
-        session.write_spec()
-    beside = {"weakenings_recorded": siblings} if siblings else {}
-    return _answer(session, {"revision": session.revision, "created": True, "clauses": clauses_of(prompt), **beside})
-
-
-def _siblings(context: ToolContext, world: str, prompt: str) -> list[str]:
-    """Other worlds of nearly the same prompt whose rows failed: starting anew is recorded like any other way around them (R157)."""
-    import json
-
-    from ..worlds.folder import world_ids
-    from ..worlds.ledger import Ledger
-    from ..worlds.likeness import likeness
-
-    failed = {}
-    for other in world_ids(context.workspace):
-        try:
-            folder = WorldFolder.of(context.workspace, other)
-            if other == world or not folder.ledger_path.exists():
-                continue
-            alike = likeness(prompt, str(json.loads(folder.spec_path.read_text()).get("prompt", "")))
-        except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
-            continue
-        if not alike:
-            continue
-        try:
-            if Ledger(folder.ledger_path).ever_failed():
-                failed[other] = alike
-        except EvidenceError:
-            failed[f"{other} (its ledger is damaged)"] = alike
-    exact = all(alike == 1.0 for alike in failed.values())
-    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
-    if len(failed) <= 1:
-        return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
-    names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
-    return [f"started anew beside {len(failed)} worlds with failed rows for {prompt_text}: {names}"]
-
-
-def _hand_edit(context: ToolContext, world: str, action: str, hypothesis: str, reason: str) -> ToolReply:
-    import json
-
-    from ..workflow.session import Session, no_revision
-    from ..worlds.canonical import spec_digest
-    from ..worlds.ledger import Ledger
-    from ..worlds.limits import check_limits
-    from ..worlds.patch import parse_spec
-
-    # world.json itself may be what was deleted.
-    folder = WorldFolder.of(context.workspace, world, create=True)
-    if not folder.ledger_path.is_file():
-        folder = WorldFolder.of(context.workspace, world)
-    ledger = Ledger(folder.ledger_path)
-    revision = ledger.revision()
-    recorded = ledger.revision_spec(revision)
-    if recorded is None:
-        raise EvidenceError(no_revision(folder))
-    before = parse_spec(json.loads(recorded[0]))
-    session = Session(folder, ledger, before, revision)
-    if action == "restore":
-        with session.step():
-            if ledger.revision() != revision:
-                raise RefusedError(f"another client changed {world!r} meanwhile; read it again with inspect_world")
-            session.write_spec()
-        return _answer(session, {"revision": session.revision, "restored": True})
-    now = parse_spec(folder.read_json(folder.spec_path))
-    if now.prompt != before.prompt:
-        raise RefusedError("world.json holds another prompt; the prompt is immutable. Use on_hand_edit='restore'")
-    check_limits(now)
-    if spec_digest(now) == recorded[1]:
-        return _answer(session, {"revision": session.revision, "unchanged": True})
-    outcome = session.commit(now, patch=[{"op": "adopt"}], hypothesis=hypothesis, weakening_reason=reason)
-    return _answer(session, outcome)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sqlite3
-from typing import Annotated, Any, Literal
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -12,6 +14,9 @@ from ..workflow.links import proof_links
 from ..workflow.rows import Detail
 from ..worlds.errors import InputError, WorldAgentError
 from ..worlds.storage import storage_failure
+
+if TYPE_CHECKING:
+    from ..workflow.session import Session
 
 __all__ = ["inspect_world"]
 
@@ -110,37 +115,34 @@ def inspect_world(
         from ..worlds.folder import world_ids
 
         raise InputError(f"part {part!r} needs world; known worlds: {world_ids(context.workspace)[:20]}")
+    from ..workflow.measurements import measured
     from ..workflow.session import Session
+    from ..workflow.surveys import terrain as survey
 
     session = Session.open(context.workspace, world)
-    data: dict[str, Any]
-    if part == "overview":
-        jobs, unknown = _running(context, world)
-        data = parts.overview(session, jobs=jobs, offset=offset, limit=limit)
-        data["warnings"] = [*data["warnings"], *unknown]
-    elif part == "spec":
-        data = parts.spec(session, pointer, offset=offset, limit=limit)
-    elif part == "matrix":
-        data = parts.matrix(session, status, detail, offset=offset, limit=limit)
-    elif part == "row":
-        data = parts.one_row(session, row, offset=offset, limit=limit)
-    elif part == "revisions":
-        data = parts.revisions(session, detail, offset=offset, limit=limit)
-    elif part == "iterations":
-        data = parts.iterations(session, detail, offset=offset, limit=limit)
-    elif part == "acceptance":
-        data = parts.acceptance(session, offset=offset, limit=limit)
-    elif part == "terrain":
-        from ..workflow.surveys import terrain as survey
-
-        data = survey(session, terrain, points=points, profile=profile, find=find, size=size, offset=offset, limit=limit)
-    else:
-        from ..workflow.measurements import measured
-
-        data = measured(session, part, entities=entities, frames=frames, limit=limit, offset=offset)
+    readers: dict[str, Callable[..., dict[str, Any]]] = {
+        "overview": partial(_overview, context, session),
+        "spec": partial(parts.spec, session, pointer),
+        "matrix": partial(parts.matrix, session, status, detail),
+        "row": partial(parts.one_row, session, row),
+        "revisions": partial(parts.revisions, session, detail),
+        "iterations": partial(parts.iterations, session, detail),
+        "acceptance": partial(parts.acceptance, session),
+        "terrain": partial(survey, session, terrain, points=points, profile=profile, find=find, size=size),
+    }
+    reader = readers.get(part) or partial(measured, session, part, entities=entities, frames=frames)
+    data = reader(offset=offset, limit=limit)
     links = proof_links(world, data) if part == "acceptance" else ()
     head = {k: data.pop(k) for k in ("summary", "warnings", "next")}
     return ToolReply({**head, "world": world, "revision": session.revision, "part": part, **data}, links=links)
+
+
+def _overview(context: ToolContext, session: Session, *, offset: int, limit: int) -> dict[str, Any]:
+    from ..workflow import parts
+
+    jobs, unknown = _running(context, session.folder.id)
+    data = parts.overview(session, jobs=jobs, offset=offset, limit=limit)
+    return {**data, "warnings": [*data["warnings"], *unknown]}
 
 
 def _running(context: ToolContext, world: str) -> tuple[list[str], list[str]]:

@@ -78,7 +78,6 @@ def _told(context: ToolContext, job: Job, *, detail: bool) -> ToolReply:
     from ..workflow.answers import answer, job_answer
     from ..workflow.job_kinds import again
     from ..workflow.waiting import job_data
-    from . import TOOLS
 
     data = job_data(job, context.jobs, detail=detail)
     if not job.ended:
@@ -88,7 +87,7 @@ def _told(context: ToolContext, job: Job, *, detail: bool) -> ToolReply:
         what = again(job)
         keeps = f"; the next call {what.keeps}" if what.keeps else ""
         return ToolReply(answer(data, f"{job.kind} of {job.world}: {job.state}{error}{keeps}", what.call))
-    reply_of = next((t.jobs[job.kind] for t in TOOLS if job.kind in t.jobs), None)
+    reply_of = context.replies.get(job.kind)
     if reply_of is None:
         return ToolReply(answer({**data, "result": job.result or {}}, f"{job.kind} of {job.world} is done", ""))
     reply = reply_of(job)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
+from ..workflow.arguments import Hypothesis, RowDetail, WorldId
 from ..workflow.context import ToolContext, ToolReply
-from ..workflow.rows import Detail
 from ..worlds.errors import InputError, RefusedError
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ FARTHEST = 1e6
 
 def place_object(
     context: ToolContext,
-    world: Annotated[str, Field(description="World id")],
+    world: WorldId,
     entity: Annotated[
         str | None, Field(description="Entity to move; omit to build and check the whole scene as specified")
     ] = None,
@@ -41,8 +41,8 @@ def place_object(
         float | None, Field(ge=-360, le=360, description="Turn about z [degrees]; default keep the orientation")
     ] = None,
     strict: Annotated[bool, Field(description="Refuse a place that overlaps another entity")] = True,
-    hypothesis: Annotated[str, Field(description="After a failed row: what causes it and why this cures it")] = "",
-    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
+    hypothesis: Hypothesis = "",
+    detail: RowDetail = "concise",
 ) -> ToolReply:
     """Build the shapes of all entities and run the static checks; with `entity`, move that one first.
 

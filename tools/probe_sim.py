@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 from pydantic import Field
 
+from ..workflow.arguments import RowDetail, WaitSeconds, WorldId
 from ..workflow.context import ToolContext, ToolReply
-from ..workflow.rows import Detail
 from ..worlds.errors import RefusedError
 from ..worlds.requirements import Row
 
-if TYPE_CHECKING:
-    from ..execution import Job
-
-__all__ = ["motion_reply", "probe_sim", "told"]
+__all__ = ["probe_sim"]
 
 
 def probe_sim(
     context: ToolContext,
-    world: Annotated[str, Field(description="World id")],
-    wait_s: Annotated[
-        float,
-        Field(
-            ge=0, le=240, description="Seconds to wait for the result (50 at most, unless the server allows more), then a job id"
-        ),
-    ] = 30.0,
-    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
+    world: WorldId,
+    wait_s: WaitSeconds = 30.0,
+    detail: RowDetail = "concise",
     coarser: Annotated[
         float,
         Field(
@@ -47,14 +39,13 @@ def probe_sim(
     Not for: looking only (render_shot), nor for judging changed beats or shots on unchanged motion (run_checks(scope='probe')).
     Next: bake_sim when passed; else one edit_spec with a hypothesis and one parameter group, then probe again.
     """
-    from ..simulation.freeze import freeze_hash
     from ..simulation.probe import probe_frames
     from ..workflow.estimates import liquid_seconds
     from ..workflow.measurements import is_whole
+    from ..workflow.motion_replies import motion_answer, require_room
     from ..workflow.session import Session
     from ..workflow.waiting import start_and_wait
     from ..worlds.coarsening import coarsened, overrides_for
-    from ..worlds.limits import check_workspace, estimate_counts
 
     session = Session.open(context.workspace, world)
     report = session.require_audit("probe_sim")
@@ -65,54 +56,21 @@ def probe_sim(
             "probe_sim needs passing static rows; mend these with edit_spec or place_object first:\n"
             + "\n".join(_line(r) for r in open_rows[:8])
         )
-    from ..construction import build_world
-
-    built, _ = build_world(session.folder, session.spec)
-    freeze = freeze_hash(session.spec, built)
+    freeze = session.freeze()
     overrides = overrides_for(session.spec, coarser)
     known = session.ledger.freeze(freeze)
     whole = known is not None and known["detail"].get("overrides", {}) == overrides and is_whole(session, freeze, "probe")
     if not whole:
-        check_workspace(context.workspace, estimate_counts(session.spec)["cache_bytes"])
+        require_room(context.workspace, session.spec)
     key = f"probe:{freeze}:{session.revision}{f':{coarser:g}' if overrides else ''}"
     payload = {"detail": detail, **({"coarser": coarser} if overrides else {})}
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
         data["estimate_s"] = liquid_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
         data["estimate_of"] = "moving its liquids once, checks and runs without a cause apart,"
-    return told(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
+    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
 
 
 def _line(row: Row) -> str:
     action = row.corrections[0].action if row.corrections else ""
     return f"  {row.id}: measured {row.measured} {row.unit}, needs {row.comparison} {row.bound}. {action}"
-
-
-def told(world: str, kind: str, data: dict[str, Any], detail: Detail) -> ToolReply:
-    """Reply of a probe or a bake: its state while it runs, else its verdict with a link to its contact sheet."""
-    from ..workflow.answers import call, job_answer, rows_answer
-
-    if "state" in data:
-        return ToolReply(job_answer(data))
-    open_count = data["counts"]["mandatory_open"]
-    if kind == "probe":
-        frames = f"{data['frames_probed']} frames probed"
-        passed = f"{frames}, all that can be judged yet passes; settings frozen as {data['freeze']}"
-        then = call("bake_sim", world=world)
-    else:
-        frames = f"{data['frames']} frames baked"
-        passed = f"{frames}, {data['counts']['pass']} rows pass"
-        then = call("run_checks", world=world, scope="acceptance")
-    failed = f"{frames}; {data['counts']['fail']} rows fail, {open_count} mandatory ones are open"
-    repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then probe_sim again"
-    said = rows_answer(world, data, detail, passed if data["passed"] else failed, then if data["passed"] else repair)
-    name = data.get("picture")
-    links = ((str(name), f"worldagent://worlds/{world}/pictures/{name}", "image/jpeg"),) if isinstance(name, str) else ()
-    return ToolReply(said, links=links)
-
-
-def motion_reply(job: Job) -> ToolReply:
-    """Reply for a probe or a bake that has ended."""
-    from ..workflow.waiting import ended_data
-
-    return told(str(job.world), job.kind, ended_data(job), job.payload.get("detail", "concise"))

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.arguments import WorldId
 from ..workflow.context import Link, Picture, ToolContext, ToolReply
-from ..worlds.errors import EvidenceError, InputError
+from ..workflow.pictures import Kind, View, draw
+from ..worlds.errors import InputError
 from ..worlds.folder import write_atomically
 
 if TYPE_CHECKING:
     from ..execution import Job
-    from ..geometry import Camera
     from ..workflow.session import Session
-    from ..worlds.arrays import U8
     from ..worlds.candidate import Candidate
     from ..worlds.folder import WorldFolder
 
@@ -22,15 +23,15 @@ __all__ = ["film_reply", "render_shot"]
 
 LEDGER_SIZE = (1200, 1000)
 """Pixels of a ledger plot: six panels with legends."""
+USUAL_SIZE = (640, 360)
+"""Pixels of other pictures."""
 
 _FILM_KINDS = {"webm": "video/webm", "mp4": "video/mp4"}
-
-Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "field", "final"]
 
 
 def render_shot(
     context: ToolContext,
-    world: Annotated[str, Field(description="World id")],
+    world: WorldId,
     kind: Annotated[
         Kind,
         Field(
@@ -83,53 +84,83 @@ def render_shot(
         return _final(context, session, width, height, samples, wait_s)
     if kind == "field":
         return _field(session, terrain, field or "hillshade", width, height)
-    from ..workflow.measurements import latest_candidate
+    asked = _Asked(kind, frame, shot, camera, frames, stage, (width, height), samples)
+    return _pictured(session, asked)
 
-    session.require_audit("rendering")
-    candidate = latest_candidate(session, stage)
-    state = frame
-    if candidate.stage == "static" and camera is None and frame < session.spec.simulation.frames:
-        # Before any motion is known, the camera's way can be seen all the same: frame 0 from where the camera will be.
-        state = 0
-    if state > candidate.last_frame:
-        raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
-    from ..worlds.hints import did_you_mean
 
-    if shot is not None and shot not in session.spec.shots:
-        raise InputError(
-            f"unknown shot {shot!r}{did_you_mean(shot, session.spec.shots) or ';'} the world has {sorted(session.spec.shots)}"
-        )
+@dataclass(frozen=True)
+class _Asked:
+    """Arguments of the call for a picture of a candidate."""
+
+    kind: Kind
+    frame: int
+    shot: str | None
+    camera: dict[str, Any] | list[float] | None
+    frames: list[int] | None
+    stage: str
+    size: tuple[int | None, int | None]
+    samples: int | None
+
+
+def _pictured(session: Session, asked: _Asked) -> ToolReply:
+    """Draws a picture of the candidate, keeps it in the world folder and tells where."""
     from ..rendering import shot_of
     from ..workflow.answers import answer
     from ..workflow.own_camera import buried, own_camera
     from ..worlds.canonical import digest_of
 
+    world, kind, frame, shot, camera = session.folder.id, asked.kind, asked.frame, asked.shot, asked.camera
+    candidate, state = _candidate(session, asked)
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
-    wide, tall = LEDGER_SIZE if kind == "ledger" else (640, 360)
-    size = width or wide, height or tall
+    wide, tall = LEDGER_SIZE if kind == "ledger" else USUAL_SIZE
+    size = asked.size[0] or wide, asked.size[1] or tall
     unjudged = session.shown(candidate, candidate.last_frame if kind == "contact_sheet" else state)
     own = None if camera is None else own_camera(candidate, camera, state, *size)
-    image = _picture(candidate, kind, state, shot, own, frames, *size, samples, seen_from=frame)
+    image = draw(candidate, View(kind, state, frame, shot, own, size, asked.frames, asked.samples))
     warnings = [] if own is None else buried(candidate, own)
     warnings += [unjudged] if unjudged else []
     if state != frame:
         warnings.append("nothing is simulated yet: the state of frame 0, seen from this frame's camera")
     view = shot or ("camera" + digest_of(camera)[:6] if camera is not None else "auto")
-    name = f"{kind}_{session.revision:04d}_{frame:05d}_{view}.{'png' if image.format == 'png' else 'jpg'}"
-    write_atomically(session.folder.pictures / name, image.data)
+    link = _kept(session, f"{kind}_{session.revision:04d}_{frame:05d}_{view}", image)
     at = ""
     if kind not in ("contact_sheet", "ledger"):
         time = round(frame / session.spec.simulation.fps, 4)
         data |= {"frame": frame, "time": time}
         at = f" of frame {frame} ({time:g} s)"
-    data |= {
-        "file": f"pictures/{name}",
-        "camera": "own" if camera is not None else shot or shot_of(session.spec, frame) or "automatic",
-    }
-    link = Link(name, f"worldagent://worlds/{world}/pictures/{name}", f"image/{image.format}", len(image.data))
+    data["file"] = f"pictures/{link.name}"
+    data["camera"] = "own" if camera is not None else shot or shot_of(session.spec, frame) or "automatic"
     text = f"{kind}{at}, from the {candidate.stage} candidate, camera {data['camera']}"
     then = "judge by numbers: inspect_world(part='state' or 'matrix')"
     return ToolReply(answer(data, text, then, warnings), pictures=(image,), links=(link,))
+
+
+def _candidate(session: Session, asked: _Asked) -> tuple[Candidate, int]:
+    """The candidate to draw, and the frame whose state is drawn.
+
+    Raises:
+        InputError: the frame or the shot is not there.
+    """
+    from ..workflow.measurements import latest_candidate
+    from ..worlds.hints import did_you_mean
+
+    session.require_audit("rendering")
+    candidate, frame, shots = latest_candidate(session, asked.stage), asked.frame, session.spec.shots
+    # Before any motion is known, the camera's way can be seen all the same: frame 0 from where the camera will be.
+    still = candidate.stage == "static" and asked.camera is None and frame < session.spec.simulation.frames
+    state = 0 if still else frame
+    if state > candidate.last_frame:
+        raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
+    if asked.shot is not None and asked.shot not in shots:
+        raise InputError(f"unknown shot {asked.shot!r}{did_you_mean(asked.shot, shots) or ';'} the world has {sorted(shots)}")
+    return candidate, state
+
+
+def _kept(session: Session, name: str, image: Picture) -> Link:
+    """Writes a picture to the world folder; a link to it."""
+    file = f"{name}.{'png' if image.format == 'png' else 'jpg'}"
+    write_atomically(session.folder.pictures / file, image.data)
+    return Link(file, f"worldagent://worlds/{session.folder.id}/pictures/{file}", f"image/{image.format}", len(image.data))
 
 
 def _field(session: Session, terrain: str | None, field: str, width: int | None, height: int | None) -> ToolReply:
@@ -144,97 +175,25 @@ def _field(session: Session, terrain: str | None, field: str, width: int | None,
             f"terrain {name!r}: the world has {known}; kind='field' needs one that build_terrain(terrain=...) has built"
         )
     land = open_landscape(session.folder.root, session.spec, name)
-    image = encode(field_map(land, field, width=width or 900, height=height or 700))
-    file = f"field_{name}_{field}.{'png' if image.format == 'png' else 'jpg'}"
-    write_atomically(session.folder.pictures / file, image.data)
-    world = session.folder.id
-    data = {"world": world, "kind": "field", "field": field, "terrain": name, "file": f"pictures/{file}"}
-    link = Link(file, f"worldagent://worlds/{world}/pictures/{file}", f"image/{image.format}", len(image.data))
+    drawn = encode(field_map(land, field, width=width or 900, height=height or 700))
+    image = Picture(drawn.data, drawn.format)
+    link = _kept(session, f"field_{name}_{field}", image)
+    data = {"world": session.folder.id, "kind": "field", "field": field, "terrain": name, "file": f"pictures/{link.name}"}
     told = answer(
         data, f"{field} of the landscape {name!r}, north up", "numbers: build_terrain's reply, inspect_world(part='matrix')"
     )
-    return ToolReply(told, pictures=(Picture(image.data, image.format),), links=(link,))
-
-
-def _picture(
-    candidate: Candidate,
-    kind: Kind,
-    frame: int,
-    shot: str | None,
-    camera: Camera | None,
-    frames: list[int] | None,
-    width: int,
-    height: int,
-    samples: int | None,
-    *,
-    seen_from: int,
-) -> Picture:
-    import math
-
-    import numpy as np
-
-    from .. import rendering
-    from ..worlds.limits import check_cap
-
-    view = camera
-    if view is None and seen_from != frame:
-        view = rendering.camera_for(candidate, seen_from, shot=shot, width=width, height=height)
-    if kind == "contact_sheet":
-        chosen = frames or sorted(set(np.linspace(0, candidate.last_frame, 9).round().astype(int).tolist()))
-        bad = [k for k in chosen if not 0 <= k <= candidate.last_frame]
-        if bad:
-            raise InputError(f"frames {bad} are out of range; allowed 0..{candidate.last_frame}")
-        # Tiles are shrunk to fit the sheet: no use in drawing them larger.
-        across = max(1, math.ceil(math.sqrt(len(chosen))))
-        tile = min(width, 1920 // across)
-        width, height = tile, max(64, round(height * tile / width))
-        renderer = rendering.PreviewRenderer(candidate)
-        fps = candidate.spec.simulation.fps
-        images = [
-            rendering.preview(candidate, k, shot=shot, camera=view, width=width, height=height, renderer=renderer) for k in chosen
-        ]
-        return Picture(rendering.contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen]), "jpeg")
-    if kind == "ledger":
-        image = _ledger(candidate, width, height)
-    elif kind == "plan":
-        image = rendering.plan_view(candidate, frame)
-    elif kind == "section":
-        image = rendering.section_view(candidate, frame)
-    elif kind == "ids":
-        image = rendering.id_view(candidate, frame, shot=shot, camera=view, width=width, height=height)
-    elif kind == "still":
-        check_cap("still_samples", width * height * (samples or candidate.spec.look.samples), what="this picture")
-        image = rendering.render_frame(candidate, frame, shot=shot, camera=view, width=width, height=height, samples=samples)
-    else:
-        image = rendering.preview(candidate, frame, shot=shot, camera=view, width=width, height=height)
-    encoded = rendering.encode(image)
-    return Picture(encoded.data, encoded.format)
-
-
-def _ledger(candidate: Candidate, width: int, height: int) -> U8:
-    """The account of the verifiers; the solver's bare records where a channel for it is missing."""
-    from .. import rendering
-    from ..verifiers.ledgers.accounts import account_of
-
-    try:
-        account = account_of(candidate)
-    except EvidenceError:
-        return rendering.plot_ledger(candidate, width=max(width, 640), height=max(height, 480))
-    return rendering.plot_account(candidate, account, width=width, height=height)
+    return ToolReply(told, pictures=(image,), links=(link,))
 
 
 def _final(
     context: ToolContext, session: Session, width: int | None, height: int | None, samples: int | None, wait_s: float
 ) -> ToolReply:
-    from ..construction import build_world
-    from ..simulation.freeze import freeze_hash
     from ..workflow.estimates import film_estimate
     from ..workflow.jobs import require_acceptance
     from ..workflow.waiting import start_and_wait
     from ..worlds.limits import check_film
 
-    built, _ = build_world(session.folder, session.spec)
-    freeze = freeze_hash(session.spec, built)
+    freeze = session.freeze()
     require_acceptance(session, freeze)
     size = {"width": width, "height": height, "samples": samples}
     check_film(session.spec, context.workspace, **size)

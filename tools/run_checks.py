@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.arguments import RowDetail, WaitSeconds, WorldId
 from ..workflow.context import ToolContext, ToolReply
 from ..workflow.links import proof_links
 from ..workflow.rows import Detail
@@ -35,7 +36,7 @@ Check = Literal[
 
 def run_checks(
     context: ToolContext,
-    world: Annotated[str, Field(description="World id")],
+    world: WorldId,
     scope: Annotated[
         Literal["audit", "static", "probe", "full", "acceptance"],
         Field(
@@ -44,13 +45,8 @@ def run_checks(
         ),
     ],
     only: Annotated[list[Check] | None, Field(description="For probe and full: only these checks")] = None,
-    wait_s: Annotated[
-        float,
-        Field(
-            ge=0, le=240, description="Seconds to wait for the result (50 at most, unless the server allows more), then a job id"
-        ),
-    ] = 30.0,
-    detail: Annotated[Detail, Field(description="full: open rows with all evidence and causes")] = "concise",
+    wait_s: WaitSeconds = 30.0,
+    detail: RowDetail = "concise",
 ) -> ToolReply:
     """Judge again and return requirement rows, or ask for acceptance.
 
@@ -81,7 +77,7 @@ def run_checks(
         session.require_audit("acceptance")
         if only:
             raise InputError("acceptance runs every check; leave only out")
-        if session.ledger.bake(_freeze(session)) is None:
+        if session.ledger.bake(session.freeze()) is None:
             raise RefusedError("acceptance needs a complete bake of exactly these settings; call probe_sim and bake_sim first")
         judged = {"revision": session.revision, "detail": detail}
         data = start_and_wait(context, session, "accept", judged, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
@@ -140,11 +136,3 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
     )
     told = rows_answer(world, {**place, **data}, detail, text, then if good else repair)
     return ToolReply(told, links=proof_links(world, data))
-
-
-def _freeze(session: Any) -> str:
-    from ..construction import build_world
-    from ..simulation.freeze import freeze_hash
-
-    built, _ = build_world(session.folder, session.spec)
-    return freeze_hash(session.spec, built)

@@ -1,4 +1,4 @@
-"""What a tool gets and what it gives back; the server turns these into MCP messages."""
+"""Context and reply of a tool; the server turns these into MCP messages."""
 
 from __future__ import annotations
 
@@ -36,6 +36,8 @@ class ToolContext:
     """Whether the client gave up on this call (a started job lives on)."""
     handover: Handover | None = None
     """Given when the client takes a running job instead of the reply."""
+    replies: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)
+    """By kind of job: the reply of the tool that starts such jobs, for one that has ended."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ class ToolBinding:
 
     @property
     def description(self) -> str:
-        """What the calling model reads: the function's docstring."""
+        """Description for the calling model: the function's docstring."""
         import inspect
 
         text = inspect.getdoc(self.function)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ..worlds.canonical import digest_of
 from ..worlds.slices import motion_slice
 from ..worlds.spec import WorldSpec
-
-if TYPE_CHECKING:
-    from .session import Session
+from .opened import OpenedWorld
 
 __all__ = ["Probe", "has_motion", "latest_probe"]
 
@@ -24,22 +22,22 @@ class Probe(NamedTuple):
     revision: int
 
 
-def _probes(session: Session) -> list[Probe]:
+def _probes(world: OpenedWorld) -> list[Probe]:
     """Probes that are still there, newest first."""
-    found = [Probe(str(f["freeze"]), int(f["revision"])) for f in session.ledger.freezes(LOOKED_AT)]
-    return [p for p in found if (session.folder.candidate(p.freeze) / "probe").is_dir()]
+    found = [Probe(str(f["freeze"]), int(f["revision"])) for f in world.ledger.freezes(LOOKED_AT)]
+    return [p for p in found if (world.folder.candidate(p.freeze) / "probe").is_dir()]
 
 
-def latest_probe(session: Session) -> Probe | None:
+def latest_probe(world: OpenedWorld) -> Probe | None:
     """The newest probe of any settings of this world."""
-    return next(iter(_probes(session)), None)
+    return next(iter(_probes(world)), None)
 
 
-def has_motion(session: Session) -> bool:
+def has_motion(world: OpenedWorld) -> bool:
     """Whether a probe moved what the present specification says, told by the specifications alone: nothing is built."""
-    wanted = digest_of(motion_slice(session.spec))
-    for number in {p.revision for p in _probes(session)}:
-        recorded = session.ledger.revision_spec(number)
+    wanted = digest_of(motion_slice(world.spec))
+    for number in {p.revision for p in _probes(world)}:
+        recorded = world.ledger.revision_spec(number)
         if recorded is not None and digest_of(motion_slice(WorldSpec.model_validate_json(recorded[0]))) == wanted:
             return True
     return False

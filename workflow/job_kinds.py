@@ -1,4 +1,4 @@
-"""What the jobs of the tools are: how urgent, how long at most, and the call that does their work again."""
+"""Kinds of the tools' jobs: how urgent, how long at most, and the call that does their work again."""
 
 from __future__ import annotations
 

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from ..execution import JobContext, Part
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
-from ..worlds.folder import WorldFolder, write_atomically
+from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
 from .estimates import Pace
 from .landscapes import terrain
+from .pictures import film_sheet, motion_sheet
 from .rows import summary
 from .session import Session
 
@@ -50,7 +51,6 @@ WARM = (
 )
 """What a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
 no Mitsuba (Dr.Jit starts a thread)."""
-SHEET_FRAMES = 9
 JUDGED = 1.0 - 1e-9
 """Part of an acceptance that is the judgement; the report takes a moment."""
 
@@ -85,35 +85,6 @@ def _work(payload: dict[str, Any]) -> _Work:
     built, _ = build_world(session.folder, session.spec)
     files = built_paths(session.folder, session.spec)
     return _Work(session, open_freeze(session.folder, session.spec, built, files, session.revision), built)
-
-
-def _sheet(candidate: Any, folder: WorldFolder, name: str) -> str:
-    """Contact sheet over the candidate's frames, kept in `pictures/`; returns its file name."""
-    import numpy as np
-
-    from ..rendering import PreviewRenderer, contact_sheet, preview
-
-    renderer = PreviewRenderer(candidate)
-    frames = sorted(set(np.linspace(0, candidate.last_frame, SHEET_FRAMES).round().astype(int).tolist()))
-    fps = candidate.spec.simulation.fps
-    images = [preview(candidate, k, width=480, height=270, renderer=renderer) for k in frames]
-    sheet = contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=3)
-    write_atomically(folder.pictures / name, sheet)
-    return name
-
-
-def _film_sheet(folder: WorldFolder, frames: list[Path], name: str, fps: int) -> str:
-    """Contact sheet of a rendered film, kept in `pictures/`; returns its file name."""
-    import cv2
-    import numpy as np
-
-    from ..rendering import contact_sheet
-
-    chosen = sorted(set(np.linspace(0, len(frames) - 1, SHEET_FRAMES).round().astype(int).tolist()))
-    images = [np.asarray(cv2.imread(str(frames[k])))[..., ::-1].astype(np.uint8) for k in chosen]
-    sheet = contact_sheet(images, [f"frame {k}  {k / fps:.2f} s" for k in chosen], columns=3)
-    write_atomically(folder.pictures / name, sheet)
-    return name
 
 
 def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
@@ -161,7 +132,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             **({"coarser": coarser, "overrides": overrides} if overrides else {}),
         },
     )
-    picture = _sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
+    picture = motion_sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
     return {
         "passed": not open_rows,
         "freeze": freeze[:16],
@@ -229,7 +200,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     open_rows = _failing(rows, candidate.last_frame)
     content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches)}
     session.ledger.put_bake(freeze, session.revision, candidate.digest, content)
-    picture = _sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
+    picture = motion_sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
     return {
         "complete": True,
         "passed": not open_rows,
@@ -401,7 +372,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     context.check()
     video = write_video(frames, root / "final.webm", session.spec.simulation.fps)
     return {
-        "picture": _film_sheet(session.folder, frames, f"final_{freeze[:8]}.jpg", session.spec.simulation.fps),
+        "picture": film_sheet(session.folder, frames, f"final_{freeze[:8]}.jpg", session.spec.simulation.fps),
         "video": session.folder.relative(video.path),
         "codec": video.codec,
         "frames": video.frames,

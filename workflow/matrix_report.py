@@ -44,7 +44,7 @@ def write_report(
 
 
 def _candidate(folder: WorldFolder, freeze: str, stage: str) -> Candidate | None:
-    """What there is to draw; None where nothing was simulated."""
+    """The candidate to draw; None where nothing was simulated."""
     if not freeze or stage not in ("probe", "full"):
         return None
     try:

@@ -59,7 +59,7 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
 
 
 def _left(session: Session) -> str:
-    """What is left to see of the newest probe of other settings."""
+    """Advice about the newest probe of other settings, which can still be seen."""
     earlier = latest_probe(session)
     if earlier is None:
         return ""

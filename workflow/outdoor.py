@@ -1,4 +1,4 @@
-"""What comes next in a world with landscapes: built ones first, then what stands on them."""
+"""Next step in a world with landscapes: they are built first, then what stands on them."""
 
 from __future__ import annotations
 

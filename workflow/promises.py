@@ -1,4 +1,4 @@
-"""What a probe promised about its bake: the frames at which beats come true (R78)."""
+"""Promises of a probe about its bake: the frames at which beats come true (R78)."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def brief(row: Row, *, corrections: int = 2) -> Listed:
 
 
 def concise(row: Mapping[str, Any], world: str = "") -> Listed:
-    """What decides the next step, of a row in full: what was measured, why it fails, what to do, where to look."""
+    """The part of a full row that decides the next step: what was measured, why it fails, what to do, where to look."""
     told = line(row) | {"predicate": _cut(row.get("predicate", ""))}
     if row.get("frames"):
         told["frames"] = row["frames"]
@@ -167,7 +167,7 @@ def news(rows: Sequence[Row], before: Mapping[str, Row], *, static: bool = False
 
 
 def _told(row: Row) -> tuple[Any, ...]:
-    """What of a row its reader has to know anew when it changes."""
+    """The part of a row that its reader has to know anew when it changes."""
     return row.status, row.measured, row.first_failing_entity, row.evidence.get("problems")
 
 

@@ -11,7 +11,7 @@ __all__ = ["entry_of"]
 
 
 def entry_of(text: str, entry: str) -> str:
-    """What stands behind `#`: an entry of a table (a JSON list of objects with `id`), or a section of a text by its heading.
+    """The part of a text that `#` names: an entry of a table (a JSON list of objects with `id`), or a section of a text by its heading.
 
     The whole text where `entry` is empty.
 

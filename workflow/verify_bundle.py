@@ -42,7 +42,7 @@ ELSEWHERE = ("verdict", "spec_digest", "prompt_digest", "clauses")
 
 @dataclass
 class Verification:
-    """What was found wrong, and what was found."""
+    """Problems and findings of a verification."""
 
     bundle: Bundle
     record: dict[str, Any]

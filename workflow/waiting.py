@@ -42,7 +42,7 @@ def _duration(seconds: float) -> str:
 
 
 def progress_text(job: Job, jobs: JobStore | None = None) -> str:
-    """What the job does and about how long it will take; with `jobs`, what a queued one waits for."""
+    """Present activity of a job and about how long it will take; with `jobs`, the reason why a queued one waits."""
     standing = jobs.standing(job) if jobs is not None and job.state == "queued" else None
     if standing is not None:
         ahead = f"{standing.ahead} job{'s' * (standing.ahead != 1)} ahead; " if standing.ahead else ""
@@ -101,7 +101,7 @@ def _clock(seconds: float) -> str:
 
 
 def ended_data(job: Job) -> dict[str, Any]:
-    """What `start_and_wait` returns for a job that has ended.
+    """Result of a job that has ended, as `start_and_wait` returns it.
 
     Raises:
         WorldAgentError: The job failed with it, or was cancelled.

@@ -1,4 +1,4 @@
-"""What liquids wetted, for `inspect_world`."""
+"""Surfaces that liquids wetted, for `inspect_world`."""
 
 from __future__ import annotations
 

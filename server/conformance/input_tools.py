@@ -50,7 +50,7 @@ def _answer(ctx: Context[Any, Any], key: str, kind: type[Any]) -> Any:
 
 
 def _accepted(ctx: Context[Any, Any], key: str) -> dict[str, Any] | None:
-    """What the user filled in, if they did."""
+    """Content that the user filled in, if they did."""
     found = _answer(ctx, key, ElicitResult)
     return dict(found.content or {}) if found is not None and found.action == "accept" else None
 

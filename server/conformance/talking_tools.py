@@ -20,7 +20,7 @@ _PAUSE_S = 0.05
 
 
 class Account(BaseModel):
-    """What `test_elicitation` asks for."""
+    """Answers that `test_elicitation` asks for."""
 
     username: str = Field(description="User's response")
     email: str = Field(description="User's email address")

@@ -37,7 +37,7 @@ def _start(
 
 
 def job_reply(job: Job) -> ToolReply:
-    """What a fixture's job returned."""
+    """Reply with the result of a fixture's job."""
     return ToolReply(result_of(job))
 
 

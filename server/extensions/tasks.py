@@ -207,7 +207,7 @@ def _task(job: Job, status: str, store: JobStore) -> dict[str, Any]:
 
 
 def _message(job: Job, store: JobStore) -> str:
-    """What the user reads while the task goes on: how far it is, what it does, how long it will take."""
+    """Status of a running task for the user: how far it is, what it does, how long it will take."""
     from ...workflow.waiting import progress_text
 
     if job.ended:

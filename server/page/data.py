@@ -1,4 +1,4 @@
-"""What the page shows, as plain data: read from world folders, ledgers and jobs, never judged here."""
+"""Data of the page: read from world folders, ledgers and jobs, never judged here."""
 
 from __future__ import annotations
 

@@ -159,5 +159,5 @@ def _changes(before: Snapshot, after: Snapshot) -> list[tuple[str, dict[str, Any
 
 
 def _news(job: dict[str, Any] | None) -> dict[str, Any] | None:
-    """What of a job is news when it changes: the passing of time is not."""
+    """Fields of a job whose change is news: the passing of time is none."""
     return None if job is None else {k: v for k, v in job.items() if k not in ("seconds", "eta_s")}

@@ -31,7 +31,7 @@ def row_counts(rows: Iterable[Row]) -> dict[str, int]:
 
 
 def row_text(row: Row) -> str:
-    """What a search looks through."""
+    """Text of a row that a search looks through."""
     parts = (row.id, row.check, row.predicate, row.first_failing_entity or "", " ".join(row.entities))
     return " ".join(parts).lower()
 

@@ -122,7 +122,7 @@ def _together(folder: Path, magnitude: float, rng: Rng) -> World:
 
 
 def _struck(folder: Path, magnitude: float, rng: Rng) -> World:
-    """What is struck slides on; a wind too weak to move it blows all the while, at `magnitude` of its friction."""
+    """The struck body slides on; a wind too weak to move it blows all the while, at `magnitude` of its friction."""
     entities, _ = _blocks(rng)
     wind = ForceDriver(entity="b", force=(magnitude * 0.6 * 0.1 * 9.81, 0, 0), end=2.0)
     beats = {"hit": HIT, "slides": _moves("b", 0.05, causes=["hit"])}

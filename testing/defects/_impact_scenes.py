@@ -165,7 +165,7 @@ def forged_gain(folder: Path, magnitude: float, rng: np.random.Generator) -> Wor
 
 
 def lost_spring(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """What a spring on a sleeping body stores is recorded as if it were `magnitude` of its length shorter."""
+    """The energy stored by a spring on a sleeping body is recorded as if it were `magnitude` of its length shorter."""
     film = on_a_spring(int(rng.integers(4)))
     asleep = film.series("asleep", "box") > 0
     stored = film.series("record/potential_energy")

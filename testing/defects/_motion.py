@@ -1,4 +1,4 @@
-"""What the seeded worlds of the contact check share: tracks with exact velocities, noise of a pair, odd shapes."""
+"""Motions for the seeded worlds of the contact check: tracks with exact velocities, noise of a pair, odd shapes."""
 
 from __future__ import annotations
 

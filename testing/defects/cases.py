@@ -1,4 +1,4 @@
-"""What a seeded defect is: a way to break a world, or to make a sound one look suspicious, with a magnitude."""
+"""Seeded defects: a way to break a world, or to make a sound one look suspicious, with a magnitude."""
 
 from __future__ import annotations
 

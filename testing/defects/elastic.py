@@ -134,7 +134,7 @@ def _pinned(draw: _Draw) -> dict[str, Any]:
 
 
 def slipped(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """What a pin holds goes away, by a share of what it holds."""
+    """The force of a pin is recorded too small, by a share of it."""
     draw = _Draw(rng)
     way = rng.normal(size=3)
     shift = magnitude * np.sqrt(2) * draw.size[1] * way / np.linalg.norm(way)

@@ -193,7 +193,7 @@ def nameless(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
 
 
 def untouched(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """What is said to have broken the bonds is in no contact."""
+    """The named cause of the broken bonds is in no contact."""
     del magnitude
     made = _any(rng, "struck", "crossfire", "dropped")
     own = made.index.colliders.index(NAME)

@@ -168,7 +168,7 @@ def cooked_records(folder: Path, magnitude: float, rng: np.random.Generator) -> 
 
 
 def forged_reaction(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """What the liquid says it lost to a boundary is more than what it gave."""
+    """The liquid's recorded loss to a boundary is larger than the impulse it gave."""
     flow = scenes.crate_afloat(rng)
     k, given = int(rng.integers(1, flow.frames)), flow.impulses()
     row = int(rng.integers(len(flow.colliders)))

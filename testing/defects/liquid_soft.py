@@ -191,7 +191,7 @@ def received_more(base: Candidate, magnitude: float, rng: np.random.Generator) -
 
 
 def forged_loss(base: Candidate, magnitude: float, rng: np.random.Generator) -> dict[str, Edit]:
-    """What the water lost to the jelly is not what it gave, where it gave most: the row goes by that."""
+    """The water's recorded loss to the jelly differs from what it gave, where it gave most: the row goes by that."""
     row = _row(base, JELLY)
     given = np.array(base.caches[WATER].series("exchange/impulse"))[:, row, :3]
     return {WATER: _scaled("exchange/reaction", row, int(np.argmax(np.linalg.norm(given, axis=1))))}

@@ -241,7 +241,7 @@ def _lost_area(folder: Path, m: float, rng: RNG) -> World:
 
 
 def _cooked_ledger(folder: Path, m: float, rng: RNG) -> World:
-    """What the ledger says has left the land is not what the cells lost."""
+    """The ledger's volume that has left the land differs from what the cells lost."""
     land = _Land(rng)
     balance = land.about["figures"]["river_erosion"]
     balance["exported"] += m * balance["worn"] * rng.choice([-1.0, 1.0])

@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.execution import JobStore
+from worldagent.tools import TOOLS
 from worldagent.workflow.context import ToolContext
 
 ENTRIES = Path(__file__).parent.parent / "execution"
@@ -25,4 +26,5 @@ def context(tmp_path, monkeypatch, told):
         jobs=JobStore(tmp_path, slots=1),
         progress=lambda *report: told.append(report),
         cancelled=lambda: False,
+        replies={kind: reply for tool in TOOLS for kind, reply in tool.jobs.items()},
     )

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 import worldagent.worlds.ledger_file as ledger_file
-import worldagent.worlds.patch as patches
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.tools.run_checks import run_checks
+from worldagent.workflow import creation
 from worldagent.workflow.session import Session
 from worldagent.worlds.errors import EngineError, RefusedError, WorldAgentError
 from worldagent.worlds.requirements import Row
@@ -86,14 +86,14 @@ def test_of_two_clients_that_create_a_world_at_once_the_later_one_is_told_so(
 def test_a_restored_world_is_never_one_that_another_client_changed_meanwhile(
     world: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    parse = patches.parse_spec
+    parse = creation.parse_spec
 
     def parse_while_another_edits(document: Any) -> Any:
         monkeypatch.undo()
         edit_spec(world, world="w", patch=LATER)
         return parse(document)
 
-    monkeypatch.setattr(patches, "parse_spec", parse_while_another_edits)
+    monkeypatch.setattr(creation, "parse_spec", parse_while_another_edits)
     with pytest.raises(RefusedError, match="another client changed"):
         edit_spec(world, world="w", on_hand_edit="restore")
     assert Session.open(tmp_path, "w").spec.title == "Later"

@@ -1,0 +1,183 @@
+"""A change of the specification as the rules of repair see it: its parameter groups, the evidence before it, the objections to it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..worlds.groups import group_of
+from ..worlds.ledger import Ledger
+from ..worlds.patch import differences, weakenings
+from ..worlds.provenance import stale_artifacts
+from ..worlds.requirements import Row
+from ..worlds.spec import WorldSpec
+from .earlier import has_motion
+from .opened import OpenedWorld
+from .repair_rules import CAUSAL_CLASSES, causal_groups, cut_grounds, failed, judged_on, same_causes
+
+__all__ = ["Change", "is_static", "unjudged"]
+
+MAX_CHANGES = 8
+MAX_LENGTH = 4
+"""An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
+MAX_TOLD = 20
+"""Changed places that a reply names."""
+
+
+class Change:
+    """One edit of a world, which becomes a revision unless something stands against it.
+
+    Args:
+        world: the world before the edit.
+        after: its specification after it.
+        hypothesis: the supposed cause of a failure and why the edit cures it.
+        reason: why a requirement is made easier.
+        derived: whether the change only follows from an edit that was made already.
+    """
+
+    def __init__(self, world: OpenedWorld, after: WorldSpec, *, hypothesis: str, reason: str, derived: bool) -> None:
+        self.world, self.after, self.hypothesis, self.reason = world, after, hypothesis, reason
+        self._documents = world.spec.model_dump(mode="json"), after.model_dump(mode="json")
+        self.places = list(differences(*self._documents))
+        """JSON pointers that differ."""
+        self.groups = {group_of(p) for p in self.places}
+        """Their parameter groups."""
+        self.causal = [] if derived else causal_groups(self.places, cut_grounds(world.spec, after))
+        """Names of the groups of scene and solver among them."""
+        self.stale = stale_artifacts(world.spec, after)
+        """Artifacts that the edit makes stale."""
+        self.undone: list[dict[str, Any]] = []
+        """Untested changes that the edit takes back."""
+        self.failing: list[Row] = []
+        """Mandatory rows whose last judgement was a failure."""
+        self.weaker: list[str] = []
+        """Requirements that the edit makes easier, a line each."""
+
+    def objections(self) -> list[str]:
+        """Objections to the edit by the evidence that the ledger holds at this moment (R111-R113, R157)."""
+        ledger = self.world.ledger
+        self.undone = self._undone() if self.causal else []
+        self.failing = [r for r in ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
+        self.weaker = weakenings(self.world.spec, self.after, judged_on(self.failing))
+        told: list[str] = []
+        unseen = unjudged(ledger)
+        if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:
+            told.append(
+                (f"{unseen}: " if unseen else "")
+                + "this edit makes the specification easier to satisfy after evidence against it: "
+                + "; ".join(self.weaker[:6])
+                + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
+            )
+        if self.causal and not self.undone:
+            told += self._causal_objections()
+        return told
+
+    def _undone(self) -> list[dict[str, Any]]:
+        """The untested changes that the edit takes back, all of them; none unless its causes are those last tested."""
+        untested = self.world.ledger.open_iterations()
+        recorded = self.world.ledger.revision_spec(int(untested[0]["revision"]) - 1) if untested else None
+        if recorded is None:
+            return []
+        return untested if same_causes(WorldSpec.model_validate_json(recorded[0]), self.after) else []
+
+    def _causal_objections(self) -> list[str]:
+        """All objections to an edit of the scene or the solver (R111-R113)."""
+        told: list[str] = []
+        ledger, failing, causal = self.world.ledger, self.failing, self.causal
+        # Rows that failed turn stale with the edit that answers them: the open iteration outlives them.
+        untested = ledger.open_iterations()
+        if untested:
+            rows = ", ".join(json.loads(str(untested[-1]["failing_before"]))[:3])
+            again = " (or a whole run_checks(scope='probe'): there is motion of these settings)" if has_motion(self.world) else ""
+            test = "place_object" if is_static(ledger, untested[-1]) else f"probe_sim{again}"
+            told.append(
+                f"the change of revision {untested[-1]['revision']} ({untested[-1]['grp']}) is not tested yet: it answered {rows}. "
+                f"Call {test} before the next change; or take it back: setting everything causal to what it was in revision "
+                f"{untested[0]['revision'] - 1} is allowed at once"
+            )
+        unseen = "" if failing else unjudged(ledger, untested=True)
+        if not failing and not unseen:
+            return told
+        if unseen:
+            unseen += " (while the settings are still these, run_checks(scope='probe') judges them)"
+        if len(self.hypothesis.strip()) < 10:
+            why = unseen or f"{len(failing)} rows fail ({', '.join(r.id for r in failing[:5])})"
+            told.append(
+                f"{why}; an edit must now name its hypothesis: "
+                "what you believe causes the failure and why this change cures it (>= 10 characters)"
+            )
+        if len(causal) > 1:
+            told.append(
+                f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
+                "test it with place_object / run_checks / probe_sim, then the next"
+            )
+        if not failing:
+            return told
+        wanted = {e for r in failing for e in r.evidence.get("edit_classes") or {c.edit_class for c in r.corrections}}
+        edit = next(g.edit_class for g in self.groups if g.edit_class in CAUSAL_CLASSES)
+        if wanted & set(CAUSAL_CLASSES) and edit not in wanted:
+            names = sorted({c.group for r in failing for c in r.corrections if c.edit_class in CAUSAL_CLASSES})
+            told.append(
+                f"the failing rows ask for a {'/'.join(sorted(wanted & set(CAUSAL_CLASSES)))} edit (groups {', '.join(names)}), "
+                f"not a {edit} edit of {causal[0]!r}"
+            )
+        return told
+
+    def values(self) -> list[tuple[str, Any, Any]]:
+        """The first causal places that change, with their values before and after."""
+        changed = [p for p in self.places if group_of(p).edit_class in CAUSAL_CLASSES]
+        before, after = self._documents
+        return [(p, _value(before, p), _value(after, p)) for p in changed[:MAX_CHANGES]]
+
+    def told(self) -> dict[str, Any]:
+        """The edit for the model: changed places, parameter groups, stale artifacts, and the changes that it takes back."""
+        more = len(self.places) - MAX_TOLD
+        return {
+            "changed": self.places[:MAX_TOLD] + ([f"and {more} more"] if more > 0 else []),
+            "groups": sorted(g.name for g in self.groups),
+            "stale": _shorten(self.stale),
+            **({"undoes_revisions": [i["revision"] for i in self.undone]} if self.undone else {}),
+        }
+
+
+def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
+    """Statement about motions that were looked at and never judged; empty where there are none."""
+    looks = ledger.looks(untested=untested)
+    if not looks:
+        return ""
+    latest = looks[-1]
+    run = {"full": "bake"}.get(latest["stage"], latest["stage"])
+    return (
+        f"frames 0..{latest['last']} of the {run} {latest['freeze'][:16]} (revision {latest['revision']}) were looked at, and it was "
+        "never judged, so that they count as evidence"
+    )
+
+
+def is_static(ledger: Ledger, iteration: Mapping[str, Any]) -> bool:
+    """Whether an iteration answers rows that static checks judge."""
+    stages = ledger.stages()
+    return all(stages.get(r, "static") in ("static", "audit", "stale") for r in json.loads(str(iteration["failing_before"])))
+
+
+def _value(document: Any, pointer: str) -> Any:
+    """Value of a document at a pointer, where it is a number, a word or a short list of them; else None."""
+    at = document
+    for token in pointer.split("/")[1:]:
+        if not isinstance(at, dict) or token not in at:
+            return None
+        at = at[token]
+    flat = at if isinstance(at, list) and len(at) <= MAX_LENGTH else [at]
+    return at if all(v is None or isinstance(v, bool | int | float | str) for v in flat) else None
+
+
+def _shorten(names: Sequence[str]) -> list[str]:
+    """`static:a`, `static:b`, ... of many entities as one line."""
+    kinds: dict[str, list[str]] = {}
+    for name in names:
+        kinds.setdefault(name.split(":", 1)[0], []).append(name)
+    return [
+        n
+        for group in kinds.values()
+        for n in (group if len(group) <= 6 else [*group[:3], f"and {len(group) - 3} more {group[0].split(':')[0]}"])
+    ]

@@ -1,0 +1,124 @@
+"""The first revision of a world, and what follows an edit of world.json outside the server."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from ..worlds.audits.clauses import clauses_of
+from ..worlds.canonical import spec_digest
+from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
+from ..worlds.folder import WorldFolder, world_ids
+from ..worlds.ledger import Ledger
+from ..worlds.likeness import likeness
+from ..worlds.limits import check_cap, check_limits, check_workspace
+from ..worlds.patch import parse_spec
+from .opened import no_revision
+from .session import Session
+
+__all__ = ["create", "mend_hand_edit"]
+
+MAX_NAMED = 5
+
+
+def create(workspace: Path, world: str, prompt: str, spec: dict[str, Any]) -> tuple[Session, dict[str, Any]]:
+    """Make a world from a prompt and a part of its specification; the world, and its revision and clauses for the reply.
+
+    Raises:
+        RefusedError: there is such a world already.
+        InputError: the specification does not validate, or holds another prompt.
+    """
+    folder = WorldFolder.of(workspace, world, create=True)
+    if folder.spec_path.exists():
+        raise RefusedError(f"world {world!r} exists already; edit it with patch, or choose another id for another prompt")
+    if "prompt" in spec and spec["prompt"] != prompt:
+        raise InputError("spec.prompt differs from prompt; leave it out of spec")
+    document = {"title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
+    parsed = parse_spec(document)
+    check_limits(parsed)
+    check_cap("worlds", len(world_ids(workspace)) + 1, what="this workspace")
+    check_workspace(workspace, len(parsed.model_dump_json()))
+    folder.root.mkdir(parents=True, exist_ok=True)
+    folder.assets.mkdir(exist_ok=True)
+    siblings = _siblings(workspace, world, prompt)
+    session = Session(folder, Ledger(folder.ledger_path), parsed, 1)
+    with session.step():
+        number = session.ledger.add_revision(
+            parsed.model_dump_json(exclude_none=True),
+            spec_digest(parsed),
+            expected=0,
+            hypothesis="created",
+            weakenings=siblings,
+            reason="a new world for a prompt whose earlier world has failed rows",
+        )
+        if number is None:
+            if not folder.spec_path.exists():
+                raise RefusedError(
+                    f"world {world!r} has a ledger but no world.json (its creation was cut short, or the file was deleted); "
+                    "call edit_spec with on_hand_edit='restore', then edit it with patch"
+                )
+            raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
+        session.write_spec()
+    beside = {"weakenings_recorded": siblings} if siblings else {}
+    return session, {"revision": session.revision, "created": True, "clauses": clauses_of(prompt), **beside}
+
+
+def _siblings(workspace: Path, world: str, prompt: str) -> list[str]:
+    """Other worlds of nearly the same prompt whose rows failed: starting anew is recorded like any other way around them (R157)."""
+    failed = {}
+    for other in world_ids(workspace):
+        try:
+            folder = WorldFolder.of(workspace, other)
+            if other == world or not folder.ledger_path.exists():
+                continue
+            alike = likeness(prompt, str(json.loads(folder.spec_path.read_text()).get("prompt", "")))
+        except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
+            continue
+        if not alike:
+            continue
+        try:
+            if Ledger(folder.ledger_path).ever_failed():
+                failed[other] = alike
+        except EvidenceError:
+            failed[f"{other} (its ledger is damaged)"] = alike
+    exact = all(alike == 1.0 for alike in failed.values())
+    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
+    if len(failed) <= 1:
+        return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
+    names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
+    return [f"started anew beside {len(failed)} worlds with failed rows for {prompt_text}: {names}"]
+
+
+def mend_hand_edit(workspace: Path, world: str, action: str, *, hypothesis: str, reason: str) -> tuple[Session, dict[str, Any]]:
+    """Adopt or restore a `world.json` that was edited outside the server; the world, and its revision for the reply.
+
+    Raises:
+        EvidenceError: the ledger holds no revision.
+        RefusedError: the file holds another prompt, or another client changed the world meanwhile.
+    """
+    # world.json itself may be what was deleted.
+    folder = WorldFolder.of(workspace, world, create=True)
+    if not folder.ledger_path.is_file():
+        folder = WorldFolder.of(workspace, world)
+    ledger = Ledger(folder.ledger_path)
+    revision = ledger.revision()
+    recorded = ledger.revision_spec(revision)
+    if recorded is None:
+        raise EvidenceError(no_revision(folder))
+    before = parse_spec(json.loads(recorded[0]))
+    session = Session(folder, ledger, before, revision)
+    if action == "restore":
+        with session.step():
+            if ledger.revision() != revision:
+                raise RefusedError(f"another client changed {world!r} meanwhile; read it again with inspect_world")
+            session.write_spec()
+        return session, {"revision": session.revision, "restored": True}
+    now = parse_spec(folder.read_json(folder.spec_path))
+    if now.prompt != before.prompt:
+        raise RefusedError("world.json holds another prompt; the prompt is immutable. Use on_hand_edit='restore'")
+    check_limits(now)
+    if spec_digest(now) == recorded[1]:
+        return session, {"revision": session.revision, "unchanged": True}
+    outcome = session.commit(now, patch=[{"op": "adopt"}], hypothesis=hypothesis, weakening_reason=reason)
+    return session, outcome

@@ -1,0 +1,55 @@
+"""Replies of the tools probe_sim and bake_sim, which simulate: the verdict over a motion, and the room that its frames need."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .answers import call, job_answer, rows_answer
+from .context import ToolReply
+from .rows import Detail
+
+if TYPE_CHECKING:
+    from ..execution import Job
+    from ..worlds.spec import WorldSpec
+
+__all__ = ["motion_answer", "motion_reply", "require_room"]
+
+
+def require_room(workspace: Path, spec: WorldSpec) -> None:
+    """Check that the workspace has room for the frames of one run.
+
+    Raises:
+        LimitError: it has not.
+    """
+    from ..worlds.limits import check_workspace, estimate_counts
+
+    check_workspace(workspace, estimate_counts(spec)["cache_bytes"])
+
+
+def motion_answer(world: str, kind: str, data: dict[str, Any], detail: Detail) -> ToolReply:
+    """Reply of a probe or a bake: its state while it runs, else its verdict with a link to its contact sheet."""
+    if "state" in data:
+        return ToolReply(job_answer(data))
+    open_count = data["counts"]["mandatory_open"]
+    if kind == "probe":
+        frames = f"{data['frames_probed']} frames probed"
+        passed = f"{frames}, all that can be judged yet passes; settings frozen as {data['freeze']}"
+        then = call("bake_sim", world=world)
+    else:
+        frames = f"{data['frames']} frames baked"
+        passed = f"{frames}, {data['counts']['pass']} rows pass"
+        then = call("run_checks", world=world, scope="acceptance")
+    failed = f"{frames}; {data['counts']['fail']} rows fail, {open_count} mandatory ones are open"
+    repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then probe_sim again"
+    said = rows_answer(world, data, detail, passed if data["passed"] else failed, then if data["passed"] else repair)
+    name = data.get("picture")
+    links = ((str(name), f"worldagent://worlds/{world}/pictures/{name}", "image/jpeg"),) if isinstance(name, str) else ()
+    return ToolReply(said, links=links)
+
+
+def motion_reply(job: Job) -> ToolReply:
+    """Reply for a probe or a bake that has ended."""
+    from .waiting import ended_data
+
+    return motion_answer(str(job.world), job.kind, ended_data(job), job.payload.get("detail", "concise"))

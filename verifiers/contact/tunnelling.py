@@ -47,7 +47,8 @@ from .bounds import BENT, BEYOND, PRECISION, TUNNEL_SHARE
 from .flights import ContactLog, Flight, reconstructed
 
 if TYPE_CHECKING:
-    from ..scene.surfaces import PartSurface, Surfaces
+    from ..scene.parts import PartSurface
+    from ..scene.surfaces import Surfaces
 
 __all__ = ["Passage", "Passages", "find_passages"]
 

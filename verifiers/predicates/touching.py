@@ -19,7 +19,8 @@ from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, NoContact, RestsOn, Separation, Supported
 from ..categories.registry import pressed
 from ..ledgers import motion
-from ..scene.surfaces import Surfaces, Track, surfaces_of
+from ..scene.parts import Track
+from ..scene.surfaces import Surfaces, surfaces_of
 from .outcome import Comparison, Outcome, Series, Truth, band, judge
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from ...worlds.spec import GasPhysics, LiquidPhysics
 from ..predicates.kinematic import region_offset
 from .bounds import CELLS_ACROSS, OPENING_NOISE
 from .columns import Ints
-from .places import RouteResult, frame_of, region_box
+from .places import BLOCKED, NO_SPACE, TOO_NARROW, UNRESOLVED, RouteResult, failed, frame_of, region_box
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
@@ -63,7 +63,7 @@ def find_conduit(surfaces: Surfaces, relation: Connects, frame: int) -> RouteRes
     across, evidence = found.measured / cell, {**found.evidence, "solver_cells_across": found.measured / cell}
     if across < CELLS_ACROSS:
         text = f"the opening is {found.measured:.4g} m wide, {across:.2g} cells of {name!r}, which needs {CELLS_ACROSS:g} across"
-        return RouteResult(False, text, across, CELLS_ACROSS, ">=", "1", "unresolved", (name,), evidence)
+        return failed(UNRESOLVED, text, across, CELLS_ACROSS, (name,), evidence)
     return found._replace(evidence=evidence)
 
 
@@ -163,7 +163,7 @@ class _Space:
             rows = rows[self._free(every[rows])]
             if len(rows) == 0:
                 text = f"region {name!r} has no open space that a fluid could take"
-                return RouteResult(False, text, 0.0, width, ">=", "m", "no space", (), {"cell_m": cell})
+                return failed(NO_SPACE, text, 0.0, width, (), {"cell_m": cell})
             stops.append(rows)
         ways = [
             np.flatnonzero(np.linalg.norm(every[:, :2] - np.array(w), axis=1) <= 0.5 * width) for w in self.relation.waypoints
@@ -226,7 +226,7 @@ class _Space:
         blame = tuple(names[k] for k in dict.fromkeys(self.owner[np.argsort(near, kind="stable")[:200]].tolist()))
         closed = clear < 2.0 * self.cell
         text = f"the way is {'closed' if closed else f'{clear:.4g} m wide'} at ({where}) by {', '.join(map(repr, blame))}, the fluid needs {width:g} m"
-        return RouteResult(False, text, clear, bound, ">=", "m", "blocked" if closed else "too narrow", blame, evidence)
+        return failed(BLOCKED if closed else TOO_NARROW, text, clear, bound, blame, evidence)
 
 
 def _distinct(points: F64, origin: F64, apart: float) -> F64:

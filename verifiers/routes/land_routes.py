@@ -12,7 +12,7 @@ import numpy as np
 from ..land.grounds import Land, lands, patches
 from .bounds import NEAR, WADING
 from .open_land import Asked, Field, Track, ground_in
-from .places import RouteResult, region_box
+from .places import BLOCKED, NO_FLOOR, NO_LAND, OVERGROWN, TOO_DEEP, TOO_STEEP, RouteResult, failed, region_box
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
@@ -95,40 +95,26 @@ def _why(field: Field, relation: Connects, asked: Asked) -> RouteResult:
     bare = replace(asked, tangent=STEEPEST, wade=math.inf, stems=False, built=False)
     if field.exists(relation, bare):
         text = f"steep ground, water, plants and buildings together bar every way from {relation.a!r} to {relation.b!r}"
-        return _failed(field, field.way(relation, bare), text, 0.0, relation.width, ">=", "m", "blocked", ())
+        return failed(BLOCKED, text, 0.0, relation.width, (), _evidence(field, field.way(relation, bare)))
     text = f"no land leads from {relation.a!r} to {relation.b!r}"
-    return _failed(field, None, text, 0.0, relation.width, ">=", "m", "gap", ())
-
-
-def _failed(
-    field: Field,
-    track: Track | None,
-    text: str,
-    measured: float,
-    bound: float,
-    comparison: Any,
-    unit: str,
-    reason: str,
-    blame: tuple[str, ...],
-) -> RouteResult:
-    return RouteResult(False, text, measured, bound, comparison, unit, reason, blame, _evidence(field, track))
+    return failed(NO_LAND, text, 0.0, relation.width, (), _evidence(field, None))
 
 
 def _no_place(field: Field, relation: Connects, asked: Asked, region: str) -> RouteResult:
     squares = field.stops(replace_ends(relation, region), np.ones(field.shape, dtype=bool))[0]
     if not len(squares):
-        return _failed(field, None, f"region {region!r} has no ground", 0.0, relation.width, ">=", "m", "no floor", ())
+        return failed(NO_FLOOR, f"region {region!r} has no ground", 0.0, relation.width, (), _evidence(field, None))
     slope, depth = field.tangent.ravel()[squares].min(), field.depth.ravel()[squares].min()
     if slope > asked.tangent:
         text = f"the ground in region {region!r} slopes {math.atan(slope):.3f} rad or more"
-        return _failed(field, None, text, math.atan(float(slope)), relation.max_slope, "<=", "rad", "too steep", ())
+        return failed(TOO_STEEP, text, math.atan(float(slope)), relation.max_slope, (), _evidence(field, None))
     if depth > asked.wade:
         text = f"region {region!r} lies under {depth:.3g} m of water or more"
-        return _failed(field, None, text, float(depth), asked.wade, "<=", "m", "too deep", ())
+        return failed(TOO_DEEP, text, float(depth), asked.wade, (), _evidence(field, None))
     met = field.occupied(asked).ravel()[squares]
     blame = tuple(field.surfaces.entities[k] for k in dict.fromkeys(met[met >= 0].tolist()))
     text = f"region {region!r} has no free ground" + (f", {blame[0]!r} stands there" if blame else "")
-    return _failed(field, None, text, 0.0, relation.width, ">=", "m", "blocked" if blame else "no floor", blame)
+    return failed(BLOCKED if blame else NO_FLOOR, text, 0.0, relation.width, blame, _evidence(field, None))
 
 
 def replace_ends(relation: Connects, region: str) -> Connects:
@@ -151,7 +137,7 @@ def _too_steep(field: Field, relation: Connects, asked: Asked) -> RouteResult | 
         f"the gentlest way over {field.land.name!r} slopes {angle:.3f} rad at {_at(track.steepest)}, the carrier takes "
         f"{relation.max_slope:g} rad"
     )
-    return _failed(field, track, text, angle, relation.max_slope, "<=", "rad", "too steep", ())
+    return failed(TOO_STEEP, text, angle, relation.max_slope, (), _evidence(field, track))
 
 
 def _too_deep(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
@@ -161,7 +147,7 @@ def _too_deep(field: Field, relation: Connects, asked: Asked) -> RouteResult | N
     limit = field.least(relation, asked, "wade", track.depth, asked.wade)
     track = field.way(relation, replace(asked, wade=limit)) or track
     text = f"the shallowest way over {field.land.name!r} leads through {track.depth:.3g} m of water, the carrier wades {asked.wade:g} m"
-    return _failed(field, track, text, track.depth, asked.wade, "<=", "m", "too deep", ())
+    return failed(TOO_DEEP, text, track.depth, asked.wade, (), _evidence(field, track))
 
 
 def _too_narrow(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
@@ -175,7 +161,7 @@ def _too_narrow(field: Field, relation: Connects, asked: Asked) -> RouteResult |
         f"plants and stones of {field.land.name!r} leave a way {width:.3f} m wide from {relation.a!r} to {relation.b!r}, the carrier "
         f"needs {asked.width:g} m"
     )
-    return _failed(field, track, text, width, asked.width, ">=", "m", "overgrown", ())
+    return failed(OVERGROWN, text, width, asked.width, (), _evidence(field, track))
 
 
 def _blocked(field: Field, relation: Connects, asked: Asked) -> RouteResult | None:
@@ -184,4 +170,4 @@ def _blocked(field: Field, relation: Connects, asked: Asked) -> RouteResult | No
         return None
     blame = tuple(field.on_the_way(track, asked))
     text = f"{', '.join(map(repr, blame[:4]))} block the way from {relation.a!r} to {relation.b!r}"
-    return _failed(field, track, text, 0.0, asked.width, ">=", "m", "blocked", blame)
+    return failed(BLOCKED, text, 0.0, asked.width, blame, _evidence(field, track))

@@ -12,7 +12,29 @@ from ..rows.questions import Comparison
 if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces
 
-__all__ = ["RouteResult", "frame_of", "region_box"]
+__all__ = ["Reason", "RouteResult", "failed", "frame_of", "region_box"]
+
+
+class Reason(NamedTuple):
+    """Why there is no route, and how its measured value would have to compare with the bound."""
+
+    name: str
+    comparison: Comparison
+    unit: str
+
+
+NO_FLOOR = Reason("no floor", ">=", "m")
+NO_SPACE = Reason("no space", ">=", "m")
+NO_LAND = Reason("gap", ">=", "m")
+GAP = Reason("gap", "<=", "m")
+BLOCKED = Reason("blocked", ">=", "m")
+OVERGROWN = Reason("overgrown", ">=", "m")
+TOO_NARROW = Reason("too narrow", ">=", "m")
+TOO_LOW = Reason("too low", ">=", "m")
+TOO_STEEP = Reason("too steep", "<=", "rad")
+TOO_DEEP = Reason("too deep", "<=", "m")
+STEP_TOO_HIGH = Reason("step too high", "<=", "m")
+UNRESOLVED = Reason("unresolved", ">=", "1")
 
 
 class RouteResult(NamedTuple):
@@ -31,6 +53,13 @@ class RouteResult(NamedTuple):
     """Middle of the way that was found [m], shape (n, 3)."""
     floors: tuple[str, ...] = ()
     """Entities that the route leads over."""
+
+
+def failed(
+    reason: Reason, text: str, measured: float, bound: float, blame: tuple[str, ...], evidence: dict[str, Any]
+) -> RouteResult:
+    """Result of a search that found no route."""
+    return RouteResult(False, text, measured, bound, reason.comparison, reason.unit, reason.name, blame, evidence)
 
 
 def frame_of(surfaces: Surfaces, entity: str, frame: int) -> RigidPose:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .clearances import Obstacles, clearance_at, unique_pairs
 from .columns import Ints, expand
-from .walkable import DIRECTIONS, Floor, Obstacles, clearance_at, unique_pairs
+from .walkable import DIRECTIONS, Floor
 
 if TYPE_CHECKING:
     from collections.abc import Callable

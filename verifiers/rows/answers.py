@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,20 +65,17 @@ def row_of(
     """
     if not isinstance(found, Finding):
         found = judged(found)
-    status, entity, frame = found.status, None, None
     frames = (0, candidate.last_frame) if found.frames is None else found.frames
-    proof: dict[str, Any] = {"explanation": found.text, **plain(found.evidence or {})}
-    if found.measured is not None and not np.isfinite(found.measured):
-        status = "fail" if status == "pass" else status
-        proof["non_finite"] = str(found.measured)
-    concerned = tuple(dict.fromkeys(n for n in (found.entity, *found.entities, *entities) if n))
-    if status == "fail":
-        entity, frame = next(iter(concerned), None), found.frame
-        if frame is None and question.group == "spatial":
-            frame = frames[0]
-    row_id = question.row_id(subject)
     measured, bound = _finite(found.measured), _finite(found.bound)
     numbers = [n is not None for n in (found.measured, found.bound)]
+    proof: dict[str, Any] = {"explanation": found.text, **plain(found.evidence or {})}
+    if found.measured is not None and measured is None:
+        found = replace(found, status="fail" if found.status == "pass" else found.status)
+        proof["non_finite"] = str(found.measured)
+    concerned = tuple(dict.fromkeys(n for n in (found.entity, *found.entities, *entities) if n))
+    first = frames[0] if question.group == "spatial" and found.frame is None else found.frame
+    row_id = question.row_id(subject)
+    depends = [row_id, extra if found.extra is None else found.extra]
     row = Row(
         id=row_id,
         question=question.id,
@@ -86,7 +84,7 @@ def row_of(
         group=question.group,
         predicate=found.predicate or question.predicate.format(*subject),
         mandatory=question.mandatory,
-        status=status,
+        status=found.status,
         artifact=candidate.artifact if artifact is None else artifact,
         frames=frames,
         measured=measured,
@@ -94,15 +92,11 @@ def row_of(
         comparison=(found.comparison or question.comparison) if all(numbers) else "",
         unit=found.unit or (question.unit if any(numbers) else ""),
         entities=concerned,
-        first_failing_entity=entity,
-        first_failing_frame=frame,
-        corrections=found.hints if status in ("fail", "unverified") else (),
+        first_failing_entity=next(iter(concerned), None) if found.status == "fail" else None,
+        first_failing_frame=first if found.status == "fail" else None,
+        corrections=found.hints if found.status in ("fail", "unverified") else (),
         evidence=proof,
-        recipe=candidate.recipe(
-            question.check,
-            concerned if recipe_entities is None else recipe_entities,
-            [row_id, extra if found.extra is None else found.extra],
-        ),
+        recipe=candidate.recipe(question.check, concerned if recipe_entities is None else recipe_entities, depends),
     )
     return only_seen(candidate, fail_closed(row), found.needed) if found.needed else fail_closed(row)
 

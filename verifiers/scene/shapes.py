@@ -15,7 +15,7 @@ from ...worlds.errors import EvidenceError, InputError
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from .surfaces import PartSurface
+    from .parts import PartSurface
 
 __all__ = ["Shapes"]
 

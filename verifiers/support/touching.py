@@ -14,7 +14,8 @@ from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
     from ...worlds.arrays import RigidPose
-    from ..scene.surfaces import PartSurface, Surfaces
+    from ..scene.parts import PartSurface
+    from ..scene.surfaces import Surfaces
 
 __all__ = ["Contacts", "contacts_of", "hull_corners"]
 

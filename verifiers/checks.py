@@ -81,12 +81,12 @@ def _chosen(stage: Stage, only: Iterable[str] | None = None, reruns: bool | None
 
 
 def _work(spec: WorldSpec, chosen: Iterable[CheckBinding]) -> list[float]:
-    """How much work each check is, in simulations of the whole."""
+    """Work of each check, in simulations of the whole."""
     return [CHECK_WORK if c.reruns is None else RERUN_WORK * len(c.reruns(spec)) for c in chosen]
 
 
 def judging_share(spec: WorldSpec, stage: Stage, *, reruns: bool | None = None) -> float:
-    """Which part of a job judging is, beside one simulation of all that is judged, in (0, 1)."""
+    """Share of a job that judging takes, beside one simulation of all that is judged, in (0, 1)."""
     work = min(MOST_WORK, sum(_work(spec, _chosen(stage, reruns=reruns))))
     return work / (1.0 + work)
 

@@ -106,7 +106,7 @@ def not_colliding(surfaces: Surfaces, parts: tuple[Pair, Pair]) -> list[Correcti
 
 
 def _crumbled(surfaces: Surfaces, order: Pair, depth: float) -> list[Correction]:
-    """Of pieces of one body that were pressed together: faces that crumble as far, where the audit lets them."""
+    """Let faces crumble as far as pieces of one body were pressed together, where the audit allows it."""
     entity = surfaces.candidate.spec.entities[order[0]]
     if order[0] != order[1] or entity.breakable is None:
         return []

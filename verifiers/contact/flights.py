@@ -86,7 +86,7 @@ class Flight:
         return cls(states, Motion.between(first, last, center, step), step, gravity)
 
     def slack(self, radius: float) -> F64:
-        """How far a point within `radius` may stray from the cubic because of forces other than gravity [m], shape (n,).
+        """Distance that a point within `radius` may stray from the cubic because of forces other than gravity [m], shape (n,).
 
         A quarter of the change of velocity times the interval is the farthest that a path with one bend in its middle
         leaves the straight one. Without velocities nothing is known but the ends, and the cubic is the chord.

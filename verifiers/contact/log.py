@@ -16,7 +16,7 @@ __all__ = ["Fault", "log_fault"]
 
 
 class Fault(NamedTuple):
-    """Where the log contradicts itself."""
+    """Contradiction in the contact log."""
 
     frame: int
     pair: tuple[int, int]

@@ -1,4 +1,4 @@
-"""How far bodies travel in one step, against the walls that they could pass: `numerical:step_travel:<solver>`.
+"""Travel of bodies in one step, against the walls that they could pass: `numerical:step_travel:<solver>`.
 
 A body that travels more than half of a wall's thickness in one step may be pushed out on its far side. That concerns two colliders
 only if they could meet: they are in the contact log of the frame, or the boxes that they sweep in it overlap, skins included.
@@ -148,7 +148,7 @@ class _Steps:
         )
 
     def _bound(self) -> NDArray[np.bool_]:
-        """Which parts feel more than gravity and contacts: joints, drivers, fields, other solvers."""
+        """Whether each part feels more than gravity and contacts: joints, drivers, fields, other solvers."""
         plan = self.candidate.spec.simulation
         if any(getattr(d, "kind", "") == "field" for d in plan.drivers.values()) or len(plan.solvers) > 1:
             return np.ones(len(self.parts.thick), dtype=bool)
@@ -200,7 +200,7 @@ class _Steps:
         return _Frame(low - self.skins / 2, high + self.skins / 2, travel, met)
 
     def worst(self, k: int) -> tuple[float, float, int, int] | None:
-        """Of the pairs that could meet up to frame k: the largest travel in bounds, travel [m], thin part, fast part."""
+        """Worst of the pairs that could meet up to frame k: travel by its bound [1], travel [m], thin part, fast part."""
         parts, now = self.parts, self.frame(k)
         best: tuple[float, float, int, int] | None = None
         bound = THICKNESS_SHARE * parts.thick

@@ -47,7 +47,7 @@ from .bounds import BENT, BEYOND, PRECISION, TUNNEL_SHARE
 from .flights import ContactLog, Flight, reconstructed
 
 if TYPE_CHECKING:
-    from ..scene.parts import PartSurface
+    from ..scene.shapes import PartSurface
     from ..scene.surfaces import Surfaces
 
 __all__ = ["Passage", "Passages", "find_passages"]
@@ -77,7 +77,7 @@ class Passage(NamedTuple):
 
 
 class Passages(NamedTuple):
-    """What was found, and how many frame-to-frame motions of a pair were tested."""
+    """Passages that were found, and the number of frame-to-frame motions of pairs that were tested."""
 
     found: list[Passage]
     inspected: int
@@ -213,7 +213,7 @@ def _concerns(surfaces: Surfaces, a: PartSurface, b: PartSurface) -> bool:
 
 
 def _case(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None:
-    """What is to be tested of two parts whose boxes meet in the intervals `meet`; None where nothing moves far enough."""
+    """Test of two parts whose boxes meet in the intervals `meet`; None where nothing moves far enough."""
     surfaces = search.surfaces
     a, b = surfaces.parts[i], surfaces.parts[j]
     noise, allowed = surfaces.noise(a.entity, b.entity), surfaces.allowed_depth(a.entity, b.entity)

@@ -140,7 +140,7 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
 
 
 def _value(row: Row, key: str) -> Any:
-    """What a row holds under a key; None where there is nothing."""
+    """Value of a row under a key; None where there is none."""
     first, *rest = key.split(".")
     at: Any = getattr(row, first, None)
     for name in rest:
@@ -320,12 +320,12 @@ def _wanted(row: Row, rule: PatchRule, present: Any) -> Any:
 
 
 def _miss(outcome: Outcome) -> float | None:
-    """How far a row was from its bound."""
+    """Distance of a row's value from its bound."""
     return None if outcome.measured is None or outcome.bound is None else abs(outcome.measured - outcome.bound)
 
 
 def _effect(attempt: Attempt) -> str:
-    """What an edit did to the row, in words."""
+    """Effect of an edit on the row, in words."""
     before, after = attempt.before, attempt.after
     if after is None:
         return "not measured afterwards"

@@ -1,4 +1,4 @@
-"""What the placeholders of the diagnosis tables stand for in a row: who fails, when, what drives it, what set it going."""
+"""Names that replace the placeholders of the diagnosis tables in a row: who fails, when, what drives it, what set it going."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STEADY = 0.3
 
 
 def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
-    """What the placeholders of a table stand for in this row; those that it does not tell are left out."""
+    """Names by placeholder for this row; those that it does not tell are left out."""
     named = list(row.entities) or ([row.first_failing_entity] if row.first_failing_entity else [])
     frame = row.first_failing_frame
     tail = row.subject[-1] if row.subject else None
@@ -70,7 +70,7 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
 
 
 def _names_of_entity(found: dict[str, Any], entity: str, row: Row, spec: WorldSpec) -> None:
-    """What its kind of matter asks for: who slides, which wind blows a sheet, which emitter lets particles out."""
+    """Names that its category of matter asks for: who slides, which wind blows a sheet, which emitter lets particles out."""
     contract, drivers = spec.entities[entity], spec.simulation.drivers
     found["material"] = contract.material
     if contract.physics.category in ("rigid", "elastic"):

@@ -91,7 +91,7 @@ class Probe(_Data):
 
 
 class Entry(_Data):
-    """What a row may mean."""
+    """One possible meaning of a row."""
 
     id: str
     checks: tuple[Check, ...]

@@ -66,7 +66,7 @@ def _farthest(points: F64, others: F64) -> float:
 
 
 def plant_lines(spec: WorldSpec, name: str) -> list[dict[str, str]]:
-    """What bodies pass through of the plants of a landscape."""
+    """Lines of the approximation register about plants of a landscape that bodies pass through."""
     solid = [entity for entity, _ in solid_stems(spec, name)]
     if not solid:
         return [{"what": f"plants of the landscape {name!r} are drawn only", "effect": "bodies pass through them"}]

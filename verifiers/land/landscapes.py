@@ -33,7 +33,7 @@ OUTLET, NO_LAND = 0, 247
 
 
 class Measurement(NamedTuple):
-    """What a measurement of a landscape says."""
+    """Result of one measurement of a landscape."""
 
     measured: float
     text: str

@@ -66,7 +66,7 @@ def _middle(patch: Patch) -> tuple[float, float]:
 
 
 def _rim(candidate: Candidate, patch: Patch, solid: Solid) -> tuple[float, float]:
-    """Where an edge is not met from its other side."""
+    """Places at which an edge is not met from its other side."""
     edges = solid.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
     count = len(solid.vertices)
     lone = ~np.isin(edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0])

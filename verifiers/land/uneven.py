@@ -1,4 +1,4 @@
-"""How much the facets of a ground turn along a way: what a body that rolls over them cannot keep apart from a bounce."""
+"""Turn of a ground's facets along a way: a body that rolls over them cannot tell it from a bounce."""
 
 from __future__ import annotations
 

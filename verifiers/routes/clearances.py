@@ -1,4 +1,4 @@
-"""How wide the free way over a floor is at every node.
+"""Width of the free way over a floor at every node.
 
 The clearance of a node is its distance to the nearest obstacle *that is reached along the floor*: pieces of surfaces that block
 a linked node, and the edges where the floor ends.

@@ -135,7 +135,7 @@ def _no_person(name: str, relation: Connects) -> Finding:
 
 
 def _over(surfaces: Surfaces, relation: Connects, first: int, last: int) -> dict[int, RouteResult]:
-    """What was found at the first frame and wherever the known route is disturbed, up to the first failure."""
+    """Results at the first frame and wherever the known route is disturbed, up to the first failure."""
     found = {first: _find(surfaces, relation, first)}
     known = first
     while found[known].ok:

@@ -45,7 +45,7 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Asked:
-    """What has to get through, and what counts as an obstacle."""
+    """Sizes and limits of the carrier, and the kinds of obstacles that count."""
 
     width: float
     headroom: float

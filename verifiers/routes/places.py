@@ -16,7 +16,7 @@ __all__ = ["Reason", "RouteResult", "failed", "frame_of", "region_box"]
 
 
 class Reason(NamedTuple):
-    """Why there is no route, and how its measured value would have to compare with the bound."""
+    """Reason why there is no route, and how its measured value would have to compare with the bound."""
 
     name: str
     comparison: Comparison

@@ -1,4 +1,4 @@
-"""Why a carrier has no way: the limit, or the entity, without which there is one."""
+"""Reason why a carrier has no way: the limit, or the entity, without which there is one."""
 
 from __future__ import annotations
 

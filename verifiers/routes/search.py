@@ -126,7 +126,7 @@ def _profile(floor: Floor, way: Way) -> dict[str, Any]:
 
 
 def _narrow(walks: Walks, way: Way, floor: Floor, obstacles: Obstacles) -> tuple[str, ...]:
-    """Whose surfaces stand nearest to the narrowest place on its sides, the one to move first."""
+    """Entities whose surfaces stand nearest to the narrowest place on its sides, the easiest to move first."""
     cell = floor.columns.grid.cell
     near = np.linalg.norm(floor.points[:, :2] - way.place[:2], axis=1) <= way.clearance + 2.0 * cell
     near &= np.abs(floor.points[:, 2] - way.place[2]) <= walks.carrier.step + way.clearance + cell

@@ -29,7 +29,7 @@ EDGE_HALVINGS = 12
 
 @dataclass(frozen=True)
 class Carrier:
-    """What has to get through."""
+    """Sizes and limits of whoever has to get through."""
 
     width: float
     """[m]"""
@@ -64,7 +64,7 @@ class Nodes(NamedTuple):
 
     @property
     def tangent(self) -> F64:
-        """Of the slope, shape (n,)."""
+        """Tangent of the slope, shape (n,)."""
         return np.hypot(self.gradient[:, 0], self.gradient[:, 1])
 
 

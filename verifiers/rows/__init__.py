@@ -1,1 +1,1 @@
-"""How a verdict becomes a row: questions, findings, corrections."""
+"""Rows of the requirements matrix: questions, findings, corrections, and the one place where a row is made."""

@@ -98,5 +98,5 @@ def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, c
 
 
 def postponed(failing: str) -> str:
-    """Why a row that takes further simulations was not judged: a row of the motion itself fails."""
+    """Sentence for a row that was not judged, since it takes further simulations and a row of the motion itself fails."""
     return f"not simulated while {failing} fails: most that mends it makes another motion; this row follows, and is judged once it passes"

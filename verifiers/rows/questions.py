@@ -1,4 +1,4 @@
-"""What is asked of a candidate: an id, the words of the requirement, and where its bound comes from."""
+"""Questions asked of a candidate: id, words of the requirement, unit, and where the bound comes from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was not looked at may still fail: a row does not pass over frames that are not there."""
+"""Rows pass over no frames that are not there: they may still fail."""
 
 from __future__ import annotations
 

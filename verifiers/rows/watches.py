@@ -38,7 +38,7 @@ def _unread(kind: type[Any], name: str, error: EvidenceError) -> Status:
 
 @dataclass(frozen=True)
 class Watching:
-    """How the instances of one category are watched."""
+    """Watches over the instances of one category."""
 
     kinds: tuple[type[Any], ...]
     """All watches, in the order of their rows; each is made from what `opened` gives."""

@@ -85,7 +85,7 @@ def liquid_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def _in_currents(liquid: Liquid, member: str, physics: LiquidPhysics, points: F64) -> NDArray[np.bool_]:
-    """Which points may lie in a declared current, as seen from above."""
+    """Whether each point may lie in a declared current, as seen from above."""
     pose, found = pose_of(liquid.candidate.spec.entities[member].pose), np.zeros(len(points), dtype=bool)
     for current in physics.currents.values():
         line = pose.apply(np.array(current.line, dtype=np.float64))[:, :2]
@@ -127,7 +127,7 @@ def amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def _grains(swarm: Swarm, row: int) -> float:
-    """How many grains fit a member's volume: their middles lie a radius inside it and outside solids and the parts before it."""
+    """Number of grains that fit a member's volume: their middles lie a radius inside it and outside solids and the parts before it."""
     candidate, physics, total = swarm.candidate, swarm.physics(row), 0.0
     member = swarm.members[row]
     mean = 4.0 / 3.0 * np.pi * physics.radius**3 * (1.0 + physics.radius_spread**2)  # the mean of r^3, r even about its mean
@@ -144,7 +144,7 @@ def _grains(swarm: Swarm, row: int) -> float:
 
 
 def _free(swarm: Swarm, points: F64, radius: float, before: list[str]) -> NDArray[np.bool_]:
-    """Which points are at least a radius outside every solid, and outside the volumes of the members before."""
+    """Whether each point is at least a radius outside every solid, and outside the volumes of the members before."""
     candidate, free = swarm.candidate, np.ones(len(points), dtype=bool)
     if not len(points):
         return free

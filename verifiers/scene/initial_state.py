@@ -46,7 +46,7 @@ CLAIMS = {
 
 
 class Opened(NamedTuple):
-    """How far something stands from its declared place at frame 0."""
+    """Distance of an entity from its declared place at frame 0."""
 
     entity: str
     moved: float
@@ -62,7 +62,7 @@ class Opened(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Of what is allowed; 1 is just so."""
+        """Larger of displacement and turn, as a share of its bound; at most 1 passes."""
         return max(self.moved / self.bound, self.turned / self.most)
 
 
@@ -114,7 +114,7 @@ def _skin(candidate: Candidate, solver: str, entity: str) -> float:
 
 
 def _chains(candidate: Candidate, solver: str) -> dict[str, int]:
-    """How many contacts lie at most between each entity that moves and what does not, or the far end of its group; at least 1.
+    """Largest number of contacts between each moving entity and something fixed, or the far end of its group; at least 1.
 
     Entities are taken as neighbours where their boxes come within their skins, or a joint links them.
     """
@@ -167,7 +167,7 @@ def _declared(candidate: Candidate, entity: str, body: str, at: RigidPose) -> Ri
 
 
 def opened(candidate: Candidate, solver: str, cache: Cache) -> list[Opened]:
-    """How far bodies, pieces and elastic vertices of a rigid instance stand from their declared places."""
+    """Distances of bodies, pieces and elastic vertices of a rigid instance from their declared places."""
     spec, chains = candidate.spec, _chains(candidate, solver)
     members = spec.simulation.rigid[solver].members
     moving, fixed = (
@@ -194,7 +194,7 @@ def opened(candidate: Candidate, solver: str, cache: Cache) -> list[Opened]:
 
 
 def _moved_bodies(candidate: Candidate, cache: Cache, entity: str) -> Iterator[tuple[float, float, float, float]]:
-    """Of every body: way of its centre of mass [m], turn [rad], least and greatest extent [m]."""
+    """Per body: displacement of its centre of mass [m], turn [rad], least and greatest extent [m]."""
     at = pose_of(candidate.spec.entities[entity].pose)
     frame = _read(cache, ("position", "quaternion"))
     for row, name in enumerate(cache.index.bodies):
@@ -211,7 +211,7 @@ def _moved_bodies(candidate: Candidate, cache: Cache, entity: str) -> Iterator[t
 
 
 def _moved_vertices(candidate: Candidate, entity: str) -> Iterator[tuple[float, float, float, float]]:
-    """Of an entity that deforms: the farthest way of a vertex from its rest shape at the declared pose."""
+    """Largest displacement of a vertex of a deforming entity from its rest shape at the declared pose."""
     soft = candidate.deforming[entity]
     wanted = pose_of(candidate.spec.entities[entity].pose).apply(soft.rest)
     away = np.linalg.norm(_finite("vertex/position", soft.positions(0)) - wanted, axis=1)
@@ -268,7 +268,7 @@ def _of_places(candidate: Candidate, found: list[Opened]) -> Finding:
 
 
 def start_lines(candidate: Candidate) -> list[dict[str, str]]:
-    """What opening skins, or a preroll, did to the places of bodies before frame 0, for the approximation register."""
+    """Lines of the approximation register about bodies that opened skins, or a preroll, moved before frame 0."""
     lines = []
     for solver, cache in candidate.rigid_caches.items():
         try:
@@ -344,7 +344,7 @@ def _speeds_of_bodies(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
 
 
 def _speeds_of_vertices(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
-    """What pins hold stands still, or goes with its body: such vertices may have no velocity of their own."""
+    """Speeds of vertices against the declared one; those that pins hold may stand still, or go with their body."""
     spec = candidate.spec
     for entity in dict.fromkeys(n.split("/", 1)[0] for n in cache.index.deformables):
         physics = spec.entities[entity].physics

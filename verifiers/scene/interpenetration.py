@@ -249,7 +249,7 @@ def _along_axes(surfaces: Surfaces, names: tuple[str, ...], depth: float) -> dic
 
 
 def _different(moves: dict[str, F64]) -> dict[str, F64]:
-    """Of moves that are nearly the same the shortest only."""
+    """The moves without those that are nearly the same as a shorter one."""
     found: dict[str, F64] = {}
     for name, move in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1]))):
         if not any(np.linalg.norm(move - other) < SAME_MOVE * np.linalg.norm(move) for other in found.values()):

@@ -34,7 +34,7 @@ class OwnPair(NamedTuple):
 
 
 def joined(surfaces: Surfaces, entity: str) -> int:
-    """How many bodies on, in their order, a body touches its neighbours by construction; 0 where none does.
+    """Number of bodies, in their order, over which neighbours touch by construction; 0 where none do.
 
     Segments of a rope share their round ends: those nearer along it than its thickness and the skins touch or overlap.
     """

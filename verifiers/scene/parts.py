@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,12 +17,12 @@ from ...worlds.categories.fracture.pieces import piece_overlap
 from ...worlds.errors import EvidenceError, InputError
 from ...worlds.spec import Fastened, Rope
 from .bounds import GAP_CAP, UNIT_QUATERNION
-from .shapes import Shapes
+from .shapes import PartSurface, Shapes
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["Pair", "PartSurface", "Parts", "Track"]
+__all__ = ["Pair", "Parts", "Track"]
 
 Pair = tuple[str, str]
 
@@ -41,18 +40,6 @@ class Track(NamedTuple):
     def take(self, frames: NDArray[np.intp]) -> Track:
         """Motion at some frames."""
         return Track(self.position[frames], self.quaternion[frames])
-
-
-@dataclass(frozen=True)
-class PartSurface:
-    """Visible surface of one part."""
-
-    entity: str
-    part: str
-    body: str
-    solid: Solid
-    deviation: float
-    """[m] how far the collision surface may stand outside the visible one."""
 
 
 class Parts:

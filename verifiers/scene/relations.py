@@ -69,7 +69,7 @@ def _contains(candidate: Candidate, name: str, relation: Contains) -> Finding:
 
 
 def _outside(candidate: Candidate, holder: str, held: str, frame: int) -> float:
-    """How far the centre of `held` lies outside the bounding box of `holder`, in the holder's frame [m]; <= 0 inside."""
+    """Distance by which the centre of `held` lies outside the bounding box of `holder`, in the holder's frame [m]; <= 0 inside."""
     body = candidate.entity(holder).bodies[0].name
     to_holder = candidate.pose(holder, frame, body).inverse()
     box = to_holder.apply(candidate.vertices(holder, frame))

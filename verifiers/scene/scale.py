@@ -154,7 +154,7 @@ def _dimensions(candidate: Candidate, name: str) -> Finding:
 
 
 def _part(candidate: Candidate, name: str, part: str, wanted: Extent | None, found: Extent | None) -> _Deviation:
-    """How far a constructed part's box is from the box that its shape and pose say, per edge."""
+    """Deviation of a constructed part's box from the box that its shape and pose say, per edge."""
     allowed = max(FACETS, candidate.spec.entities[name].dimensions.tolerance)
     if found is None:
         return _Deviation(1.0, allowed, 0, part, f"part {part!r} of {name!r} is in the contract but was not constructed")

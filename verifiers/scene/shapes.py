@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,12 +16,23 @@ from ...worlds.errors import EvidenceError, InputError
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from .parts import PartSurface
 
-__all__ = ["Shapes"]
+__all__ = ["PartSurface", "Shapes"]
 
 HELD = 2_000_000
 """Triangles of deformed surfaces that are kept."""
+
+
+@dataclass(frozen=True)
+class PartSurface:
+    """Visible surface of one part."""
+
+    entity: str
+    part: str
+    body: str
+    solid: Solid
+    deviation: float
+    """[m] how far the collision surface may stand outside the visible one."""
 
 
 class Shapes:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row, Status
     from ...worlds.spec import Shot
-    from ..scene.parts import PartSurface
+    from ..scene.shapes import PartSurface
     from .sight import Sight
 
 __all__ = ["NEAR_PLANE", "inside", "moves"]

@@ -1,1 +1,1 @@
-"""What holds everything up."""
+"""Support: every body is held up by contact, joint or driver."""

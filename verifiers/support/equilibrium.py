@@ -10,20 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ..ledgers import motion
-from .touching import Contacts, contacts_of
+from .touching import Contacts
 
-if TYPE_CHECKING:
-    from .graph import SupportGraph
-
-__all__ = ["Balance", "Group", "group_of", "solve", "touching"]
+__all__ = ["Balance", "Group", "solve"]
 
 CONE_EDGES = 8
 """Edges of a friction pyramid. One face looks downhill, where the pyramid is exact; in between it is up to 8 % too wide."""
@@ -37,14 +33,12 @@ DEAR = 1e3
 """Own choice: cost of a force that nothing gives, per weight and size, so that moving a centre of mass comes first."""
 ENOUGH = 1e-6
 """Share of a weight below which nothing is missing: the tolerance of the solver."""
-LARGEST = 300
-"""Own choice: a group of more bodies is cut; those beyond the cut are taken to give and bear any force."""
 OTHERS = 0.01
 """Own choice: cost of what is missing for a body that nothing says is at rest, against 1 for one that is."""
 
 
 class Balance(NamedTuple):
-    """What a body lacks to rest."""
+    """Lack of support of a body that is to rest."""
 
     shift: float
     """How far its centre of mass must move, seen along gravity, so that it does not tip on the roughest contacts [m]."""
@@ -84,47 +78,8 @@ class Group:
         return Group(tuple(self.members[i] for i in index), kept, *picked, self.down)
 
 
-def group_of(graph: SupportGraph, entity: str, frame: int) -> Group | None:
-    """The free bodies that touch `entity` at a frame, directly or through others; None without gravity or where it is held."""
-    surfaces = graph.surfaces
-    gravity = np.array(surfaces.candidate.spec.simulation.gravity, dtype=np.float64)
-    strength = float(np.linalg.norm(gravity))
-    if strength < 1e-12 or _fixed(graph, entity, frame):
-        return None
-    members, pairs = touching(graph, entity, frame)
-    contacts = tuple((a, b, contacts_of(surfaces, a, b, frame)) for a, b in pairs)
-    candidate = surfaces.candidate
-    centers = np.array([candidate.center(m, frame) for m in members])
-    weights = np.array([motion.entity_mass(candidate, m) * strength for m in members])
-    sizes = np.array([0.5 * surfaces.size(m) for m in members])
-    return Group(members, contacts, centers, weights, sizes, gravity / strength)
-
-
-def touching(graph: SupportGraph, entity: str, frame: int) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
-    """The free bodies that touch `entity` directly or through others, itself among them, and every touching pair of theirs."""
-    surfaces = graph.surfaces
-    members, waiting = [entity], [entity]
-    pairs: dict[frozenset[str], tuple[str, str]] = {}
-    while waiting:
-        name = waiting.pop(0)
-        for other in surfaces.neighbours.get(name, ()):
-            pair = frozenset((name, other))
-            if pair in pairs or not surfaces.series(name, other)[frame] <= surfaces.contact_gap(name, other):
-                continue
-            pairs[pair] = (name, other)
-            if other not in members and len(members) < LARGEST and not _fixed(graph, other, frame):
-                members.append(other)
-                waiting.append(other)
-    return tuple(members), tuple(pairs.values())
-
-
-def _fixed(graph: SupportGraph, entity: str, frame: int) -> bool:
-    """Whether something else than contact may hold the entity: it is then taken to give and bear any force."""
-    return bool(graph.held(entity)[frame]) or graph.jointed(entity, frame) or entity in graph.surfaces.broken
-
-
 def solve(group: Group, *, claimed: Iterable[str] = (), shift: float = 0.0) -> dict[str, Balance]:
-    """What every body of a group lacks to rest.
+    """Lack of support of every body of a group.
 
     Args:
         group: the bodies.
@@ -257,7 +212,7 @@ def _gripping(group: Group, cost: F64, ways: F64, shifts: F64) -> F64:
 
 
 def _load(group: Group) -> F64:
-    """What the contacts must give, in units of the group's weight, shape (6 x members,)."""
+    """Forces and torques that the contacts must give, in units of the group's weight, shape (6 x members,)."""
     load = np.zeros((len(group.members), 6))
     load[:, :3] = -(group.weights / group.weights.sum())[:, None] * group.down
     return load.reshape(-1)

@@ -179,7 +179,7 @@ def _declared(surfaces: Surfaces, name: str, beneath: _Boxes, turn: F64) -> bool
 
 
 def _asked_place(surfaces: Surfaces, atom: dict[str, Any], start: F64) -> F64 | None:
-    """Where a predicate sends its entity [m], shape (3,); None for those that send it nowhere."""
+    """Place to which a predicate sends its entity [m], shape (3,); None for those that send it nowhere."""
     if atom["kind"] in ("reaches", "stays_in"):
         region = surfaces.candidate.spec.graph.regions.get(atom["region"])
         if region is None or region.relative_to is not None:

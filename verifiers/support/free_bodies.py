@@ -42,7 +42,7 @@ def placement(surfaces: Surfaces, entity: str, offset: F64 | None, cause: str) -
 
 
 def derived(graph: SupportGraph, entity: str) -> Finding:
-    """What holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
+    """Whether something holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
     surfaces = graph.surfaces
     surfaces.require(entity)
     reason, evidence = _excuse(graph, entity)
@@ -96,7 +96,7 @@ def _size(surfaces: Surfaces, entity: str) -> float:
 
 
 def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
-    """Why the body need not fall at frame 0 by surprise; an empty text when there is no reason."""
+    """Reason why the body is held, or meant to fall, at frame 0, with evidence; an empty text when there is none."""
     surfaces = graph.surfaces
     spec = surfaces.candidate.spec
     if gravity_direction(surfaces) is None:
@@ -175,7 +175,7 @@ def _slips_through(graph: SupportGraph, entity: str) -> bool:
 
 
 def _declared(surfaces: Surfaces, entity: str) -> Any:
-    """What of the specification the derived row depends on besides the geometry."""
+    """Parts of the specification on which the answer depends besides the geometry."""
     spec = surfaces.candidate.spec
     drivers = {
         n: d.model_dump(mode="json") for n, d in sorted(spec.simulation.drivers.items()) if getattr(d, "entity", None) == entity

@@ -1,4 +1,4 @@
-"""What holds an entity up at every frame: contacts, joints, drivers, and the chain of them down to something static.
+"""Graph of support at every frame: contacts, joints, drivers, and the chain of them down to something static.
 
 Contacts are read from geometry, never from contact logs: a sleeping body has none (R92).
 """
@@ -14,17 +14,21 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.spec import ReleaseDriver
+from ..ledgers import motion
 from .afloat import afloat
 from .bounds import MISSING, OUTSIDE, SAME_PLACE
-from .equilibrium import Balance, Group, group_of, solve, touching
+from .equilibrium import Balance, Group, solve
 from .links import Link, links_of
 from .moved import spoken_of
+from .touching import contacts_of
 
 if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces
 
-__all__ = ["SupportGraph", "beside", "drop", "gravity_direction", "rolling"]
+__all__ = ["SupportGraph", "beside", "drop", "gravity_direction", "group_of", "rolling"]
 
+LARGEST = 300
+"""Own choice: a group of more bodies is cut; those beyond the cut are taken to give and bear any force."""
 DROP_STEPS = 200
 NEAR = 1e-5
 """[m] Conservative advancement stops at this clearance."""
@@ -48,7 +52,7 @@ class SupportGraph:
         self._floating: dict[str, NDArray[np.bool_]] = {}
         self._rests: dict[tuple[str, str, bytes], bool] = {}
         self.resting: dict[str, tuple[Group, Balance, F64]] = {}
-        """What `verifiers/support/resting.py` found at frame 0, per body."""
+        """Group, balance and way to the middle of its support [m] at frame 0, per body, kept by `verifiers/support/resting.py`."""
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
@@ -95,7 +99,7 @@ class SupportGraph:
         return self._floating[entity]
 
     def _holders(self, entity: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-        """What holds the entity, directly, and when."""
+        """Entities that hold it directly, and at which frames."""
         for other in self.surfaces.neighbours.get(entity, ()):
             if self.linked(other, entity).all():
                 continue
@@ -167,7 +171,7 @@ class SupportGraph:
         return self._rests[key]
 
     def _place(self, entity: str, frame: int) -> bytes:
-        """Where all that touches the entity, directly or through others, is as seen from it."""
+        """Poses, as seen from the entity, of all that touches it directly or through others."""
         members, pairs = touching(self, entity, frame)
         involved = sorted({*members, *(n for pair in pairs for n in pair)})
         origin = self.surfaces.candidate.center(entity, frame)
@@ -201,6 +205,45 @@ class SupportGraph:
         return []
 
 
+def group_of(graph: SupportGraph, entity: str, frame: int) -> Group | None:
+    """The free bodies that touch `entity` at a frame, directly or through others; None without gravity or where it is held."""
+    surfaces = graph.surfaces
+    gravity = np.array(surfaces.candidate.spec.simulation.gravity, dtype=np.float64)
+    strength = float(np.linalg.norm(gravity))
+    if strength < 1e-12 or _fixed(graph, entity, frame):
+        return None
+    members, pairs = touching(graph, entity, frame)
+    contacts = tuple((a, b, contacts_of(surfaces, a, b, frame)) for a, b in pairs)
+    candidate = surfaces.candidate
+    centers = np.array([candidate.center(m, frame) for m in members])
+    weights = np.array([motion.entity_mass(candidate, m) * strength for m in members])
+    sizes = np.array([0.5 * surfaces.size(m) for m in members])
+    return Group(members, contacts, centers, weights, sizes, gravity / strength)
+
+
+def touching(graph: SupportGraph, entity: str, frame: int) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
+    """The free bodies that touch `entity` directly or through others, itself among them, and every touching pair of theirs."""
+    surfaces = graph.surfaces
+    members, waiting = [entity], [entity]
+    pairs: dict[frozenset[str], tuple[str, str]] = {}
+    while waiting:
+        name = waiting.pop(0)
+        for other in surfaces.neighbours.get(name, ()):
+            pair = frozenset((name, other))
+            if pair in pairs or not surfaces.series(name, other)[frame] <= surfaces.contact_gap(name, other):
+                continue
+            pairs[pair] = (name, other)
+            if other not in members and len(members) < LARGEST and not _fixed(graph, other, frame):
+                members.append(other)
+                waiting.append(other)
+    return tuple(members), tuple(pairs.values())
+
+
+def _fixed(graph: SupportGraph, entity: str, frame: int) -> bool:
+    """Whether something else than contact may hold the entity: it is then taken to give and bear any force."""
+    return bool(graph.held(entity)[frame]) or graph.jointed(entity, frame) or entity in graph.surfaces.broken
+
+
 def rolling(surfaces: Surfaces, entity: str) -> float:
     """Largest rolling resistance length of an entity's materials [m]: so far may a contact force act from its point."""
     materials = surfaces.candidate.spec.materials
@@ -220,7 +263,7 @@ def _can_rest(surfaces: Surfaces, group: Group, entity: str) -> bool:
 
 
 def beside(surfaces: Surfaces, entity: str, frame: int) -> list[str]:
-    """What touches the entity at a frame, and is not in the way of its falling: beside or above it."""
+    """Entities that touch it at a frame beside or above it, not in the way of its falling."""
     return [
         n
         for n in surfaces.neighbours.get(entity, ())
@@ -230,7 +273,7 @@ def beside(surfaces: Surfaces, entity: str, frame: int) -> list[str]:
 
 
 def drop(surfaces: Surfaces, entity: str, frame: int) -> tuple[float, str] | None:
-    """How far the entity falls along gravity until it meets something [m], and what; None where nothing lies beneath.
+    """Distance that the entity falls along gravity until it meets something [m], and its name; None where nothing lies beneath.
 
     Conservative advancement: it moves by the clearance, which no obstacle can be nearer than.
     """

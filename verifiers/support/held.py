@@ -1,4 +1,4 @@
-"""What holds static things: a chain of contacts down to the ground, for every piece of every one of them (R92, R93, R154).
+"""Support of static things: a chain of contacts down to the ground, for every piece of every one of them (R92, R93, R154).
 
 The ground of a world is its landscapes, its height fields, and the static things that reach lowest. Everything else that
 never moves hangs together with it through visible surfaces that touch, from whichever side: a shelf on its wall, a beam
@@ -76,7 +76,7 @@ def afloat_lines(spec: WorldSpec) -> list[dict[str, str]]:
 
 
 class Held:
-    """Which parts of what never moves a chain of contacts joins with the ground, at frame 0."""
+    """Parts of static things that a chain of contacts joins with the ground, at frame 0."""
 
     def __init__(self, surfaces: Surfaces, ground: Ground) -> None:
         self.surfaces, self.ground = surfaces, ground
@@ -310,7 +310,7 @@ def _beneath(held: Held, loose: Sequence[int]) -> Way | None:
 
 
 def _fall(surfaces: Surfaces, i: int, j: int, down: F64, most: float) -> float | None:
-    """How far part i falls until it meets part j [m], by conservative advancement; None where that is not within `most`."""
+    """Distance that part i falls until it meets part j [m], by conservative advancement; None where that is not within `most`."""
     pose, other = (surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j))
     solids = surfaces.shapes.solid(i, 0), surfaces.shapes.solid(j, 0)
     fallen = 0.0

@@ -59,7 +59,7 @@ class Missed(NamedTuple):
 
 
 def _start(surfaces: Surfaces, part: int) -> RigidPose:
-    """Where the specification places a part's body: places of joints are given there, before any preroll."""
+    """Declared pose of a part's body: places of joints are given there, before any preroll."""
     candidate, own = surfaces.candidate, surfaces.parts[part]
     return compose(pose_of(candidate.spec.entities[own.entity].pose), candidate.body(own.entity, own.body).pose)
 
@@ -116,7 +116,7 @@ def joined_rows(surfaces: Surfaces) -> list[Row]:
 
 
 def _tolerance(surfaces: Surfaces, *entities: str) -> float:
-    """How far a place may be from a surface that it reaches [m]: the contact tolerance (S3) and a collision skin."""
+    """Largest distance of a place from a surface that it reaches [m]: the contact tolerance (S3) and a collision skin."""
     pair = (entities[0], entities[-1])
     skins = [s.settings.skin for s in surfaces.candidate.spec.simulation.rigid.values() if entities[0] in s.members]
     return surfaces.contact_gap(*pair) + max(skins, default=0.0)
@@ -303,7 +303,7 @@ def _fastened(surfaces: Surfaces, relation: Fastened) -> Finding:
 
 
 def _anchors(candidate: Candidate) -> Iterator[tuple[str, str, F64]]:
-    """What is held by a place of the world: by what, which entity, and where [m]."""
+    """Joints and rope ends at a place of the world: their words, the entity they hold, and the place [m]."""
     for name, joint in candidate.spec.simulation.joints.items():
         if joint.parent is None:
             place = joint.parent_point if isinstance(joint, SpringJoint) else joint.anchor

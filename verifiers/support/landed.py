@@ -186,7 +186,7 @@ def _lattice(start: F64, cell: F64, low: F64, high: F64) -> F64:
 
 
 def _over_lattice(corners: F64, lattice: F64) -> F64:
-    """Where triangles lie over lattice points [m], shape (n, 3): there the ground has its summits."""
+    """Points of triangles over lattice points [m], shape (n, 3): there the ground has its summits."""
     if len(corners) * len(lattice) > PAIRS or not len(lattice):
         return np.zeros((0, 3))
     pair = np.repeat(np.arange(len(corners)), len(lattice))

@@ -55,7 +55,7 @@ def _rope_ends(surfaces: Surfaces) -> Iterator[Link]:
 
 
 def _pins(surfaces: Surfaces) -> Iterator[Link]:
-    """What holds vertices of deforming bodies."""
+    """Links by pins that hold vertices of deforming bodies."""
     always = np.ones(surfaces.frames, dtype=bool)
     for name, entity in surfaces.candidate.spec.entities.items():
         for key, pin in getattr(entity.physics, "pins", {}).items():
@@ -73,7 +73,7 @@ def _taut(surfaces: Surfaces, joint: SpringJoint) -> NDArray[np.bool_]:
 
 
 def _path(surfaces: Surfaces, entity: str | None, point: F64) -> F64:
-    """Where a point fixed to an entity's first body is [m], shape (frames, 3); `point` is its place in the specification."""
+    """Path of a point fixed to an entity's first body [m], shape (frames, 3); `point` is its place in the specification."""
     if entity is None or surfaces.is_static(entity):
         return np.repeat(point[None], surfaces.frames, 0)
     surfaces.require(entity)

@@ -1,4 +1,4 @@
-"""Which beats of the story move what, and until when something is held: also by what it hangs on or stands on."""
+"""Entities that beats of the story move, and intervals of `supports` relations that end when their carrier may move."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
 
 
 def beat_moves(beat: Beat) -> frozenset[str]:
-    """What a beat moves: its subject, and what is asked to topple, tilt, be displaced, reach or cross something.
+    """Entities that a beat moves: its subject, and those asked to topple, tilt, be displaced, reach or cross something.
 
     What a beat says to stay as it is, it does not move.
     """
@@ -63,7 +63,7 @@ class Moves:
 
     @cached_property
     def carriers(self) -> dict[str, set[str]]:
-        """What each entity hangs on or stands on: parents of its joints, its ropes and their ends, its pins, its supports."""
+        """Entities on which each hangs or stands: parents of its joints, its ropes and their ends, its pins, its supports."""
         found: dict[str, set[str]] = {name: set() for name in self.spec.entities}
         pairs: list[tuple[str, str | None]] = [(j.child, j.parent) for j in self.spec.simulation.joints.values()]
         pairs += [(r.b, r.a) for r in self.spec.graph.relations.values() if isinstance(r, Supports)]

@@ -26,7 +26,7 @@ __all__ = ["one_piece_rows", "own_touches"]
 
 
 def own_touches(surfaces: Surfaces, parts: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Which of an entity's parts touch each other at frame 0."""
+    """Pairs of an entity's parts that touch each other at frame 0."""
     if len(parts) < 2:
         return
     low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))

@@ -50,7 +50,7 @@ def _held(entity: Entity, key: str, rest: F64) -> F64:
 
 
 def _bound(surfaces: Surfaces, name: str, carrier: str) -> float:
-    """How far what is held may be from its carrier [m]: the contact tolerance (S3), collision skins, an edge of a sheet's triangles."""
+    """Largest distance of held vertices from their carrier [m]: the contact tolerance (S3), collision skins, an edge of a sheet's triangles."""
     entity = surfaces.candidate.spec.entities[name]
     edges = [edge for _, edge in grids_of(entity)] if isinstance(entity.physics, ClothPhysics) else []
     skins = [s.settings.skin for s in surfaces.candidate.spec.simulation.rigid.values() if carrier in s.members]

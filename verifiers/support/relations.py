@@ -64,7 +64,7 @@ def carries(graph: SupportGraph, relation: Supports, frames: tuple[int, int]) ->
 
 
 def _creep(surfaces: Surfaces, a: str, b: str, window: slice) -> F64:
-    """How far the centre of mass of b, seen from a, is from where it was at the interval's start [m], shape (frames,)."""
+    """Displacement of the centre of mass of b, seen from a, since the interval's start [m], shape (frames,)."""
     position, quaternion = surfaces.track(a, surfaces.candidate.entity(a).bodies[0].name)
     with np.errstate(invalid="ignore", over="ignore"):
         offset = motion.centers(surfaces.candidate, b) - position

@@ -13,8 +13,8 @@ from ..rows.answers import row_of
 from ..rows.corrections import correction, move_by, pointer
 from ..rows.findings import Finding
 from .bounds import LEVEL_CONTACT, MISSING, OUTSIDE
-from .equilibrium import Balance, Group, group_of, solve
-from .graph import rolling
+from .equilibrium import Balance, Group, solve
+from .graph import group_of, rolling
 from .questions import BALANCE, GRIP
 from .touching import hull_corners
 

@@ -126,7 +126,7 @@ def springs_of(books: Books) -> tuple[Spring, ...]:
 
 
 def _end(books: Books, entity: str | None, point: tuple[float, float, float]) -> tuple[F64, F64]:
-    """Where a point of an entity is and how fast it moves, each shape (F, 3); `point` is in the world as specified."""
+    """Position [m] and velocity [m/s] of a point of an entity, each shape (F, 3); `point` is in the world as specified."""
     row = books.row.get(entity or "")
     if entity is None or row is None:
         return np.tile(np.array(point, dtype=np.float64), (books.frames, 1)), np.zeros((books.frames, 3))

@@ -55,7 +55,7 @@ class Reached:
 
     @cached_property
     def _links(self) -> list[tuple[str | None, str | None]]:
-        """What joints, rope ends and pins join; None is the world."""
+        """Pairs of entities that joints, rope ends and pins join; None is the world."""
         found: list[tuple[str | None, str | None]] = [(j.child, j.parent) for j in self.spec.simulation.joints.values()]
         for name, entity in self.spec.entities.items():
             if isinstance(entity.generator, Rope):
@@ -66,7 +66,7 @@ class Reached:
 
     @cached_property
     def hung(self) -> frozenset[str]:
-        """What hangs on the world, or on what no force moves, by joints, ropes and pins, also through others: it may swing."""
+        """Entities that hang on the world, or on something that no force moves, by joints, ropes and pins, also through others: they may swing."""
         fixed = {n for n, e in self.spec.entities.items() if e.motion != "dynamic"}
         found: set[str] = set()
         grown = True
@@ -111,7 +111,7 @@ class Reached:
 
     @cached_property
     def away(self) -> dict[str, F64]:
-        """How far the centre of mass of each is from where it was at frame 0 [m], shape (frames,)."""
+        """Displacement of each centre of mass since frame 0 [m], shape (frames,)."""
         found = {}
         for name in self.names:
             with np.errstate(invalid="ignore", over="ignore"):

@@ -1,4 +1,4 @@
-"""Where two entities touch and in which directions they can push: contact points with normals, from visible surfaces."""
+"""Contacts of two entities, and the directions in which they can push: contact points with normals, from visible surfaces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
     from ...worlds.arrays import RigidPose
-    from ..scene.parts import PartSurface
+    from ..scene.shapes import PartSurface
     from ..scene.surfaces import Surfaces
 
 __all__ = ["Contacts", "contacts_of", "hull_corners"]
@@ -35,7 +35,7 @@ class Contacts(NamedTuple):
 
 
 class _Side(NamedTuple):
-    """What of one part lies near the other."""
+    """Triangles and edges of one part that lie near the other."""
 
     triangles: F64
     """[m], shape (m, 3, 3)."""

@@ -12,8 +12,8 @@ import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, entity, ground, make_candidate, pose, world
 from worldagent.verifiers.scene.surfaces import surfaces_of
 from worldagent.verifiers.support import check as support
-from worldagent.verifiers.support.equilibrium import group_of, solve
-from worldagent.verifiers.support.graph import SupportGraph
+from worldagent.verifiers.support.equilibrium import solve
+from worldagent.verifiers.support.graph import SupportGraph, group_of
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (
     BallJoint,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ...worlds.predicates import entities_of
-from ..story.beat_corrections import BEHIND
+from ..story.bounds import BEHIND
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row

@@ -1,4 +1,4 @@
-"""What would mend a beat or requirement that fails, from what was measured."""
+"""Corrections of a beat or requirement that fails, from the measured values."""
 
 from __future__ import annotations
 
@@ -12,26 +12,19 @@ from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ..categories.fracture.corrections import breaking
 from ..predicates import Outcome, evaluate
-from ..rows.verdicts import correction
+from ..rows.corrections import correction, set_value
+from .bounds import BEHIND, MORE, SETTLING_FRAMES, STARTED
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from ...worlds.spec import SpecModel
 
-__all__ = ["BEHIND", "corrections_of", "happens_at"]
+__all__ = ["corrections_of", "happens_at"]
 
-SETTLING_FRAMES = 2
-"""A closest approach this near to the end of the run counts as still under way. Own choice."""
-STARTED = 0.05
-"""Own choice: share of the asked angle below which a fall has not begun, so that waiting for it is no help."""
 AIMED = ("rigid", "elastic")
 """Categories of matter that are aimed: where they start and how fast decides where they go."""
 LASTING = frozenset({"flutters"})
 """Kinds that an interval as a whole makes true, not one of its frames."""
-BEHIND = 0.5
-"""Own choice: grains stay behind when at least this share of what is lacking lies higher than what came."""
-MORE = 1.2
-"""Own choice: what frames or room are given over what it takes."""
 
 
 def corrections_of(
@@ -42,9 +35,9 @@ def corrections_of(
     Args:
         candidate: what was judged.
         predicate: what is asked.
-        outcome: what it came to.
-        pointer: of the beat or requirement.
-        frames: of its interval.
+        outcome: its outcome.
+        pointer: place of the beat or requirement in the specification.
+        frames: its interval.
     """
     if outcome.status != "fail":
         return []
@@ -169,7 +162,7 @@ def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> 
 
 
 def _too_fast(candidate: Candidate, entity: str, after: int) -> Correction:
-    """Of what goes through a region between two frames, where it is at neither."""
+    """Correction for an entity that goes through a region between two frames and is in it at neither."""
     way = float(np.linalg.norm(candidate.center(entity, after + 1) - candidate.center(entity, after)))
     return correction(
         f"{entity} goes through the region between frames {after} and {after + 1}, {way:.3g} m apart",
@@ -180,78 +173,67 @@ def _too_fast(candidate: Candidate, entity: str, after: int) -> Correction:
 
 
 def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
-    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
-    offset = details.get("offset")
+    """Corrections for a body that does not get where it is asked to, by what was measured."""
+    offset, distance, angle = (details.get(n) for n in ("offset", "distance", "largest_angle"))
     if isinstance(after := details.get("passes_after_frame"), int):
         return [_too_fast(candidate, entity, after)]
-    if isinstance(offset, list) and details.get("distance"):
-        shift = [-float(c) for c in offset]
-        words = ", ".join(f"{c:+.3f}" for c in shift)
-        position = candidate.spec.entities[entity].pose.position
-        value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
-        return [
-            correction(
-                f"{entity} misses by {float(details['distance']):.3g} m",  # type: ignore[arg-type]
-                "placement",
-                f"move its start by ({words}) m; where a throw or slope magnifies the start, by less",
-                pointers=(start,),
-                patch=({"op": "add", "path": f"/entities/{entity}/pose/position", "value": value},),
-            ),
-            correction(
-                "its speed or direction is off",
-                "initial_state",
-                f"aim {entity} so that it arrives ({words}) m further",
-                pointers=(speed,),
-            ),
-        ]
+    if isinstance(offset, list) and isinstance(distance, float) and distance:
+        return _nearer(candidate, entity, [-float(c) for c in offset], distance)
     if outcome.unit == "N s" and outcome.bound and outcome.value is not None and outcome.comparison == ">=":
-        ratio = f"{outcome.bound / outcome.value:.2g} times the" if outcome.value > 0 else "more"
-        return [
-            correction(
-                "the impact is too weak",
-                "initial_state",
-                f"raise the closing speed: {ratio} impulse is needed",
-                pointers=(speed,),
-            ),
-            correction(
-                "the impact is too weak",
-                "mass",
-                f"make {entity} or what hits it heavier",
-                pointers=(f"/entities/{entity}/physics/mass",),
-            ),
-            correction("they may not meet at all", "placement", "bring their paths together", pointers=(start,)),
-        ]
-    if "largest_angle" in details and outcome.bound:
-        missing = f"{float(details['largest_angle']):.2g} of {outcome.bound:.2g} rad"  # type: ignore[arg-type]
-        return [
-            correction(
-                f"{entity} turns {missing}: the push is too weak or too low",
-                "initial_state",
-                "raise the speed of what hits it",
-                pointers=(speed,),
-            ),
-            correction(
-                "nothing reaches it, or too low", "placement", f"bring what hits {entity} closer and higher up", pointers=(start,)
-            ),
-            correction(
-                "it is too heavy or too wide to fall",
-                "dimensions",
-                f"make {entity} more slender",
-                pointers=(f"/entities/{entity}/dimensions",),
-            ),
-        ]
+        return _harder(entity, outcome.value, outcome.bound)
+    if isinstance(angle, float) and outcome.bound:
+        return _farther_over(entity, angle, outcome.bound)
+    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
+    told = f"measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}"
+    action = f"change {entity}'s start speed or what drives it; {told}"
+    return [correction("start conditions do not bring it about", "initial_state", action, pointers=(speed, start))]
+
+
+def _nearer(candidate: Candidate, entity: str, shift: list[float], distance: float) -> list[Correction]:
+    """Move the start by what is missing [m], or change speed and direction."""
+    start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
+    words = ", ".join(f"{c:+.3f}" for c in shift)
+    position = candidate.spec.entities[entity].pose.position
+    value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
+    action = f"move its start by ({words}) m; where a throw or slope magnifies the start, by less"
+    aim = f"aim {entity} so that it arrives ({words}) m further"
     return [
+        correction(f"{entity} misses by {distance:.3g} m", "placement", action, pointers=(start,), patch=set_value(start, value)),
+        correction("its speed or direction is off", "initial_state", aim, pointers=(speed,)),
+    ]
+
+
+def _harder(entity: str, impulse: float, asked: float) -> list[Correction]:
+    """Make an impact stronger than the measured impulse [N s]."""
+    place, weak = f"/entities/{entity}", "the impact is too weak"
+    faster = f"raise the closing speed: {f'{asked / impulse:.2g} times the' if impulse > 0 else 'more'} impulse is needed"
+    heavier = f"make {entity} or what hits it heavier"
+    return [
+        correction(weak, "initial_state", faster, pointers=(f"{place}/physics/linear_velocity",)),
+        correction(weak, "mass", heavier, pointers=(f"{place}/physics/mass",)),
+        correction("they may not meet at all", "placement", "bring their paths together", pointers=(f"{place}/pose/position",)),
+    ]
+
+
+def _farther_over(entity: str, angle: float, asked: float) -> list[Correction]:
+    """Make a body turn farther than the measured angle [rad]."""
+    place = f"/entities/{entity}"
+    weak = f"{entity} turns {angle:.2g} of {asked:.2g} rad: the push is too weak or too low"
+    closer = f"bring what hits {entity} closer and higher up"
+    return [
+        correction(weak, "initial_state", "raise the speed of what hits it", pointers=(f"{place}/physics/linear_velocity",)),
+        correction("nothing reaches it, or too low", "placement", closer, pointers=(f"{place}/pose/position",)),
         correction(
-            "start conditions do not bring it about",
-            "initial_state",
-            f"change {entity}'s start speed or what drives it; measured {_number(outcome.value)} against {_number(outcome.bound)} {outcome.unit}",
-            pointers=(speed, start),
-        )
+            "it is too heavy or too wide to fall",
+            "dimensions",
+            f"make {entity} more slender",
+            pointers=(f"{place}/dimensions",),
+        ),
     ]
 
 
 def _stock(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
-    """Of grains that are too few in a region: whether there are enough at all, and whether the others are still above it."""
+    """Corrections for grains that are too few in a region, by whether there are enough at all and whether the others lie above it."""
     drivers, physics = candidate.spec.simulation.drivers.values(), candidate.spec.entities[entity].physics
     in_all, above = details.get("in_all"), details.get("above")
     if not isinstance(in_all, float) or not isinstance(above, float) or outcome.comparison != ">=":

@@ -8,20 +8,22 @@ without causes may be true from the start; a beat with causes may not.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from ...worlds.candidate import Candidate
 from ...worlds.predicates import atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import is_invariant
-from ...worlds.requirements import Group, Row, RowId
 from ..predicates import Outcome, beat_times, evaluate
-from ..rows.verdicts import make_row, requested_frames
+from ..rows.answers import row_of
+from ..rows.findings import Finding
 from .beat_corrections import corrections_of, happens_at
 from .driven import check_driven
+from .questions import BEAT, REQUIREMENT
 from .vacuity import check_vacuity
 
 if TYPE_CHECKING:
-    from ...worlds.requirements import Correction
+    from ...worlds.requirements import Row
     from ...worlds.spec import Beat, Requirement, SpecModel
 
 __all__ = ["check"]
@@ -46,18 +48,68 @@ def check(candidate: Candidate) -> list[Row]:
     times = beat_times(candidate)
     rows: list[Row] = []
     for beat_id, beat in candidate.spec.story.beats.items():
-        outcome = _decided_early(candidate, beat.predicate, times.outcome(beat_id))
-        hints = corrections_of(candidate, beat.predicate, outcome, f"/story/beats/{beat_id}", beat.frames)
-        rows.append(_row(candidate, RowId("beat", beat_id), None, beat, outcome, hints, (beat.subject,)))
+        found = _judged(candidate, beat, times.outcome(beat_id), f"/story/beats/{beat_id}", beat.subject)
+        rows.append(row_of(candidate, replace(BEAT, mandatory=beat.mandatory), (beat_id,), found))
         rows += check_vacuity(candidate, beat_id)
         rows += check_driven(candidate, beat_id)
-    for name, requirement in candidate.spec.story.requirements.items():
-        frames = requirement.frames or requested_frames(candidate)
-        outcome = _decided_early(candidate, requirement.predicate, evaluate(candidate, requirement.predicate, frames))
-        hints = corrections_of(candidate, requirement.predicate, outcome, f"/story/requirements/{name}", frames)
-        group: Group = "spatial" if requirement.predicate.kind in SPATIAL else "physical"
-        rows.append(_row(candidate, RowId("requirement", name), group, requirement, outcome, hints, ()))
+    for name, asked in candidate.spec.story.requirements.items():
+        frames = asked.frames or (0, candidate.spec.simulation.frames - 1)
+        found = _judged(candidate, asked, evaluate(candidate, asked.predicate, frames), f"/story/requirements/{name}")
+        group = "spatial" if asked.predicate.kind in SPATIAL else REQUIREMENT.group
+        question = replace(REQUIREMENT, mandatory=asked.mandatory, matrix_group=group)
+        rows.append(row_of(candidate, question, (name,), found))
     return rows
+
+
+def _judged(
+    candidate: Candidate, declared: Beat | Requirement, outcome: Outcome, pointer: str, subject: str | None = None
+) -> Finding:
+    """The finding about a predicate that the story declares.
+
+    Args:
+        candidate: what is judged.
+        declared: a beat or requirement.
+        outcome: outcome of its predicate over its own frames.
+        pointer: its place in the specification.
+        subject: the beat's; a requirement has none.
+    """
+    predicate, plan = declared.predicate, candidate.spec.simulation
+    frames = declared.frames or (0, plan.frames - 1)
+    outcome = _decided_early(candidate, predicate, outcome)
+    return Finding(
+        outcome.status,
+        outcome.explanation,
+        outcome.value,
+        outcome.bound,
+        outcome.unit,
+        outcome.first_failing_entity,
+        outcome.first_failing_frame,
+        tuple(corrections_of(candidate, predicate, outcome, pointer, frames)),
+        {
+            "text": declared.text,
+            **_kinds(candidate, predicate, outcome),
+            "first_true_frame": outcome.first_true_frame,
+            "margin": outcome.margin,
+            "failing": list(outcome.failing),
+            "pointers": [pointer],
+            **_lateness(candidate, predicate, outcome),
+            **outcome.details,
+        },
+        outcome.comparison,
+        (*outcome.failing, *([subject] if subject else []), *entities_of(predicate)),
+        outcome.frames,
+        predicate=describe_predicate(predicate),
+        extra=[declared.model_dump(mode="json"), plan.limits.contact_gap],
+    )
+
+
+def _lateness(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> dict[str, Any]:
+    """By how much a failing event misses its interval, where it does happen; negative where it is early."""
+    at = happens_at(candidate, predicate, outcome.frames) if outcome.status == "fail" else None
+    if at is None:
+        return {}
+    late = at - outcome.frames[0 if at < outcome.frames[0] else 1]
+    return {"happens_at_frame": at, "late_frames": late, "late_s": late / candidate.spec.simulation.fps}
 
 
 def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> Outcome:
@@ -71,52 +123,8 @@ def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome)
     return partial if partial.status == "fail" else outcome
 
 
-def _row(
-    candidate: Candidate,
-    row_id: RowId,
-    group: Group | None,
-    declared: Beat | Requirement,
-    outcome: Outcome,
-    hints: list[Correction],
-    subjects: tuple[str, ...],
-) -> Row:
-    pointer = "/story/" + row_id.replace("beat:", "beats/").replace("requirement:", "requirements/")
-    at = happens_at(candidate, declared.predicate, outcome.frames) if outcome.status == "fail" else None
-    late = 0 if at is None else at - outcome.frames[0 if at < outcome.frames[0] else 1]
-    off = {"happens_at_frame": at, "late_frames": late, "late_s": late / candidate.spec.simulation.fps} if late else {}
-    return make_row(
-        candidate,
-        row_id,
-        group=group,
-        predicate=describe_predicate(declared.predicate),
-        mandatory=declared.mandatory,
-        status=outcome.status,
-        explanation=outcome.explanation,
-        frames=outcome.frames,
-        measured=outcome.value,
-        bound=outcome.bound,
-        comparison=outcome.comparison,
-        unit=outcome.unit,
-        entities=(*outcome.failing, *subjects, *entities_of(declared.predicate)),
-        first_failing_entity=outcome.first_failing_entity,
-        first_failing_frame=outcome.first_failing_frame,
-        corrections=hints,
-        evidence={
-            "text": declared.text,
-            **_kinds(candidate, declared.predicate, outcome),
-            "first_true_frame": outcome.first_true_frame,
-            "margin": outcome.margin,
-            "failing": list(outcome.failing),
-            "pointers": [pointer],
-            **off,
-            **outcome.details,
-        },
-        extra=[declared.model_dump(mode="json"), candidate.spec.simulation.limits.contact_gap],
-    )
-
-
 def _kinds(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> dict[str, str]:
-    """Of which kind of matter the row speaks, and which atom asks: the one about what fails, where only one kind does."""
+    """Kind of matter that the row is about, and of the atom that asks: the one about the failing entity, where only one kind does."""
     entities, named = candidate.spec.entities, entities_of(predicate)
     entity = next((n for n in (outcome.first_failing_entity, *outcome.failing, *named) if n in entities), None)
     atoms = [a for a in atoms_of(predicate) if entity is None or {entity, "each"} & {*_fields(a)}] or atoms_of(predicate)

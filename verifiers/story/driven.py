@@ -13,6 +13,7 @@ A trigger on a path (a beat without causes that its path driver owns and that ot
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,26 +23,29 @@ from ...worlds.drivers import acts_from, deed, to_declare, undeclared
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
-from ...worlds.requirements import Correction, Row, RowId, Status
 from ...worlds.spec import PathDriver
 from ..categories.registry import judge_of
 from ..predicates import beat_times
-from ..rows.verdicts import correction, make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction
+from ..rows.findings import Finding
 from .chains import PAUSE
+from .questions import DRIVEN
 
 if TYPE_CHECKING:
+    from ...worlds.requirements import Correction, Row, Status
     from ...worlds.spec import Beat, WorldSpec
 
 __all__ = ["check_driven", "moves_by_declaration"]
 
 
-class _Found(NamedTuple):
-    """What was found, in words that are true of its status."""
+class _Start(NamedTuple):
+    """How a beat is brought about, or why nothing does."""
 
     status: Status
     text: str
     kind: str
-    """Of the trigger or fault: `path`, `unsaid`, `late`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
+    """Kind of the trigger or fault: `path`, `unsaid`, `late`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
     first: str | None = None
     driver: str | None = None
 
@@ -53,31 +57,23 @@ def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
     owner = plan.drivers.get(beat.owner)
     if isinstance(owner, PathDriver) and not beat.causes and followed:
         return []  # an authored input: a trigger, not an outcome; a path from which nothing follows is an outcome
-    found = _found(candidate, beat_id, beat)
-    authored = _authored(candidate.spec)
-    culprits = [found.first] if found.first else []
-    return [
-        make_row(
-            candidate,
-            RowId("beat:driven", beat_id),
-            predicate=f"a solver brings {beat_id} about, and the story owns what starts it",
-            mandatory=beat.mandatory,
-            status=found.status,
-            explanation=found.text,
-            entities=tuple(dict.fromkeys((*culprits, beat.subject))),
-            first_failing_entity=found.first if found.status == "fail" else None,
-            first_failing_frame=0 if found.status == "fail" else None,
-            corrections=_hints(candidate.spec, beat_id, beat, found) if found.status == "fail" else (),
-            evidence={
-                "owner": beat.owner,
-                "trigger": found.kind,
-                **({"driver": found.driver} if found.driver else {}),
-                "pointers": [f"/story/beats/{beat_id}/owner"],
-            },
-            artifact="world.json",
-            extra=[beat.model_dump(mode="json"), sorted(authored), found.kind],
-        )
-    ]
+    start = _start(candidate, beat_id, beat)
+    found = Finding(
+        start.status,
+        start.text,
+        entity=start.first,
+        frame=0,
+        hints=tuple(_hints(candidate.spec, beat_id, beat, start)) if start.status == "fail" else (),
+        evidence={
+            "owner": beat.owner,
+            "trigger": start.kind,
+            **({"driver": start.driver} if start.driver else {}),
+            "pointers": [f"/story/beats/{beat_id}/owner"],
+        },
+        extra=[beat.model_dump(mode="json"), sorted(_authored(candidate.spec)), start.kind],
+    )
+    question = replace(DRIVEN, mandatory=beat.mandatory)
+    return [row_of(candidate, question, (beat_id,), found, entities=(beat.subject,), artifact="world.json")]
 
 
 def moves_by_declaration(spec: WorldSpec, name: str) -> bool:
@@ -93,7 +89,7 @@ def _authored(spec: WorldSpec) -> set[str]:
     return {n for n, e in spec.entities.items() if e.motion == "kinematic"} | paths
 
 
-def _found(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
+def _start(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
     spec = candidate.spec
     staged = _staged(spec, beat_id, beat)
     if staged is not None:
@@ -104,15 +100,15 @@ def _found(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
     if helper is not None:
         owns = "no beat that leads to it is owned by" if beat.causes else "no beat is owned by"
         text = f"{deed(spec, helper, beat.subject)}, before {beat_id} comes true, and {owns} {helper}"
-        return _Found("fail", text, "unsaid", beat.subject, helper)
+        return _Start("fail", text, "unsaid", beat.subject, helper)
     if beat.causes:
-        return _Found("pass", f"{beat.subject} is moved by a solver, from {', '.join(beat.causes)}", "causes")
+        return _Start("pass", f"{beat.subject} is moved by a solver, from {', '.join(beat.causes)}", "causes")
     if is_invariant(beat.predicate):
-        return _Found("pass", f"a lasting state of {beat.subject}, which needs no start", "state")
+        return _Start("pass", f"a lasting state of {beat.subject}, which needs no start", "state")
     return _started(candidate, beat_id, beat)
 
 
-def _staged(spec: WorldSpec, beat_id: str, beat: Beat) -> _Found | None:
+def _staged(spec: WorldSpec, beat_id: str, beat: Beat) -> _Start | None:
     entities, authored = spec.entities, _authored(spec)
     moving = [n for n in entities_of(beat.predicate) if n in entities and entities[n].motion != "static"]
     culprits = [beat.subject] if beat.subject in authored else moving if moving and set(moving) <= authored else []
@@ -121,22 +117,22 @@ def _staged(spec: WorldSpec, beat_id: str, beat: Beat) -> _Found | None:
     paths = {d.entity: name for name, d in spec.simulation.drivers.items() if isinstance(d, PathDriver)}
     driver = paths.get(culprits[0])
     how = f"path driver {driver}" if driver else "an authored motion"
-    return _Found("fail", f"{culprits[0]} follows {how}, so beat {beat_id} is staged", "path", culprits[0], driver)
+    return _Start("fail", f"{culprits[0]} follows {how}, so beat {beat_id} is staged", "path", culprits[0], driver)
 
 
-def _owned(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
+def _owned(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
     """A beat without causes that a driver owns: that driver must have acted by the time."""
     spec = candidate.spec
     try:
         time, _ = acts_from(spec, beat.owner)
     except EvidenceError as error:
-        return _Found("unverified", str(error), "unknown")
+        return _Start("unverified", str(error), "unknown")
     first = beat_times(candidate).first(beat_id)
     at = f"driver {beat.owner} acts from {time:g} s on"
     if first is not None and time * spec.simulation.fps > first + 1e-9:
         text = f"{beat_id} comes true at frame {first}, before its driver acts: {at}, which is frame {time * spec.simulation.fps:.3g}"
-        return _Found("fail", text, "late", beat.subject, beat.owner)
-    return _Found("pass", f"{at} and owns {beat_id}", "driver", None, beat.owner)
+        return _Start("fail", text, "late", beat.subject, beat.owner)
+    return _Start("pass", f"{at} and owns {beat_id}", "driver", None, beat.owner)
 
 
 def _comes(candidate: Candidate, beat_id: str) -> int:
@@ -157,8 +153,8 @@ def _involved(spec: WorldSpec, beat: Beat) -> list[str]:
     return [n for n in dict.fromkeys(names) if n in spec.entities]
 
 
-def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
-    """What starts an event that names no causes."""
+def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
+    """The start of an event that names no causes: a driver, a velocity, or weight."""
     spec, names, frame = candidate.spec, _involved(candidate.spec, beat), _comes(candidate, beat_id)
     owned = {b.owner: n for n, b in spec.story.beats.items()}
     unsaid = None
@@ -168,29 +164,29 @@ def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
         try:
             time, acted = acts_from(spec, driver)
         except EvidenceError as error:
-            return _Found("unverified", str(error), "unknown")
+            return _Start("unverified", str(error), "unknown")
         if time * spec.simulation.fps > frame or not set(acted) & set(names):
             continue
         if driver in owned:
-            return _Found(
+            return _Start(
                 "pass", f"driver {driver}, which beat {owned[driver]} owns, acts from {time:g} s on", "driver", None, driver
             )
         unsaid = unsaid or driver
     sent = next((n for n in names if moves_by_declaration(spec, n)), None)
     if sent is not None:
-        return _Found(
+        return _Start(
             "pass", f"an initial state: {sent} starts with the velocity that the specification gives it", "velocity", sent
         )
     outcome = beat_times(candidate).outcome(beat_id)
     if outcome.status == "unverified":
-        return _Found("unverified", f"whether it starts by itself is not known: {outcome.explanation}", "unknown")
+        return _Start("unverified", f"whether it starts by itself is not known: {outcome.explanation}", "unknown")
     try:
         falls = next((n for n in names if spec.entities[n].motion == "dynamic" and _goes_from_start(candidate, n, frame)), None)
     except EvidenceError as error:
-        return _Found("unverified", str(error), "unknown")
+        return _Start("unverified", str(error), "unknown")
     if falls is not None:
         text = f"an initial state: {falls} is in motion from frame 0 up to frame {frame} without a rest, by its weight and what touches it there"
-        return _Found("pass", text, "weight", falls)
+        return _Start("pass", text, "weight", falls)
     text = f"beat {beat_id!r} has no cause and nothing that the story owns starts it"
     if unsaid is not None:
         text += (
@@ -198,7 +194,7 @@ def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Found:
         )
     else:
         text += f": no driver acts on {', '.join(names[:4])} by frame {frame}, none of them starts with a velocity, and none moves from frame 0 on"
-    return _Found("fail", text, "none", beat.subject, unsaid)
+    return _Start("fail", text, "none", beat.subject, unsaid)
 
 
 def _goes_from_start(candidate: Candidate, name: str, frame: int) -> bool:
@@ -211,7 +207,7 @@ def _goes_from_start(candidate: Candidate, name: str, frame: int) -> bool:
     return not bool((still[pause:] - still[:-pause] >= pause).any()) if len(still) > pause else True
 
 
-def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Found) -> list[Correction]:
+def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Correction]:
     place = f"/story/beats/{beat_id}"
     if found.kind == "path":
         driver = f"/simulation/drivers/{found.driver}" if found.driver else "/simulation/drivers"

@@ -13,37 +13,40 @@ Every sample runs from frame 0 to the last frame that its beats need.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...simulation.variants import run_altered
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, Row, RowId, Status
 from ...worlds.spec import Perturbed, Refined, RigidInstance
-from ..predicates import Outcome, beat_times, last_needed
-from ..rows.verdicts import correction, make_row, postponed
+from ..predicates import beat_times, last_needed
+from ..rows.answers import row_of
+from ..rows.corrections import LEAST_STEP, correction, postponed
+from ..rows.findings import Finding, lacking
+from .bounds import CONFIDENCE
 from .perturbations import fixed_places, perturbed
+from .questions import ROBUST
 
 if TYPE_CHECKING:
+    from ...worlds.requirements import Correction, Row
     from ...worlds.spec import WorldSpec
+    from ..predicates import Outcome
 
-__all__ = ["CONFIDENCE", "check", "clopper_pearson", "row_ids"]
+__all__ = ["check", "clopper_pearson", "row_ids"]
 
-CONFIDENCE = 0.95
 TOLD = 6
 """Most entities whose draws of a failed sample are told."""
 _Tell = Callable[[int, int, int, str], None]
 """Takes (run, frames done, frames planned, message)."""
-LEAST_STEP = 2e-5
-"""[s] Smallest step that solver settings allow."""
 
 
 def row_ids(spec: WorldSpec) -> frozenset[str]:
     """Ids of the rows that this check gives for a specification."""
-    return frozenset(f"robustness:{name}:{beat}" for name, item in spec.story.robustness.items() for beat in item.beats)
+    return frozenset(ROBUST.row_id((name, beat)) for name, item in spec.story.robustness.items() for beat in item.beats)
 
 
 def clopper_pearson(hits: int, count: int) -> tuple[float, float]:
@@ -75,25 +78,23 @@ def check(
 
     def tell(run: int, done: int, total: int, message: str) -> None:
         if progress is not None:
-            progress(
-                begun + run + done / max(total, 1), planned, f"checking robustness: run {begun + run + 1} of {planned}, {message}"
-            )
+            at = begun + run
+            progress(at + done / max(total, 1), planned, f"checking robustness: run {at + 1} of {planned}, {message}")
 
     for name, item in declared.items():
         beats = [b for b in dict.fromkeys(item.beats) if b in candidate.spec.story.beats]
         try:
-            if not candidate.rigid_caches:
-                raise EvidenceError("nothing was simulated yet: probe first")
             if failing is not None:
-                raise EvidenceError(postponed(failing))
-            made = (
-                _perturbed(candidate, name, item, beats, tell)
-                if isinstance(item, Perturbed)
-                else _refined(candidate, name, item, beats, tell)
-            )
+                found = dict.fromkeys(beats, Finding("unverified", postponed(failing), unit=ROBUST.unit))
+            elif not candidate.rigid_caches:
+                raise EvidenceError("nothing was simulated yet: probe first")
+            elif isinstance(item, Perturbed):
+                found = _perturbed(candidate, name, item, beats, tell)
+            else:
+                found = _refined(candidate, item, beats, tell)
         except EvidenceError as error:
-            made = [_row(candidate, name, item, b, "unverified", str(error)) for b in beats]
-        rows += made
+            found = dict.fromkeys(beats, replace(lacking(error), unit=ROBUST.unit))
+        rows += [_row(candidate, name, item, beat, finding) for beat, finding in found.items()]
         begun += _runs(item)
     return rows
 
@@ -105,7 +106,8 @@ def _runs(item: Perturbed | Refined) -> int:
 # ---------------------------------------------------------------- perturbed starts
 
 
-def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str], tell: _Tell) -> list[Row]:
+def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str], tell: _Tell) -> dict[str, Finding]:
+    """Findings by beat, from all samples."""
     end = last_needed(candidate.spec, beats)
     passed = dict.fromkeys(beats, 0)
     failed: dict[str, list[dict[str, Any]]] = {b: [] for b in beats}
@@ -127,7 +129,7 @@ def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str
             if outcome.status == "fail":
                 failed[beat].append({"sample": sample, "why": outcome.explanation, "drawn": _largest(drawn)})
     kept = sorted(fixed_places(candidate.spec) & set(item.entities or candidate.spec.entities))
-    return [_fraction_row(candidate, name, item, b, passed[b], failed[b], {"opened_m": opened, "not_moved": kept}) for b in beats]
+    return {b: _fraction(item, b, passed[b], failed[b], {"opened_m": opened, "not_moved": kept}) for b in beats}
 
 
 def _opened(variant: Candidate) -> float:
@@ -151,167 +153,103 @@ def _largest(drawn: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     return {k: dict(drawn[k]) for k in sorted(drawn, key=size, reverse=True)[:TOLD]}
 
 
-def _fraction_row(
-    candidate: Candidate,
-    name: str,
-    item: Perturbed,
-    beat: str,
-    passed: int,
-    failed: list[dict[str, Any]],
-    more: Mapping[str, Any],
-) -> Row:
+def _fraction(item: Perturbed, beat: str, passed: int, failed: list[dict[str, Any]], more: Mapping[str, Any]) -> Finding:
     share = passed / item.samples
     low, high = clopper_pearson(passed, item.samples)
     text = f"{beat} comes true in {passed} of {item.samples} perturbed runs ({share:.0%}, 95 % interval {low:.0%} to {high:.0%})"
     text += f", {item.min_fraction:.0%} asked"
     if failed:
         text += f"; first not in sample {failed[0]['sample']}: {failed[0]['why']}"
-    return _row(
-        candidate,
-        name,
-        item,
-        beat,
+    evidence = {
+        "samples": item.samples,
+        "passed": passed,
+        "interval_95": [low, high],
+        "seed": item.seed,
+        "first_failed": failed[0] if failed else None,
+        "failed_samples": [f["sample"] for f in failed],
+        **more,
+    }
+    return Finding(
         "pass" if share >= item.min_fraction else "fail",
         text,
-        measured=share,
-        bound=item.min_fraction,
+        share,
+        item.min_fraction,
+        "1",
+        evidence=evidence,
         comparison=">=",
-        evidence={
-            "samples": item.samples,
-            "passed": passed,
-            "interval_95": [low, high],
-            "seed": item.seed,
-            "first_failed": failed[0] if failed else None,
-            "failed_samples": [f["sample"] for f in failed],
-            **more,
-        },
     )
 
 
 # ---------------------------------------------------------------- finer steps
 
 
-def _refined(candidate: Candidate, name: str, item: Refined, beats: list[str], tell: _Tell) -> list[Row]:
-    spec = candidate.spec
-    solvers = {}
+def _refined(candidate: Candidate, item: Refined, beats: list[str], tell: _Tell) -> dict[str, Finding]:
+    """Findings by beat, from one run with finer steps."""
+    spec, least, solvers = candidate.spec, LEAST_STEP["step"], {}
     for key, instance in spec.simulation.solvers.items():
         field = "step" if isinstance(instance, RigidInstance) else "max_step"
         step = getattr(instance.settings, field) / item.factor
-        if step < LEAST_STEP:
-            raise EvidenceError(f"{field} {step * item.factor:g} s of {key!r} divided by {item.factor} is below {LEAST_STEP:g} s")
+        if step < least:
+            raise EvidenceError(f"{field} {step * item.factor:g} s of {key!r} divided by {item.factor} is below {least:g} s")
         solvers[key] = instance.model_copy(update={"settings": instance.settings.model_copy(update={field: step})})
     finer = spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"solvers": solvers})})
     variant = run_altered(candidate, finer, candidate.built, end=last_needed(spec, beats), progress=partial(tell, 0))
-    return [_shift_row(candidate, name, item, b, beat_times(candidate).outcome(b), beat_times(variant).outcome(b)) for b in beats]
+    return {b: _shift(item, b, beat_times(candidate).outcome(b), beat_times(variant).outcome(b)) for b in beats}
 
 
-def _shift_row(candidate: Candidate, name: str, item: Refined, beat: str, coarse: Outcome, fine: Outcome) -> Row:
-    status: Status
-    shift: float | None = None
+def _shift(item: Refined, beat: str, coarse: Outcome, fine: Outcome) -> Finding:
+    finer, allowed = f"with 1/{item.factor} of the step", item.frames
+    evidence = {
+        "factor": item.factor,
+        "frames": [coarse.first_true_frame, fine.first_true_frame],
+        "values": [coarse.value, fine.value],
+    }
+    found = Finding("unverified", "", None, float(allowed), "frame", evidence=evidence, comparison="<=")
     if "unverified" in (coarse.status, fine.status) or coarse.status == "fail":
-        status = "unverified"
         open_one = coarse if coarse.status != "pass" else fine
-        text = f"{beat} cannot be compared: {open_one.explanation}"
-    elif fine.status == "fail":
-        status, text = "fail", f"{beat} does not come true with 1/{item.factor} of the step: {fine.explanation}"
-    elif coarse.first_true_frame is None or fine.first_true_frame is None:
-        status, shift = "pass", 0.0
-        text = f"{beat} holds with 1/{item.factor} of the step as well: {fine.explanation}"
-    else:
-        shift = float(abs(fine.first_true_frame - coarse.first_true_frame))
-        status = "pass" if shift <= item.frames else "fail"
-        text = (
-            f"with 1/{item.factor} of the step {beat} comes true at frame {fine.first_true_frame} instead of "
-            f"{coarse.first_true_frame}, {item.frames} frames allowed"
-        )
-    return _row(
-        candidate,
-        name,
-        item,
-        beat,
-        status,
-        text,
-        measured=shift,
-        bound=float(item.frames),
-        comparison="<=",
-        unit="frame",
-        evidence={
-            "factor": item.factor,
-            "frames": [coarse.first_true_frame, fine.first_true_frame],
-            "values": [coarse.value, fine.value],
-        },
-    )
+        return replace(found, text=f"{beat} cannot be compared: {open_one.explanation}")
+    if fine.status == "fail":
+        return replace(found, status="fail", text=f"{beat} does not come true {finer}: {fine.explanation}")
+    if coarse.first_true_frame is None or fine.first_true_frame is None:
+        return replace(found, status="pass", measured=0.0, text=f"{beat} holds {finer} as well: {fine.explanation}")
+    shift = float(abs(fine.first_true_frame - coarse.first_true_frame))
+    text = f"{finer} {beat} comes true at frame {fine.first_true_frame} instead of {coarse.first_true_frame}, {allowed} frames allowed"
+    return replace(found, status="pass" if shift <= allowed else "fail", measured=shift, text=text)
 
 
 # ---------------------------------------------------------------- rows
 
 
-def _hints(item: Perturbed | Refined, subject: str) -> list[Correction]:
+def _hints(item: Perturbed | Refined, subject: str) -> tuple[Correction, ...]:
+    place = f"/entities/{subject}"
     if isinstance(item, Refined):
-        return [
-            correction(
-                "the step decides the outcome: it is too long", "step", "halve the step", pointers=("/simulation/solvers",)
-            ),
-            correction(
-                "the motion hangs on a knife's edge",
-                "placement",
-                f"give {subject} more room, or a firmer push",
-                pointers=(f"/entities/{subject}/pose",),
-            ),
-        ]
-    return [
-        correction(
-            "the outcome hangs on exact placement",
-            "placement",
-            f"aim {subject} at the middle of where it must arrive, or widen what catches or passes it on",
-            pointers=(f"/entities/{subject}/pose",),
-        ),
-        correction(
-            "the push is barely enough",
-            "initial_state",
-            "raise the speed of what hits",
-            pointers=(f"/entities/{subject}/physics",),
-        ),
+        cause, room = "the step decides the outcome: it is too long", f"give {subject} more room, or a firmer push"
+        return (
+            correction(cause, "step", "halve the step", pointers=("/simulation/solvers",)),
+            correction("the motion hangs on a knife's edge", "placement", room, pointers=(f"{place}/pose",)),
+        )
+    aim = f"aim {subject} at the middle of where it must arrive, or widen what catches or passes it on"
+    return (
+        correction("the outcome hangs on exact placement", "placement", aim, pointers=(f"{place}/pose",)),
+        correction("the push is barely enough", "initial_state", "raise the speed of what hits", pointers=(f"{place}/physics",)),
         correction("friction or restitution decides", "material", "choose values that leave more room", pointers=("/materials",)),
-    ]
+    )
 
 
-def _row(
-    candidate: Candidate,
-    name: str,
-    item: Perturbed | Refined,
-    beat: str,
-    status: Status,
-    explanation: str,
-    *,
-    measured: float | None = None,
-    bound: float | None = None,
-    comparison: Literal["<=", ">=", ""] = "",
-    unit: str = "1",
-    evidence: Mapping[str, Any] | None = None,
-) -> Row:
+def _row(candidate: Candidate, name: str, item: Perturbed | Refined, beat: str, found: Finding) -> Row:
     declared = candidate.spec.story.beats[beat]
-    asked = (
+    predicate = (
         f"{beat} comes true in at least {item.min_fraction:g} of {item.samples} perturbed runs"
         if isinstance(item, Perturbed)
         else f"with 1/{item.factor} of the step {beat} comes true within {item.frames} frames of where it did"
     )
-    failed = status == "fail"
-    return make_row(
-        candidate,
-        RowId("robustness", name, beat),
-        predicate=asked,
-        status=status,
-        explanation=explanation,
+    found = replace(
+        found,
+        predicate=predicate,
+        frame=declared.frames[1],
+        hints=_hints(item, declared.subject),
+        evidence={"pointers": [f"/story/robustness/{name}"], **(found.evidence or {})},
         frames=(0, last_needed(candidate.spec, [beat])),
-        measured=measured,
-        bound=bound,
-        comparison=comparison,
-        unit=unit,
-        entities=(declared.subject,),
-        first_failing_entity=declared.subject if failed else None,
-        first_failing_frame=declared.frames[1] if failed else None,
-        corrections=_hints(item, declared.subject),
-        evidence={"pointers": [f"/story/robustness/{name}"], **(evidence or {})},
-        extra=[item.model_dump(mode="json"), declared.model_dump(mode="json")],
     )
+    extra = [item.model_dump(mode="json"), declared.model_dump(mode="json")]
+    return row_of(candidate, ROBUST, (name, beat), found, entities=(declared.subject,), extra=extra)

@@ -16,6 +16,7 @@ A combination was true before when its members were: all of `and`, one of `or`, 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -26,14 +27,17 @@ from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, Count, Separation, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.references import references
-from ...worlds.requirements import RowId
 from ..predicates import Outcome, Truth, beat_times, evaluate
 from ..predicates.combine import substitute
-from ..rows.verdicts import correction, make_row
+from ..rows.answers import row_of
+from ..rows.corrections import correction
+from ..rows.findings import Finding, lacking
 from ..scene.surfaces import surfaces_of
+from .bounds import FLICKER
+from .questions import VACUOUS
 
 if TYPE_CHECKING:
-    from ...worlds.requirements import Correction, Row, Status
+    from ...worlds.requirements import Correction, Row
     from ...worlds.spec import Beat, SpecModel
 
 __all__ = ["EVENTS", "SUMS", "Past", "check_vacuity"]
@@ -47,8 +51,6 @@ SUMS = frozenset({"broken", "torn", "flutters", "liquid_flux_through"})
 """Kinds that an interval as a whole makes true, by what adds up in it."""
 LATCHED = frozenset({"crosses", "liquid_arrives"})
 """Kinds whose truth within a span stays once it came."""
-FLICKER = 1
-"""Own choice: two touches with at most so many frames between them are one; a resting body's log has such gaps."""
 
 
 class Past(NamedTuple):
@@ -106,7 +108,7 @@ class _Past:
         return known[need - 1] if len(known) >= need else None
 
     def _ordered(self, predicate: SpecModel, kind: str, frames: tuple[int, int], reach: tuple[int, int]) -> Past | None:
-        """What counts only before or after another beat was not true on the other side of it."""
+        """The past of a predicate that counts only before or after another beat: truth on the other side of that beat is none."""
         other = beat_times(self.candidate).first(predicate.beat)  # type: ignore[attr-defined]
         if other is None:
             return None
@@ -256,7 +258,7 @@ def _mentioned(beat: Beat) -> list[tuple[str, str, str]]:
 
 
 def _signature(atom: SpecModel) -> tuple[object, ...]:
-    """What an event is, whatever its bounds: kind, entities and place."""
+    """Kind, entities and place of an event, which are the same whatever its bounds."""
     where = [getattr(atom, n, None) for n in ("region", "target", "point", "normal")]
     return (getattr(atom, "kind", ""), frozenset(entities_of(atom)), *where)
 
@@ -274,55 +276,49 @@ def check_vacuity(candidate: Candidate, beat_id: str) -> list[Row]:
     lasting = is_invariant(beat.predicate)
     if lasting and not beat.causes:
         return []
+    looks, past = _Past(candidate, beat_id), None
     try:
-        looks = _Past(candidate, beat_id)
-        past = (
-            looks.from_start()
-            if lasting or beat.frames[0] == 0
-            else looks.of(beat.predicate, beat.frames, (0, beat.frames[0] - 1))
-        )
+        if lasting or beat.frames[0] == 0:
+            past = looks.from_start()
+        else:
+            past = looks.of(beat.predicate, beat.frames, (0, beat.frames[0] - 1))
+        found = _judged(beat_id, beat, past)
     except EvidenceError as error:
-        return [_row(candidate, beat_id, "unverified", str(error), None)]
+        found = lacking(error)
+    then = evaluate(candidate, beat.predicate, (past.first, past.first) if past is not None else (0, 0))
+    found = replace(
+        found,
+        measured=then.value,
+        bound=then.bound,
+        unit=then.unit,
+        predicate=f"not true before its interval begins: {describe_predicate(beat.predicate)}",
+        evidence={"pointers": [f"/story/beats/{beat_id}/predicate"], **(found.evidence or {})},
+        frames=(0, beat.frames[1]),
+    )
+    entities = (beat.subject, *entities_of(beat.predicate))
+    question = replace(VACUOUS, mandatory=beat.mandatory)
+    return [row_of(candidate, question, (beat_id,), found, entities=entities, extra=beat.model_dump(mode="json"))]
+
+
+def _judged(beat_id: str, beat: Beat, past: Past | None) -> Finding:
+    """The finding of a beat that was true before its interval in the way given, or was not."""
+    begin, end = beat.frames
     if past is None:
-        before = f"before frame {beat.frames[0]}" if beat.frames[0] and not lasting else "from frame 0 on"
-        return [_row(candidate, beat_id, "pass", f"not true {before}", None)]
+        return Finding(
+            "pass", f"not true {'from frame 0 on' if is_invariant(beat.predicate) or not begin else f'before frame {begin}'}"
+        )
     if past.first == 0 and not past.event:
         since = f"at every frame up to {past.last}" if past.last else "at frame 0"
         text = f"already true {since}, so nothing needs to happen: {past.told}"
     else:
         when = f"at frame {past.first}" if past.first == past.last else f"at frames {past.first}..{past.last}"
         text = (
-            f"was true {when}, before its interval {beat.frames[0]}..{beat.frames[1]} begins ({past.told}): begin the interval there, "
+            f"was true {when}, before its interval {begin}..{end} begins ({past.told}): begin the interval there, "
             f"or ask for what comes only later"
         )
-    return [_row(candidate, beat_id, "fail", text, past)]
-
-
-def _row(candidate: Candidate, beat_id: str, status: Status, text: str, past: Past | None) -> Row:
-    beat = candidate.spec.story.beats[beat_id]
-    at = 0 if past is None else past.first
-    then = evaluate(candidate, beat.predicate, (at, at))
-    return make_row(
-        candidate,
-        RowId("beat:vacuous", beat_id),
-        predicate=f"not true before its interval begins: {describe_predicate(beat.predicate)}",
-        mandatory=beat.mandatory,
-        status=status,
-        explanation=text,
-        frames=(0, beat.frames[1]),
-        measured=then.value,
-        bound=then.bound,
-        unit=then.unit,
-        entities=(beat.subject, *entities_of(beat.predicate)),
-        first_failing_entity=beat.subject if past is not None else None,
-        first_failing_frame=None if past is None else past.first,
-        corrections=[] if past is None else _hints(beat_id, beat, past),
-        evidence={
-            "pointers": [f"/story/beats/{beat_id}/predicate"],
-            **({} if past is None else {"true_from": past.first, "true_to": past.last}),
-        },
-        extra=beat.model_dump(mode="json"),
-    )
+    evidence = {"true_from": past.first, "true_to": past.last}
+    hints = tuple(_hints(beat_id, beat, past))
+    return Finding("fail", text, entity=beat.subject, frame=past.first, hints=hints, evidence=evidence)
 
 
 def _hints(beat_id: str, beat: Beat, past: Past) -> list[Correction]:

@@ -1,0 +1,21 @@
+"""Bounds of the checks `beat`, `causal` and `robustness`."""
+
+STARTED = 0.05
+"""[1] Own choice: share of the asked angle below which a fall has not begun, so that waiting for it is no help."""
+SETTLING_FRAMES = 2
+"""[frame] Own choice: a closest approach this near to the end of the run counts as still under way."""
+BEHIND = 0.5
+"""[1] Own choice: grains stay behind when at least this share of what is lacking lies higher than what came."""
+MORE = 1.2
+"""[1] Own choice: a suggestion gives so many times the frames or the room that it takes."""
+FLICKER = 1
+"""[frame] Own choice: two touches with at most so many frames between them are one; a resting body's log has such gaps."""
+
+MOVED = 4.0
+"""[1] Own choice: what has come so many times as far as a resting body may creep has left its place."""
+LEAST_CHANGE = 0.05
+"""[1] Own choice: a value that changes by less than this share of what it was with the cause has not changed, whatever margin was
+declared: chaos alone moves numbers by a little."""
+
+CONFIDENCE = 0.95
+"""[1] Own choice: confidence of the interval told beside the share of samples in which a beat comes true."""

@@ -1,0 +1,58 @@
+"""Questions of the checks `beat`, `causal` and `robustness`."""
+
+from __future__ import annotations
+
+from ..rows.questions import Question
+
+__all__ = ["BEAT", "CAUSAL", "DRIVEN", "QUESTIONS", "REQUIREMENT", "ROBUST", "VACUOUS", "WITHOUT"]
+
+BEAT = Question(
+    "beat",
+    "the declared predicate holds over the frames of {0}",
+    "quantity of the predicate",
+    "various",
+    ">=",
+    "field of the predicate",
+    ("beat",),
+)
+VACUOUS = Question("beat:vacuous", "{0} is not true before its interval begins", subject=("beat",))
+DRIVEN = Question("beat:driven", "a solver brings {0} about, and the story owns what starts it", subject=("beat",))
+REQUIREMENT = Question(
+    "requirement",
+    "the declared predicate of {0} holds over its frames",
+    "quantity of the predicate",
+    "various",
+    ">=",
+    "field of the predicate",
+    ("requirement",),
+    matrix_group="physical",
+)
+CAUSAL = Question(
+    "causal",
+    "{0} comes no later than {1}, and an impulse chain leads from its subject to that of {1}",
+    "links of the chain; where one body does both, frames between them; where others push too, the impulse of the chain",
+    "various",
+    ">=",
+    "1 link, 0 frames, or MOMENTUM_SHARE of the impulse of others",
+    ("cause", "effect"),
+)
+WITHOUT = Question(
+    "causal:without",
+    "without {0}, {1} does not come",
+    "quantity of the effect's predicate without the cause; where a margin is declared, the change",
+    "various",
+    "<=",
+    "field of the predicate, which must be missed; the margin of {0}",
+    ("cause", "effect"),
+)
+ROBUST = Question(
+    "robustness",
+    "{1} comes true under {0} as well",
+    "share of the perturbed runs in which it does; with a finer step, frames by which it shifts",
+    "1",
+    ">=",
+    "min_fraction of the item; at most `frames` of it",
+    ("item", "beat"),
+)
+
+QUESTIONS = (BEAT, VACUOUS, DRIVEN, REQUIREMENT, CAUSAL, WITHOUT, ROBUST)

@@ -10,12 +10,13 @@ from .land import questions as land
 from .routes import questions as routes
 from .rows.questions import Question
 from .scene import questions as scene
+from .shots import questions as shots
 from .story import questions as story
 from .support import questions as support
 
 __all__ = ["QUESTIONS", "TABLES"]
 
-TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story)
+TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story, shots)
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 
 QUESTIONS: Mapping[str, Question] = MappingProxyType({q.id: q for table in TABLES for q in table.QUESTIONS})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...verifiers.shots.rows import MOMENT
+from ...verifiers.shots.bounds import MOMENT
 from ...worlds.spec import Box
 from ._shot_worlds import RNG, Rig
 from .cases import Mechanism, World

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...verifiers.shots.camera_path import NEAR_PLANE
-from ...verifiers.shots.check import SCREEN_STEP
-from ...verifiers.shots.rows import MOMENT
+from ...verifiers.shots.bounds import MOMENT, NEAR_PLANE, SCREEN_STEP
 from ...worlds.spec import Box, Cylinder, Limits, Part, Pose, Sphere
 from ._shot_moments import MOMENTS
 from ._shot_worlds import ASPECT, RNG, Rig

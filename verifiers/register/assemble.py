@@ -9,7 +9,7 @@ from ...worlds.spec import Fastened, WorldSpec
 from ..categories.registry import JUDGES
 from ..land.ground_stems import plant_lines
 from ..scene.initial_state import start_lines
-from ..shots.rows import unseen_text
+from ..shots.plan import unseen_text
 from ..support.held import afloat_lines
 from ..support.joined import anchor_lines
 from .apart import apart_lines

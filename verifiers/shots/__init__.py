@@ -1,1 +1,1 @@
-"""What cameras see."""
+"""Check of the shot plan: where cameras are and what they see."""

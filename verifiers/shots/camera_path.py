@@ -10,23 +10,21 @@ import numpy as np
 
 from ...geometry import Camera, contains, distance_to_surface
 from ...worlds.arrays import F64, rotation_matrix
-from ...worlds.requirements import RowId
 from ..categories.registry import judge_of
-from ..rows.verdicts import correction
+from ..rows.corrections import correction
+from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
-from .rows import SCREEN_STEP, shot_row, subjects_of
+from .bounds import NEAR_PLANE, SCREEN_STEP
+from .plan import subjects_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row, Status
     from ...worlds.spec import Shot
     from ..scene.shapes import PartSurface
     from .sight import Sight
 
-__all__ = ["NEAR_PLANE", "inside", "moves"]
+__all__ = ["inside", "moves"]
 
-NEAR_PLANE = 1e-3
-"""[m] What is nearer than this plane the renderer cuts off (`near_clip` in `rendering/tracer/scene.py`)."""
 LEVER = 0.02
 """Own choice: turning and zooming are measured this far from the aim, as a share of the picture's width."""
 
@@ -39,8 +37,9 @@ class _Bad(NamedTuple):
     text: str
 
 
-def _cameras(candidate: Candidate, sight: Sight, shot: Shot, shot_id: str, last: int) -> list[tuple[int, Camera]]:
+def _cameras(sight: Sight, shot_id: str, shot: Shot, last: int) -> list[tuple[int, Camera]]:
     """The shot's cameras up to a frame, after the last one of the shot that it continues."""
+    candidate = sight.candidate
     cameras = [(f, sight.camera(shot_id, f)) for f in range(shot.frames[0], last + 1)]
     if shot.transition == "continue":
         before = [n for n, s in candidate.spec.shots.items() if s.frames[1] == shot.frames[0] - 1]
@@ -49,37 +48,23 @@ def _cameras(candidate: Candidate, sight: Sight, shot: Shot, shot_id: str, last:
     return cameras
 
 
-def inside(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
+def inside(sight: Sight, shot_id: str, shot: Shot) -> Finding:
     """Whether the camera stays out of every body, at and between all frames, as seen from that body."""
-    last = min(shot.frames[1], candidate.last_frame)
-    row_id = RowId("shots:inside", shot_id)
-    if last >= shot.frames[0]:
-        cameras = _cameras(candidate, sight, shot, shot_id, last)
+    candidate, frames = sight.candidate, shot.frames
+    last = min(frames[1], candidate.last_frame)
+    if last >= frames[0]:
+        cameras = _cameras(sight, shot_id, shot, last)
         found = [bad for part in surfaces_of(candidate).parts if (bad := _meets(candidate, part, cameras)) is not None]
         if found:
             bad = min(found)
-            return shot_row(
-                candidate,
-                row_id,
-                "fail",
-                f"the camera of shot {shot_id} {bad.text} at frame {bad.frame}",
-                frames=shot.frames,
-                entities=(bad.entity,),
-                first_failing_entity=bad.entity,
-                first_failing_frame=bad.frame,
-                corrections=[
-                    correction(
-                        "the camera is in a body", "shots", f"move it out of {bad.entity}", pointers=(f"/shots/{shot_id}/keys",)
-                    )
-                ],
-                evidence={"position": sight.camera(shot_id, max(bad.frame, shot.frames[0])).position},
-            )
-    if last < shot.frames[1]:
-        text = f"outside all solids up to frame {last}; frames up to {shot.frames[1]} are not simulated"
-        return shot_row(candidate, row_id, "unverified", text, frames=shot.frames)
-    return shot_row(
-        candidate, row_id, "pass", f"outside all solids at and between frames {shot.frames[0]}..{last}", frames=shot.frames
-    )
+            text, out = f"the camera of shot {shot_id} {bad.text} at frame {bad.frame}", f"move it out of {bad.entity}"
+            hint = correction("the camera is in a body", "shots", out, pointers=(f"/shots/{shot_id}/keys",))
+            evidence = {"position": sight.camera(shot_id, max(bad.frame, frames[0])).position}
+            return Finding("fail", text, entity=bad.entity, frame=bad.frame, hints=(hint,), evidence=evidence, frames=frames)
+    if last < frames[1]:
+        text = f"outside all solids up to frame {last}; frames up to {frames[1]} are not simulated"
+        return Finding("unverified", text, frames=frames)
+    return Finding("pass", f"outside all solids at and between frames {frames[0]}..{last}", frames=frames)
 
 
 def _meets(candidate: Candidate, part: PartSurface, cameras: list[tuple[int, Camera]]) -> _Bad | None:
@@ -163,43 +148,37 @@ def _steps(frame: int, one: Camera, two: Camera) -> list[_Step]:
     return [*steps, _Step(float(turned) / arm / 2.0, "the picture's sides turn or zoom by", frame)]
 
 
-def moves(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
+def moves(sight: Sight, shot_id: str, shot: Shot) -> Finding:
     """Whether the picture, and the subjects on it, move slowly enough to be followed."""
-    row_id = RowId("shots:motion", shot_id)
-    last = shot.frames[1] if shot.follow is None else min(shot.frames[1], candidate.last_frame)
-    if last < shot.frames[0]:
-        return shot_row(candidate, row_id, "unverified", f"{shot.follow} is not simulated in its frames", frames=shot.frames)
-    cameras = _cameras(candidate, sight, shot, shot_id, last)
+    candidate, frames = sight.candidate, shot.frames
+    last = frames[1] if shot.follow is None else min(frames[1], candidate.last_frame)
+    if last < frames[0]:
+        return Finding("unverified", f"{shot.follow} is not simulated in its frames", frames=frames)
+    cameras = _cameras(sight, shot_id, shot, last)
     steps = [step for (_, one), (frame, two) in pairwise(cameras) for step in _steps(frame, one, two)]
     everything = [*steps, *_subject_steps(candidate, cameras, shot)]
-    worst = max(everything, key=lambda s: s.share, default=_Step(0.0, "the camera stands still:", shot.frames[0]))
+    worst = max(everything, key=lambda s: s.share, default=_Step(0.0, "the camera stands still:", frames[0]))
     at = min((s.frame for s in everything if s.share > SCREEN_STEP), default=None)
     what = "the camera stands still:" if worst.share == 0.0 else worst.what
     text = f"{what} at most {worst.share:.3f} per frame" + (f", too much first at frame {at}" if at is not None else "")
-    complete = last == shot.frames[1]
-    status: Status = "fail" if at is not None else "pass" if complete else "unverified"
-    return shot_row(
-        candidate,
-        row_id,
-        status,
+    complete = last == frames[1]
+    hint = correction(
+        "the camera jumps, or what it shows crosses the picture too fast",
+        "shots",
+        f"spread the keys of shot {shot_id} over more frames, cut into two shots, or show it from farther away",
+        pointers=(f"/shots/{shot_id}/keys", f"/shots/{shot_id}/transition"),
+        patch=_steady(shot_id, shot, candidate.aimed(shot)),
+    )
+    return Finding(
+        "fail" if at is not None else "pass" if complete else "unverified",
         text if complete else f"{text}; only up to frame {last}",
-        frames=shot.frames,
-        measured=worst.share,
-        bound=SCREEN_STEP,
-        comparison="<=",
-        unit="1",
-        entities=subjects_of(candidate, shot),
-        first_failing_entity=worst.entity if at is not None else None,
-        first_failing_frame=at,
-        corrections=[
-            correction(
-                "the camera jumps, or what it shows crosses the picture too fast",
-                "shots",
-                f"spread the keys of shot {shot_id} over more frames, cut into two shots, or show it from farther away",
-                pointers=(f"/shots/{shot_id}/keys", f"/shots/{shot_id}/transition"),
-                patch=_steady(shot_id, shot, candidate.aimed(shot)),
-            )
-        ],
+        worst.share,
+        SCREEN_STEP,
+        entity=worst.entity if at is not None else None,
+        frame=at,
+        hints=(hint,),
+        entities=tuple(subjects_of(candidate, shot)),
+        frames=frames,
     )
 
 

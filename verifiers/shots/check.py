@@ -15,63 +15,50 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+from typing import TYPE_CHECKING
 
-from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, RowId
 from ..predicates import beat_times
-from ..rows.verdicts import correction
+from ..rows.corrections import correction
+from ..rows.findings import Finding
 from .camera_path import inside, moves
-from .rows import SCREEN_STEP, outcome_frames, shot_row, unseen_text
+from .plan import outcome_frames, shot_row, unseen_text
+from .questions import COVER, FRAMED, INSIDE, MOTION, OBSERVED, TILING, VISIBLE
 from .sight import Sight
 from .views import framed, visible
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ...worlds.spec import Beat, Shot
 
-__all__ = ["SCREEN_STEP", "check"]
+__all__ = ["check"]
 
 
 def check(candidate: Candidate) -> list[Row]:
     """Rows of the whole plan, of every observed beat and of every shot."""
-    rows = [_tiling(candidate)]
+    sight = cache(partial(Sight, candidate))
+
+    def seen(judge: Callable[..., Finding], name: str, judged: Beat | Shot) -> Callable[[], Finding]:
+        return lambda: judge(sight(), name, judged)
+
     observed = {n: b for n, b in candidate.spec.story.beats.items() if b.observe}
-    rows += _unobserved(candidate)
-    rows += [_cover(candidate, n, b) for n, b in observed.items()]
-    try:
-        sight: Sight | EvidenceError = Sight(candidate)
-    except EvidenceError as error:
-        sight = error
+    rows = [shot_row(candidate, TILING, (), _tiling(candidate), planned=True), *_unobserved(candidate)]
     for name, beat in observed.items():
-        rows.append(
-            _guard(
-                candidate,
-                RowId("shots:visible", name),
-                sight,
-                lambda s, n=name, b=beat: visible(candidate, s, n, b),
-                beat.mandatory,
-            )
-        )
+        question = replace(COVER, mandatory=beat.mandatory)
+        rows.append(shot_row(candidate, question, (name,), _cover(candidate, name, beat), planned=True))
+    for name, beat in observed.items():
+        question = replace(VISIBLE, mandatory=beat.mandatory)
+        rows.append(shot_row(candidate, question, (name,), seen(visible, name, beat)))
     for name, shot in candidate.spec.shots.items():
-        for what, function in (("framed", framed), ("inside", inside), ("motion", moves)):
-            row_id = RowId(f"shots:{what}", name)
-            rows += [_guard(candidate, row_id, sight, lambda s, f=function, n=name, p=shot: f(candidate, s, n, p))]
+        for question, judge in ((FRAMED, framed), (INSIDE, inside), (MOTION, moves)):
+            rows.append(shot_row(candidate, question, (name,), seen(judge, name, shot)))
     return rows
 
 
-def _guard(candidate: Candidate, row_id: RowId, sight: Sight | EvidenceError, make: Any, mandatory: bool = True) -> Row:
-    try:
-        if isinstance(sight, EvidenceError):
-            raise sight
-        made: Row = make(sight)
-    except EvidenceError as error:
-        return shot_row(candidate, row_id, "unverified", str(error), mandatory=mandatory)
-    return made
-
-
-def _tiling(candidate: Candidate) -> Row:
+def _tiling(candidate: Candidate) -> Finding:
     last = candidate.spec.simulation.frames - 1
     order = sorted(candidate.spec.shots.items(), key=lambda s: (s[1].frames, s[0]))
     expected, wrong = 0, []
@@ -94,18 +81,13 @@ def _tiling(candidate: Candidate) -> Row:
         name, shot = max(order, key=lambda s: s[1].frames[1])
         wrong.append((last + 1, f"shot {name} runs to frame {shot.frames[1]}, the simulation ends at {last}"))
         hints.append(_set_frames(name, (min(shot.frames[0], last), last), f"end shot {name} at frame {last}"))
-    return shot_row(
-        candidate,
-        RowId("shots:tiling"),
+    return Finding(
         "fail" if wrong else "pass",
         "; ".join(w[1] for w in wrong) or f"{len(order)} shots cover frames 0..{last}",
-        measured=float(len(wrong)),
-        bound=0.0,
-        comparison="<=",
-        unit="faults",
-        first_failing_frame=min(w[0] for w in wrong) if wrong else None,
-        corrections=hints,
-        artifact="world.json",
+        float(len(wrong)),
+        0.0,
+        frame=min(w[0] for w in wrong) if wrong else None,
+        hints=tuple(hints),
         evidence={"shots": {n: list(s.frames) for n, s in order}},
     )
 
@@ -120,7 +102,7 @@ def _overlap(shot: Shot, frames: tuple[int, int]) -> int:
     return max(0, min(shot.frames[1], frames[1]) - max(shot.frames[0], frames[0]) + 1)
 
 
-def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Row:
+def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Finding:
     shots = candidate.spec.shots
     named = [n for n, s in shots.items() if beat_id in s.covers]
     own, frames = outcome_frames(candidate, beat_id), beat.frames
@@ -137,27 +119,17 @@ def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Row:
         text = f"shots {', '.join(named)} name {beat_id} in covers but run at other frames than {frames[0]}..{frames[1]}"
         text += "" if first is None else f": {beat_id} comes true at frame {first}"
     pointer = f"/shots/{best}/frames" if best else "/shots"
-    return shot_row(
-        candidate,
-        RowId("shots:cover", beat_id),
+    action = f"let a shot run over frames {list(frames)}"
+    return Finding(
         "pass" if shown else "fail",
         text,
-        frames=frames,
-        measured=float(shown),
-        bound=1.0,
-        comparison=">=",
-        unit="frames",
-        entities=(beat.subject,),
-        first_failing_entity=None if shown else beat.subject,
-        first_failing_frame=None if shown else beat.frames[0] if first is None else first,
-        mandatory=beat.mandatory,
-        corrections=[
-            correction(
-                "no camera runs while it happens", "shots", f"let a shot run over frames {list(frames)}", pointers=(pointer,)
-            )
-        ],
-        artifact="world.json",
+        float(shown),
+        1.0,
+        entity=beat.subject,
+        frame=beat.frames[0] if first is None else first,
+        hints=(correction("no camera runs while it happens", "shots", action, pointers=(pointer,)),),
         evidence={"named_by": named, "overlap": able},
+        frames=frames,
     )
 
 
@@ -168,35 +140,23 @@ def _unobserved(candidate: Candidate) -> list[Row]:
     if not unseen:
         return []
     told = "; ".join(unseen_text(n, b) for n, b in unseen.items())
-    first = next(iter(unseen))
+    first, count = next(iter(unseen)), len(mandatory) - len(unseen)
     place = f"/story/beats/{first}/observe"
-    alone = len(unseen) == len(mandatory)
-    return [
-        shot_row(
-            candidate,
-            RowId("shots:observed", "story"),
-            "fail" if alone else "pass",
-            f"{len(mandatory) - len(unseen)} of {len(mandatory)} mandatory beats are observed; {told}",
-            measured=float(len(mandatory) - len(unseen)),
-            bound=1.0,
-            comparison=">=",
-            unit="beats",
-            entities=[b.subject for b in unseen.values()],
-            first_failing_entity=unseen[first].subject if alone else None,
-            first_failing_frame=unseen[first].frames[0] if alone else None,
-            mandatory=candidate.stage == "full",
-            corrections=[
-                correction(
-                    "no camera is asked to see anything that must happen",
-                    "story",
-                    f"observe {first}, in a shot that covers it",
-                    pointers=(place, "/shots"),
-                    patch=({"op": "remove", "path": place},),
-                )
-            ]
-            if alone
-            else (),
-            artifact="world.json",
-            evidence={"unobserved": list(unseen), "pointers": [f"/story/beats/{n}/observe" for n in unseen]},
-        )
-    ]
+    hint = correction(
+        "no camera is asked to see anything that must happen",
+        "story",
+        f"observe {first}, in a shot that covers it",
+        pointers=(place, "/shots"),
+        patch=({"op": "remove", "path": place},),
+    )
+    found = Finding(
+        "pass" if count else "fail",
+        f"{count} of {len(mandatory)} mandatory beats are observed; {told}",
+        float(count),
+        1.0,
+        frame=unseen[first].frames[0],
+        hints=(hint,),
+        evidence={"unobserved": list(unseen), "pointers": [f"/story/beats/{n}/observe" for n in unseen]},
+        entities=tuple(b.subject for b in unseen.values()),
+    )
+    return [shot_row(candidate, replace(OBSERVED, mandatory=candidate.stage == "full"), ("story",), found, planned=True)]

@@ -8,37 +8,33 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.candidate import Candidate
 from ...worlds.spec import CameraKey
-from ..rows.verdicts import correction
+from ..rows.corrections import correction, set_value
+from .bounds import FILL
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from .sight import Seen, Sight
 
-__all__ = ["FILL", "reframe"]
+__all__ = ["reframe"]
 
-FILL = 0.15
-"""Share of the picture's height that a subject fills in a suggested view."""
 TURNS = (0, 30, -30, 60, -60, 90, -90, 135, -135, 180)
 """[degrees] from the present direction at which a clear view is looked for."""
 LIFTS = (0.0, 25.0, 55.0)
 """[degrees] above it."""
 
 
-def reframe(
-    candidate: Candidate, sight: Sight, subject: str, seen: Seen, frames: tuple[int, int], leaves: bool
-) -> list[Correction]:
+def reframe(sight: Sight, subject: str, seen: Seen, frames: tuple[int, int], *, leaves: bool = False) -> list[Correction]:
     """Ranked edits of the shot plan that show the subject, the nearest clear view computed and tried.
 
     Args:
-        candidate: what is judged.
-        sight: its pictures.
+        sight: pictures of the candidate.
         subject: entity to show.
         seen: how it appears now.
         frames: when it should be seen; the suggestion is made for the middle.
         leaves: whether it is in view only part of the time.
     """
+    candidate = sight.candidate
     shot = candidate.aimed(candidate.spec.shots[seen.shot])
     hints = []
     if leaves and shot.follow is None:
@@ -49,12 +45,12 @@ def reframe(
                 "shots",
                 f"let shot {seen.shot} follow {subject}, or widen it",
                 pointers=(pointer,),
-                patch=({"op": "add", "path": pointer, "value": subject},),
+                patch=set_value(pointer, subject),
             )
         )
     middle = min((frames[0] + frames[1]) // 2, candidate.last_frame)
     key_id = min(shot.keys, key=lambda k: abs(shot.keys[k].frame - middle))
-    key = _better(candidate, sight, subject, shot.keys[key_id], middle)
+    key = _better(sight, subject, shot.keys[key_id], middle)
     if key is not None and shot.follow is not None:
         moved = sight.offset(shot, middle)
         aim = np.array(key.target, dtype=np.float64) - moved
@@ -76,9 +72,9 @@ def reframe(
     return [correction(cause, "shots", action, pointers=(pointer,), patch=patch), *hints]
 
 
-def _better(candidate: Candidate, sight: Sight, subject: str, old: CameraKey, frame: int) -> CameraKey | None:
+def _better(sight: Sight, subject: str, old: CameraKey, frame: int) -> CameraKey | None:
     """A key that sees the subject at `frame`: the present direction if it is clear, else the nearest that is."""
-    limits = candidate.spec.simulation.limits
+    candidate, limits = sight.candidate, sight.candidate.spec.simulation.limits
     center = candidate.center(subject, frame)
     radius = float(np.linalg.norm(candidate.vertices(subject, frame) - center, axis=1).max())
     distance = radius / (FILL * math.tan(math.radians(old.fov_deg) / 2))

@@ -1,26 +1,27 @@
-"""What shots must show: the subjects of beats while these happen, and the subjects of shots (R98, S9, S10)."""
+"""Subjects in view: those of beats while these happen, and those of shots (R98, S9, S10)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...worlds.predicates.registry import is_invariant
-from ...worlds.requirements import RowId
 from ..categories.registry import judge_of
 from ..predicates import beat_times
-from ..rows.verdicts import correction
+from ..rows.corrections import correction
+from ..rows.findings import Finding
+from .bounds import MOMENT
+from .plan import outcome_frames, shots_at, subjects_of
 from .reframing import reframe
-from .rows import MOMENT, outcome_frames, shot_row, shots_at, subjects_of
 
 if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Correction, Row
+    from ...worlds.requirements import Correction
     from ...worlds.spec import Beat, Shot
     from .sight import Seen, Sight
 
-__all__ = ["MOMENT", "framed", "visible"]
+__all__ = ["framed", "visible"]
 
 SAMPLES = 48
 """Own choice: frames of a beat that are looked at, all of them in a shorter one; its first true frame among them."""
@@ -53,8 +54,9 @@ def _samples(frames: tuple[int, int], count: int, extra: int | None = None) -> l
     return sorted(picked)
 
 
-def _look(candidate: Candidate, sight: Sight, beat_id: str, subject: str, frames: list[int]) -> _Looks:
+def _look(sight: Sight, beat_id: str, subject: str, frames: list[int]) -> _Looks:
     """The subject at some frames, in the shots that name the beat or, where none of them runs, in any."""
+    candidate = sight.candidate
     named = [n for n, s in candidate.spec.shots.items() if beat_id in s.covers]
     seen: list[Seen] = []
     blind = []
@@ -67,99 +69,93 @@ def _look(candidate: Candidate, sight: Sight, beat_id: str, subject: str, frames
     return _Looks(frames, seen, blind)
 
 
-def _looks(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: int | None) -> _Looks:
-    limits = candidate.spec.simulation.limits
-    found = _look(candidate, sight, beat_id, beat.subject, _samples(beat.frames, SAMPLES, first))
+def _looks(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> _Looks:
+    limits = sight.candidate.spec.simulation.limits
+    found = _look(sight, beat_id, beat.subject, _samples(beat.frames, SAMPLES, first))
     good = found.good(limits.visible_pixels)
     share = len(good) / len(found.frames)
     open_verdict = not any(s.unoccluded >= limits.visible_share for s in good) or abs(share - limits.beat_seen_frames) <= DOUBT
     if open_verdict and len(found.frames) < beat.frames[1] - beat.frames[0] + 1:
-        found = _look(candidate, sight, beat_id, beat.subject, _samples(beat.frames, MOST_SAMPLES, first))
+        found = _look(sight, beat_id, beat.subject, _samples(beat.frames, MOST_SAMPLES, first))
     return found
 
 
-def _moment(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat, first: int | None) -> tuple[float, Seen | None]:
-    """How much of the subject is unoccluded at best around the frame where the beat comes true, and that look.
+def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> float:
+    """Largest unoccluded share of the subject around the frame where the beat comes true.
 
     1 where there is no such moment: the beat never comes true, or is a state that lasts, which is looked at as a whole.
     """
+    candidate = sight.candidate
     own = outcome_frames(candidate, beat_id)
     if first is None or own is None or is_invariant(beat.predicate):
-        return 1.0, None
+        return 1.0
     limits = candidate.spec.simulation.limits
     # Nearest frames first: the first that shows it decides.
     nearest = sorted(_samples(own, SAMPLES, first), key=lambda f: abs(f - first))
-    best: Seen | None = None
+    best = 0.0
     for frame in nearest:
-        for look in _look(candidate, sight, beat_id, beat.subject, [frame]).seen:
-            if look.share >= limits.visible_pixels and (best is None or look.unoccluded > best.unoccluded):
-                best = look
-        if best is not None and best.unoccluded >= limits.visible_share:
+        for look in _look(sight, beat_id, beat.subject, [frame]).seen:
+            if look.share >= limits.visible_pixels:
+                best = max(best, look.unoccluded)
+        if best >= limits.visible_share:
             break
-    return (0.0, None) if best is None else (best.unoccluded, best)
+    return best
 
 
-def visible(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat) -> Row:
+def visible(sight: Sight, beat_id: str, beat: Beat) -> Finding:
     """Whether a beat's subject is seen while it happens."""
-    limits, subject = candidate.spec.simulation.limits, beat.subject
-    common: dict[str, Any] = {"mandatory": beat.mandatory, "frames": beat.frames, "entities": (subject,)}
-    row_id = RowId("shots:visible", beat_id)
+    candidate, subject, frames = sight.candidate, beat.subject, beat.frames
+    open_found = Finding("unverified", "", entities=(subject,), frames=frames)
     if candidate.stage == "static":
         start = [sight.seen(subject, s, 0) for s in shots_at(candidate, 0)]
-        text = "not simulated yet; " + (_appearance(subject, start[0]) if start else "no shot shows frame 0")
-        return shot_row(candidate, row_id, "unverified", text, **common)
-    if beat.frames[1] > candidate.last_frame:
-        text = f"frames {beat.frames[0]}..{beat.frames[1]} are needed, the {candidate.stage} ends at frame {candidate.last_frame}"
-        return shot_row(candidate, row_id, "unverified", text, **common)
+        return replace(
+            open_found, text="not simulated yet; " + (_appearance(subject, start[0]) if start else "no shot shows frame 0")
+        )
+    if frames[1] > candidate.last_frame:
+        text = f"frames {frames[0]}..{frames[1]} are needed, the {candidate.stage} ends at frame {candidate.last_frame}"
+        return replace(open_found, text=text)
     first = beat_times(candidate).first(beat_id)
-    looks = _looks(candidate, sight, beat_id, beat, first)
+    looks = _looks(sight, beat_id, beat, first)
     if not looks.seen:
         text = f"no shot runs at any of frames {looks.frames[0]}..{looks.frames[-1]}"
-        failed_at = {"first_failing_entity": subject, "first_failing_frame": looks.frames[0]}
-        return shot_row(candidate, row_id, "fail", text, **common, **failed_at)
+        return replace(open_found, status="fail", text=text, frame=looks.frames[0])
+    return _judged(sight, beat, looks, first, _moment(sight, beat_id, beat, first))
+
+
+def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: float) -> Finding:
+    """The finding about a beat's subject.
+
+    Args:
+        sight: pictures of the candidate.
+        beat: the beat.
+        looks: its subject at the sampled frames.
+        first: frame at which the beat comes true.
+        shown: largest unoccluded share of the subject around that frame.
+    """
+    limits, subject = sight.candidate.spec.simulation.limits, beat.subject
     best = max(looks.seen, key=lambda s: min(s.share / limits.visible_pixels, s.unoccluded / limits.visible_share))
     good = looks.good(limits.visible_pixels)
     seen_share = len(good) / len(looks.frames)
-    shown, _ = _moment(candidate, sight, beat_id, beat, first)
     tests = [
         (best.share, limits.visible_pixels),
         (best.unoccluded, limits.visible_share),
         (seen_share, limits.beat_seen_frames),
         (shown, limits.visible_share),
     ]
-    failed = next(((v, b) for v, b in tests if v < b), None)
-    measured, bound = failed or tests[1]
+    missed = [k for k, (value, bound) in enumerate(tests) if value < bound]
+    measured, bound = tests[missed[0] if missed else 1]
     text = f"{_appearance(subject, best)}; in view at {len(good)} of {len(looks.frames)} sampled frames"
     if shown < limits.visible_share:
         text += f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded"
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
-    if failed is not None and failed == tests[3] and first is not None:
-        bad_frames = [first]
-    if failed is not None and judge_of(candidate.spec, subject).grainy:
-        nearer = correction(
-            "particles are too small or too few to be seen from there",
-            "shots",
-            "bring the camera nearer, or show the beat when there are more of them",
-            pointers=("/shots",),
-        )
-        hints = [nearer]
-    else:
-        hints = (
-            [] if failed is None else reframe(candidate, sight, subject, best, beat.frames, seen_share < limits.beat_seen_frames)
-        )
-    return shot_row(
-        candidate,
-        row_id,
-        "pass" if failed is None else "fail",
+    return Finding(
+        "fail" if missed else "pass",
         text,
-        **common,
-        measured=measured,
-        bound=bound,
-        comparison=">=",
-        unit="1",
-        first_failing_entity=None if failed is None else subject,
-        first_failing_frame=None if failed is None else (bad_frames or [best.frame])[0],
-        corrections=hints,
+        measured,
+        bound,
+        entity=subject,
+        frame=first if missed[:1] == [3] else (bad_frames or [best.frame])[0],
+        hints=_nearer(sight, beat, best, leaves=seen_share < limits.beat_seen_frames) if missed else (),
         evidence={
             "best_frame": best.frame,
             "best_share": best.share,
@@ -169,7 +165,17 @@ def visible(candidate: Candidate, sight: Sight, beat_id: str, beat: Beat) -> Row
             "samples": [[s.frame, s.shot, s.share, s.unoccluded, s.hidden_by] for s in looks.seen[:SAMPLES]],
             "pixels": [sight.width, sight.height],
         },
+        frames=beat.frames,
     )
+
+
+def _nearer(sight: Sight, beat: Beat, best: Seen, *, leaves: bool) -> tuple[Correction, ...]:
+    """Corrections that show a beat's subject."""
+    if not judge_of(sight.candidate.spec, beat.subject).grainy:
+        return tuple(reframe(sight, beat.subject, best, beat.frames, leaves=leaves))
+    cause = "particles are too small or too few to be seen from there"
+    action = "bring the camera nearer, or show the beat when there are more of them"
+    return (correction(cause, "shots", action, pointers=("/shots",)),)
 
 
 def _appearance(subject: str, seen: Seen) -> str:
@@ -180,16 +186,15 @@ def _appearance(subject: str, seen: Seen) -> str:
     return f"{subject} fills {seen.share:.4%} of {where}, {seen.unoccluded:.0%} of it unoccluded{behind}"
 
 
-def framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
+def framed(sight: Sight, shot_id: str, shot: Shot) -> Finding:
     """Whether the subjects of a shot are in it at some frame, and what it follows at enough frames."""
-    row_id = RowId("shots:framed", shot_id)
+    candidate, limits = sight.candidate, sight.candidate.spec.simulation.limits
     names = list(dict.fromkeys([*subjects_of(candidate, shot), *([shot.follow] if shot.follow else [])]))
     if not names:
-        return shot_row(candidate, row_id, "not_applicable", f"shot {shot_id} names no subject and no beat", frames=shot.frames)
+        return Finding("not_applicable", f"shot {shot_id} names no subject and no beat", frames=shot.frames)
     if shot.frames[1] > candidate.last_frame:
         text = f"the shot runs to frame {shot.frames[1]}, the {candidate.stage} holds frames 0..{candidate.last_frame}"
-        return shot_row(candidate, row_id, "unverified", text, frames=shot.frames, entities=names)
-    limits = candidate.spec.simulation.limits
+        return Finding("unverified", text, entities=tuple(names), frames=shot.frames)
     # The beats' own frames are judged by `shots:visible`; here it is enough to be in the shot at all.
     frames = _samples(shot.frames, SHOT_SAMPLES)
     looks = {n: [sight.seen(n, shot_id, f) for f in sorted({*frames, *_central(sight, n, shot_id, shot)})] for n in names}
@@ -203,21 +208,17 @@ def framed(candidate: Candidate, sight: Sight, shot_id: str, shot: Shot) -> Row:
         if share < limits.beat_seen_frames:
             lost, measured, bound = [shot.follow], share, limits.beat_seen_frames
             text = f"{shot.follow}, which the shot follows, is in the picture at {share:.0%} of its frames"
-    return shot_row(
-        candidate,
-        row_id,
+    return Finding(
         "fail" if lost else "pass",
         text,
-        frames=shot.frames,
-        measured=measured,
-        bound=bound,
-        comparison=">=",
-        unit="1",
-        entities=names,
-        first_failing_entity=lost[0] if lost else None,
-        first_failing_frame=frames[0] if lost else None,
-        corrections=_reframed(candidate, sight, lost[0], best[lost[0]], shot, alone=len(names) <= 2) if lost else (),
+        measured,
+        bound,
+        entity=lost[0] if lost else None,
+        frame=frames[0],
+        hints=_reframed(sight, lost[0], best[lost[0]], shot, alone=len(names) <= 2) if lost else (),
         evidence={"best": {n: [s.frame, s.share, s.unoccluded] for n, s in best.items()}, "frames": frames},
+        entities=tuple(names),
+        frames=shot.frames,
     )
 
 
@@ -236,10 +237,10 @@ def _central(sight: Sight, name: str, shot_id: str, shot: Shot) -> list[int]:
     return [frame for _, frame in sorted(away)[:NEAREST]]
 
 
-def _reframed(candidate: Candidate, sight: Sight, name: str, look: Seen, shot: Shot, *, alone: bool) -> list[Correction]:
+def _reframed(sight: Sight, name: str, look: Seen, shot: Shot, *, alone: bool) -> tuple[Correction, ...]:
     """Views of one subject; as ready edits only where they do not take the camera from several others."""
-    found = reframe(candidate, sight, name, look, shot.frames, False)
+    found = reframe(sight, name, look, shot.frames)
     if alone:
-        return list(found)
+        return tuple(found)
     text = f"the shot has other subjects too: turn or widen it so that {name} passes through the picture, or leave it to another shot"
-    return [c.model_copy(update={"patch": (), "action": f"{text} (alone: {c.action})"}) for c in found]
+    return tuple(c.model_copy(update={"patch": (), "action": f"{text} (alone: {c.action})"}) for c in found)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from ...worlds.drivers import acts_from
 from ...worlds.predicates import Contact
-from ..categories.cloth.links import sheet_of
-from .chains import begins, not_still
+from ..categories.registry import judge_of, logged
+from .chains import begins
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -48,7 +48,7 @@ def onset_of(candidate: Candidate, beat_id: str, first: int) -> Onset:
         return Onset(sources, time, time * plan.fps, first, f"driver {beat.owner} acts at {time:.3f} s")
     onset = first - 1
     if beat.predicate.kind not in INSTANTS:
-        active = not_still(candidate, beat.subject)
+        active = judge_of(candidate.spec, beat.subject).moving(candidate, beat.subject)
         while onset > max(0, beat.frames[0] - 1) and active[onset]:
             onset -= 1
     # Interval frame k covers ((k-1)/fps, k/fps]: its contacts may have begun a frame earlier than k.
@@ -60,11 +60,11 @@ def onset_of(candidate: Candidate, beat_id: str, first: int) -> Onset:
 
 
 def contact_time(candidate: Candidate, beat: Beat, first: int | None) -> float | None:
-    """Event time of a beat that is a contact and came true with its first touch [s]; None for any other, and for cloth."""
+    """Event time of a beat that is a contact and came true with its first touch [s]; None for any other, and where no log tells its moment."""
     if first is None or not isinstance(beat.predicate, Contact):
         return None
     a, b = beat.predicate.a, beat.predicate.b
-    if sheet_of(candidate.spec, a, b) is not None:
+    if not logged(candidate.spec, a, b):
         return None
     time = begins(candidate, a, b, (beat.frames[0], first))
     return time if time is not None and time >= (first - 1) / candidate.spec.simulation.fps else None

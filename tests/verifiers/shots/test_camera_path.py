@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, MATERIALS, ball, box, entity, ground, make_candidate, world
-from worldagent.verifiers.shots.check import SCREEN_STEP, check
+from worldagent.verifiers.shots.bounds import SCREEN_STEP
+from worldagent.verifiers.shots.check import check
 from worldagent.verifiers.shots.sight import Sight
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Displacement

@@ -1,55 +1,57 @@
-"""What the modules of the shot checks share: their claims and how their rows are written."""
+"""The shot plan as all its judges read it: shots at a frame, subjects of a shot, frames of a beat's outcome, and their rows."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...worlds.predicates import atoms_of, describe_predicate
 from ...worlds.predicates.registry import is_invariant
 from ..predicates import beat_times
-from ..rows.verdicts import make_row
+from ..rows.answers import row_of
+from ..rows.findings import Finding, judged
+from .bounds import MOMENT
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row, RowId, Status
+    from ...worlds.requirements import Row
     from ...worlds.spec import Beat, Shot
+    from ..rows.questions import Question
 
-__all__ = ["CLAIMS", "MOMENT", "SCREEN_STEP", "outcome_frames", "shot_row", "shots_at", "subjects_of", "unseen_text"]
-
-SCREEN_STEP = 0.2
-"""Own choice: a picture that moves by more than a fifth of its width per frame cannot be followed by eye."""
-MOMENT = 0.25
-"""[s] Own choice: the frame at which a beat comes true is shown when its subject is seen within this time of it."""
-CLAIMS = {
-    "shots:tiling": "shots follow each other over all planned frames without gap or overlap",
-    "shots:cover": "a shot runs when the beat comes true",
-    "shots:observed": "at least one mandatory beat is observed; those that no camera is asked to see are printed",
-    "shots:visible": "the beat's subject is in view and unoccluded while it happens, and at the moment it comes true",
-    "shots:framed": "every subject of the shot is in view, and what it follows stays in view",
-    "shots:inside": "the camera is inside no solid, passes through no surface and cuts none off",
-    "shots:motion": f"the picture moves, turns and zooms by at most {SCREEN_STEP:g} of its width per frame",
-}
-"""Predicate by question."""
+__all__ = ["outcome_frames", "shot_row", "shots_at", "subjects_of", "unseen_text"]
 
 
-def shot_row(candidate: Candidate, row_id: RowId, status: Status, explanation: str, **more: Any) -> Row:
-    """One row; its predicate follows from its question."""
-    extra = [
-        {n: s.model_dump(mode="json") for n, s in candidate.spec.shots.items()},
-        candidate.spec.simulation.limits.model_dump(mode="json"),
-    ]
-    more.setdefault("frames", (0, candidate.spec.simulation.frames - 1))
-    return make_row(
+def shot_row(
+    candidate: Candidate,
+    question: Question,
+    subject: tuple[str, ...],
+    found: Finding | Callable[[], Finding],
+    *,
+    planned: bool = False,
+) -> Row:
+    """The row of a question about the shot plan.
+
+    Args:
+        candidate: what is judged.
+        question: what is asked.
+        subject: name of the beat or shot.
+        found: the answer, or the judge that gives it.
+        planned: whether the plan alone was looked at, and no frame.
+    """
+    spec = candidate.spec
+    found = found if isinstance(found, Finding) else judged(found)
+    shots = {n: s.model_dump(mode="json") for n, s in spec.shots.items()}
+    return row_of(
         candidate,
-        row_id,
-        predicate=CLAIMS[row_id.question],
-        status=status,
-        explanation=explanation,
-        extra=extra,
-        recipe_entities=list(candidate.spec.entities),
-        **more,
+        question,
+        subject,
+        replace(found, frames=found.frames or (0, spec.simulation.frames - 1)),
+        extra=[shots, spec.simulation.limits.model_dump(mode="json")],
+        recipe_entities=list(spec.entities),
+        artifact="world.json" if planned else None,
     )
 
 

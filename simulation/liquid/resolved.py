@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +106,9 @@ def _require_passages(setup: LiquidSetup, static: Sequence[PlacedSolid]) -> None
     reached = np.isin(first, first[wet - 1])
     dry = ids[reached & ~np.isin(ids, wet) & (size >= LEAST_ROOM * setup.spacing**3)]
     if len(dry):
-        _refuse(setup, static, free, room, parts, wet, int(dry[np.argmax(size[dry - 1])]), owner, points, shape)
+        names = [s.name.split("/")[0] for s in static]
+        seeds = np.where(np.isin(parts, wet), 1, np.where(parts == int(dry[np.argmax(size[dry - 1])]), 2, 0))
+        _refuse(_Spaces(free, room, seeds, points), names, owner, setup.spacing)
 
 
 def _reachable(setup: LiquidSetup, points: F64) -> NDArray[np.bool_]:
@@ -140,24 +143,35 @@ def _cells(setup: LiquidSetup, shape: tuple[int, int, int], pitch: float) -> NDA
     return np.unique(np.ravel_multi_index(tuple(index.T), shape))
 
 
-def _refuse(
-    setup: LiquidSetup,
-    static: Sequence[PlacedSolid],
-    free: NDArray[np.bool_],
-    room: F64,
-    parts: NDArray[np.int32],
-    wet: NDArray[np.int32],
-    dry: int,
-    owner: NDArray[np.int32],
-    points: F64,
-    shape: tuple[int, int, int],
-) -> None:
-    """Name the passage: where the two spaces, grown through free cells in order of width, meet."""
+class _Spaces(NamedTuple):
+    """Two spaces on a grid, and the free cells between them."""
+
+    free: NDArray[np.bool_]
+    room: F64
+    """Distance of each cell to the nearest wall [m]."""
+    seeds: NDArray[np.int64]
+    """1: the space with liquid, 2: the one that none would reach, 0: neither."""
+    points: F64
+    """Middles of the cells (n, 3) [m]."""
+
+
+def _refuse(spaces: _Spaces, names: Sequence[str], owner: NDArray[np.int32], spacing: float) -> None:
+    """Name the passage: where the two spaces, grown through free cells in order of width, meet.
+
+    Args:
+        spaces: what the passage joins.
+        names: of the walls' entities.
+        owner: wall that each cell lies in, -1: none (n,).
+        spacing: of the liquid [m].
+
+    Raises:
+        InputError: names place, width and walls of the passage.
+    """
     from scipy.spatial import cKDTree
     from skimage.segmentation import watershed
 
-    seeds = np.where(np.isin(parts, wet), 1, np.where(parts == dry, 2, 0))
-    grown = watershed(-room, seeds, mask=free)
+    room, points = spaces.room, spaces.points
+    grown = watershed(-room, spaces.seeds, mask=spaces.free)
     a, b = (np.argwhere(grown == k) for k in (1, 2))
     gap, pair = cKDTree(a).query(b)
     touching = np.flatnonzero(gap <= np.sqrt(3.0) + 1e-9)
@@ -165,12 +179,12 @@ def _refuse(
         return
     widths = room[tuple(b[touching].T)] + room[tuple(a[pair[touching]].T)]
     best = b[touching[int(np.argmax(widths))]]
-    width, place = float(widths.max()), points[np.ravel_multi_index(tuple(best), shape)]
+    width, place = float(widths.max()), points[np.ravel_multi_index(tuple(best), room.shape)]
     near = cKDTree(points[owner >= 0]).query(place, k=min(64, int((owner >= 0).sum())))[1]
-    names = list(dict.fromkeys(static[k].name.split("/")[0] for k in owner[owner >= 0][np.atleast_1d(near)]))[:2]
-    least = LEAST_SPACINGS * setup.spacing
+    beside = list(dict.fromkeys(names[k] for k in owner[owner >= 0][np.atleast_1d(near)]))[:2]
+    least = LEAST_SPACINGS * spacing
     raise InputError(
-        f"the passage at [{', '.join(f'{v:.3g}' for v in place)}] m between {' and '.join(repr(n) for n in names)} is about {width:.2g} m "
+        f"the passage at [{', '.join(f'{v:.3g}' for v in place)}] m between {' and '.join(repr(n) for n in beside)} is about {width:.2g} m "
         f"wide, less than {LEAST_SPACINGS:g} spacings ({least:.3g} m): liquid would not pass. Use a resolution of at most "
         f"{width / LEAST_SPACINGS:.2g} m, widen the passage, or close it"
     )

@@ -93,10 +93,7 @@ def map_wet(
         tracks.take(reader.read(frame))
     for frame in range(start, frames):
         data = cache.read(frame, ("origin", "particle/position", "particle/fluid", "particle/volume"))
-        position = data["particle/position"].astype(np.float64) + data["origin"]
-        whole = np.isfinite(position).all(axis=1)
-        layer = 0.5 * float(np.cbrt(data["particle/volume"].mean())) if len(position) else 0.0
-        found = _wet(texels, groups, parts, frame, position[whole], data["particle/fluid"][whole], spacing, up, layer)
+        found = _wet(texels, groups, parts, frame, _Drops.of(data), spacing=spacing, up=up)
         found |= tracks.follow(frame, found)
         found["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
         files.write(frame, found, frozenset({"wet"}))
@@ -190,13 +187,39 @@ def _within(k: NDArray[np.intp]) -> F64:
     return np.stack([1.0 - u - v, u, v], axis=1)
 
 
+class _Drops(NamedTuple):
+    """The particles of a frame that have a place."""
+
+    position: F64
+    """World (n, 3) [m]."""
+    fluid: I32
+    """Index into `CacheIndex.bodies` (n,)."""
+    layer: float
+    """By which liquid reaches above the middles of its particles [m]."""
+
+    @classmethod
+    def of(cls, data: dict[str, Any]) -> _Drops:
+        """The particles of a frame of a cache."""
+        position = data["particle/position"].astype(np.float64) + data["origin"]
+        whole = np.isfinite(position).all(axis=1)
+        layer = 0.5 * float(np.cbrt(data["particle/volume"].mean())) if len(position) else 0.0
+        return cls(position[whole], data["particle/fluid"][whole], layer)
+
+
 def _wet(
-    texels: dict[str, Any], groups: Sequence[NDArray[np.intp]], parts: Sequence[WetPart], frame: int,
-    position: F64, fluid: I32, spacing: float, up: F64, layer: float,
-) -> dict[str, Any]:  # fmt: skip
-    """Which places are wet at a frame, how deep and by what; the liquid reaches `layer` [m] above the middles of its particles."""
+    texels: dict[str, Any],
+    groups: Sequence[NDArray[np.intp]],
+    parts: Sequence[WetPart],
+    frame: int,
+    drops: _Drops,
+    *,
+    spacing: float,
+    up: F64,
+) -> dict[str, Any]:
+    """Which places are wet at a frame, how deep and by what."""
     from scipy.spatial import cKDTree
 
+    position, fluid, layer = drops
     rows, depth, kind = [np.zeros(0, dtype=np.int32)], [np.zeros(0, dtype=np.float32)], [np.zeros(0, dtype=np.int32)]
     reach = TOUCH * spacing
     if len(position):

@@ -19,9 +19,9 @@ from .model import RigidModel
 __all__ = ["Drivers"]
 
 _SLACK = 1e-9
+"""[s] Times this close are equal."""
 _MIN_AWAKE = 10
 """MuJoCo's `mjMINAWAKE`: steps at rest before a body may sleep."""
-"""[s] Times this close are equal."""
 _TURN_STEP = 1e-4
 """[s] Interval over which the angular velocity of a path is taken."""
 
@@ -67,6 +67,28 @@ class Path:
         return np.concatenate([self._position(t), here.as_quat()[:, [3, 0, 1, 2]]], axis=1), twists
 
 
+def _moved(rigid: RigidModel) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
+    """Degrees of freedom, and bodies of the model, per moving entity."""
+    model = rigid.model
+    dofs: dict[str, list[int]] = {}
+    bodies: dict[str, list[int]] = {}
+    known: set[int] = set()
+    for row, body in enumerate(rigid.bodies):
+        entity, own = body.split("/", 1)[0], int(rigid.body_ids[row])
+        start, count = int(model.body_dofadr[own]), int(model.body_dofnum[own])
+        of_entity, its_bodies = dofs.setdefault(entity, []), bodies.setdefault(entity, [])
+        if count and own not in known:  # pieces bonded to one another share a body, pieces bonded to the world have none
+            of_entity.extend(range(start, start + count))
+            its_bodies.append(own)
+            known.add(own)
+    for soft in rigid.flexes:
+        # Releases and interventions hold an elastic body by its nodes.
+        nodes = [model.body(n).id for n in soft.own]
+        dofs[soft.entity] = [int(model.body_dofadr[n]) + k for n in nodes for k in range(3)]
+        bodies[soft.entity] = nodes
+    return dofs, bodies
+
+
 class Drivers:
     """Applies all drivers of one instance.
 
@@ -95,22 +117,7 @@ class Drivers:
             or (getattr(d, "joint", None) in plan.joints and plan.joints[d.joint].child in members)  # type: ignore[union-attr]
         )
         self._drivers = {n: plan.drivers[n] for n in self.names}
-        self._dofs: dict[str, list[int]] = {}
-        self._bodies: dict[str, list[int]] = {}
-        known: set[int] = set()
-        for row, body in enumerate(rigid.bodies):
-            entity, own = body.split("/", 1)[0], int(rigid.body_ids[row])
-            start, count = int(model.body_dofadr[own]), int(model.body_dofnum[own])
-            dofs, bodies = self._dofs.setdefault(entity, []), self._bodies.setdefault(entity, [])
-            if count and own not in known:  # pieces bonded to one another share a body, pieces bonded to the world have none
-                dofs.extend(range(start, start + count))
-                bodies.append(own)
-                known.add(own)
-        for soft in rigid.flexes:
-            # Releases and interventions hold an elastic body by its nodes.
-            nodes = [model.body(n).id for n in soft.own]
-            self._dofs[soft.entity] = [int(model.body_dofadr[n]) + k for n in nodes for k in range(3)]
-            self._bodies[soft.entity] = nodes
+        self._dofs, self._bodies = _moved(rigid)
         free = {e: d[0] for e, d in self._dofs.items() if d and self._is_free(d[0])}
         self._free = {e: int(model.jnt_qposadr[model.dof_jntid[d]]) for e, d in free.items()}
         self.kinematic = frozenset(e for e in self._dofs if spec.entities[e].motion == "kinematic")
@@ -129,22 +136,27 @@ class Drivers:
         self._stiffness, self._tendon_damping = model.tendon_stiffness.copy(), model.tendon_damping.copy()
         self._effort = model.actuator_forcerange.copy()
         self._excludes = model.exclude_signature.copy()
-        self._release: dict[str, float] = {}
-        for name, driver in self._drivers.items():
-            if isinstance(driver, ReleaseDriver):
-                time = np.inf if name in self._without else driver.time
-                self._release[driver.entity] = max(time, self._release.get(driver.entity, 0.0))
-        for entity, contract in spec.entities.items():
-            physics = contract.physics
-            moving = any((*getattr(physics, "linear_velocity", ()), *getattr(physics, "angular_velocity", ())))
-            if entity in self._dofs and moving:
-                self._release.setdefault(entity, 0.0)
+        self._release = self._releases()
         ropes = [(rigid.tendon_of[n], n) for n in rigid.tendon_of if getattr(plan.joints[n], "rope", False)]
         self._ropes = np.array([row for row, _ in ropes if self._tendon_damping[row] > 0], dtype=np.int64)
         self.has_ropes = len(self._ropes) > 0
         """Whether `slacken` has anything to do."""
         self._pose: Any = None
         self._samples: list[PathSamples] = []
+
+    def _releases(self) -> dict[str, float]:
+        """Time [s] until which each entity is held: to its release, or to frame 0 where it starts with a speed."""
+        found: dict[str, float] = {}
+        for name, driver in self._drivers.items():
+            if isinstance(driver, ReleaseDriver):
+                time = np.inf if name in self._without else driver.time
+                found[driver.entity] = max(time, found.get(driver.entity, 0.0))
+        for entity, contract in self.spec.entities.items():
+            physics = contract.physics
+            moving = any((*getattr(physics, "linear_velocity", ()), *getattr(physics, "angular_velocity", ())))
+            if entity in self._dofs and moving:
+                found.setdefault(entity, 0.0)
+        return found
 
     def _is_free(self, dof: int) -> bool:
         return bool(self.rigid.model.jnt_type[self.rigid.model.dof_jntid[dof]] == 0)

@@ -90,35 +90,66 @@ def build_model(
     Raises:
         InputError: joints that form loops, share a child or name non-members; too many special pairs.
     """
-    import mujoco
+    builder = ModelBuilder(spec, built, members, settings, frozenset(frozenset(pair) for pair in apart), whole or {})
+    bounces = _filled(builder)
+    model = _compiled(builder)
+    result = _mapped(builder, model, bounces)
+    part_flexes(result)
+    _find_links(result, spec)
+    for name, damping in builder.dragged.items():
+        start = int(model.joint(name).dofadr[0])
+        model.dof_damping[start : start + 3] = damping
+    # The softness of a contact follows its lighter body; under a far heavier one it would sink through the skin.
+    moving = [b for b in result.body_ids.tolist() if model.body_dofnum[b]]
+    heaviest = float(model.body_mass[moving].max(initial=1e-9)) if moving else 1.0
+    model.body_invweight0[:, 0] = np.minimum(model.body_invweight0[:, 0], SOFTEST / heaviest)
+    set_contact_law(result, settings.contact_steps, settings.step)
+    return result
 
-    held = whole or {}
-    builder = ModelBuilder(spec, built, members, settings, frozenset(frozenset(pair) for pair in apart), held)
-    bodies = sum(free_count(built[m], held.get(m)) for m in members if spec.entities[m].motion != "static")
-    builder.options(6 * bodies + 3 * sum(node_count(built[m]) for m in members))
-    for name in members:
+
+def _filled(builder: ModelBuilder) -> dict[tuple[str, str], float]:
+    """Add all members and their links; restitution of the pairs that have one of their own."""
+    spec, built = builder.spec, builder.built
+    dynamic = [m for m in builder.members if spec.entities[m].motion != "static"]
+    bodies = sum(free_count(built[m], builder.whole.get(m)) for m in dynamic)
+    builder.options(6 * bodies + 3 * sum(node_count(built[m]) for m in builder.members))
+    for name in builder.members:
         if is_soft(spec, name):
             builder.flexes.append(add_flex(builder, name))
         else:
             builder.entity(name)
     add_links(builder)
     builder.drag()
-    bounces = add_pairs(builder)
+    return add_pairs(builder)
+
+
+def _compiled(builder: ModelBuilder) -> Any:
+    """The MuJoCo model.
+
+    Raises:
+        InputError: MuJoCo refuses it.
+    """
     try:
         with warnings.catch_warnings():
             # Of an elastic body without damping, whose elasticity MuJoCo 4.0.0 does not count as a force.
             warnings.filterwarnings("ignore", message="flex '.*' is not rigid and has no equality constraints")
-            model = builder.out.compile()
+            return builder.out.compile()
     except ValueError as error:
         raise InputError(f"MuJoCo refuses the model: {error}") from error
-    colliders = tuple(members)
+
+
+def _mapped(builder: ModelBuilder, model: Any, bounces: Mapping[tuple[str, str], float]) -> RigidModel:
+    """The compiled model with the maps to the specification's names; `bounces`: restitution of pairs that have one of their own."""
+    import mujoco
+
+    spec, built, colliders = builder.spec, builder.built, builder.members
     rank = {name: i for i, name in enumerate(colliders)}
     geom_names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, g) for g in range(model.ngeom)]
     body_ids = [model.body(builder.body_of.get(n, n.removesuffix("/body"))).id for n in builder.body_names]
     soft = [f.entity for f in builder.flexes]
     geom_collider = np.array([rank[n] for n in (*(builder.geom_entity[g] for g in geom_names), *soft)], dtype=np.int64)
     matter = [builder.geom_material[g] for g in geom_names] + [built[n].parts[0].material for n in soft]
-    result = RigidModel(
+    return RigidModel(
         model=model,
         colliders=colliders,
         bodies=tuple(builder.body_names),
@@ -140,32 +171,31 @@ def build_model(
         ),
         excess=np.array([*(builder.geom_excess[g] for g in geom_names), *(0.0 for _ in soft)]),
         flexes=tuple(builder.flexes),
-        parted=tuple(p for p in builder.apart if p <= set(members) and any(is_soft(spec, n) for n in p)),
+        parted=tuple(p for p in builder.apart if p <= set(colliders) and any(is_soft(spec, n) for n in p)),
     )
-    part_flexes(result)
+
+
+def _find_links(rigid: RigidModel, spec: WorldSpec) -> None:
+    """Find the model's equalities, exclusions, tendons and actuators by the names of joints and drivers."""
+    import mujoco
+
+    def place(kind: Any, name: str) -> int:
+        return int(mujoco.mj_name2id(rigid.model, kind, name))
+
+    objects = mujoco.mjtObj
     for name in spec.simulation.joints:
-        equality = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, name)
-        tendon = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, name)
-        exclude = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EXCLUDE, name)
+        equality, tendon = place(objects.mjOBJ_EQUALITY, name), place(objects.mjOBJ_TENDON, name)
+        exclude = place(objects.mjOBJ_EXCLUDE, name)
         if equality >= 0:
-            result.eq_of[name] = equality
+            rigid.eq_of[name] = equality
         if equality >= 0 and exclude >= 0:
-            result.exclude_of[name] = exclude
+            rigid.exclude_of[name] = exclude
         if tendon >= 0:
-            result.tendon_of[name] = tendon
+            rigid.tendon_of[name] = tendon
     for name in spec.simulation.drivers:
-        actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
+        actuator = place(objects.mjOBJ_ACTUATOR, name)
         if actuator >= 0:
-            result.actuator_of[name] = actuator
-    for name, damping in builder.dragged.items():
-        start = int(model.joint(name).dofadr[0])
-        model.dof_damping[start : start + 3] = damping
-    # The softness of a contact follows its lighter body; under a far heavier one it would sink through the skin.
-    moving = [b for b in body_ids if model.body_dofnum[b]]
-    heaviest = float(model.body_mass[moving].max(initial=1e-9)) if moving else 1.0
-    model.body_invweight0[:, 0] = np.minimum(model.body_invweight0[:, 0], SOFTEST / heaviest)
-    set_contact_law(result, settings.contact_steps, settings.step)
-    return result
+            rigid.actuator_of[name] = actuator
 
 
 def _row_masses(built: Mapping[str, BuiltEntity], names: Sequence[str]) -> F64:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,18 @@ class _Steps:
     @classmethod
     def empty(cls) -> _Steps:
         return cls([], [], [], [], [], [], [], [], [])
+
+
+class _Contacts(NamedTuple):
+    """All listed contacts of one batch, shape (n,) each."""
+
+    key: NDArray[np.int64]
+    """Of the pair."""
+    step: NDArray[np.int64]
+    live: NDArray[np.bool_]
+    """Whether it was solved."""
+    impulse: F64
+    """Normal [N s]."""
 
 
 @dataclass
@@ -216,7 +228,7 @@ class ContactMonitor:
         parts = np.where((live & ~fixed)[:, None], np.concatenate(steps.forces), 0.0)
         force = parts[:, 0]
         gaps = np.concatenate(steps.gaps)
-        times, lengths = np.array(steps.times), np.array(steps.lengths)
+        lengths = np.array(steps.lengths)
         impulse = force * lengths[place]
         # The frame's first axis leads from the first side to the second, which the force pushes.
         pushed = np.einsum("ni,nij->nj", parts * lengths[place, None], np.concatenate(steps.axes).reshape(-1, 3, 3))
@@ -238,23 +250,13 @@ class ContactMonitor:
             old = self._total.get(key, [0.0, 0.0, np.inf, 0.0, 0.0, 0.0])
             self._total[key] = [old[0] + a, max(old[1], b), min(old[2], c), old[3] + x, old[4] + y, old[5] + z]
         touching = np.bincount(which, weights=live) > 0
-        self._find_events(steps, pairs, code[touching], len(sizes), times, lengths, keys, place, live, impulse)
+        self._find_events(steps, _Contacts(keys, place, live, impulse), pairs, code[touching])
 
-    def _find_events(
-        self,
-        steps: _Steps,
-        pairs: NDArray[np.int64],
-        touches: NDArray[np.int64],
-        count: int,
-        times: F64,
-        lengths: F64,
-        keys: NDArray[np.int64],
-        place: NDArray[np.int64],
-        live: NDArray[np.bool_],
-        impulse: F64,
-    ) -> None:
+    def _find_events(self, steps: _Steps, contacts: _Contacts, pairs: NDArray[np.int64], touches: NDArray[np.int64]) -> None:
         """Touches are sorted by (pair, step); an event is the first touch after a pause."""
-        pair, step = np.divmod(touches, count)
+        keys, place, live, impulse = contacts
+        times, lengths = np.array(steps.times), np.array(steps.lengths)
+        pair, step = np.divmod(touches, len(times))
         when = times[step]
         before = np.empty(len(touches))
         heads = np.flatnonzero(np.diff(pair, prepend=-1) != 0)

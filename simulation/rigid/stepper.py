@@ -190,10 +190,8 @@ class Stepper:
                 solve(data)
                 mujoco.mj_checkAcc(model, data)
                 if breaks:
-                    retakes = retakes if k == 0 else 0
-                    fate = self.breakage.watch(
-                        data, start + (k + 1) * dt, dt, still, retakes=retakes, others=self._exchange.asked
-                    )
+                    again, others = retakes if k == 0 else 0, self._exchange.asked
+                    fate = self.breakage.watch(data, start + (k + 1) * dt, dt, still, retakes=again, others=others)
                     if fate is Fate.AGAIN:
                         self._undo(fields, working, dt)
                         return k, fate
@@ -206,13 +204,17 @@ class Stepper:
             taken += 1
         if authored:
             self.drivers.follow_paths(data, taken, dt)
+        self._close(fields, working, taken, dt)
+        return taken, fate
+
+    def _close(self, fields: Sequence[FieldForces | FlexFields], working: bool, taken: int, dt: float) -> None:
+        """Bring the state up to date after some steps of `dt` [s], and count what acted in them."""
         settle_kinematics(self.model, self.data)
         for field in fields:
-            field.end(data)
+            field.end(self.data)
         if working:
-            self._work += self.work.end(velocities(model, data), dt)
+            self._work += self.work.end(velocities(self.model, self.data), dt)
         self._exchange.taken(self._now, taken * dt)
-        return taken, fate
 
     def _undo(self, fields: Sequence[FieldForces | FlexFields], working: bool, dt: float) -> None:
         """Take back what the present step began: it is taken again."""

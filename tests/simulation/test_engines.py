@@ -64,6 +64,7 @@ def test_the_worlds_have_every_writer_that_is_an_instance() -> None:
 
 
 def test_every_declared_channel_is_written_and_every_written_one_declared(baked: Baked) -> None:
+    assert set(baked.caches) == set(baked.spec.simulation.solvers)
     for name, cache in baked.caches.items():
         for frame in range(cache.index.frames):
             data = cache.read(frame)
@@ -106,6 +107,7 @@ def continued(baked: Baked) -> Continued:
 
 
 def test_a_run_goes_on_from_its_checkpoint_to_the_byte(continued: Continued) -> None:
+    assert {n for names in continued.runs for n in names} == set(continued.states)
     for names, whole in continued.runs.items():
         rest = continued.fresh(names)
         rest.restore(continued.states, LAST - 1)
@@ -142,6 +144,7 @@ OTHERS: dict[str, tuple[Callable[[bytes, Stamp], bytes], str]] = {
 @pytest.mark.parametrize("kind", OTHERS)
 def test_a_checkpoint_that_is_not_its_own_is_refused(kind: str, continued: Continued) -> None:
     change, told = OTHERS[kind]
+    assert continued.runs
     for names in continued.runs:
         for name, solver in continued.fresh(names).solvers.items():
             stamp = Stamp(continued.baked.spec.simulation.solvers[name].engine, name, LAST - 1)

@@ -26,33 +26,20 @@ from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
 from ..worlds.provenance import recipes
-from ..worlds.requirements import Check, Row, RowId
+from ..worlds.requirements import Check, Row
 from ..worlds.spec import WorldSpec, prompt_digest
+from .checks import judging_share, run_checks, silent
 from .delivery.binding import ALL_INTERVALS, cache_row, replay_row, standing
 from .delivery.bundle import event_list
+from .delivery.questions import FREEZE, NEEDED, UNJUDGED
 from .register.assemble import approximations
-from .rows.verdicts import correction, make_row
+from .rows.answers import row_of
+from .rows.corrections import correction
+from .rows.findings import Finding
 
-__all__ = ["acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
+__all__ = ["NEEDED", "acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
 REPLAY_INTERVALS = 3
-NEEDED: frozenset[Check] = frozenset(
-    {
-        "audit",
-        "scale",
-        "interpenetration",
-        "support",
-        "navigability",
-        "causal",
-        "category",
-        "numerical",
-        "contact",
-        "beat",
-        "shots",
-        "delivery",
-    }
-)
-"""Checks that must have judged something (R119)."""
 TIMEOUT_SECONDS = 3600
 
 
@@ -131,22 +118,27 @@ def judge(
         RefusedError: no candidate holds this specification, or its bake is incomplete.
         EvidenceError: something recorded is missing or damaged.
     """
-    from ..simulation.freeze import engine_versions, freeze_hash
+    from ..simulation.freeze import freeze_hash
     from ..simulation.runs import groups_of
-    from .checks import judging_share, run_checks
 
     folder = WorldFolder(root)
     spec = parse_spec(folder.read_json(folder.spec_path))
     freeze = find_candidate(folder, spec)
     candidate = open_candidate(folder, freeze, "full")
-    rows = list(audit(spec).rows)
-    rows.append(_freeze_row(candidate, freeze, freeze_hash(spec, candidate.built)))
-    tell = progress or _silent
+    tell = progress or silent
     judged = judging_share(spec, "full", reruns=replay) if replay else 1.0
+    rows = [*audit(spec).rows, _freeze_row(candidate, freeze, freeze_hash(spec, candidate.built))]
     rows += run_checks(candidate, reruns=replay, progress=Part(tell, 0.0, judged))
     part = Part(tell, judged, 1.0, alike=len(groups_of(spec))) if replay else None
     rows += _bound_rows(candidate, freeze, seed, intervals, recorded, part)
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]
+    return {**_record(spec, candidate, freeze, rows), "replayed": replay, "seed": seed}
+
+
+def _record(spec: WorldSpec, candidate: Candidate, freeze: str, rows: list[Row]) -> dict[str, Any]:
+    """What a judgement is about, its rows, and all that travels with them."""
+    from ..simulation.freeze import engine_versions
+
     mapped = spec.clauses
     return {
         "verdict": verdict_of(rows),
@@ -167,10 +159,8 @@ def judge(
         "approximations": approximations(candidate),
         "versions": engine_versions(),
         "environment": environment(),
-        "verifier_source": source_digest(Path(__file__).parent, Path(__file__).parent.parent / "physics"),
+        "verifier_source": source_digest(Path(__file__).parent),
         "events": event_list(candidate),
-        "replayed": replay,
-        "seed": seed,
     }
 
 
@@ -200,54 +190,28 @@ def _bound_rows(
 
 def _unjudged(candidate: Candidate, check: Check) -> Row:
     """A check that found nothing to judge: no evidence is no pass, unless nothing of the kind can exist."""
-    spec = candidate.spec
-    lacking = uncaused(spec)
-    if check == "causal" and lacking is None:
-        return make_row(
-            candidate,
-            RowId("causal:none"),
-            predicate="events have their causes",
-            status="not_applicable",
-            explanation="every entity is static, and there is no driver and no beat: nothing happens",
-        )
-    pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
-    text = (lacking if check == "causal" else None) or f"nothing for {check} to judge"
-    return make_row(
-        candidate,
-        RowId(f"{check}:none"),
-        predicate=f"{check} has judged at least one requirement",
-        status="unverified",
-        explanation=text,
-        corrections=[correction(text, "story", text, pointers=(pointer,))],
-    )
+    lacking = uncaused(candidate.spec) if check == "causal" else f"nothing for {check} to judge"
+    if lacking is None:
+        text = "every entity is static, and there is no driver and no beat: nothing happens"
+        found = Finding("not_applicable", text, predicate="events have their causes")
+    else:
+        pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
+        found = Finding("unverified", lacking, hints=(correction(lacking, "story", lacking, pointers=(pointer,)),))
+    return row_of(candidate, UNJUDGED[check], (), found)
 
 
 def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
     same = recorded == present
-    return make_row(
-        candidate,
-        RowId("delivery:freeze"),
-        predicate="settings, geometry, solver source and engine versions hash to the recorded freeze",
-        status="pass" if same else "fail",
-        explanation="the freeze is the recorded one" if same else f"recorded {recorded[:16]}, present {present[:16]}",
-        artifact=f"candidates/{recorded[:16]}/candidate.json",
-        measured=0.0 if same else 1.0,
-        bound=0.0,
-        comparison="<=",
-        unit="1",
+    action = "probe and bake again with this version (worldagent recompute FOLDER)"
+    found = Finding(
+        "pass" if same else "fail",
+        "the freeze is the recorded one" if same else f"recorded {recorded[:16]}, present {present[:16]}",
+        0.0 if same else 1.0,
+        0.0,
+        hints=(correction("another program version, or an edited record", "interval", action),),
         evidence={} if same else {"recorded": recorded, "present": present},
-        corrections=[
-            correction(
-                "another program version, or an edited record",
-                "interval",
-                "probe and bake again with this version (worldagent recompute FOLDER)",
-            )
-        ],
     )
-
-
-def _silent(done: float, total: float, message: str, ends: float | None = None) -> None:
-    """Tell nobody."""
+    return row_of(candidate, FREEZE, (), found, artifact=f"candidates/{recorded[:16]}/candidate.json")
 
 
 def judge_fresh(
@@ -279,7 +243,7 @@ def judge_fresh(
             timer.start()
             try:
                 for line in process.stdout:
-                    answer = _heard(line, progress or _silent)
+                    answer = _heard(line, progress or silent)
                 code = process.wait()
             finally:
                 timer.cancel()
@@ -296,7 +260,7 @@ def judge_fresh(
 
 
 def _heard(line: str, progress: Tell) -> dict[str, Any] | None:
-    """Takes a line of the fresh process: passes progress on; else the record, or None of what an engine printed."""
+    """The record that a line of the fresh process holds; None for progress, which is passed on, and for what an engine printed."""
     try:
         told = json.loads(line)
     except ValueError:

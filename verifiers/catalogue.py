@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType, ModuleType
 
 from .contact import questions as contact
+from .delivery import questions as delivery
 from .land import questions as land
 from .routes import questions as routes
 from .rows.questions import Question
@@ -16,7 +17,7 @@ from .support import questions as support
 
 __all__ = ["QUESTIONS", "TABLES"]
 
-TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story, shots)
+TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story, shots, delivery)
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 
 QUESTIONS: Mapping[str, Question] = MappingProxyType({q.id: q for table in TABLES for q in table.QUESTIONS})

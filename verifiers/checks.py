@@ -22,7 +22,7 @@ from .shots import check as shots
 from .story import beats, causal, counterfactual, phases, robustness
 from .support import check as support
 
-__all__ = ["CHECKS", "CheckBinding", "judging_share", "names_of", "rerun_ids", "run_checks"]
+__all__ = ["CHECKS", "CheckBinding", "judging_share", "names_of", "rerun_ids", "run_checks", "silent"]
 
 CHECK_WORK = 0.03
 """Work of a check that simulates nothing, in simulations of the probe; own choice, for progress alone."""
@@ -113,7 +113,7 @@ def run_checks(
     work, took = _work(candidate.spec, chosen), 0.0
     for done, binding in enumerate(chosen):
         whole, began = max(sum(work), CHECK_WORK), time.monotonic()
-        told = Part(progress or _silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
+        told = Part(progress or silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
         told(0, 1, f"checking {binding.name}")
         found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _first_failure(rows))
         rows += [diagnose(only_seen(candidate, fail_closed(r)), candidate.spec) for r in found]
@@ -129,5 +129,5 @@ def _first_failure(rows: Iterable[Row]) -> str | None:
     return next((r.id for r in rows if r.mandatory and r.status == "fail" and r.check != "shots"), None)
 
 
-def _silent(done: float, total: float, message: str, ends: float | None = None) -> None:
+def silent(done: float, total: float, message: str, ends: float | None = None) -> None:
     """Tell nobody."""

@@ -286,7 +286,8 @@ def _freeze_here(folder: WorldFolder, spec: WorldSpec) -> str:
 
 
 def _compare_verdicts(found: Verification, *, exact: bool) -> None:
-    from ..verifiers.delivery.bundle import NOISE, OTHER_MACHINE, compare_rows, unequal
+    from ..verifiers.delivery.bounds import NOISE, OTHER_MACHINE
+    from ..verifiers.delivery.bundle import compare_rows, unequal
 
     record, own = found.record, found.own or {}
     found.differences += compare_rows(record["rows"], own["rows"], exact=exact)

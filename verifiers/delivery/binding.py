@@ -10,8 +10,11 @@ from ...worlds.baked import BakeRecord
 from ...worlds.cache import Cache
 from ...worlds.candidate import Candidate, cache_digest
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import Correction, Row, RowId, Status
-from ..rows.verdicts import correction, make_row
+from ...worlds.requirements import Correction, Row, Status
+from ..rows.answers import row_of
+from ..rows.corrections import correction
+from ..rows.findings import Finding
+from .questions import CACHE, REPLAY
 
 __all__ = ["ALL_INTERVALS", "cache_row", "replay_row", "standing"]
 
@@ -54,20 +57,10 @@ def cache_row(candidate: Candidate, record: BakeRecord | None, *, replayed: bool
             else "the record of this bake lacks the seals that it was written with"
         )
         status, evidence = "unverified", {"explanation": f"{why}, so that nothing says which frames were baked"}
-    return make_row(
-        candidate,
-        RowId("delivery:cache"),
-        predicate="the frames on disk have the content that the ledger recorded when they were baked",
-        status=status,
-        explanation=str(evidence.get("explanation", f"{candidate.frame_count} frames are those of the record")),
-        measured={"pass": 0.0, "fail": 1.0}.get(status),
-        bound=0.0,
-        comparison="<=",
-        unit="1",
-        first_failing_frame=frame,
-        evidence=evidence,
-        corrections=_corrections(status),
-    )
+    measured = {"pass": 0.0, "fail": 1.0}.get(status)
+    told = str(evidence.get("explanation", f"{candidate.frame_count} frames are those of the record"))
+    hints = _corrections(status)
+    return row_of(candidate, CACHE, (), Finding(status, told, measured, 0.0, frame=frame, hints=hints, evidence=evidence))
 
 
 def _content(caches: Mapping[str, Cache]) -> tuple[dict[str, list[str]], str]:
@@ -136,28 +129,16 @@ def replay_row(
         results = replay(candidate, intervals=intervals, seed=seed, also=also, progress=progress)
     bad = [r for r in results if not r["identical"]]
     counted = bad or [dict(r) for r in earlier]
-    row = make_row(
-        candidate,
-        RowId("delivery:replay"),
-        predicate="the start and randomly chosen checkpoint intervals, simulated again, give the cached bytes",
-        status="fail" if counted or not results else "pass",
-        explanation=f"{len(results) - len(bad)} of {len(results)} intervals gave the cached bytes",
-        measured=float(len(counted)),
-        bound=0.0,
-        comparison="<=",
-        unit="1",
-        first_failing_frame=min(int(str(r["first_different_frame"])) for r in counted) if counted else None,
+    cause = "the cache is not what these settings give"
+    if not bad:
+        cause = "an earlier replay of this very cache did not give its bytes, which counts until it is baked again"
+    found = Finding(
+        "fail" if counted or not results else "pass",
+        f"{len(results) - len(bad)} of {len(results)} intervals gave the cached bytes",
+        float(len(counted)),
+        0.0,
+        frame=min((int(str(r["first_different_frame"])) for r in counted), default=None),
+        hints=(correction(cause, "interval", BAKE_AGAIN),) if counted else (),
         evidence={"intervals": results, "seed": seed, **({"earlier": [dict(r) for r in earlier]} if earlier else {})},
-        corrections=[
-            correction(
-                "the cache is not what these settings give"
-                if bad
-                else "an earlier replay of this very cache did not give its bytes, which counts until it is baked again",
-                "interval",
-                BAKE_AGAIN,
-            )
-        ]
-        if counted
-        else (),
     )
-    return row, bool(results) and not counted and intervals >= ALL_INTERVALS
+    return row_of(candidate, REPLAY, (), found), bool(results) and not counted and intervals >= ALL_INTERVALS

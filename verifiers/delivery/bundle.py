@@ -1,4 +1,4 @@
-"""What a bundled verdict must agree with: this installation's own verdict, the events in its caches, its own history."""
+"""Comparison of a bundled verdict with this installation's own verdict, the events in its caches, and its own history."""
 
 from __future__ import annotations
 
@@ -12,14 +12,10 @@ from ...worlds.canonical import spec_digest
 from ...worlds.errors import EvidenceError, SpecError
 from ...worlds.patch import parse_spec, weakenings
 from ..predicates import evaluate
+from .bounds import NOISE, OTHER_MACHINE
 
-__all__ = ["NOISE", "OTHER_MACHINE", "compare_history", "compare_rows", "event_list", "unequal"]
+__all__ = ["compare_history", "compare_rows", "event_list", "unequal"]
 
-NOISE = 1e-9
-"""Relative difference of one number judged twice from equal bytes: threads of BLAS may sum in another order."""
-OTHER_MACHINE = 1e-3
-"""Relative difference of one number judged from a motion that another machine class or version simulated (S14), own choice.
-Contact amplifies rounding, so that a chaotic world may differ by more; its bundle then does not verify there."""
 TEXT_KEYS = ("evidence", "corrections", "recipe", "artifact", "entities", "frames", "first_failing_entity", "first_failing_frame")
 """Fields that name files, seeds, frames or words: compared from equal bytes only."""
 
@@ -128,7 +124,7 @@ def _row_differences(name: str, theirs: Mapping[str, Any], ours: Mapping[str, An
 
 
 def compare_history(history: Mapping[str, Any], digest: str) -> list[str]:
-    """What is wrong with a list of revisions: digests, the last one, and weakenings that are not owned up to (R157).
+    """Faults of a list of revisions: digests, the last one, and weakenings that are not owned up to (R157).
 
     Args:
         history: `history.json` of a bundle.

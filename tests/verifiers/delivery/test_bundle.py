@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 from worldagent.testing.worlds.small_worlds import Event, box, ground, make_candidate, world
-from worldagent.verifiers.delivery.bundle import NOISE, OTHER_MACHINE, compare_history, compare_rows, event_list, unequal
+from worldagent.verifiers.delivery.bounds import NOISE, OTHER_MACHINE
+from worldagent.verifiers.delivery.bundle import compare_history, compare_rows, event_list, unequal
 from worldagent.worlds.canonical import spec_digest
 from worldagent.worlds.requirements import Row
 

@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...worlds.predicates import After, Always, And, Before, Count, Eventually, Not, Or, Until, Within, describe_predicate
+from ...worlds.predicates import (
+    After,
+    Always,
+    And,
+    Before,
+    Count,
+    Eventually,
+    Not,
+    Or,
+    Until,
+    Within,
+    describe_predicate,
+    entities_of,
+)
 from .outcome import Comparison, Outcome, Truth, Verdict, missing
 
 if TYPE_CHECKING:
@@ -18,14 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["after", "always", "and_", "before", "count", "eventually", "not_", "or_", "substitute", "until", "within"]
 
-P = TypeVar("P")
 SHOWN = 12
 """Entities named in a sentence; the row lists all of them."""
-
-
-def _typed(predicate: SpecModel, kind: type[P]) -> P:
-    assert isinstance(predicate, kind)
-    return predicate
 
 
 def substitute(predicate: SpecModel, entity: str) -> SpecModel:
@@ -49,12 +56,11 @@ def _first(truth: Truth, frames: tuple[int, int]) -> int | None:
     return frames[0] + int(at[0]) if len(at) else None
 
 
-def count(scope: Scope, predicate: SpecModel) -> Outcome:
+def count(scope: Scope, p: Count) -> Outcome:
     """Measured: how many satisfy the inner predicate. The first failing entity is the first that does not.
 
     First true: the frame at which the number reaches `min`; without `min`, the first frame within `max`.
     """
-    p = _typed(predicate, Count)
     results = {name: scope.judge(substitute(p.predicate, name)) for name in p.entities}
     passed = [n for n, r in results.items() if r.status == "pass"]
     unknown = [n for n, r in results.items() if r.status == "unverified"]
@@ -138,21 +144,18 @@ def _quantified(scope: Scope, predicate: SpecModel, frames: tuple[int, int] | No
     )
 
 
-def always(scope: Scope, predicate: SpecModel) -> Outcome:
+def always(scope: Scope, p: Always) -> Outcome:
     """Measured: share of frames at which the inner predicate is true."""
-    p = _typed(predicate, Always)
     return _quantified(scope, p.predicate, p.frames, every=True)
 
 
-def eventually(scope: Scope, predicate: SpecModel) -> Outcome:
+def eventually(scope: Scope, p: Eventually) -> Outcome:
     """Measured: share of frames at which the inner predicate is true."""
-    p = _typed(predicate, Eventually)
     return _quantified(scope, p.predicate, p.frames, every=False)
 
 
-def until(scope: Scope, predicate: SpecModel) -> Outcome:
+def until(scope: Scope, p: Until) -> Outcome:
     """Measured: frames at which `hold` was false before the goal came true."""
-    p = _typed(predicate, Until)
     goal, hold = scope.judge(p.goal), scope.judge(p.hold)
     if goal.status == "unverified" or hold.status == "unverified":
         worse = goal if goal.status == "unverified" else hold
@@ -230,21 +233,18 @@ def _order_bound(relation: str, gap: int, most: int | None) -> tuple[float, Comp
     return (0.0, ">=", gap) if gap < 0 else (float(most), "<=", most - gap)
 
 
-def before(scope: Scope, predicate: SpecModel) -> Outcome:
+def before(scope: Scope, p: Before) -> Outcome:
     """Measured: frames from the other beat's first true frame to this one's; must be negative."""
-    p = _typed(predicate, Before)
     return _ordered(scope, p.predicate, p.beat, relation="before")
 
 
-def after(scope: Scope, predicate: SpecModel) -> Outcome:
+def after(scope: Scope, p: After) -> Outcome:
     """Measured: frames from the other beat's first true frame to this one's; must be positive."""
-    p = _typed(predicate, After)
     return _ordered(scope, p.predicate, p.beat, relation="after")
 
 
-def within(scope: Scope, predicate: SpecModel) -> Outcome:
+def within(scope: Scope, p: Within) -> Outcome:
     """Measured: frames from the other beat's first true frame to this one's; 0 to `frames`."""
-    p = _typed(predicate, Within)
     return _ordered(scope, p.predicate, p.beat, relation="after", most=p.frames)
 
 
@@ -263,12 +263,11 @@ def _joined(outcomes: Sequence[Outcome], *, every: bool) -> Truth | None:
     return joined
 
 
-def and_(scope: Scope, predicate: SpecModel) -> Outcome:
+def and_(scope: Scope, p: And) -> Outcome:
     """Every member's own verdict must hold; measured is the worst member's value.
 
     First true: when the last member has come true.
     """
-    p = _typed(predicate, And)
     outcomes = [scope.judge(q) for q in p.of]
     worst = _worst(outcomes)
     text = worst.explanation if worst.status != "pass" else "; ".join(o.explanation for o in outcomes)
@@ -279,9 +278,8 @@ def and_(scope: Scope, predicate: SpecModel) -> Outcome:
     return replace(worst, explanation=text, truth=truth, first_true_frame=latest, failing=failing, frames=scope.frames)
 
 
-def or_(scope: Scope, predicate: SpecModel) -> Outcome:
+def or_(scope: Scope, p: Or) -> Outcome:
     """One member's verdict must hold; measured is the best member's value."""
-    p = _typed(predicate, Or)
     outcomes = [scope.judge(q) for q in p.of]
     passing = [o for o in outcomes if o.status == "pass"]
     unknown = [o for o in outcomes if o.status == "unverified"]
@@ -297,12 +295,11 @@ def or_(scope: Scope, predicate: SpecModel) -> Outcome:
     return replace(nearest, explanation=text, truth=truth, first_true_frame=None, frames=scope.frames)
 
 
-def not_(scope: Scope, predicate: SpecModel) -> Outcome:
+def not_(scope: Scope, p: Not) -> Outcome:
     """The negated verdict over the interval; measured is the inner value.
 
     Not-a-number and missing evidence are not negated.
     """
-    p = _typed(predicate, Not)
     inner = scope.judge(p.predicate)
     if inner.status == "unverified" or inner.details.get("non_finite"):
         return inner
@@ -320,13 +317,7 @@ def not_(scope: Scope, predicate: SpecModel) -> Outcome:
         truth=truth,
         margin=None if inner.margin is None else -inner.margin,
         first_true_frame=_first(truth, inner.frames) if truth is not None else scope.frames[0] if ok else None,
-        first_failing_entity=None if ok else (inner.first_failing_entity or _named(p.predicate)),
+        first_failing_entity=None if ok else (inner.first_failing_entity or next(iter(entities_of(p.predicate)), None)),
         first_failing_frame=None if ok else inner.first_true_frame,
         details=inner.details,
     )
-
-
-def _named(predicate: SpecModel) -> str | None:
-    from ...worlds.predicates import entities_of
-
-    return next(iter(entities_of(predicate)), None)

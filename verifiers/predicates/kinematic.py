@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,26 +17,17 @@ from ..ledgers import motion
 from .outcome import Comparison, Outcome, Series, band, judge, vector
 
 if TYPE_CHECKING:
-    from ...worlds.spec import Region, SpecModel
+    from ...worlds.spec import Region
     from .scope import Scope
 
 __all__ = ["crosses", "displacement", "joint_angle", "reaches", "region_offset", "speed", "stays_in", "tilts", "topples"]
 
-P = TypeVar("P")
 TINY = 1e-300
 """Keeps a margin below zero, and a distance above it, where the entity was exactly on the plane."""
 MOST_SURFACE_POINTS = 20_000
-WAY = 33
-"""Points of a straight way between two frames at which it is looked whether it goes through a region. Own choice."""
 """Above this many visible vertices `measure=surface` takes the corners of the convex hull (regions are convex)."""
-
-
-def _typed(predicate: SpecModel, kind: type[P]) -> P:
-    assert isinstance(predicate, kind)
-    return predicate
-
-
-# ---------------------------------------------------------------- regions
+WAY = 33
+"""Own choice: points of a straight way between two frames at which it is looked whether it goes through a region."""
 
 
 def region_offset(region: Region, points: F64) -> tuple[F64, F64]:
@@ -132,28 +124,25 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
     return Series(scope.frames, -depth, depth, "m", entity, lambda i: side, tell, detail)
 
 
-def reaches(scope: Scope, predicate: SpecModel) -> Outcome:
+def reaches(scope: Scope, p: Reaches) -> Outcome:
     """Measured: distance outside the region (negative: depth inside) at the frame that decides."""
-    p = _typed(predicate, Reaches)
     return judge(_in_region(scope, p.entity, p.region, p.measure), p.when)
 
 
-def stays_in(scope: Scope, predicate: SpecModel) -> Outcome:
+def stays_in(scope: Scope, p: StaysIn) -> Outcome:
     """As `reaches`; the docstring of the model asks for every frame unless `when` says otherwise."""
-    p = _typed(predicate, StaysIn)
     return judge(_in_region(scope, p.entity, p.region, p.measure), p.when)
 
 
 # ---------------------------------------------------------------- travel and turning
 
 
-def crosses(scope: Scope, predicate: SpecModel) -> Outcome:
+def crosses(scope: Scope, p: Crosses) -> Outcome:
     """True from the first frame at which the centre is in front of the plane after having been behind it.
 
     The frame before the interval counts as a start, so that a passage during the first frame is seen. Measured:
     distance in front of the plane, the largest after having been behind.
     """
-    p = _typed(predicate, Crosses)
     normal = np.array(p.normal)
     length = float(np.linalg.norm(normal))
     if length == 0:
@@ -201,9 +190,8 @@ def crosses(scope: Scope, predicate: SpecModel) -> Outcome:
     return replace(outcome, value=nearest if nearest < 0 else max(nearest, TINY), comparison=">=" if nearest < 0 else "<=")
 
 
-def tilts(scope: Scope, predicate: SpecModel) -> Outcome:
+def tilts(scope: Scope, p: Tilts) -> Outcome:
     """Measured: angle between the entity's own axis and where it pointed at frame 0."""
-    p = _typed(predicate, Tilts)
     angle = motion.angles(scope.candidate, p.entity, np.array(p.axis))[scope.window]
     margin, side = band(angle, p.min, p.max)
     return judge(
@@ -211,9 +199,8 @@ def tilts(scope: Scope, predicate: SpecModel) -> Outcome:
     )
 
 
-def topples(scope: Scope, predicate: SpecModel) -> Outcome:
+def topples(scope: Scope, p: Topples) -> Outcome:
     """True where the z axis is at least `min_angle` from frame 0; must be so at the end and not at the start."""
-    p = _typed(predicate, Topples)
     angle = motion.angles(scope.candidate, p.entity, np.array([0.0, 0.0, 1.0]))[scope.window]
     margin, side = band(angle, p.min_angle, None)
     largest = int(np.argmax(angle)) if np.isfinite(angle).all() else 0
@@ -247,9 +234,8 @@ def topples(scope: Scope, predicate: SpecModel) -> Outcome:
     return outcome
 
 
-def speed(scope: Scope, predicate: SpecModel) -> Outcome:
+def speed(scope: Scope, p: Speed) -> Outcome:
     """Measured: speed of the centre of mass."""
-    p = _typed(predicate, Speed)
     with np.errstate(invalid="ignore", over="ignore"):
         value = np.linalg.norm(motion.velocities(scope.candidate, p.entity)[scope.window], axis=1)
     margin, side = band(value, p.min, p.max)
@@ -257,9 +243,8 @@ def speed(scope: Scope, predicate: SpecModel) -> Outcome:
     return judge(Series(scope.frames, value, margin, "m/s", p.entity, side, tell), p.when)
 
 
-def displacement(scope: Scope, predicate: SpecModel) -> Outcome:
+def displacement(scope: Scope, p: Displacement) -> Outcome:
     """Measured: distance of the centre of mass from frame 0, or its component along `axis`."""
-    p = _typed(predicate, Displacement)
     centers = judge_of(scope.candidate.spec, p.entity).centers(scope.candidate, p.entity)
     with np.errstate(invalid="ignore", over="ignore"):
         moved = centers[scope.window] - centers[0]
@@ -275,9 +260,8 @@ def displacement(scope: Scope, predicate: SpecModel) -> Outcome:
     return judge(Series(scope.frames, value, margin, "m", p.entity, side, tell), p.when)
 
 
-def joint_angle(scope: Scope, predicate: SpecModel) -> Outcome:
+def joint_angle(scope: Scope, p: JointAngle) -> Outcome:
     """Measured: the joint's coordinate as its engine records it, zero in the configuration of frame 0."""
-    p = _typed(predicate, JointAngle)
     joint = scope.candidate.spec.simulation.joints.get(p.joint)
     if joint is None:
         raise EvidenceError(f"joint {p.joint!r} is not in the simulation plan")
@@ -294,14 +278,11 @@ def joint_angle(scope: Scope, predicate: SpecModel) -> Outcome:
     )
 
 
-class _say:  # noqa: N801 - reads as a verb where it is used
-    """Describes index i of a series, and the range of the series where it helps."""
+def _say(scope: Scope, name: str, verb: str, value: F64, unit: str) -> Callable[[int], str]:
+    """Describes index i of a series, and the range of the series."""
 
-    def __init__(self, scope: Scope, name: str, verb: str, value: F64, unit: str) -> None:
-        self.first, self.name, self.verb, self.value, self.unit = scope.frames[0], name, verb, value, unit
+    def tell(i: int) -> str:
+        low, high = float(np.min(value)), float(np.max(value))
+        return f"{name} {verb} {value[i]:.3g} {unit} at frame {scope.frames[0] + i} (range {low:.3g} to {high:.3g})"
 
-    def __call__(self, i: int) -> str:
-        low, high = float(np.min(self.value)), float(np.max(self.value))
-        return (
-            f"{self.name} {self.verb} {self.value[i]:.3g} {self.unit} at frame {self.first + i} (range {low:.3g} to {high:.3g})"
-        )
+    return tell

@@ -15,7 +15,6 @@ from ...worlds.predicates import LandscapeField, LandscapeWater
 from .outcome import Comparison, Outcome
 
 if TYPE_CHECKING:
-    from ...worlds.spec import SpecModel
     from ...worlds.spec.terrain import Terrain, Zone
     from .scope import Scope
 
@@ -143,7 +142,7 @@ def _flowing(land: SavedLandscape, ask: LandscapeWater, inside: Mask) -> list[di
 
 
 def _lacks(body: dict[str, Any], ask: LandscapeWater) -> str:
-    """What keeps a water body from counting; empty where nothing does."""
+    """Why a water body does not count; empty where it does."""
     if ask.ends_in is not None and body["ends_in"] != ask.ends_in:
         return f"ends in {body['ends_in']}"
     for name in ("depth", "area", "length", "width"):
@@ -153,9 +152,8 @@ def _lacks(body: dict[str, Any], ask: LandscapeWater) -> str:
     return ""
 
 
-def landscape_water(scope: Scope, predicate: SpecModel) -> Outcome:
+def landscape_water(scope: Scope, predicate: LandscapeWater) -> Outcome:
     """Counts the waters that are as asked."""
-    assert isinstance(predicate, LandscapeWater)
     land, terrain = _opened(scope, predicate.terrain)
     inside = zone_cells(land, terrain, predicate.zone)
     bodies = (_standing if predicate.water in ("lake", "sea") else _flowing)(land, predicate, inside)
@@ -201,9 +199,8 @@ def _mean(land: SavedLandscape, terrain: Terrain, field: str, zone: str | None) 
     return float(values[dry].mean())
 
 
-def landscape_field(scope: Scope, predicate: SpecModel) -> Outcome:
+def landscape_field(scope: Scope, predicate: LandscapeField) -> Outcome:
     """Mean over the dry land of a zone, or its ratio to that of another."""
-    assert isinstance(predicate, LandscapeField)
     land, terrain = _opened(scope, predicate.terrain)
     if predicate.field not in land.names:
         raise EvidenceError(f"the landscape has no field {predicate.field!r}; declare what makes it (vegetation forms, erosion)")

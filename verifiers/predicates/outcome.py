@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from ..rows.questions import Comparison
 
 __all__ = ["Comparison", "Outcome", "Series", "Truth", "Verdict", "band", "finite", "judge", "missing", "vector"]
 
 Truth: TypeAlias = NDArray[np.bool_]
 Verdict = Literal["pass", "fail", "unverified"]
-Comparison = Literal["<=", ">=", "==", "in", ""]
 When = Literal["eventually", "always", "end"]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a predicate came to over the frames [first, last]."""
+    """Verdict of a predicate over the frames [first, last], with its measured value."""
 
     status: Verdict
     frames: tuple[int, int]

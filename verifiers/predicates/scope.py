@@ -1,10 +1,10 @@
-"""What an evaluator gets to see: the candidate, the interval, the other beats, and how to judge a nested predicate."""
+"""Scope of one evaluation: the candidate, the interval, the other beats, and how a nested predicate is judged."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ...worlds.spec import SpecModel
 from .outcome import Outcome
@@ -48,4 +48,5 @@ class Scope:
         return self.nested(predicate, frames or self.frames)
 
 
-Evaluator = Callable[[Scope, SpecModel], Outcome]
+Evaluator = Callable[[Scope, Any], Outcome]
+"""Takes a scope and the model of its kind of predicate."""

@@ -8,7 +8,7 @@ in no log of contacts: what it and a solid gave each other over a frame, frictio
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,16 +24,13 @@ from ..scene.surfaces import Surfaces, surfaces_of
 from .outcome import Comparison, Outcome, Series, Truth, band, judge
 
 if TYPE_CHECKING:
-    from ...worlds.spec import SpecModel
     from .scope import Scope
 
 __all__ = ["contact", "no_contact", "rests_on", "separation", "supported"]
 
-P = TypeVar("P")
-
 
 class _Missed(NamedTuple):
-    """What decides an outcome that several things decide."""
+    """The number that decides an outcome, where there are several."""
 
     value: float
     bound: float
@@ -44,11 +41,6 @@ class _Missed(NamedTuple):
     def margin(self) -> float:
         """By how much it is met; negative where it is missed."""
         return self.value - self.bound if self.comparison == ">=" else self.bound - self.value
-
-
-def _typed(predicate: SpecModel, kind: type[P]) -> P:
-    assert isinstance(predicate, kind)
-    return predicate
 
 
 def _clearance(surfaces: Surfaces, a: str, b: str, frames: NDArray[np.intp], skip_above: float = np.inf) -> F64:
@@ -119,12 +111,11 @@ def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
     return touched, impulse
 
 
-def contact(scope: Scope, predicate: SpecModel) -> Outcome:
+def contact(scope: Scope, p: Contact) -> Outcome:
     """Measured: summed normal impulse, or how far they stay apart where none is asked for.
 
     First true: when they have touched and the sum has reached `min_impulse`.
     """
-    p = _typed(predicate, Contact)
     touched, impulse = _touched(scope, p.a, p.b)
     if not np.isfinite(impulse).all():
         frame = scope.frames[0] + int(np.argmax(~np.isfinite(impulse)))
@@ -165,9 +156,8 @@ def contact(scope: Scope, predicate: SpecModel) -> Outcome:
     )
 
 
-def no_contact(scope: Scope, predicate: SpecModel) -> Outcome:
+def no_contact(scope: Scope, p: NoContact) -> Outcome:
     """Measured: summed normal impulse, which must be absent; of touches without impulse the number of frames."""
-    p = _typed(predicate, NoContact)
     touched, impulse = _touched(scope, p.a, p.b)
     if not np.isfinite(impulse).all():
         return _not_finite(scope, p.a, scope.frames[0] + int(np.argmax(~np.isfinite(impulse))))
@@ -216,12 +206,11 @@ def _closest(scope: Scope, a: str, b: str) -> tuple[float, int]:
     return float(distance[at]), scope.frames[0] + at
 
 
-def rests_on(scope: Scope, predicate: SpecModel) -> Outcome:
+def rests_on(scope: Scope, p: RestsOn) -> Outcome:
     """Measured: speed of the fastest point; where that is as asked and `on` does not carry the entity, how far it is away.
 
     "Above it at the contact" is a contact normal that rises: the clearance shrinks when the entity is lowered.
     """
-    p = _typed(predicate, RestsOn)
     for name in (p.entity, p.on):
         motion.require_motion(scope.candidate, name)
     surfaces = surfaces_of(scope.candidate)
@@ -260,9 +249,8 @@ def rests_on(scope: Scope, predicate: SpecModel) -> Outcome:
     )
 
 
-def supported(scope: Scope, predicate: SpecModel) -> Outcome:
+def supported(scope: Scope, p: Supported) -> Outcome:
     """Measured: 1 where a chain of bodies that carry each other leads down to a static or kinematic one, else 0."""
-    p = _typed(predicate, Supported)
     motion.require_motion(scope.candidate, p.entity)
     surfaces = surfaces_of(scope.candidate)
     held = _held(surfaces, p.entity)[scope.window]
@@ -320,9 +308,8 @@ def _nearest_below(surfaces: Surfaces, entity: str, frame: int) -> str:
     return f" ({nearest} is nearest, {gaps[nearest]:.3g} m away)"
 
 
-def separation(scope: Scope, predicate: SpecModel) -> Outcome:
+def separation(scope: Scope, p: Separation) -> Outcome:
     """Measured: signed clearance of the visible surfaces, negative when they overlap."""
-    p = _typed(predicate, Separation)
     for name in (p.a, p.b):
         motion.require_motion(scope.candidate, name)
     frames = np.arange(scope.frames[0], scope.frames[1] + 1)

@@ -1,12 +1,15 @@
-"""Bases of the models of a category: the physics that an entity declares, and the instance that moves it."""
+"""Bases of the models of a category: physics of entities, instances that move them, drivers that act on them."""
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+import math
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import model_validator
 
 from .vocabulary import SpecModel
 
-__all__ = ["Instance", "Matter", "MatterShape"]
+__all__ = ["DriverBase", "Instance", "Matter", "MatterShape", "TimedDriver"]
 
 MatterShape = Literal["solid", "deforming", "loose"]
 """`solid`: surfaces that keep their form; `deforming`: surfaces that bend; `loose`: matter without a surface of its own."""
@@ -31,3 +34,23 @@ class Instance(SpecModel):
     """Categories of the members that it moves."""
     meets: ClassVar[tuple[str, ...]] = ()
     """Deforming categories whose surfaces its matter meets: elastic bodies always, cloth where a coupling joins them."""
+
+
+class DriverBase(SpecModel):
+    """A driver, a member of the union `Driver`."""
+
+    @property
+    def begins(self) -> float:
+        """Time at which it acts first within the sequence [s]."""
+        return max(0.0, float(getattr(self, "start", getattr(self, "time", 0.0))))
+
+
+class TimedDriver(DriverBase):
+    """A driver that acts during [start, end) seconds."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        end = getattr(self, "end", None)
+        if end is not None and end <= getattr(self, "start", -math.inf):
+            raise ValueError("end must be > start")
+        return self

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal, TypeVar, get_args
 
 from pydantic import StringConstraints, model_validator
 
@@ -23,6 +23,7 @@ __all__ = [
     "atoms_of",
     "describe_predicate",
     "entities_of",
+    "some_bound",
 ]
 
 When = Literal["eventually", "always", "end"]
@@ -30,19 +31,29 @@ Subject = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63
 """An entity id, or `each` inside `count`."""
 
 
+Bounded = TypeVar("Bounded", bound=SpecModel)
+
+
+def some_bound(model: Bounded) -> Bounded:
+    """A model with a `min`, a `max`, or both in order.
+
+    Raises:
+        ValueError: it has neither, or they are the wrong way round.
+    """
+    low, high = getattr(model, "min", None), getattr(model, "max", None)
+    if low is None and high is None:
+        raise ValueError("give min, max or both")
+    if low is not None and high is not None and low > high:
+        raise ValueError("min must be <= max")
+    return model
+
+
 class Band(SpecModel):
     """A measured value that must lie in [min, max]; one of them may be left out."""
 
     min: Finite | None = None
     max: Finite | None = None
-
-    @model_validator(mode="after")
-    def _some_bound(self) -> Band:
-        if self.min is None and self.max is None:
-            raise ValueError("give min, max or both")
-        if self.min is not None and self.max is not None and self.min > self.max:
-            raise ValueError("min must be <= max")
-        return self
+    _ordered = model_validator(mode="after")(some_bound)
 
 
 Tightens = Literal["up", "down", "none"]

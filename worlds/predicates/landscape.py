@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from ..predicate_base import some_bound
 from ..vocabulary import Finite, Id, NonNegative, SpecModel
 
 __all__ = ["LandscapeField", "LandscapeWater"]
@@ -68,10 +69,4 @@ class LandscapeField(SpecModel):
             raise ValueError(f"unknown field {name!r}; use one of {', '.join(MEASURED)}")
         return name
 
-    @model_validator(mode="after")
-    def _band(self) -> LandscapeField:
-        if self.min is None and self.max is None:
-            raise ValueError("give min, max or both")
-        if self.min is not None and self.max is not None and self.min > self.max:
-            raise ValueError("min must be <= max")
-        return self
+    _ordered = model_validator(mode="after")(some_bound)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ...physics.substances import AIR_DENSITY, AIR_VISCOSITY
+from ..matter import TimedDriver
 from ..shapes import Pose
 from ..vocabulary import EntityRef, Finite, NonNegative, Positive, SpecModel, Vec3
 
@@ -112,7 +113,7 @@ class AttractionField(SpecModel):
         return self
 
 
-class FieldDriver(SpecModel):
+class FieldDriver(TimedDriver):
     """A force field during [start, end) seconds on all that moves, or on some entities.
 
     Air acts by the velocity relative to it: on rigid bodies as drag at the centre of mass, on cloth and elastic bodies by their
@@ -138,14 +139,3 @@ class FieldDriver(SpecModel):
     rise: NonNegative = Field(default=0.0, description="time to full strength [s]")
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
     seed: int = Field(default=0, ge=0, lt=2**31, description="of gusts and eddies")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> FieldDriver:
-        if self.end is not None and self.end <= self.start:
-            raise ValueError("end must be > start")
-        return self
-
-    @property
-    def begins(self) -> float:
-        """When it acts first within the sequence [s]."""
-        return max(0.0, self.start)

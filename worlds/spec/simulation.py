@@ -11,6 +11,7 @@ from ..categories.liquid.models import DfsphInstance, FlipInstance, InflowDriver
 from ..categories.particles.models import BallisticInstance, DemInstance, EmitterDriver
 from ..categories.rigid.joints import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
 from ..categories.rigid.models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance
+from ..matter import DriverBase
 from ..vocabulary import (
     EntityRef,
     Id,
@@ -51,17 +52,12 @@ MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(Solver
 Joint = Annotated[HingeJoint | SlideJoint | BallJoint | WeldJoint | SpringJoint, Field(discriminator="kind")]
 
 
-class ReleaseDriver(SpecModel):
+class ReleaseDriver(DriverBase):
     """Holds the entity where it is at frame 0 and lets go at `time`."""
 
     kind: Literal["release"] = "release"
     entity: EntityRef
     time: NonNegative = Field(description="[s]")
-
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return self.time
 
 
 Driver = Annotated[

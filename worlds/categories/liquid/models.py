@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from ...matter import Instance, Matter, MatterShape
+from ...matter import DriverBase, Instance, Matter, MatterShape, TimedDriver
 from ...shapes import Pose
 from ...vocabulary import EntityRef, Finite, Id, NonNegative, Positive, SpecModel, Vec3
 
@@ -108,7 +108,7 @@ class FlipInstance(Instance):
     settings: FlipSettings
 
 
-class InflowDriver(SpecModel):
+class InflowDriver(TimedDriver):
     """Lets liquid in through a disc or rectangle, along its local +z, during [start, end) seconds."""
 
     kind: Literal["inflow"] = "inflow"
@@ -125,8 +125,6 @@ class InflowDriver(SpecModel):
     def _one_speed(self) -> InflowDriver:
         if (self.speed is None) == (self.rate is None):
             raise ValueError("give either speed or rate")
-        if self.end is not None and self.end <= self.start:
-            raise ValueError("end must be > start")
         return self
 
     @property
@@ -139,13 +137,8 @@ class InflowDriver(SpecModel):
         """Speed through the opening [m/s]."""
         return self.speed if self.speed is not None else float(self.rate or 0.0) / self.area
 
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return self.start
 
-
-class OutflowDriver(SpecModel):
+class OutflowDriver(DriverBase):
     """Takes liquid away that comes into a box, and counts it."""
 
     kind: Literal["outflow"] = "outflow"
@@ -153,13 +146,8 @@ class OutflowDriver(SpecModel):
     pose: Pose = Pose()
     size: tuple[Positive, Positive, Positive] = Field(description="full extents along the box's own axes [m]")
 
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return 0.0
 
-
-class WavesDriver(SpecModel):
+class WavesDriver(DriverBase):
     """Makes the waves of a spectrum, and takes in those that arrive, in zones along closed sides of the liquid's domain.
 
     In a zone of `generate`, liquid is drawn towards the motion of the declared sea; in one of `absorb`, towards rest.
@@ -189,11 +177,6 @@ class WavesDriver(SpecModel):
         if len(set(both)) < len(both):
             raise ValueError("a side stands once, in generate or in absorb")
         return self
-
-    @property
-    def begins(self) -> float:
-        """When it acts first within the sequence [s]."""
-        return max(0.0, self.start)
 
 
 class Current(SpecModel):

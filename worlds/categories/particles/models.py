@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ...matter import Instance, Matter, MatterShape
+from ...matter import Instance, Matter, MatterShape, TimedDriver
 from ...shapes import Pose
 from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 
@@ -74,7 +74,7 @@ class BallisticInstance(Instance):
     settings: BallisticSettings
 
 
-class EmitterDriver(SpecModel):
+class EmitterDriver(TimedDriver):
     """Lets ballistic particles out of a disc, in a cone about its local +z, during [start, end) seconds."""
 
     kind: Literal["emitter"] = "emitter"
@@ -91,17 +91,6 @@ class EmitterDriver(SpecModel):
     )
     start: NonNegative = 0.0
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> EmitterDriver:
-        if self.end is not None and self.end <= self.start:
-            raise ValueError("end must be > start")
-        return self
-
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return self.start
 
 
 class ParticlePhysics(Matter):

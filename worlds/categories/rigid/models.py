@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ...matter import Instance, Matter, MatterShape
+from ...matter import DriverBase, Instance, Matter, MatterShape, TimedDriver
 from ...shapes import Pose
 from ...vocabulary import EntityRef, Finite, Id, JointRef, NonNegative, Positive, SpecModel, Vec3
 
@@ -82,7 +82,7 @@ class PathKey(SpecModel):
     pose: Pose
 
 
-class PathDriver(SpecModel):
+class PathDriver(DriverBase):
     """Moves a kinematic entity along poses (shape-preserving cubic in position, slerp in rotation)."""
 
     kind: Literal["path"] = "path"
@@ -101,7 +101,7 @@ class PathDriver(SpecModel):
         return start
 
 
-class ForceDriver(SpecModel):
+class ForceDriver(TimedDriver):
     """Constant force and torque on an entity during [start, end) seconds."""
 
     kind: Literal["force"] = "force"
@@ -111,19 +111,8 @@ class ForceDriver(SpecModel):
     start: NonNegative = 0.0
     end: Positive
 
-    @model_validator(mode="after")
-    def _ordered(self) -> ForceDriver:
-        if self.end <= self.start:
-            raise ValueError("end must be > start")
-        return self
 
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return self.start
-
-
-class MotorDriver(SpecModel):
+class MotorDriver(DriverBase):
     """Drives a hinge or slide towards a velocity with at most `max_effort` during [start, end) seconds."""
 
     kind: Literal["motor"] = "motor"
@@ -133,20 +122,10 @@ class MotorDriver(SpecModel):
     start: NonNegative = 0.0
     end: Positive
 
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return self.start
 
-
-class DetachDriver(SpecModel):
+class DetachDriver(DriverBase):
     """Opens a weld or cuts a spring or rope at `time`."""
 
     kind: Literal["detach"] = "detach"
     joint: JointRef
     time: NonNegative
-
-    @property
-    def begins(self) -> float:
-        """When it acts first [s]."""
-        return self.time

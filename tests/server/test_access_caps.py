@@ -50,7 +50,7 @@ ELSEWHERE = {
     **dict.fromkeys(
         ["mesh_bytes", "mesh_triangles", "dem_bytes"], "tests/server/test_access_caps.py::test_files_of_assets_are_capped"
     ),
-    "pieces": "tests/worlds/test_fracture.py::test_too_many_pieces_are_refused",
+    "pieces": "tests/worlds/categories/fracture/test_fracture.py::test_too_many_pieces_are_refused",
     "stems": "tests/construction/terrain/test_stems.py::test_too_many_stems_are_refused_and_none_are_no_part",
     "crowded_pairs": "tests/hostile/test_numbers.py::test_a_thousand_bodies_in_one_place_are_refused_before_their_pairs_are_measured",
     "world_files": "tests/worlds/test_foreign.py::test_a_folder_of_very_many_files_is_refused",

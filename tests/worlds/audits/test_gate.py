@@ -127,7 +127,7 @@ PIECES = {
 
 @pytest.mark.parametrize("name", PIECES)
 def test_what_is_in_pieces_has_done_more_than_crack(name: str) -> None:
-    spec = json.loads((Path(__file__).parents[2] / "skills/fracture/breach.json").read_text())
+    spec = json.loads((Path(__file__).parents[3] / "skills/fracture/breach.json").read_text())
     beat = spec["story"]["beats"]["breaks"]
     beat["predicate"], enough = PIECES[name]
     spec["clauses"] = {"c1": {"met_by": ["/story/beats/breaks"]}}

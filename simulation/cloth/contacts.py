@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,10 @@ from . import list_kernels as lists
 from . import near_kernels as near
 from . import soft_kernels as softly
 
-__all__ = ["Contacts", "ownership"]
+if TYPE_CHECKING:
+    from .setup import ClothSetup
+
+__all__ = ["Contacts", "Surfaces", "ownership"]
 
 FAR = 0.6
 """Reach of the search within sheets, in shortest edges: in a flat sheet nothing but neighbours lies within."""
@@ -85,23 +88,34 @@ class _Slots:
         return int(self.before[-1:].numpy()[0]) + int(self.found[-1:].numpy()[0])
 
 
+class Surfaces(NamedTuple):
+    """The triangles that can meet."""
+
+    faces: I32
+    """Of the sheets."""
+    sheet_vertices: int
+    """How many vertices are the sheets'; the others are the solids'."""
+    solid_faces: I32
+    """Of all solids, among all vertices."""
+    solid_body: I32
+    """Row of each of those triangles."""
+    holder: I32
+    """Row of the body that holds each vertex; -1: the world, -2: nothing."""
+    kin: I32
+    """A number for each vertex of the sheets, the same for those that were one before a tear."""
+
+
 class Contacts:
     """Contacts of one run.
 
     Args:
         passes: where its kernels are kept.
         state: arrays of the engine by name (x, u, v, inverse, mass, radius, clock, held, reaction).
-        faces: of the sheets.
-        sheet_vertices: how many vertices are the sheets'; the others are the solids'.
-        solid_faces: of all solids, among all vertices.
-        solid_body: row of each of those triangles.
-        holder: row of the body that holds each vertex, -1 for none.
-        kin: a number for each vertex of the sheets, the same for those that were one before a tear.
+        surfaces: of the sheets and solids.
         friction: among sheets, then with each body.
+        setup: whether sheets meet themselves and each other, and how many rounds of impulses there are.
         shortest: edge of the sheets [m].
         touch: largest distance of contact among sheets, and with solids [m].
-        self_collision: whether sheets meet themselves and each other.
-        iterations: rounds of impulses.
         soft: whether vertices of solids move by themselves, so that what each got is counted.
     """
 
@@ -109,27 +123,23 @@ class Contacts:
         self,
         passes: Passes,
         state: dict[str, Any],
-        faces: I32,
-        sheet_vertices: int,
-        solid_faces: I32,
-        solid_body: I32,
-        holder: I32,
-        kin: I32,
+        surfaces: Surfaces,
         friction: F64,
         *,
+        setup: ClothSetup,
         shortest: float,
         touch: tuple[float, float],
-        self_collision: bool,
-        iterations: int,
         soft: bool = False,
     ) -> None:
         wp, device = warp(), passes.device
+        faces, sheet_vertices, solid_faces, solid_body, holder, kin = surfaces
         self.passes, self.state, self.n = passes, state, sheet_vertices
-        self.self_collision, self.iterations, self.touch, self.shortest = self_collision, iterations, touch, shortest
+        self.self_collision, self.iterations = setup.self_collision, setup.iterations
+        self.touch, self.shortest = touch, shortest
         self.sheet = _Surface(faces, device)
         self._kin = wp.array(np.ascontiguousarray(kin[faces], dtype=np.int32), dtype=wp.vec3i, device=device)
         self.solid = _Surface(solid_faces, device) if len(solid_faces) else None
-        self.active = self_collision or self.solid is not None
+        self.active = self.self_collision or self.solid is not None
         self.held_count = int((holder != -2).sum())
         self.body_of = wp.array(solid_body.astype(np.int32), dtype=wp.int32, device=device)
         self.holder = wp.array(holder.astype(np.int32), dtype=wp.int32, device=device)
@@ -206,29 +216,9 @@ class Contacts:
             span: time [s] over which all are taken to go on as they move; pairs that could meet within are found too, and what counts
                 from then on is how far vertices stray from there. 0: how far they move counts.
         """
-        wp = warp()
-        own, others = self.margins(speed, float(np.linalg.norm(drift)))
-        far = 1e9
-        if span > 0.0:
-            others = own
-            budget = [SPARE * own, far, own, far]
-            wp.copy(self.plan, self.state["u"], count=self.n)
-        else:
-            within = own if self.self_collision else far
-            away = others if self.solid else far
-            budget = [SPARE * within, SPARE * away, within, away]
-            self.plan.assign(np.tile(np.asarray(drift, dtype=np.float64), (self.n, 1)))
-        reach = np.array([self.touch[0] + 2 * own, self.touch[1] + 2 * others])
-        self.reach.assign(reach)
-        self.budget.assign(np.array(budget))
-        self.span.assign(np.array([span]))
-        self.drift.assign(np.asarray(drift, dtype=np.float64).reshape(1, 3))
-        self.solid_margin = SPARE * others if span == 0.0 else far
-        x = self.state["x"]
-        wp.copy(self.anchor, x, count=self.n)
-        self.over.zero_()
+        self._aim(speed, drift, span)
         s, found = self.sheet, list[_Slots]()
-        u, time = self.state["u"], self.span
+        x, u, time = self.state["x"], self.state["u"], self.span
         if self.self_collision:
             s.fit(self.passes, "boxes", *self._moving(self.drift))
         while self.self_collision:
@@ -246,7 +236,6 @@ class Contacts:
                 s.fit(self.passes, "boxes_lab", *self._moving(self._none))
             solid.fit(self.passes, "solid_boxes", *self._moving(self._none))
             while True:
-                o = self._others
                 self.passes(
                     "near_solids", near.near_solids, s.count,
                     [solid.tree.id, x, u, time, s.faces, s.owned, self.holder, s.lower, s.upper, solid.faces, solid.owned, self.body_of,
@@ -258,6 +247,28 @@ class Contacts:
         self._take(found)
         self.fresh = True
         self.searches += 1
+
+    def _aim(self, speed: float, drift: F64, span: float) -> None:
+        """Set how far is looked and how far vertices may move until the next search; arguments as `search`."""
+        wp = warp()
+        own, others = self.margins(speed, float(np.linalg.norm(drift)))
+        far = 1e9
+        if span > 0.0:
+            others = own
+            budget = [SPARE * own, far, own, far]
+            wp.copy(self.plan, self.state["u"], count=self.n)
+        else:
+            within = own if self.self_collision else far
+            away = others if self.solid else far
+            budget = [SPARE * within, SPARE * away, within, away]
+            self.plan.assign(np.tile(np.asarray(drift, dtype=np.float64), (self.n, 1)))
+        self.reach.assign(np.array([self.touch[0] + 2 * own, self.touch[1] + 2 * others]))
+        self.budget.assign(np.array(budget))
+        self.span.assign(np.array([span]))
+        self.drift.assign(np.asarray(drift, dtype=np.float64).reshape(1, 3))
+        self.solid_margin = SPARE * others if span == 0.0 else far
+        wp.copy(self.anchor, self.state["x"], count=self.n)
+        self.over.zero_()
 
     def _take(self, found: list[_Slots]) -> None:
         """Make lists of what was found, in the order of the triangles that found it."""

@@ -88,19 +88,7 @@ def build_scene(
     members = list(instance.members)
     parts = [(m, p) for m in members for p in built[m].parts]
     pieces = tuple(piece_of(m, spec.entities[m], _physics(spec.entities[m]), p) for m, p in parts)
-    shells, drags, velocity = [], [], []
-    for piece in pieces:
-        physics = _physics(spec.entities[piece.member])
-        corner = piece.rest[piece.faces]
-        shortest = float(np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).min())
-        apart_by = touching_distance(physics.thickness, shortest, settings.margin)
-        if apart_by > THIN * shortest:
-            raise InputError(
-                f"layers of {piece.member!r} touch at {apart_by:g} m, more than {THIN:g} of its shortest edge {shortest:.4g} m; use longer edges"
-            )
-        shells.append(0.5 * apart_by)
-        drags.append((physics.drag, physics.skin_drag))
-        velocity.append(np.tile(np.asarray(physics.linear_velocity, dtype=np.float64), (len(piece.rest), 1)))
+    laws = [_physics(spec.entities[p.member]) for p in pieces]
     surround = _surround(spec, built, name, members, apart)
     counts = [len(p.rest) for p in pieces]
     offsets = dict(zip([f"{m}/{p.part}" for m, p in parts], np.cumsum([0, *counts[:-1]]), strict=True))
@@ -110,8 +98,8 @@ def build_scene(
     drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)
     setup = ClothSetup(
         sheets=(),
-        shell=tuple(shells),
-        drag=tuple(drags) if blown else tuple((0.0, 0.0) for _ in drags),
+        shell=tuple(_shell(piece, physics, settings.margin) for piece, physics in zip(pieces, laws, strict=True)),
+        drag=tuple((physics.drag, physics.skin_drag) if blown else (0.0, 0.0) for physics in laws),
         friction=_friction(spec, members, surround),
         gravity=np.array(spec.simulation.gravity, dtype=np.float64),
         boundaries=surround.boundaries,
@@ -134,7 +122,24 @@ def build_scene(
         holds,
         Drawn(fields) if drawn else None,
     )
-    return scene.laid(velocity=np.concatenate(velocity))
+    start = [np.tile(np.asarray(k.linear_velocity, dtype=np.float64), (n, 1)) for k, n in zip(laws, counts, strict=True)]
+    return scene.laid(velocity=np.concatenate(start))
+
+
+def _shell(piece: Piece, physics: ClothPhysics, margin: float | None) -> float:
+    """Half the distance at which layers touch [m].
+
+    Raises:
+        InputError: layers would touch where they are flat.
+    """
+    corner = piece.rest[piece.faces]
+    shortest = float(np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).min())
+    apart_by = touching_distance(physics.thickness, shortest, margin)
+    if apart_by > THIN * shortest:
+        raise InputError(
+            f"layers of {piece.member!r} touch at {apart_by:g} m, more than {THIN:g} of its shortest edge {shortest:.4g} m; use longer edges"
+        )
+    return 0.5 * apart_by
 
 
 def _physics(entity: Entity) -> ClothPhysics:

@@ -18,7 +18,9 @@ NUMBERS = [f"R{i}" for i in range(1, 159)] + [f"S{i}" for i in range(1, 20)]
 FOLDERS = (
     "bench", "construction", "construction/terrain", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
     "simulation/cloth", "simulation/elastic", "simulation/fracture", "simulation/liquid", "simulation/liquid/flip",
-    "simulation/particles", "simulation/rigid", "server/page", "packaging", "physics", "skills", "tests", "tools", "verifiers", "worlds",
+    "simulation/particles", "simulation/rigid", "server/page", "packaging", "physics", "skills", "tests", "tools", "verifiers",
+    "verifiers/contact", "verifiers/diagnosis", "verifiers/land", "verifiers/routes", "verifiers/rows", "verifiers/scene", "verifiers/support",
+    "worlds",
 )  # fmt: skip
 README_LINES = 40
 LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")

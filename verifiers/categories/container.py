@@ -1,4 +1,4 @@
-"""What is asked of the cache of any instance, whatever it moves: its frames, and that they are undamaged (R105)."""
+"""Questions about the cache of any instance, whatever it moves: are its frames there, and undamaged (R105)?"""
 
 from __future__ import annotations
 

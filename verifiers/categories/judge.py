@@ -1,4 +1,4 @@
-"""What verifiers know of one category of matter: its rows, and how whole entities of it move, push, look and end."""
+"""Judge of one category of matter: its rows, and how whole entities of it move, push, look and end."""
 
 from __future__ import annotations
 
@@ -81,8 +81,6 @@ class Judge:
     """Whether it is seen as many small things, the errors of whose pixels level out."""
     goes_on: ClassVar[str] = "moves on"
     """How it goes on where a run ends before it rests."""
-    eased: ClassVar[tuple[str, ...]] = ()
-    """Fields of its physics that are bounds of its rows: values looser than their defaults stand in the approximation register."""
     in_fields: ClassVar[tuple[str, str] | None] = None
     """What is simplified where the medium of a force field, {0}, acts on it, and with which effect; None where no field does."""
 

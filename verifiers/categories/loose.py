@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64
+from ...worlds.categories.loose import domain_box
 from ...worlds.errors import EvidenceError
+from ...worlds.spec import ClothInstance, RigidInstance
 from .judge import Flags, Judge
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
+    from ...worlds.spec import SolverInstance
 
 __all__ = ["Loose", "Moments", "Sample"]
 
@@ -113,3 +116,8 @@ class Loose(Judge):
     def moving(self, candidate: Candidate, entity: str) -> Flags:
         """Whether it is not still, shape (frames,)."""
         return np.asarray(~(self.moments(candidate, entity).speed <= self.still))
+
+    def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:
+        """Least and greatest corner of the domain of an instance [m]."""
+        assert not isinstance(instance, RigidInstance | ClothInstance)
+        return domain_box(instance)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...worlds.audits.story import STARTED
 from ...worlds.categories.fracture.pieces import crumble_of
-from ...worlds.categories.registry import shape_of
+from ...worlds.categories.registry import CATEGORIES, shape_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import entities_of
@@ -152,12 +152,11 @@ def _limits(spec: WorldSpec) -> Iterator[tuple[str, str]]:
 
 def _bounds(candidate: Candidate) -> Iterator[tuple[str, str]]:
     """Bounds that entities declare of themselves, looser than by default."""
-    judges = judged(candidate.spec)
     for name, entity in candidate.spec.entities.items():
         place = f"/entities/{name}"
         asked: list[tuple[str, Any, Any]] = [("dimensions/tolerance", entity.dimensions, Dimensions)]
-        if name in judges:
-            asked += [(f"physics/{f}", entity.physics, type(entity.physics)) for f in judges[name].eased]
+        allowances = CATEGORIES[entity.physics.category].allowances
+        asked += [(f"physics/{f}", entity.physics, type(entity.physics)) for f in allowances]
         for path, holder, model in asked:
             field = path.rpartition("/")[2]
             value, usual = getattr(holder, field), model.model_fields[field].default

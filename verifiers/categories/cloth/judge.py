@@ -30,7 +30,6 @@ class ClothJudge(Judge):
     meets: ClassVar[bool] = True
     flat: ClassVar[bool] = True
     goes_on: ClassVar[str] = "waves on"
-    eased: ClassVar[tuple[str, ...]] = ("max_stretch",)
 
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """Rows of one instance."""

@@ -1,4 +1,4 @@
-"""What every solid around cloth and a sheet gave each other, by the cloth's own record (R96, R97).
+"""Impulses between cloth and every solid around it, by the cloth's own record (R96, R97).
 
 The record holds the impulse on each solid over a frame, of contacts and of pins together. So it tells
 

@@ -21,7 +21,6 @@ class ElasticJudge(Judge):
     name: ClassVar[str] = "elastic"
     body: ClassVar[bool] = True
     goes_on: ClassVar[str] = "wobbles on"
-    eased: ClassVar[tuple[str, ...]] = ("max_strain", "recovery")
     in_fields: ClassVar[tuple[str, str] | None] = (
         "field {0!r} presses on the faces of elastic bodies that face it",
         "drag by the area that they show, without lift and without suction behind",

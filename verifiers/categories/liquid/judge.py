@@ -7,11 +7,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
-from ....worlds.categories.loose import domain_box
-from ....worlds.spec import DfsphInstance, FlipInstance
 from ..judge import Push
 from ..loose import Loose, Sample
 from ..pushes import pushes_of
@@ -24,7 +21,6 @@ from .register import liquid_lines
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
-    from ....worlds.spec import SolverInstance
 
 __all__ = ["LiquidJudge"]
 
@@ -89,8 +85,3 @@ class LiquidJudge(Loose):
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""
         return thin_lines(candidate.spec) + liquid_lines(candidate)
-
-    def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:
-        """Least and greatest corner of the domain of an instance [m]."""
-        assert isinstance(instance, DfsphInstance | FlipInstance)
-        return domain_box(instance)

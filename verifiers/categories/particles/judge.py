@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.categories.loose import domain_box
-from ....worlds.spec import BallisticInstance, DemInstance
+from ....worlds.spec import DemInstance
 from ..judge import Push, Touch
 from ..loose import Loose, Sample
 from ..pushes import pushes_of, touches_of
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
-    from ....worlds.spec import SolverInstance
 
 __all__ = ["ParticleJudge"]
 
@@ -98,8 +95,3 @@ class ParticleJudge(Loose):
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""
         return particle_lines(candidate.spec)
-
-    def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:
-        """Least and greatest corner of the domain of an instance [m]."""
-        assert isinstance(instance, DemInstance | BallisticInstance)
-        return domain_box(instance)

@@ -100,6 +100,6 @@ def test_liquids_of_one_instance_share_pushes_by_what_touches_the_body(tmp_path:
     made = dataclasses.replace(flow, spec=spec, share=share, change={(k, "particle/fluid"): fluid for k in range(3)})
     pushes = LiquidJudge().pushes(made.candidate(tmp_path))[1]
     assert [(a, j) for a, b, _, _, j in pushes if b == "duck"] == [("oil", pytest.approx(1.0))]
-    assert [(a, j) for a, b, j in pushes if b == "paddle"] == [("pool", pytest.approx(1.0))]
-    tank = {a: j for a, b, j in pushes if b == "tank"}
+    assert [(a, j) for a, b, _, _, j in pushes if b == "paddle"] == [("pool", pytest.approx(1.0))]
+    tank = {a: j for a, b, _, _, j in pushes if b == "tank"}
     assert tank["oil"] == pytest.approx(tank["pool"], rel=0.1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -93,6 +93,21 @@ class BodyState:
     """Of those whose vertices share what they carry: row -> a bound of the same where all get impulses at once (v,) [1/kg]."""
     vertex_pace: dict[int, float] = field(default_factory=dict)
     """Of those that swing undamped: row -> longest step in which a solver may take their velocities for steady [s]."""
+
+    ROWS: ClassVar[tuple[str, ...]] = (
+        *("position", "rotation", "center", "velocity", "angular_velocity"),
+        *("inverse_mass", "inverse_inertia", "acceleration"),
+    )
+    """Fields with one row per body."""
+
+    def copied_rows(self) -> BodyState:
+        """A copy in which nothing deforms."""
+        return BodyState(*(getattr(self, name).copy() for name in self.ROWS))
+
+    def write(self, rows: list[int], other: BodyState, theirs: list[int]) -> None:
+        """Take over rows of another state."""
+        for name in self.ROWS:
+            getattr(self, name)[rows] = getattr(other, name)[theirs]
 
 
 @dataclass(frozen=True)

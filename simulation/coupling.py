@@ -26,7 +26,7 @@ from .bodies import lay_vertices, resting
 from .boundaries import BodyState, MovingSurface
 from .coupled_solver import CoupledSolver
 from .protocol import SHORTEST, Within, stepping
-from .rigid.coupled import MovingBodies, RigidBodies
+from .rigid.coupled import RigidBodies
 from .rigid.solver import SolverRigid
 
 __all__ = ["CoupledRun"]
@@ -149,17 +149,13 @@ class CoupledRun:
             if tell is not None:
                 tell((time - start) / (end - start), again + stepping(taken))
 
-    def _bodies_of(self, number: int, moving: MovingBodies, surfaces: Mapping[str, MovingSurface]) -> BodyState:
+    def _bodies_of(self, number: int, moving: BodyState, surfaces: Mapping[str, MovingSurface]) -> BodyState:
         """States of the boundaries of one coupled solver: those at rest at their places, the others as they are."""
         rest, rows = self._rest[number], self._rows[number]
-        found = BodyState(
-            rest.position.copy(), rest.rotation.copy(), rest.center.copy(), rest.velocity.copy(), rest.angular_velocity.copy(),
-            rest.inverse_mass.copy(), rest.inverse_inertia.copy(), rest.acceleration.copy(),
-        )  # fmt: skip
+        found = rest.copied_rows()
         if rows:
-            own, other = (list(k) for k in zip(*rows, strict=True))
-            for field in MovingBodies._fields:
-                getattr(found, field)[own] = getattr(moving, field)[other]
+            own, theirs = (list(k) for k in zip(*rows, strict=True))
+            found.write(own, moving, theirs)
         for soft in self._soft[number]:
             owner = self.others[soft.owner]
             now = owner.surface(soft.entity) if soft.owner >= 0 and isinstance(owner, Deforms) else surfaces[soft.entity]

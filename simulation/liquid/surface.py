@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -16,10 +15,11 @@ from ...worlds.arrays import F64, I32
 from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays
 from ...worlds.canonical import digest_of, source_digest
-from ...worlds.categories.liquid.surface import LiquidSurface, surface_folder
+from ...worlds.categories.liquid.surface import LiquidSurface
+from ...worlds.channels import Writer
 from ...worlds.errors import EvidenceError, InputError
-from ...worlds.folder import write_atomically
 from . import foam, surface_mesh
+from .derived_frames import make_frames
 from .surround import Surroundings, clumps, surroundings
 from .wall_fit import fit_to_sides, fit_to_walls, off_sides, off_walls
 
@@ -266,18 +266,16 @@ def _trusted(reader: LiquidSurface, recipe: str, frames: int) -> tuple[int, _Sta
 
 def mesh_surfaces(
     cache: Cache,
-    folder: Path | None = None,
+    *,
     settings: SurfaceSettings | None = None,
     progress: Callable[[int, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
-    *,
     walls: Walls | None = None,
 ) -> LiquidSurface:
     """Make the surface, spray and foam of every frame of a complete cache, resuming what is there.
 
     Args:
         cache: of a liquid instance.
-        folder: where they go; default and only place that readers know: `surface/` in the cache's folder.
         settings: how; default `default_settings(cache)`.
         progress: called with (done, total, message).
         check: called between frames; raises to stop.
@@ -287,27 +285,19 @@ def mesh_surfaces(
         EvidenceError: particles are missing or altered.
         InputError: no frame holds a particle.
     """
-    folder = folder or surface_folder(cache)
     settings = settings or default_settings(cache)
-    reader, files, about = LiquidSurface(cache), Cache(folder), _recipe(settings)
-    frames, digests = cache.index.frames, cache.digests()
-    start, state = _trusted(reader, about["recipe"], frames) if folder == surface_folder(cache) else (0, None)
-    folder.mkdir(parents=True, exist_ok=True)
-    files.write_index(cache.index)
-    if start < frames or reader.count() > frames:
-        files.begin_digests(files.digests()[:start] if start else [])
-        write_atomically(folder / "surface.json", json.dumps(about, indent=1, sort_keys=True).encode())
-    for frame in range(start, frames):
+    made, about = LiquidSurface(cache), _recipe(settings)
+    digests = cache.digests()
+    start, state = _trusted(made, about["recipe"], cache.index.frames)
+
+    def make(frame: int) -> tuple[dict[str, Any], frozenset[Writer]]:
+        nonlocal state
         data = cache.read(frame)
         if digest_arrays(data) != digests[frame]:
             raise EvidenceError(f"particles of {cache.folder.name!r} at frame {frame} were altered; bake again")
         held = walls(frame) if walls is not None else ()
         channels, state = surface_frame(data, settings, dt=1.0 / cache.index.fps, before=state, walls=held)
-        channels["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
-        heated = "particle/temperature" in data
-        files.write(frame, channels, frozenset({"surface", "surface heat"} if heated else {"surface"}))
-        if progress is not None:
-            progress(frame + 1, frames, f"{cache.index.solver}: surface of frame {frame + 1} of {frames}")
-        if check is not None:
-            check()
+        return channels, frozenset({"surface", "surface heat"} if "particle/temperature" in data else {"surface"})
+
+    make_frames(made, start, make, about, progress=progress, check=check)
     return LiquidSurface(cache)

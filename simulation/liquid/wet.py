@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,8 +14,9 @@ from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays, write_container
 from ...worlds.canonical import digest_of, source_digest
 from ...worlds.categories.liquid.wet import WetMap, wet_folder
+from ...worlds.channels import Writer
 from ...worlds.errors import EvidenceError
-from ...worlds.folder import write_atomically
+from .derived_frames import make_frames
 from .tracks import Tracks, sweeps
 
 __all__ = ["TOUCH", "WetPart", "map_wet"]
@@ -78,29 +78,21 @@ def map_wet(
     texels, size = _spread(parts, [reach, *sweeps(parts, reach, frames, spacing)], SIZE * spacing)
     settings = {"size": size, "touch": TOUCH * spacing, "up": up.tolist(), "drying": [float(d) for d in drying], "gap": gap}
     about = _about(parts, texels, settings)
-    files, digests = Cache(folder), cache.digests()
     start = _trusted(reader, about["recipe"], frames)
-    folder.mkdir(parents=True, exist_ok=True)
-    files.write_index(cache.index)
     if start < frames or reader.count() > frames:
-        files.begin_digests(files.digests()[:start] if start else [])
         write_container(folder / "texels.npz", texels)
-        write_atomically(folder / "wet.json", json.dumps(about, indent=1, sort_keys=True).encode())
     groups = [np.flatnonzero(texels["texel/part"] == k) for k in range(len(parts))]
     dries, step = np.array(drying, dtype=np.float64), 1.0 / cache.index.fps
     tracks = Tracks(texels, groups, parts, size=size, gap=gap, drying=dries, step=step)
     for frame in range(start):
         tracks.take(reader.read(frame))
-    for frame in range(start, frames):
+
+    def make(frame: int) -> tuple[dict[str, Any], frozenset[Writer]]:
         data = cache.read(frame, ("origin", "particle/position", "particle/fluid", "particle/volume"))
         found = _wet(texels, groups, parts, frame, _Drops.of(data), spacing=spacing, up=up)
-        found |= tracks.follow(frame, found)
-        found["source"] = np.frombuffer(bytes.fromhex(digests[frame]), dtype=np.uint8)
-        files.write(frame, found, frozenset({"wet"}))
-        if progress is not None:
-            progress(frame + 1, frames, f"{cache.index.solver}: wet map of frame {frame + 1} of {frames}")
-        if check is not None:
-            check()
+        return found | tracks.follow(frame, found), frozenset({"wet"})
+
+    make_frames(reader, start, make, about, progress=progress, check=check)
     return WetMap(cache)
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...worlds.arrays import F64
-from ..boundaries import MovingSurface
+from ..boundaries import BodyState, MovingSurface
 from .contact_law import set_contact_law
 from .records import velocities
 from .rows import row_arms, row_centers, row_velocities
@@ -15,33 +15,12 @@ from .rows import row_arms, row_centers, row_velocities
 if TYPE_CHECKING:
     from .solver import SolverRigid
 
-__all__ = ["MovingBodies", "RigidBodies"]
+__all__ = ["RigidBodies"]
 
 SHORT = 0.5
 """Part of the rigid step; equal steps of an exchange that is as long are no shorter. Contacts stop what closes within some of their
 steps, so after an exchange of a microsecond they would tell accelerations of 1e6 m/s^2, and coupled solvers would go on with them for
 milliseconds: accelerations are told as in a step of this length."""
-
-
-class MovingBodies(NamedTuple):
-    """State of the moving bodies, one row per entry of `RigidModel.bodies`."""
-
-    position: F64
-    """Origin of the body's frame (n, 3) [m]."""
-    rotation: F64
-    """(n, 3, 3), body to world."""
-    center: F64
-    """Centre of mass (n, 3) [m]."""
-    velocity: F64
-    """Of the centre of mass (n, 3) [m/s]."""
-    angular_velocity: F64
-    """World axes (n, 3) [rad/s]."""
-    inverse_mass: F64
-    """(n,) [1/kg]; 0 for held and authored bodies, and pieces that the world holds."""
-    inverse_inertia: F64
-    """(n, 3, 3), world axes [1/(kg m^2)]."""
-    acceleration: F64
-    """Of the centre of mass, from everything but others' wrenches (n, 3) [m/s^2]."""
 
 
 class RigidBodies:
@@ -56,8 +35,8 @@ class RigidBodies:
         self._mj, self._solver = mujoco, solver
         self._model, self._probe = solver.model, mujoco.MjData(solver.model)
 
-    def state(self) -> MovingBodies:
-        """The moving bodies at present."""
+    def state(self) -> BodyState:
+        """The moving bodies at present, one row per entry of `RigidModel.bodies`; held ones, and pieces that the world holds, do not react."""
         solver, data = self._solver, self._solver.data
         if self._model is not solver.model:
             self._model, self._probe = solver.model, self._mj.MjData(solver.model)
@@ -68,7 +47,7 @@ class RigidBodies:
         linear, angular = row_velocities(solver.rigid, data, speeds), speeds[1][ids]
         center = row_centers(solver.rigid, data).copy()
         mass, inertia = self._mobility()
-        return MovingBodies(origin, rotation, center, linear, angular, mass, inertia, self._accelerations())
+        return BodyState(origin, rotation, center, linear, angular, mass, inertia, self._accelerations())
 
     def surfaces(self) -> dict[str, MovingSurface]:
         """Simulation vertices of elastic members at present."""

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.built import BuiltEntity
 from ...worlds.cache import CacheIndex
 from ...worlds.errors import InputError
-from ...worlds.spec import WorldSpec
-from ..protocol import Intervention, Within, repeated
+from ..protocol import Within, repeated
 from ..sealed import Stamp, seal, unseal
 from .checkpoint import read_state, write_state
 from .contact_law import set_contact_law
@@ -30,24 +28,13 @@ class SolverRigid(Stepper):
     `coupled`: others push its bodies inside the frame (`step_to`), and what they gave is recorded.
     """
 
-    def __init__(
-        self,
-        spec: WorldSpec,
-        built: Mapping[str, BuiltEntity],
-        name: str,
-        *,
-        intervention: Intervention | None = None,
-        coupled: bool = False,
-    ) -> None:
-        super().__init__(spec, built, name, intervention, coupled=coupled)
-        self._frame_time = 1.0 / spec.simulation.fps
-        self._overflows = 0
-        self.frame = 0
-        self.refined = 0
-        """Halvings of the step that the present frame took."""
-        self.time = 0.0
-        """Where the present frame stands [s]."""
-        self._joint_error = 0.0
+    frame = 0
+    refined = 0
+    """Halvings of the step that the present frame took."""
+    time = 0.0
+    """Where the present frame stands [s]."""
+    _overflows = 0
+    _joint_error = 0.0
 
     def prepare(self, *, resumed: bool = False) -> None:
         """Compile, open the skins, run the preroll, set the declared velocities: the state at frame 0.

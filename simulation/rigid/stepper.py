@@ -46,12 +46,13 @@ class Stepper:
         spec: WorldSpec,
         built: Mapping[str, BuiltEntity],
         name: str,
-        intervention: Intervention | None = None,
         *,
+        intervention: Intervention | None = None,
         coupled: bool = False,
     ) -> None:
         self.spec, self.built, self.name = spec, built, name
         self._intervention = intervention or Intervention()
+        self._frame_time = 1.0 / spec.simulation.fps
         instance = spec.simulation.rigid[name]
         self.members = tuple(dict.fromkeys(instance.members))
         self.settings: RigidSettings = instance.settings

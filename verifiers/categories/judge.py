@@ -161,14 +161,6 @@ class Judge:
         """Whom it pressed when, apart from what logs of contacts tell."""
         yield from ()
 
-    def impulses(self, candidate: Candidate, entity: str) -> dict[str, F64]:
-        """Impulse on an entity by origin [N s], each shape (frames - 1, 3): see `ledgers/origins.py` for the names.
-
-        Raises:
-            EvidenceError: a record that tells of one is missing.
-        """
-        raise EvidenceError(f"no ledger tells what gave {entity!r} its momentum ({self.name})")
-
     # ---------------------------------------------------------------- how it looks
 
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
@@ -213,10 +205,6 @@ class Judge:
     def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:
         """Least and greatest corner of the domain of an instance [m]; None where `lines` tell themselves whom it does not meet."""
         return None
-
-    def placeholders(self, spec: WorldSpec, entity: str) -> dict[str, str | None]:
-        """Names that the skills may use for an entity in corrections of its rows, by placeholder."""
-        return {}
 
 
 def joined(meshes: list[TriangleMesh]) -> TriangleMesh:

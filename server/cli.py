@@ -13,9 +13,10 @@ from typing import Any
 from .. import __version__
 from ..worlds.errors import EngineError, InputError, WorldAgentError
 from ..worlds.quoting import visible
+from .default_workspace import ENV_WORKSPACE, default_workspace
 from .token_commands import add_token_commands
 
-__all__ = ["BENCHMARKS", "default_workspace", "leave", "main"]
+__all__ = ["BENCHMARKS", "leave", "main"]
 
 BENCHMARKS: dict[str, str] = {
     "startup": "worldagent.bench.startup:run",
@@ -41,23 +42,19 @@ BENCHMARKS: dict[str, str] = {
 }
 """Benchmarks by name: `run()` returns the figures."""
 
-ENV_WORKSPACE = "WORLDAGENT_WORKSPACE"
 ENV_TOKEN = "WORLDAGENT_TOKEN"  # noqa: S105 - name of a variable
 OK, FAILED, MISUSED = 0, 1, 2
+_Command = Callable[[argparse.Namespace], int]
+_Add = Callable[[str, _Command, str], argparse.ArgumentParser]
+"""Adds a command by name, function and description."""
 ON_WINDOWS = ("_setup", "_add", "_list", "_revoke")
 """Commands that work without the processes, locks and limits of POSIX: lists of clients and of tokens."""
-
-
-def default_workspace() -> Path:
-    """`$WORLDAGENT_WORKSPACE`, or `worldagent` in the home folder."""
-    named = os.environ.get(ENV_WORKSPACE)
-    return Path(named) if named else Path.home() / "worldagent"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     arguments = _parser().parse_args(argv)
-    command: Callable[[argparse.Namespace], int] = arguments.command
+    command: _Command = arguments.command
     try:
         if sys.platform == "win32" and command.__name__ not in ON_WINDOWS:
             raise EngineError(
@@ -80,11 +77,22 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"worldagent {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def add(name: str, function: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+    def add(name: str, function: _Command, text: str) -> argparse.ArgumentParser:
         made = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         made.set_defaults(command=function)
         return made
 
+    _add_serve(add)
+    add_token_commands(commands.add_parser("token", help="Issue, list and revoke bearer tokens."))
+    _add_demo_and_doctor(add)
+    _add_setup(add)
+    _add_proofs(add)
+    add("warm", _warm, "Compile kernels and prove the renderer's variant now rather than at first use.")
+    _add_bench(add)
+    return parser
+
+
+def _add_serve(add: _Add) -> None:
     serve = add("serve", _serve, "Serve MCP over stdio (default) or HTTP.")
     serve.add_argument(
         "--workspace", type=Path, metavar="DIR", help=f"root of all worlds (default: ${ENV_WORKSPACE} or ~/worldagent)"
@@ -106,8 +114,9 @@ def _parser() -> argparse.ArgumentParser:
     serve.add_argument(
         "--conformance", action="store_true", help="serve the fixtures of the official MCP conformance suite too, for tests"
     )
-    add_token_commands(commands.add_parser("token", help="Issue, list and revoke bearer tokens."))
 
+
+def _add_demo_and_doctor(add: _Add) -> None:
     demo = add("demo", _demo, "A scripted MCP client takes a flawed specification to an accepted world and its film.")
     demo.add_argument("--seed", type=int, default=1, help="which flaws the first specification carries")
     demo.add_argument("--flaws", type=int, default=3, help="how many flaws")
@@ -119,6 +128,8 @@ def _parser() -> argparse.ArgumentParser:
     doctor.add_argument("--json", action="store_true", help="print JSON instead of a table")
     doctor.add_argument("--workspace", type=Path, metavar="DIR", help="workspace to check")
 
+
+def _add_setup(add: _Add) -> None:
     setup = add("setup", _setup, "Put this server into a client's list of servers; shows the entry unless told to write it.")
     setup.add_argument(
         "clients", nargs="*", metavar="CLIENT", help="claude-desktop, claude-code, codex, ...; none lists them all"
@@ -130,6 +141,9 @@ def _parser() -> argparse.ArgumentParser:
     setup.add_argument("--file", type=Path, help="the list lies here")
     setup.add_argument("--through", choices=("wsl", "docker"), help="started by wsl.exe, or inside the container `worldagent`")
 
+
+def _add_proofs(add: _Add) -> None:
+    """Commands that judge a world folder or a bundle."""
     verify = add(
         "verify",
         _verify,
@@ -162,7 +176,8 @@ def _parser() -> argparse.ArgumentParser:
     recompute = add("recompute", _recompute, "Build and bake a world folder anew, then judge it; exit code 0 only when accepted.")
     recompute.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
 
-    add("warm", _warm, "Compile kernels and prove the renderer's variant now rather than at first use.")
+
+def _add_bench(add: _Add) -> None:
     bench = add("bench", _bench, "Run a benchmark: progress on stderr, one JSON object as the last line of stdout.")
     bench.add_argument(
         "--only",
@@ -183,7 +198,6 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument(
         "name", metavar="NAME|list", choices=("list", *BENCHMARKS), help=f"list, or one of: {', '.join(BENCHMARKS)}"
     )
-    return parser
 
 
 def _port(text: str) -> int:

@@ -32,12 +32,14 @@ __all__ = ["add_resources"]
 JSON = "application/json"
 MAX_FILE_BYTES = 8_000_000
 _SHOWN_NAMES = 40
+_WORLD = "worldagent://worlds/{world}"
 
 
 def add_resources(server: MCPServer[Any], workspace: Path, jobs: WorkspaceJobs) -> None:
     """Register all resources, templates and completions on a server."""
     _add_general(server, workspace)
-    _add_world(server, workspace)
+    _add_standing(server, workspace)
+    _add_parts(server, workspace)
     _add_jobs(server, jobs)
     _add_skills(server)
 
@@ -101,18 +103,22 @@ def _add_general(server: MCPServer[Any], workspace: Path) -> None:
         return _json({"worlds": world_ids(workspace)})
 
 
-def _add_world(server: MCPServer[Any], workspace: Path) -> None:
-    base = "worldagent://worlds/{world}"
+def _add_standing(server: MCPServer[Any], workspace: Path) -> None:
+    """A world as a whole: its specification, and the rows, edits and report of its ledger."""
 
     @server.resource(
-        f"{base}/spec", name="world-spec", title="Specification", description="The current world.json of a world", mime_type=JSON
+        f"{_WORLD}/spec",
+        name="world-spec",
+        title="Specification",
+        description="The current world.json of a world",
+        mime_type=JSON,
     )
     def spec(world: str) -> str:
         with _opened(workspace, world) as folder:
             return json_visible(_file(folder.root, folder.spec_path.name, []).decode("utf-8", "replace"))
 
     @server.resource(
-        f"{base}/matrix",
+        f"{_WORLD}/matrix",
         name="world-matrix",
         title="Requirements matrix",
         description="All rows of the requirements matrix with measurements and evidence, failing rows first",
@@ -128,7 +134,7 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
                 return _json({"world": world, "revision": ledger.revision(), "rows": rows})
 
     @server.resource(
-        f"{base}/revisions",
+        f"{_WORLD}/revisions",
         name="world-revisions",
         title="Revisions",
         description="Edits of the specification, newest first: patch, hypothesis, parameter groups, weakenings with reasons",
@@ -140,7 +146,7 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             return _json({"world": world, "revisions": [] if ledger is None else ledger.revisions(limit=200)})
 
     @server.resource(
-        f"{base}/report",
+        f"{_WORLD}/report",
         name="world-report",
         title="Report",
         description="A world at a glance: prompt, counts of verdicts, failing rows with corrections, weakenings, acceptance",
@@ -152,8 +158,15 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             with nullcontext() if ledger is None else ledger.looking():
                 return world_report(folder, ledger)
 
+
+def _add_parts(server: MCPServer[Any], workspace: Path) -> None:
+    """Single things of a world: an entity, a picture, a proof of acceptance, the film."""
+
+    def listed(folder: Path, name: str) -> bytes:
+        return _file(folder, name, sorted(p.name for p in folder.iterdir() if p.is_file()) if folder.is_dir() else [])
+
     @server.resource(
-        f"{base}/entities/{{entity}}",
+        f"{_WORLD}/entities/{{entity}}",
         name="world-entity",
         title="Entity",
         description="Contract of one entity in the current specification: role, dimensions, material, parts, motion",
@@ -167,7 +180,7 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
             return _json({"world": world, "entity": entity, "contract": entities[entity]})
 
     @server.resource(
-        f"{base}/pictures/{{name}}",
+        f"{_WORLD}/pictures/{{name}}",
         name="world-picture",
         title="Picture",
         description="A preview, contact sheet, plot or plan that render_shot wrote",
@@ -175,11 +188,10 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
     )
     def picture(world: str, name: str) -> bytes:
         with _opened(workspace, world) as folder:
-            known = sorted(p.name for p in folder.pictures.iterdir() if p.is_file()) if folder.pictures.is_dir() else []
-            return _file(folder.pictures, name, known)
+            return listed(folder.pictures, name)
 
     @server.resource(
-        f"{base}/acceptance/{{name}}",
+        f"{_WORLD}/acceptance/{{name}}",
         name="world-proof",
         title="Report or bundle",
         description="The matrix report (one HTML page with pictures) or the acceptance bundle (zip) that acceptance wrote",
@@ -187,11 +199,10 @@ def _add_world(server: MCPServer[Any], workspace: Path) -> None:
     )
     def proof(world: str, name: str) -> bytes:
         with _opened(workspace, world) as folder:
-            known = sorted(p.name for p in folder.acceptance.iterdir() if p.is_file()) if folder.acceptance.is_dir() else []
-            return _file(folder.acceptance, name, known)
+            return listed(folder.acceptance, name)
 
     @server.resource(
-        f"{base}/film",
+        f"{_WORLD}/film",
         name="world-film",
         title="Film",
         description="The newest film that render_shot(kind='final') rendered",

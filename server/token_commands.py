@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .default_workspace import default_workspace
+
 if TYPE_CHECKING:
     from .tokens import TokenBook
 
@@ -34,7 +36,6 @@ def add_token_commands(parser: argparse.ArgumentParser) -> None:
 
 
 def _book(arguments: argparse.Namespace) -> TokenBook:
-    from .cli import default_workspace
     from .tokens import TokenBook
 
     return TokenBook((arguments.workspace or default_workspace()).expanduser().absolute())

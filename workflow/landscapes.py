@@ -72,46 +72,11 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     patch = cut_patch(session.folder, name, land, center=tuple(center), size=tuple(size), cells=payload["cells"])
     stems = cut_stems(session.folder, name, land, center=tuple(center), size=tuple(size)) if payload.get("stems") else None
     spec, entity = session.spec, payload["entity"]
-    material = ground_material(spec, payload.get("material"))
-    base = max(1.0, 0.02 * max(patch.size))
-    contract: dict[str, Any] = {
-        "role": f"ground cut from the landscape {name!r}",
-        "motion": "static",
-        "material": material,
-        "dimensions": {"size": [patch.size[0], patch.size[1], patch.high - patch.low + base]},
-        "pose": {"position": [center[0], center[1], 0.0]},
-        "parts": {
-            "land": {
-                "shape": {
-                    "kind": "heightfield",
-                    "size": list(patch.size),
-                    "file": patch.file,
-                    "digest": patch.digest,
-                    "base": base,
-                }
-            }
-        },
-    }
-    if stems is not None:
-        _stand(contract, stems, patch, base)
+    contract = _contract(name, patch, tuple(center), ground_material(spec, payload.get("material")), stems)
     operations: list[dict[str, Any]] = [{"op": "add", "path": f"/entities/{entity}", "value": contract}]
     operations += membership(spec, entity)
-    water: dict[str, Any] = {}
-    if payload.get("liquid"):
-        from .waters import water_operations
-
-        spacing = payload.get("spacing") or 0.25 * max(patch.size) / payload["cells"]
-        more, water = water_operations(
-            session.folder,
-            spec,
-            land,
-            file=patch.file,
-            center=tuple(center),
-            size=patch.size,
-            liquid=payload["liquid"],
-            spacing=spacing,
-        )
-        operations += more
+    more, water = _waters(session, land, patch, tuple(center), payload)
+    operations += more
     after = apply_patch(spec, operations)
     data: dict[str, Any] = {}
     if after != spec:
@@ -135,13 +100,45 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     return data
 
 
-def _stand(contract: dict[str, Any], stems: StemCut, patch: GroundPatch, base: float) -> None:
-    """Give a ground its trunks and boulders, and the size with them."""
-    shape = {"kind": "stems", "file": stems.file, "digest": stems.digest, "count": stems.number}
-    contract["parts"]["stems"] = {"shape": shape}
+def _contract(name: str, patch: GroundPatch, center: tuple[float, float], material: str, stems: StemCut | None) -> dict[str, Any]:
+    """The entity of a ground that is cut from a landscape, with its trunks and boulders where they are solid."""
+    base = max(1.0, 0.02 * max(patch.size))
     half = [0.5 * s for s in patch.size]
     low, high = [-half[0], -half[1], patch.low - base], [half[0], half[1], patch.high]
-    contract["dimensions"]["size"] = [max(high[k], float(stems.high[k])) - min(low[k], float(stems.low[k])) for k in range(3)]
+    land = {"kind": "heightfield", "size": list(patch.size), "file": patch.file, "digest": patch.digest, "base": base}
+    parts: dict[str, Any] = {"land": {"shape": land}}
+    size = [patch.size[0], patch.size[1], patch.high - patch.low + base]
+    if stems is not None:
+        parts["stems"] = {"shape": {"kind": "stems", "file": stems.file, "digest": stems.digest, "count": stems.number}}
+        size = [max(high[k], float(stems.high[k])) - min(low[k], float(stems.low[k])) for k in range(3)]
+    return {
+        "role": f"ground cut from the landscape {name!r}",
+        "motion": "static",
+        "material": material,
+        "dimensions": {"size": size},
+        "pose": {"position": [center[0], center[1], 0.0]},
+        "parts": parts,
+    }
+
+
+def _waters(
+    session: Session, land: SavedLandscape, patch: GroundPatch, center: tuple[float, float], payload: dict[str, Any]
+) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Operations for the liquid that is asked for, and figures of it; none where none is."""
+    if not payload.get("liquid"):
+        return [], {}
+    from .waters import water_operations
+
+    return water_operations(
+        session.folder,
+        session.spec,
+        land,
+        file=patch.file,
+        center=center,
+        size=patch.size,
+        liquid=payload["liquid"],
+        spacing=payload.get("spacing") or 0.25 * max(patch.size) / payload["cells"],
+    )
 
 
 def _follows(session: Session, entity: str, contract: dict[str, Any], file: str) -> bool:

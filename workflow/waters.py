@@ -53,51 +53,73 @@ def water_operations(
     Raises:
         InputError: the ground holds no water, or the entity is something else.
     """
-    import math
-
-    import numpy as np
-
     from ..construction.terrain.rivers import river_courses, river_gates
-    from ..construction.terrain.waters import water_body
     from ..worlds.categories.liquid.facts import LEAST_MOUTH
     from ..worlds.errors import InputError
 
     known = spec.entities.get(liquid)
     if known is not None and known.physics.category != "liquid":
         raise InputError(f"entity {liquid!r} exists and is no liquid; choose another id")
-    ground = np.load(folder.assets / file, allow_pickle=False)
-    x, y = (c + np.linspace(-s / 2, s / 2, n) for c, s, n in zip(center, size, ground.shape[::-1], strict=True))
-    # Beyond the domain the ground goes on: where both end together, liquid slips down the ground's side.
-    inner = [slice(k, -k) for k in (math.ceil(RIM * spacing / float(a[1] - a[0])) for a in (x, y))]
-    if min(len(x[inner[0]]), len(y[inner[1]])) < LEAST_ROWS:
-        raise InputError(
-            f"a ground of {size[0]:g} x {size[1]:g} m is too small for a liquid of spacing {spacing:g} m; cut more of it"
-        )
-    body = water_body(land, x[inner[0]], y[inner[1]], ground[inner[1], inner[0]])
+    body = _body(folder, land, file, center, size, spacing)
     courses, count = river_courses(land, body), body.volume / spacing**3
     owner = next((k for k, s in spec.simulation.liquid.items() if liquid in s.members), None)
     engine = spec.simulation.liquid[owner].engine if owner is not None else "flip" if courses or count > MANY else "dfsph"
     gates = river_gates(land, body, inset=2 * spacing, flush=engine == "flip")
     fits = [g for g in gates if not g.enters or min(g.size) >= LEAST_MOUTH[engine] * spacing]
     operations = [*_material(spec), *_entity(spec, body, courses, liquid, center, spacing)]
-    operations += _instance(body, gates, liquid, owner, engine, spacing)
+    operations += [*_instance(body, gates, liquid, owner, engine, spacing), *_drivers(spec, fits, liquid, spacing)]
+    told = {"entity": liquid, **_figures(body, courses), "particles": round(count), "engine": engine}
+    told |= {"inflows": [_told(g) for g in fits if g.enters], "outflows": [_told(g) for g in fits if not g.enters]}
+    small = [_told(g) for g in gates if g not in fits]
+    return operations, told | ({"too_small_for_the_spacing": small} if small else {})
+
+
+def _body(
+    folder: WorldFolder,
+    land: SavedLandscape,
+    file: str,
+    center: tuple[float, float],
+    size: tuple[float, float],
+    spacing: float,
+) -> WaterBody:
+    """The water over the inner part of a cut ground: beyond the domain the ground goes on, or liquid would slip down its side."""
+    import math
+
+    import numpy as np
+
+    from ..construction.terrain.waters import water_body
+    from ..worlds.errors import InputError
+
+    ground = np.load(folder.assets / file, allow_pickle=False)
+    x, y = (c + np.linspace(-s / 2, s / 2, n) for c, s, n in zip(center, size, ground.shape[::-1], strict=True))
+    inner = [slice(k, -k) for k in (math.ceil(RIM * spacing / float(a[1] - a[0])) for a in (x, y))]
+    if min(len(x[inner[0]]), len(y[inner[1]])) < LEAST_ROWS:
+        raise InputError(
+            f"a ground of {size[0]:g} x {size[1]:g} m is too small for a liquid of spacing {spacing:g} m; cut more of it"
+        )
+    return water_body(land, x[inner[0]], y[inner[1]], ground[inner[1], inner[0]])
+
+
+def _drivers(spec: WorldSpec, gates: list[Gate], liquid: str, spacing: float) -> list[dict[str, Any]]:
+    """Operations that put an inflow or an outflow at every gate, in place of those of an earlier cut."""
     prefixes = (f"{liquid}_in_", f"{liquid}_out_")
-    operations += [
+    operations: list[dict[str, Any]] = [
         {"op": "remove", "path": f"/simulation/drivers/{k}"} for k in spec.simulation.drivers if k.startswith(prefixes)
     ]
     numbers = {True: 0, False: 0}
-    for gate in fits:
+    for gate in gates:
         name = f"{prefixes[0 if gate.enters else 1]}{numbers[gate.enters]}"
         numbers[gate.enters] += 1
         operations.append(_add(f"/simulation/drivers/{name}", (_mouth if gate.enters else _drain)(gate, liquid, spacing)))
-    told = {
-        "entity": liquid,
+    return operations
+
+
+def _figures(body: WaterBody, courses: list[Course]) -> dict[str, Any]:
+    import numpy as np
+
+    return {
         "volume_m3": round(body.volume, 3),
         "deepest_m": round(float(np.nanmax(body.level - body.ground)), 3),
-        "particles": round(count),
-        "engine": engine,
-        "inflows": [_told(g) for g in fits if g.enters],
-        "outflows": [_told(g) for g in fits if not g.enters],
         "currents": [
             {
                 "reach": c.reach,
@@ -107,8 +129,6 @@ def water_operations(
             for c in courses
         ],
     }
-    small = [g for g in gates if g not in fits]
-    return operations, told | ({"too_small_for_the_spacing": [_told(g) for g in small]} if small else {})
 
 
 def _told(gate: Gate) -> dict[str, Any]:

@@ -15,7 +15,8 @@ from typing import Any
 
 import pytest
 import worldagent
-from worldagent.server.cli import ENV_WORKSPACE, _parser
+from worldagent.server.cli import _parser
+from worldagent.server.default_workspace import ENV_WORKSPACE
 from worldagent.tools import TOOLS
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,7 +15,8 @@ import pytest
 from worldagent.bench.machine import run_benchmark
 from worldagent.server import doctor
 from worldagent.server.check import Check
-from worldagent.server.cli import BENCHMARKS, default_workspace, main
+from worldagent.server.cli import BENCHMARKS, main
+from worldagent.server.default_workspace import default_workspace
 from worldagent.server.health import PROOFS
 from worldagent.worlds.errors import RefusedError
 

@@ -1,4 +1,4 @@
-"""Floor 6: the MCP tools. One tool, one file, one typed function; listed here explicitly, in the order of the loop."""
+"""Floor 7: the MCP tools. One tool, one file, one typed function; listed here explicitly, in the order of the loop."""
 
 from ..workflow.context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from ..workflow.links import WORLD_VIEW

@@ -15,8 +15,7 @@ from ..worlds.built import TriangleMesh
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec.story import BoxRegion, Connects, CylinderRegion, SphereRegion
-from .categories.liquid.preview import LiquidLayer
-from .categories.particles.shapes import ball_mesh, grains_at
+from .categories.registry import layers_of
 from .drawing import Color, distinct_color, label_regions, line, region_edges, text, text_size
 from .views import Bounds, active, focus_bounds
 
@@ -27,8 +26,6 @@ FAR = 2000.0
 REGION_COLOR: Color = (20, 110, 60)
 ROUTE_COLOR: Color = (190, 60, 20)
 Project = Callable[[F64], F64]
-LIQUID_NEARER = 2e-3
-"""How much nearer liquids are drawn, in spans of the picture."""
 
 
 def _behind(mesh: TriangleMesh, normal: F64, offset: float) -> TriangleMesh:
@@ -140,21 +137,13 @@ def _drawing(
     span = 1.16 * max(upward, across * height / width, 1e-3)
     eye = box.center + FAR * span * towards
     camera = Camera(eye, box.center, 2 * math.degrees(math.atan(0.5 / FAR)), width, height)
-    names = [n for n in sorted(candidate.built) if active(candidate, n, frame)]
+    layers = layers_of(candidate)
+    names = [n for n in sorted(layers.of) if n in candidate.built and active(candidate, n, frame)]
     meshes, owned = [], []
-    layer = LiquidLayer(candidate)
-    # Liquid reaches a little into the walls it touches: nearer, so that its cut shows before them.
-    nearer = LIQUID_NEARER * span * towards
-    wet = {
-        liquid.entity: TriangleMesh(mesh.vertices + nearer, mesh.faces)
-        for liquid, mesh in zip(layer.liquids, layer.meshes(frame), strict=True)
-    }
-    wet |= {g.entity: ball_mesh(g) for g in grains_at(candidate, frame)}
     for k, name in enumerate(names):
-        placed = [wet[name]] if name in wet else [
-            TriangleMesh(candidate.surface(name, p.part, frame), p.render.faces)
-            for p in candidate.built[name].parts
-        ]  # fmt: skip
+        layer = layers.of[name]
+        nearer = layer.nearer * span * towards
+        placed = [TriangleMesh(mesh.vertices + nearer, mesh.faces) for mesh in layer.meshes(name, frame)]
         meshes += placed if cut is None else [_behind(mesh, towards, cut) for mesh in placed]
         owned += [k] * len(placed)
     owner = np.array(owned, dtype=np.int32)
@@ -176,7 +165,7 @@ def _drawing(
     label_regions(image, entity, names)
     _rulers(image, project, box, axes)
     _scale_bar(image, height / span)
-    text(image, f"{title}, frame {frame}", (8, height - 10), height=10, box=(255, 255, 255))
+    text(image, f"{title}, frame {frame}{layers.note}", (8, height - 10), height=10, box=(255, 255, 255))
     return image
 
 

@@ -11,12 +11,12 @@ from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster, IdImage
 from ..worlds.arrays import F32, F64, U8, compose
 from ..worlds.candidate import Candidate
-from .categories.liquid.preview import LiquidLayer, over, tinted
-from .categories.particles.shapes import GrainLayer
+from .categories.layer import LooseLayer, over
+from .categories.registry import layers_of
 from .drawing import caption, distinct_color, label_regions, region_edges
 from .land.preview import LandLayer
 from .land.scenery import cut_from, is_stems
-from .shades import brick_tone, pattern_shade
+from .shades import pattern_shade
 from .views import active, camera_for, focus_bounds, part_frame
 
 __all__ = ["PreviewRenderer", "id_view", "preview"]
@@ -36,33 +36,38 @@ class PreviewRenderer:
 
     def __init__(self, candidate: Candidate) -> None:
         self.candidate = candidate
-        self._grains = GrainLayer(candidate)
-        loose = (*candidate.liquids, *self._grains.entities)
-        solid = [name for name in sorted(candidate.built) if name not in loose]
-        self.parts = [(name, part) for name in solid for part in candidate.built[name].parts]
-        self._layer = LiquidLayer(candidate)
-        self._loose = len(self.parts) + len(self._grains.entities)
+        self._layers = layers_of(candidate)
+        self._bodies = self._layers.parts
+        self.parts = [(entity, part) for _, entity, part in self._bodies]
+        loose = sorted(self._layers.loose, key=lambda layer: not layer.opaque)
+        starts = np.cumsum([len(self.parts), *(len(layer.entities) for layer in loose)]).tolist()
+        pairs = list(zip(loose, starts, strict=False))
+        self._opaque = [(layer, first) for layer, first in pairs if layer.opaque]
+        self._clear = [(layer, first) for layer, first in pairs if not layer.opaque]
+        self._first_clear = len(self.parts) + sum(len(layer.entities) for layer, _ in self._opaque)
         self._land: LandLayer | None = None
         self._grounds: dict[str, list[int]] = {}
         for k, (name, _) in enumerate(self.parts):
             land = cut_from(candidate, name)
             if land is not None:
                 self._grounds.setdefault(land, []).append(k)
-        liquid = [one.entity for one in self._layer.liquids]
-        grains = self._grains.entities
-        self.entities = sorted([*solid, *grains, *liquid])
+        owners = [*(name for name, _ in self.parts), *(name for layer in loose for name in layer.entities)]
+        self.entities = sorted(set(owners))
         self._caster = IdCaster([part.render for _, part in self.parts])
-        self._soft = [k for k, (name, _) in enumerate(self.parts) if name in candidate.deforming]
+        self._soft = [k for k, (layer, name, _) in enumerate(self._bodies) if layer.bends(name)]
         index = {name: k for k, name in enumerate(self.entities)}
-        self._entity_of = np.array([index[name] for name in [*(n for n, _ in self.parts), *grains, *liquid]], dtype=np.int32)
-        looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
-        tones = np.array([brick_tone(candidate.spec, name, part.part) for name, part in self.parts], dtype=np.float32)
-        colors = np.array([look.color for look in looks], dtype=np.float32).reshape(-1, 3) * tones[:, None]
-        self._colors = np.concatenate([colors, self._grains.colors])
-        self._looks = looks
-        self._panes = [k for k, look in enumerate(looks) if look.transmission >= PANE]
+        self._entity_of = np.array([index[name] for name in owners], dtype=np.int32)
+        self._looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
+        self._colors = self._part_colors()
+        self._panes = [k for k, look in enumerate(self._looks) if look.transmission >= PANE]
         self._stems = [k for k, (name, part) in enumerate(self.parts) if is_stems(candidate, name, part.part)]
         self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
+
+    def _part_colors(self) -> F32:
+        """Linear RGB by id of parts and of opaque loose matter, shape (n, 3)."""
+        tones = np.array([layer.tone(name, part.part) for layer, name, part in self._bodies], dtype=np.float32)
+        colors = np.array([look.color for look in self._looks], dtype=np.float32).reshape(-1, 3) * tones[:, None]
+        return np.concatenate([colors, *(layer.colors.astype(np.float32) for layer, _ in self._opaque)])
 
     def _shaped(self, frame: int) -> IdCaster:
         """The caster with deforming parts in the shape of a frame."""
@@ -70,31 +75,30 @@ class PreviewRenderer:
         return self._caster.reshaped({k: self.candidate.shape(parts[k][0], parts[k][1].part, frame) for k in self._soft})
 
     def cast(self, frame: int, camera: Camera) -> IdImage:
-        """Ids of parts and after them of liquids, depth and normals; entities that do not exist at the frame are left out."""
-        solid = self._cast_solid(frame, camera, stems=True)
-        if not self._layer.liquids:
-            return solid
-        # Panes hide no liquid.
-        liquid = self._layer.cast(frame, camera)
-        shown = (liquid.ids >= 0) & (liquid.depth < self._cast_solid(frame, camera, panes=False, stems=True).depth)
-        return over(solid, liquid, self._loose, shown)
+        """Ids of parts and after them of loose matter, depth and normals; entities that do not exist at the frame are left out."""
+        image = self._cast_opaque(frame, camera, stems=True)
+        for layer, first in self._clear:
+            seen = layer.cast(frame, camera)
+            # Panes hide nothing that one can see through them.
+            shown = (seen.ids >= 0) & (seen.depth < self._cast_opaque(frame, camera, panes=False, stems=True).depth)
+            image = over(image, seen, first, shown)
+        return image
 
-    def _cast_solid(self, frame: int, camera: Camera, *, panes: bool = True, stems: bool = False) -> IdImage:
-        """Pictures leave out the stems of plants, which the layer of land draws."""
+    def _cast_opaque(self, frame: int, camera: Camera, *, panes: bool = True, stems: bool = False) -> IdImage:
+        """Bodies and opaque loose matter; pictures leave out the stems of plants, which the layer of land draws."""
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         left_out = {*(() if panes else self._panes), *(() if stems else self._stems)}
         shown = [k for k, (name, _) in enumerate(self.parts) if k not in left_out and active(self.candidate, name, frame)]
         seen = self._shaped(frame).cast(camera, poses, only=None if len(shown) == len(self.parts) else shown)
-        return self._grains.over(seen, frame, camera, len(self.parts)) if self._grains.entities else seen
+        for layer, first in self._opaque:
+            seen = over(seen, layer.cast(frame, camera), first)
+        return seen
 
     def mask(self, frame: int, camera: Camera, entity: str) -> Any:
         """Pixels that an entity would cover if nothing stood before it, shape (height, width)."""
-        if entity in self.candidate.liquids:
-            return self._layer.cast(frame, camera, entity).ids >= 0
-        if entity in self._grains.entities:
-            size = (camera.height, camera.width)
-            empty = IdImage(np.full(size, -1, np.int32), np.full(size, np.inf, np.float32), np.zeros((*size, 3), np.float32))
-            return self._grains.over(empty, frame, camera, 0, entity).ids >= 0
+        layer = self._layers.of.get(entity)
+        if isinstance(layer, LooseLayer):
+            return layer.cast(frame, camera, entity).ids >= 0
         poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
         own = [k for k, (name, _) in enumerate(self.parts) if name == entity]
         return self._shaped(frame).cast(camera, poses, only=own).ids >= 0
@@ -115,7 +119,7 @@ class PreviewRenderer:
         distance = SUN_DISTANCE * size
         fov = 2 * math.degrees(math.atan(0.62 / SUN_DISTANCE))
         eye = Camera(box.center + distance * self._sun(), box.center, fov, SHADOW_PIXELS, SHADOW_PIXELS)
-        nearest = self._cast_solid(frame, eye).depth
+        nearest = self._cast_opaque(frame, eye).depth
         pixels, depth = eye.project(points)
         bias = 2.0 * 1.24 * size / SHADOW_PIXELS
         lit = np.zeros(len(points), dtype=np.float32)
@@ -129,7 +133,7 @@ class PreviewRenderer:
 
     def preview(self, frame: int, camera: Camera) -> U8:
         """Hemisphere light, sun with shadows, dark lines where entities meet, frame number and time."""
-        image = self._cast_solid(frame, camera, panes=not self._layer.liquids)
+        image = self._cast_opaque(frame, camera, panes=not self._clear)
         eye, directions = camera.rays()
         hit = image.ids >= 0
         height = directions[..., 2:]
@@ -152,17 +156,10 @@ class PreviewRenderer:
         picture[hit] = self._colors[image.ids[hit]] * shade[:, None] * light + gloss[:, None]
         if self.candidate.spec.terrains:
             image = self._paint_land(image, picture, camera, sun)
-        if self._layer.liquids:
-            image = over(image, self._layer.cast(frame, camera), self._loose)
-            wet = image.ids >= self._loose
-            seen, faces = image.ids[wet] - self._loose, image.normals[wet].astype(np.float64)
-            picture[wet] = tinted(picture[wet], self._layer.liquids, seen, faces, directions[wet], sun, SKY)
-            pane = self._cast_solid(frame, camera)
-            before = (pane.ids != image.ids) & (pane.depth < image.depth)
-            picture[before] = picture[before] * (1 - GLAZE) + GLAZE * self._colors[pane.ids[before]]
-            image = over(image, pane, 0, before)
+        if self._clear:
+            image = self._paint_clear(image, picture, frame, camera)
         shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
-        edges = region_edges(self.entity_ids(image)) & ~((image.ids >= len(self.parts)) & (image.ids < self._loose))
+        edges = region_edges(self.entity_ids(image)) & ~((image.ids >= len(self.parts)) & (image.ids < self._first_clear))
         shown[edges] = (shown[edges] * 0.45).astype(np.uint8)
         caption(shown, self._label(frame))
         return shown
@@ -174,6 +171,19 @@ class PreviewRenderer:
         depth = self._land.paint(picture, image.depth, ground, camera, sun).astype(np.float32)
         hidden = (depth < image.depth) | np.any([*ground.values(), np.zeros_like(image.ids, dtype=bool)], axis=0)
         return IdImage(np.where(hidden, -1, image.ids), depth, image.normals)
+
+    def _paint_clear(self, image: IdImage, picture: F64, frame: int, camera: Camera) -> IdImage:
+        """Paint matter that one sees through into a picture, and over it the panes that stand before it."""
+        _, directions = camera.rays()
+        for layer, first in self._clear:
+            image = over(image, layer.cast(frame, camera), first)
+            own = (image.ids >= first) & (image.ids < first + len(layer.entities))
+            seen, faces = image.ids[own] - first, image.normals[own].astype(np.float64)
+            picture[own] = layer.paint(picture[own], seen, faces, directions[own], self._sun(), SKY)
+        pane = self._cast_opaque(frame, camera)
+        before = (pane.ids != image.ids) & (pane.depth < image.depth)
+        picture[before] = picture[before] * (1 - GLAZE) + GLAZE * self._colors[pane.ids[before]]
+        return over(image, pane, 0, before)
 
     def _shade(self, frame: int, ids: Any, points: F64, normals: F64) -> F64:
         """Share of the material's colour at points of parts, by their patterns; shape (n,)."""
@@ -206,7 +216,7 @@ class PreviewRenderer:
         return shown
 
     def _label(self, frame: int) -> str:
-        return f"frame {frame}  t = {frame / self.candidate.spec.simulation.fps:.3f} s"
+        return f"frame {frame}  t = {frame / self.candidate.spec.simulation.fps:.3f} s{self._layers.note}"
 
 
 def _mix(low: tuple[float, ...], high: tuple[float, ...], share: Any) -> Any:

@@ -1,21 +1,14 @@
-"""How much of its material's colour a surface shows: patterns at points for previews, tones of bricks for all pictures."""
+"""Share of its material's colour that a surface shows at points, by its pattern, for previews."""
 
 from __future__ import annotations
 
-import hashlib
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from ..worlds.arrays import F64
 
-if TYPE_CHECKING:
-    from ..worlds.spec import WorldSpec
-
-__all__ = ["brick_tone", "pattern_shade"]
-
-TONES = (0.8, 0.92, 1.0, 1.08)
-"""Of bricks, which no two kiln loads give one colour; own choice. Without them courses show only where a wall has moved."""
+__all__ = ["pattern_shade"]
 
 DARK = 0.25
 """Share of the colour in a checker's dark squares, as in the rendered tile."""
@@ -48,11 +41,3 @@ def pattern_shade(
     seen = np.where(axis == across[0], across[1], across[0])
     phase = GRAIN * points[np.arange(len(points)), seen] / period
     return np.asarray(0.86 + 0.14 * np.cos(2 * np.pi * phase))
-
-
-def brick_tone(spec: WorldSpec, entity: str, part: str) -> float:
-    """Share of the material's colour that a part shows; 1 for all but the bricks of a wall."""
-    breakable = spec.entities[entity].breakable
-    if breakable is None or breakable.pattern.kind != "bricks":
-        return 1.0
-    return TONES[hashlib.blake2b(f"{entity}/{part}".encode(), digest_size=1).digest()[0] % len(TONES)]

@@ -1,1 +1,1 @@
-"""What is special to one category of matter in pictures."""
+"""Layers of pictures: one per category of matter, found in `registry.py`."""

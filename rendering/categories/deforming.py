@@ -1,57 +1,33 @@
-"""Deforming parts in the path tracer: their vertices and normals at a frame."""
+"""Elastic bodies and cloth: parts whose surfaces bend from frame to frame."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from ...worlds.arrays import F64, I32, I64
 from ...worlds.built import BuiltPart
 from ..tracer.surfaces import Surface
+from .layer import PartsLayer
+from .soft_part import SoftPart
 
-if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
-
-__all__ = ["SoftPart", "soft_part"]
+__all__ = ["DeformingLayer"]
 
 ROUNDED = 5
 """Digits to which normals at rest must agree for corners to be shaded as one."""
 
 
-@dataclass(frozen=True)
-class SoftPart:
-    """The vertices of one deforming part in a batch."""
+class DeformingLayer(PartsLayer):
+    """Elastic bodies and cloth; rigid in their shape at rest until they are simulated."""
 
-    entity: str
-    part: str
-    rows: slice
-    """Of the batch."""
-    source: I64
-    """Visible vertex of the part behind each of them."""
-    group: I64
-    """Vertices of one group share a normal: one place, and one normal at rest."""
-    faces: I32
-    """Relative to the first of `rows`."""
-    loose: bool
-    """It can tear: corners that stood at one place at rest share a normal only as long as they are together."""
+    def bends(self, entity: str) -> bool:
+        """Whether a cache holds the deformation of an entity."""
+        return entity in self.candidate.deforming
 
-    def placed(self, candidate: Candidate, frame: int) -> tuple[F64, F64]:
-        """World positions and normals at a frame, shapes (n, 3)."""
-        positions = candidate.surface(self.entity, self.part, frame)[self.source]
-        a, b, c = (positions[self.faces[:, k]] for k in range(3))
-        across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-        group = self.group
-        if self.loose:
-            group = np.unique(np.column_stack([group, positions]), axis=0, return_inverse=True)[1].reshape(-1)
-        corner = group[self.faces.reshape(-1)]
-        sums = np.stack([np.bincount(corner, across[:, k], minlength=int(group.max()) + 1) for k in range(3)], axis=1)
-        normals = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
-        return positions, normals[group]
+    def soft(self, entity: str, part: BuiltPart, surface: Surface, start: int) -> SoftPart | None:
+        """Binding of a batch's vertices from row `start` on; None at the static stage."""
+        return _soft_part(entity, part, surface, start) if self.bends(entity) else None
 
 
-def soft_part(entity: str, part: BuiltPart, surface: Surface, start: int) -> SoftPart:
+def _soft_part(entity: str, part: BuiltPart, surface: Surface, start: int) -> SoftPart:
     """A part whose `surface` at rest stands in a batch from row `start` on."""
     from scipy.spatial import cKDTree
 

@@ -120,7 +120,7 @@ def plant_shapes(mi: Any, candidate: Candidate, name: str, land: SavedLandscape,
         bsdf = mi.load_dict(
             {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(color)}}}
         )
-        shapes[f"plants{count}-{name}"] = mesh_of(mi, f"plants{count}-{name}", vertices, faces, bsdf)
+        shapes[f"plants{count}-{name}"] = mesh_of(mi, f"plants{count}-{name}", (vertices, faces), bsdf)
     return shapes
 
 

@@ -13,11 +13,11 @@ from ...worlds.built import TriangleMesh
 from ...worlds.candidate import Candidate
 from ...worlds.landscape import SavedLandscape
 from ...worlds.spec import Pose
-from ..tracer.meshes import grid_faces
 from .ground_look import ground_image
 from .plant_stamps import Stand, draw_plants
 from .planting import free_plants, plant_color
 from .scenery import drawn_land, landscapes_of
+from .triangles import grid_faces
 from .waters import courses
 
 __all__ = ["LandLayer"]

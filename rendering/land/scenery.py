@@ -16,9 +16,10 @@ from ...worlds.categories.loose import domain_box
 from ...worlds.errors import EvidenceError
 from ...worlds.landscape import SavedLandscape, open_landscape
 from ...worlds.spec import HeightField, StemField
-from ..tracer.meshes import grid_faces, grid_uv, mesh_of, top_of
+from ..tracer.meshes import mesh_of
 from .ground_look import ground_bsdf, ground_image
 from .planting import eyes_of, plant_shapes
+from .triangles import grid_faces, grid_uv, top_of
 from .waters import water_shapes
 
 __all__ = ["cut_from", "drawn_land", "is_stems", "landscapes_of", "patches", "scenery_shapes"]
@@ -85,7 +86,7 @@ def _land(
     used, faces = np.unique(grid_faces(len(y), len(x), keep), return_inverse=True)
     vertices = vertices[used]
     key = f"land-{name}"
-    return {key: mesh_of(mi, key, vertices, faces.reshape(-1, 3), bsdf, uv=grid_uv(land, vertices), smooth=True)}
+    return {key: mesh_of(mi, key, (vertices, faces.reshape(-1, 3)), bsdf, uv=grid_uv(land, vertices), normals="smooth")}
 
 
 def cut_from(candidate: Candidate, entity: str) -> str | None:
@@ -113,7 +114,7 @@ def _grounds(mi: Any, candidate: Candidate, name: str, land: SavedLandscape, bsd
                 continue
             vertices, faces = top_of(candidate.pose(entity, 0, part.body).apply(part.render.vertices), part.render.faces)
             key = f"ground-{entity}-{part.part}"
-            found[key] = mesh_of(mi, key, vertices, faces, bsdf, uv=grid_uv(land, vertices), smooth=True)
+            found[key] = mesh_of(mi, key, (vertices, faces), bsdf, uv=grid_uv(land, vertices), normals="smooth")
     return found
 
 

@@ -11,7 +11,8 @@ from scipy import ndimage
 from ...geometry.watercourses import centre_line
 from ...worlds.arrays import F64
 from ...worlds.landscape import SavedLandscape
-from ..tracer.meshes import grid_faces, grid_uv, mesh_of
+from ..tracer.meshes import mesh_of
+from .triangles import grid_faces, grid_uv
 
 __all__ = ["Course", "courses", "drawn_height", "ribbon_of", "surface_height", "water_shapes"]
 
@@ -174,7 +175,7 @@ def _sea(mi: Any, name: str, land: SavedLandscape, level: float) -> dict[str, An
         corners = np.array([[x0, y0, level], [x1, y0, level], [x1, y1, level], [x0, y1, level]])
         bsdf = _bsdf(mi, _picture(mi, image) if k == 0 else _plain(DEEP), 0.14)
         key = f"sea{k}-{name}"
-        shapes[key] = mesh_of(mi, key, corners, np.array([[0, 1, 2], [0, 2, 3]]), bsdf, uv=grid_uv(land, corners))
+        shapes[key] = mesh_of(mi, key, (corners, np.array([[0, 1, 2], [0, 2, 3]])), bsdf, uv=grid_uv(land, corners))
     return shapes
 
 
@@ -203,7 +204,7 @@ def _lakes(mi: Any, name: str, land: SavedLandscape, simulated: Sequence[tuple[F
         return {}
     image = _depth_color(np.nan_to_num(surface - height), FRESH, SHALLOW)
     bsdf = _bsdf(mi, _picture(mi, image), 0.06)
-    return {f"lakes-{name}": mesh_of(mi, f"lakes-{name}", vertices, faces, bsdf, uv=grid_uv(land, vertices))}
+    return {f"lakes-{name}": mesh_of(mi, f"lakes-{name}", (vertices, faces), bsdf, uv=grid_uv(land, vertices))}
 
 
 def _wide(land: SavedLandscape) -> np.ndarray:
@@ -257,4 +258,4 @@ def _rivers(
     if not len(shown):
         return {}
     bsdf = _bsdf(mi, _plain((0.02, 0.06, 0.07)), 0.08)
-    return {f"rivers-{name}": mesh_of(mi, f"rivers-{name}", vertices, shown, bsdf, smooth=True)}
+    return {f"rivers-{name}": mesh_of(mi, f"rivers-{name}", (vertices, shown), bsdf, normals="smooth")}

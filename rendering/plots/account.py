@@ -12,14 +12,12 @@ from ...worlds.accounts import Account
 from ...worlds.arrays import F64, U8
 from ...worlds.candidate import Candidate
 from ..drawing import Color, distinct_color, line, text, text_size
-from .ledger import GRID, INK, Panel, ticks
+from .axes import FLOOR, INK, Panel, draw_axes, ticks, value_range
 
 __all__ = ["plot_account"]
 
 MOST = 5
 """Entities with a curve of their own per panel; the others are summed."""
-FLOOR = 1e-9
-"""[m/s] Least value on the logarithmic axis: below it everything is rounding."""
 MARK: Color = (150, 90, 200)
 BOUND: Color = (200, 30, 30)
 NOTHING: Color = (120, 120, 120)
@@ -107,55 +105,40 @@ def _charts(account: Account) -> list[_Chart]:
     return charts
 
 
-@dataclass(frozen=True)
-class _Axes(Panel):
-    """Axes whose values may be drawn by their logarithm to base 10."""
-
-    log: bool
-
-    def y(self, value: float) -> float:
-        return super().y(math.log10(max(value, FLOOR)) if self.log else value)
-
-
-def _axes_of(chart: _Chart, box: tuple[int, int, int, int], seconds: float) -> _Axes:
+def _panel_of(chart: _Chart, box: tuple[int, int, int, int], seconds: float) -> Panel:
     values = np.concatenate([c.values[np.isfinite(c.values)] for c in chart.curves] + [np.zeros(0)])
     if chart.log:
         top = max(float(values.max(initial=FLOOR)), (chart.bound or FLOOR) * 10)
-        return _Axes(*box, math.log10(FLOOR), math.ceil(math.log10(top)), seconds, True)
-    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    if 0 < low < 0.5 * high:
-        low = 0.0
-    margin = 0.06 * (high - low) if high > low else max(abs(high), 1e-9) * 0.5
-    return _Axes(*box, low if low == 0.0 and high > 0 else low - margin, high + margin, seconds, False)
+        return Panel(*box, math.log10(FLOOR), math.ceil(math.log10(top)), seconds, log=True)
+    return Panel(*box, *value_range(values, 1e-9), seconds)
 
 
-def _frame(image: U8, axes: _Axes, chart: _Chart, *, last: bool) -> None:
-    tall = axes.bottom - axes.top
-    values = ticks(axes.low, axes.high, max(2, tall // 28))
-    if axes.log:
-        values = [
-            v for v in range(math.ceil(axes.low), math.floor(axes.high) + 1) if v % max(1, math.ceil(12 * 28 / tall / 3)) == 0
-        ]
-    for value in values:
-        y = axes.y(10.0**value) if axes.log else axes.y(value)
-        line(image, [(axes.left, y), (axes.right, y)], GRID)
-        words = f"1e{value:g}" if axes.log else f"{value:.4g}" if abs(value) > 1e-12 * max(abs(axes.low), abs(axes.high)) else "0"
-        text(image, words, (axes.left - 8 - text_size(words, LABEL)[0], y + 4), height=LABEL, color=INK)
-    for time in ticks(0.0, axes.seconds, 10):
-        x = axes.x(time)
-        line(image, [(x, axes.top), (x, axes.bottom)], GRID)
-        if last:
-            words = f"{time:.4g}"
-            text(image, words, (x - text_size(words, LABEL)[0] / 2, axes.bottom + 16), height=LABEL, color=INK)
-    corners = [(axes.left, axes.top), (axes.right, axes.top), (axes.right, axes.bottom), (axes.left, axes.bottom)]
-    line(image, corners, (120, 120, 120), closed=True)
-    text(image, f"{chart.title} [{chart.unit}]", (axes.left, axes.top - 7), height=LABEL, color=INK)
+def _levels(panel: Panel) -> list[tuple[float, str]]:
+    """Values of the horizontal lines, with their words."""
+    tall = panel.bottom - panel.top
+    if panel.log:
+        every = max(1, math.ceil(12 * 28 / tall / 3))
+        powers = [v for v in range(math.ceil(panel.low), math.floor(panel.high) + 1) if v % every == 0]
+        return [(10.0**v, f"1e{v:g}") for v in powers]
+    least = 1e-12 * max(abs(panel.low), abs(panel.high))
+    return [(v, f"{v:.4g}" if abs(v) > least else "0") for v in ticks(panel.low, panel.high, max(2, tall // 28))]
+
+
+def _frame(image: U8, panel: Panel, chart: _Chart, *, last: bool) -> None:
+    draw_axes(image, panel, _levels(panel), height=LABEL, gap=8, last=last)
+    text(image, f"{chart.title} [{chart.unit}]", (panel.left, panel.top - 7), height=LABEL, color=INK)
     if last:
         words = "time [s]"
-        text(image, words, ((axes.left + axes.right - text_size(words, LABEL)[0]) / 2, axes.bottom + 36), height=LABEL, color=INK)
+        text(
+            image,
+            words,
+            ((panel.left + panel.right - text_size(words, LABEL)[0]) / 2, panel.bottom + 36),
+            height=LABEL,
+            color=INK,
+        )
 
 
-def _draw(image: U8, axes: _Axes, curve: _Curve, duration: float) -> None:
+def _draw(image: U8, axes: Panel, curve: _Curve, duration: float) -> None:
     """Polyline over frames, or steps over intervals; broken where values are missing."""
     run: list[tuple[float, float]] = []
     for k, value in enumerate([*curve.values.tolist(), math.nan]):
@@ -176,7 +159,7 @@ def _fit(words: str, wide: float) -> str:
     return words if shown == words else shown[:-2] + ".."
 
 
-def _legend(image: U8, axes: _Axes, chart: _Chart) -> None:
+def _legend(image: U8, axes: Panel, chart: _Chart) -> None:
     rows = max(1, (axes.bottom - axes.top) // 16)
     wide = image.shape[1] - axes.right - 50
     for row, curve in enumerate(chart.curves[:rows]):
@@ -193,7 +176,7 @@ def _legend(image: U8, axes: _Axes, chart: _Chart) -> None:
         text(image, f"bound {chart.bound:g}", (axes.right + 36, y), height=LABEL, color=INK)
 
 
-def _mark_events(image: U8, account: Account, panels: Sequence[_Axes]) -> None:
+def _mark_events(image: U8, account: Account, panels: Sequence[Panel]) -> None:
     """A thin line per contact that begins; names above the first panel, as far as there is room for them."""
     ends = [-1.0, -1.0]
     for mark in account.events:
@@ -232,7 +215,7 @@ def plot_account(
     panels = []
     for k, chart in enumerate(charts):
         top = round(_HEAD + k * share)
-        panels.append(_axes_of(chart, (_LEFT, top, width - _RIGHT, round(top + share - _GAP)), seconds))
+        panels.append(_panel_of(chart, (_LEFT, top, width - _RIGHT, round(top + share - _GAP)), seconds))
     for axes, chart in zip(panels, charts, strict=True):
         _frame(image, axes, chart, last=axes is panels[-1])
     _mark_events(image, account, panels)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
@@ -13,25 +15,17 @@ from ...worlds.cache import Cache
 from ...worlds.candidate import Candidate
 from ...worlds.channels import QUANTITIES, RECORD
 from ...worlds.errors import EvidenceError, InputError
+from ..categories.registry import LAYERS
 from ..drawing import Color, distinct_color, line, text, text_size
+from .axes import INK, Panel, draw_axes, ticks, value_range
 
-__all__ = ["DEFAULT_QUANTITIES", "DERIVED", "GRID", "INK", "Panel", "Series", "ledger_series", "plot_ledger", "ticks"]
+__all__ = ["ALWAYS", "DERIVED", "Series", "ledger_series", "plot_ledger"]
 
 DERIVED = {"total_energy": "J", "min_gap": "m", "contacts": "1"}
 """Quantities computed here, with units: kinetic + potential energy, least gap of touching pairs, touching pairs."""
-DEFAULT_QUANTITIES = (
-    "kinetic_energy",
-    "potential_energy",
-    "total_energy",
-    "momentum_x",
-    "momentum_y",
-    "momentum_z",
-    "min_gap",
-    "contacts",
-)
+ALWAYS = ("kinetic_energy", "potential_energy", "total_energy", "momentum_x", "momentum_y", "momentum_z")
+"""Plotted by default whatever the category; each layer adds its own."""
 _SMALL = {"m": (1e3, "mm"), "s": (1e3, "ms"), "J": (1e3, "mJ")}
-INK: Color = (40, 40, 40)
-GRID: Color = (225, 225, 225)
 
 
 @dataclass(frozen=True)
@@ -80,58 +74,15 @@ def ledger_series(candidate: Candidate, quantity: str) -> Series:
     return Series(quantity, unit, values)
 
 
-def ticks(low: float, high: float, most: int) -> list[float]:
-    """Round numbers (1, 2, 5 times a power of ten) within [low, high]."""
-    raw = max(high - low, 1e-300) / max(most, 1)
-    power = 10.0 ** math.floor(math.log10(raw))
-    step = next(m * power for m in (1, 2, 5, 10) if m * power >= raw * 0.999)
-    return [k * step for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One set of axes: pixel box and value range."""
-
-    left: int
-    top: int
-    right: int
-    bottom: int
-    low: float
-    high: float
-    seconds: float
-
-    def x(self, time: float) -> float:
-        """Column [px] of a time [s]."""
-        return self.left + (self.right - self.left) * time / self.seconds
-
-    def y(self, value: float) -> float:
-        """Row [px] of a value."""
-        return self.bottom - (self.bottom - self.top) * (value - self.low) / (self.high - self.low)
-
-
 def _panel(members: Sequence[Series], box: tuple[int, int, int, int], seconds: float) -> Panel:
     values = np.concatenate([s.values[np.isfinite(s.values)] for s in members])
-    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    if low > 0 and low < 0.5 * high:
-        low = 0.0
-    margin = 0.06 * (high - low) if high > low else max(abs(high), 1.0) * 0.5
-    return Panel(*box, low if low == 0.0 and high > 0 else low - margin, high + margin, seconds)
+    return Panel(*box, *value_range(values, 1.0), seconds)
 
 
 def _axes(image: U8, panel: Panel, unit: str, *, last: bool) -> None:
-    for value in ticks(panel.low, panel.high, max(2, (panel.bottom - panel.top) // 34)):
-        y = panel.y(value)
-        line(image, [(panel.left, y), (panel.right, y)], GRID)
-        words = f"{value:.4g}" if abs(value) > 1e-12 else "0"
-        text(image, words, (panel.left - 6 - text_size(words, 9)[0], y + 4), height=9, color=INK)
-    for time in ticks(0.0, panel.seconds, 10):
-        x = panel.x(time)
-        line(image, [(x, panel.top), (x, panel.bottom)], GRID)
-        if last:
-            words = f"{time:.4g}"
-            text(image, words, (x - text_size(words, 9)[0] / 2, panel.bottom + 16), height=9, color=INK)
-    corners = [(panel.left, panel.top), (panel.right, panel.top), (panel.right, panel.bottom), (panel.left, panel.bottom)]
-    line(image, corners, (120, 120, 120), closed=True)
+    values = ticks(panel.low, panel.high, max(2, (panel.bottom - panel.top) // 34))
+    levels = [(value, f"{value:.4g}" if abs(value) > 1e-12 else "0") for value in values]
+    draw_axes(image, panel, levels, height=9, gap=6, last=last)
     text(image, f"[{unit}]", (8, panel.top + 10), height=10, color=INK)
     if last:
         text(image, "time [s]", ((panel.left + panel.right) / 2 - 24, panel.bottom + 34), height=10, color=INK)
@@ -178,6 +129,27 @@ def _shade_beats(image: U8, candidate: Candidate, panels: Sequence[Panel], fps: 
             row_end[row] = at + text_size(name, 9)[0] + 8
 
 
+def _chosen(candidate: Candidate, quantities: Sequence[str] | None) -> list[Series]:
+    """Series of the quantities asked for; by default of those that are recorded."""
+    if quantities is not None:
+        return [ledger_series(candidate, name) for name in quantities]
+    found = []
+    for name in dict.fromkeys((*ALWAYS, *(q for layer in LAYERS.values() for q in layer.quantities))):
+        with suppress(EvidenceError):
+            found.append(ledger_series(candidate, name))
+    if not found:
+        raise EvidenceError("no recorded quantities to plot; call probe_sim or bake_sim")
+    return found
+
+
+def _scaled(members: Sequence[Series]) -> list[Series]:
+    """Series of one unit, in a thousandth of it where all values are small."""
+    greatest = max((float(np.nanmax(np.abs(s.values))) for s in members if np.isfinite(s.values).any()), default=0.0)
+    unit = members[0].unit
+    factor, shown = _SMALL[unit] if unit in _SMALL and 0 < greatest < 0.1 else (1.0, "count" if unit == "1" else unit)
+    return [Series(s.name, shown, s.values * factor) for s in members]
+
+
 def plot_ledger(
     candidate: Candidate,
     quantities: Sequence[str] | None = None,
@@ -190,8 +162,8 @@ def plot_ledger(
 
     Args:
         candidate: a probed or baked candidate.
-        quantities: names of `worlds/channels.py` or of `DERIVED`; default energies, momentum, gap and contacts, as
-            far as recorded.
+        quantities: names of `worlds/channels.py` or of `DERIVED`; default energies, momentum, and what the layers of pictures
+            add (gap and contacts of bodies), as far as recorded.
         width: pixels.
         height: pixels.
         title: default the world's title.
@@ -200,47 +172,24 @@ def plot_ledger(
         EvidenceError: nothing is simulated, or a quantity asked for is not recorded.
         InputError: no such quantity.
     """
-    if quantities is None:
-        found = []
-        for name in DEFAULT_QUANTITIES:
-            try:
-                found.append(ledger_series(candidate, name))
-            except EvidenceError:
-                continue
-        if not found:
-            raise EvidenceError("no recorded quantities to plot; call probe_sim or bake_sim")
-    else:
-        found = [ledger_series(candidate, name) for name in quantities]
+    groups: dict[str, list[Series]] = {}
+    for series in _chosen(candidate, quantities):
+        groups.setdefault(series.unit, []).append(series)
     fps = float(candidate.spec.simulation.fps)
     seconds = max(candidate.last_frame, 1) / fps
-    groups: dict[str, list[Series]] = {}
-    for series in found:
-        groups.setdefault(series.unit, []).append(series)
     image = np.full((height, width, 3), 255, dtype=np.uint8)
-    text(
-        image,
-        f"{title or candidate.spec.title} - {candidate.stage}, {candidate.frame_count} frames",
-        (8, 18),
-        height=12,
-        color=INK,
-    )
+    head = f"{title or candidate.spec.title} - {candidate.stage}, {candidate.frame_count} frames"
+    text(image, head, (8, 18), height=12, color=INK)
     top, bottom, left, right = 58, height - 44, 78, width - 178
     share = (bottom - top) / len(groups)
-    panels, labelled = [], []
-    for k, (unit, raw) in enumerate(groups.items()):
-        greatest = max((float(np.nanmax(np.abs(s.values))) for s in raw if np.isfinite(s.values).any()), default=0.0)
-        factor, shown = _SMALL[unit] if unit in _SMALL and 0 < greatest < 0.1 else (1.0, "count" if unit == "1" else unit)
-        members = [Series(s.name, shown, s.values * factor) for s in raw]
-        box = (left, round(top + k * share), right, round(top + (k + 1) * share) - 12)
-        panels.append(_panel(members, box, seconds))
-        labelled.append((members, shown))
+    shown = [_scaled(members) for members in groups.values()]
+    boxes = [(left, round(top + k * share), right, round(top + (k + 1) * share) - 12) for k in range(len(shown))]
+    panels = [_panel(members, box, seconds) for members, box in zip(shown, boxes, strict=True)]
     _shade_beats(image, candidate, panels, fps)
-    index = 0
-    for panel, (members, unit) in zip(panels, labelled, strict=True):
-        _axes(image, panel, unit, last=panel is panels[-1])
-        for row, series in enumerate(members):
-            color = distinct_color(index)
-            index += 1
+    colors = (distinct_color(k) for k in count())
+    for panel, members in zip(panels, shown, strict=True):
+        _axes(image, panel, members[0].unit, last=panel is panels[-1])
+        for row, (series, color) in enumerate(zip(members, colors, strict=False)):
             _curve(image, panel, series, fps, color)
             y = panel.top + 12 + 16 * row
             line(image, [(right + 10, y - 4), (right + 28, y - 4)], color, thickness=3)

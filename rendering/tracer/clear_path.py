@@ -16,7 +16,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 
-__all__ = ["IOR", "liquid_integrator"]
+__all__ = ["IOR", "clear_path"]
 
 IOR = 1.333
 """Of water; other liquids differ by less than 0.15."""
@@ -25,7 +25,7 @@ FACES = 10
 _made: dict[str, type] = {}
 
 
-def liquid_integrator(mi: Any, shapes: list[Any], absorption: list[F64], panes: list[Any], depth: int) -> Any:
+def clear_path(mi: Any, shapes: list[Any], absorption: list[F64], panes: list[Any], depth: int) -> Any:
     """Integrator for a scene.
 
     Args:

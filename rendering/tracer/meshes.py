@@ -1,55 +1,70 @@
-"""Meshes of landscapes for Mitsuba: the only other place than `mitsuba_scene` that knows its mesh API."""
+"""Meshes for Mitsuba: the only place besides `SceneRenderer.pose` that knows its mesh API (it changes in 3.10)."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import numpy as np
 
-from ...worlds.arrays import F64
-from ...worlds.landscape import SavedLandscape
+from ...worlds.arrays import F32, F64
 
-__all__ = ["grid_faces", "grid_uv", "mesh_of", "top_of"]
+__all__ = ["mesh_of", "rgb"]
+
+
+def rgb(color: Any) -> dict[str, Any]:
+    """A linear colour as an entry of a scene."""
+    return {"type": "rgb", "value": [float(c) for c in color]}
 
 
 def mesh_of(
-    mi: Any, name: str, vertices: F64, faces: np.ndarray, bsdf: Any, *, uv: F64 | None = None, smooth: bool = False
+    mi: Any,
+    name: str,
+    corners: tuple[F64 | F32, np.ndarray],
+    bsdf: Any,
+    *,
+    normals: F64 | F32 | Literal["flat", "smooth"] = "flat",
+    uv: F64 | F32 | None = None,
+    emitter: Any = None,
+    attributes: Mapping[str, F32] | None = None,
 ) -> Any:
-    """A mesh of corners (n, 3) and triangles (m, 3); smooth ones get normals of their corners."""
+    """A mesh of vertices (n, 3) [m] and triangles (m, 3).
+
+    Args:
+        mi: Mitsuba.
+        name: of the shape.
+        corners: vertices and triangles.
+        bsdf: its material.
+        normals: one per vertex (n, 3); or one per triangle, or averaged over the triangles about a vertex.
+        uv: texture coordinates (n, 2).
+        emitter: its light, where it glows.
+        attributes: further values per vertex (n,), by name.
+    """
+    vertices, faces = corners
+    given = not isinstance(normals, str)
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
-    properties["face_normals"] = not smooth
+    properties["face_normals"] = not given and normals == "flat"
+    if emitter is not None:
+        properties["mesh_emitter"] = emitter
     mesh = mi.Mesh(
-        name, len(vertices), len(faces), props=properties, has_vertex_normals=smooth, has_vertex_texcoords=uv is not None
+        name,
+        len(vertices),
+        len(faces),
+        props=properties,
+        has_vertex_normals=given or normals == "smooth",
+        has_vertex_texcoords=uv is not None,
     )
+    for attribute, values in (attributes or {}).items():
+        mesh.add_attribute(attribute, 1, values)
     parameters = mi.traverse(mesh)
     parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
-    parameters["faces"] = faces.astype(np.uint32).ravel()
+    if given:
+        parameters["vertex_normals"] = np.asarray(normals, dtype=np.float32).ravel()
     if uv is not None:
         parameters["vertex_texcoords"] = uv.astype(np.float32).ravel()
+    parameters["faces"] = faces.astype(np.uint32).ravel()
     parameters.update()
-    if smooth:
+    if not given and normals == "smooth":
         mesh.recompute_vertex_normals()
     return mesh
-
-
-def grid_faces(rows: int, cols: int, keep: np.ndarray) -> np.ndarray:
-    """Two triangles for every cell of corners that `keep`, shape (rows - 1, cols - 1), lets stand."""
-    index = np.arange(rows * cols).reshape(rows, cols)
-    a, b, c, d = (x[keep] for x in (index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]))
-    return np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)])
-
-
-def grid_uv(land: SavedLandscape, vertices: F64) -> F64:
-    """Texture coordinates in a picture of the whole landscape, shape (n, 2)."""
-    extent = np.array([land.shape[1], land.shape[0]]) * land.cell
-    return np.asarray(vertices[:, :2] / extent + 0.5)
-
-
-def top_of(vertices: F64, faces: np.ndarray) -> tuple[F64, np.ndarray]:
-    """The upper surface of a solid ground: corners and triangles that face upwards."""
-    a, b, c = (vertices[faces[:, k], :2] for k in range(3))
-    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    upward = faces[area > 1e-9 * np.abs(area).max()]
-    used, numbers = np.unique(upward, return_inverse=True)
-    return vertices[used], numbers.reshape(-1, 3)

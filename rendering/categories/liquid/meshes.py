@@ -17,8 +17,9 @@ from ....worlds.candidate import Candidate
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
 from ....worlds.errors import EvidenceError
 from ....worlds.spec import Appearance, Material
+from ..balls import joined_balls
 
-__all__ = ["Drawn", "Liquid", "LiquidLook", "joined_balls", "liquids_of", "look_of"]
+__all__ = ["Drawn", "Liquid", "LiquidLook", "liquids_of", "look_of"]
 
 GREY = Appearance().color
 """Of a material without a declared look."""
@@ -82,23 +83,6 @@ def _plain(look: Appearance, clear: bool) -> tuple[float, float, float]:
     if not clear:
         return look.color
     return (0.10, 0.32, 0.42) if look.color == GREY else look.color
-
-
-def joined_balls(center: F64, radius: F64) -> tuple[F64, I32]:
-    """One mesh of small icosahedra: vertices (12 n, 3), faces (20 n, 3)."""
-    corner, faces = _icosahedron()
-    vertices = center[:, None] + corner[None] * np.broadcast_to(radius, len(center))[:, None, None]
-    number = faces[None] + 12 * np.arange(len(center), dtype=np.int32)[:, None, None]
-    return vertices.reshape(-1, 3), number.reshape(-1, 3).astype(np.int32)
-
-
-def _icosahedron() -> tuple[F64, I32]:
-    g = (1 + 5**0.5) / 2
-    corner = np.array([[-1, g, 0], [1, g, 0], [-1, -g, 0], [1, -g, 0], [0, -1, g], [0, 1, g],
-                       [0, -1, -g], [0, 1, -g], [g, 0, -1], [g, 0, 1], [-g, 0, -1], [-g, 0, 1]], dtype=np.float64)  # fmt: skip
-    faces = [[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
-             [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]]  # fmt: skip
-    return corner / np.linalg.norm(corner[0]), np.array(faces, dtype=np.int32)
 
 
 def _thinned(points: F64) -> F64:

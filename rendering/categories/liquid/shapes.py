@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ....worlds.arrays import F64, I32
 from ...tracer.clear_path import IOR
+from ...tracer.meshes import mesh_of, rgb
 from ...tracer.surfaces import soft_normals
-from .meshes import Liquid, joined_balls
+from ..balls import joined_balls
+from ..layer import TracedShapes
+from .meshes import Liquid
 
-__all__ = ["LiquidShapes", "glow", "liquid_shapes"]
+__all__ = ["glow", "liquid_shapes"]
 
 FOAM = (0.86, 0.88, 0.88)
 CRUST = (0.025, 0.022, 0.02)
@@ -25,15 +28,6 @@ RAMP = (600.0, 2200.0)
 """Temperatures that colours are tabled for [K]."""
 COLD = 700.0
 """Below this lava does not glow visibly [K]."""
-
-
-class LiquidShapes(NamedTuple):
-    """What a frame's liquids add to a scene."""
-
-    shapes: dict[str, Any]
-    """By name."""
-    clear: dict[str, F64]
-    """Absorption [1/m] of the clear ones, by name."""
 
 
 def glow(temperature: F64) -> F64:
@@ -50,24 +44,16 @@ def glow(temperature: F64) -> F64:
 
 def _mesh(mi: Any, name: str, vertices: F64, faces: I32, bsdf: Any, *, heat: F64 | None = None) -> Any:
     """A smooth mesh; with the temperature of its vertices (v,) [K] it glows."""
-    properties = mi.Properties()
-    properties["mesh_bsdf"] = bsdf
-    glowing = heat is not None and bool((heat > COLD).any())
-    if glowing:
-        # A ramp over u: colours per vertex as radiance end the scalar variant of Mitsuba 3.9.
-        ramp = glow(np.linspace(*RAMP, 512)).astype(np.float32)[None]
-        texture = {"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(ramp)), "raw": True, "wrap_mode": "clamp"}
-        properties["mesh_emitter"] = mi.load_dict({"type": "area", "radiance": texture})
-    mesh = mi.Mesh(name, len(vertices), len(faces), props=properties, has_vertex_normals=True, has_vertex_texcoords=glowing)
-    parameters = mi.traverse(mesh)
-    parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
-    parameters["vertex_normals"] = soft_normals(vertices, faces).ravel()
-    parameters["faces"] = faces.astype(np.uint32).ravel()
-    if heat is not None and glowing:
-        u = (heat - RAMP[0]) / (RAMP[1] - RAMP[0])
-        parameters["vertex_texcoords"] = np.stack([u, np.full(len(u), 0.5)], axis=1).astype(np.float32).ravel()
-    parameters.update()
-    return mesh
+    normals = soft_normals(vertices, faces)
+    if heat is None or not (heat > COLD).any():
+        return mesh_of(mi, name, (vertices, faces), bsdf, normals=normals)
+    # A ramp over u: colours per vertex as radiance end the scalar variant of Mitsuba 3.9.
+    ramp = glow(np.linspace(*RAMP, 512)).astype(np.float32)[None]
+    texture = {"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(ramp)), "raw": True, "wrap_mode": "clamp"}
+    u = (heat - RAMP[0]) / (RAMP[1] - RAMP[0])
+    uv = np.stack([u, np.full(len(u), 0.5)], axis=1)
+    emitter = mi.load_dict({"type": "area", "radiance": texture})
+    return mesh_of(mi, name, (vertices, faces), bsdf, normals=normals, uv=uv, emitter=emitter)
 
 
 def _face_bsdf(mi: Any, liquid: Liquid, size: float) -> Any:
@@ -75,7 +61,7 @@ def _face_bsdf(mi: Any, liquid: Liquid, size: float) -> Any:
     look = liquid.look
     if not look.clear:
         return mi.load_dict(
-            {"type": "principled", "base_color": {"type": "rgb", "value": list(look.color)}, "specular": 0.5,
+            {"type": "principled", "base_color": rgb(look.color), "specular": 0.5,
              "roughness": max(look.roughness if not look.glows else 0.75, 0.05)}
         )  # fmt: skip
     tint = np.exp(-look.absorption * 0.25 * size).tolist()
@@ -84,7 +70,7 @@ def _face_bsdf(mi: Any, liquid: Liquid, size: float) -> Any:
     )
 
 
-def liquid_shapes(mi: Any, liquids: list[Liquid], frame: int) -> LiquidShapes:
+def liquid_shapes(mi: Any, liquids: list[Liquid], frame: int) -> TracedShapes:
     """Shapes of all liquids at a frame."""
     shapes: dict[str, Any] = {}
     clear: dict[str, F64] = {}
@@ -108,13 +94,13 @@ def liquid_shapes(mi: Any, liquids: list[Liquid], frame: int) -> LiquidShapes:
             if liquid.look.clear:
                 clear[name] = liquid.look.absorption
         if len(drawn.bubbles):
-            white = mi.load_dict({"type": "diffuse", "reflectance": {"type": "rgb", "value": list(FOAM)}})
+            white = mi.load_dict({"type": "diffuse", "reflectance": rgb(FOAM)})
             name = f"foam-{liquid.entity}"
             shapes[name] = _mesh(mi, name, *joined_balls(drawn.bubbles, np.full(len(drawn.bubbles), drawn.bubble_radius)), white)
-    return LiquidShapes(shapes, clear)
+    return TracedShapes(shapes, clear)
 
 
 def _lava(mi: Any, name: str, vertices: F64, faces: I32, temperature: F64) -> Any:
     """Dark crust and the glow of its temperature."""
-    crust = mi.load_dict({"type": "principled", "base_color": {"type": "rgb", "value": list(CRUST)}, "roughness": 0.8})
+    crust = mi.load_dict({"type": "principled", "base_color": rgb(CRUST), "roughness": 0.8})
     return _mesh(mi, name, vertices, faces, crust, heat=temperature)

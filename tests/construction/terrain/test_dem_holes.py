@@ -11,7 +11,7 @@ import pytest
 import tifffile
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
 from worldagent.rendering.land.scenery import drawn_land
-from worldagent.rendering.tracer.meshes import grid_faces
+from worldagent.rendering.land.triangles import grid_faces
 from worldagent.verifiers.land.landscapes import drainage_finding, fill_finding, ledger_finding, plant_finding, water_finding
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.folder import WorldFolder

@@ -14,7 +14,8 @@ import pytest
 from worldagent.construction import build_entity
 from worldagent.geometry.camera import Camera
 from worldagent.rendering import highlight, id_view, preview, section_view
-from worldagent.rendering.categories.liquid.meshes import joined_balls, liquids_of, look_of
+from worldagent.rendering.categories.balls import joined_balls
+from worldagent.rendering.categories.liquid.meshes import liquids_of, look_of
 from worldagent.rendering.categories.liquid.shapes import glow
 from worldagent.rendering.preview import PreviewRenderer
 from worldagent.rendering.tracer.scene import SceneRenderer

@@ -1,0 +1,114 @@
+"""How pictures show the entities of one category of matter: by their parts, or as loose matter with a cast of its own."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ...geometry.camera import Camera
+from ...geometry.idcast import IdImage
+from ...worlds.arrays import F64
+from ...worlds.built import BuiltPart, TriangleMesh
+from ...worlds.candidate import Candidate
+
+if TYPE_CHECKING:
+    from ..tracer.surfaces import Surface
+    from .soft_part import SoftPart
+
+__all__ = ["Layer", "LooseLayer", "PartsLayer", "TracedShapes", "over"]
+
+
+def over(behind: IdImage, before: IdImage, first: int, front: Any = None) -> IdImage:
+    """The second cast over the first where `front` says, default where it is nearer; its ids count from `first`."""
+    if front is None:
+        front = (before.ids >= 0) & (before.depth < behind.depth)
+    return IdImage(
+        np.where(front, before.ids + first, behind.ids).astype(np.int32),
+        np.where(front, before.depth, behind.depth),
+        np.where(front[..., None], before.normals, behind.normals),
+    )
+
+
+class Layer:
+    """The entities of one category in one candidate, as pictures show them."""
+
+    quantities: ClassVar[tuple[str, ...]] = ()
+    """Recorded or derived quantities that a plot of the records shows for this category unless told otherwise."""
+
+    nearer: ClassVar[float] = 0.0
+    """How much nearer plans and sections draw it, in spans of the picture, so that it shows before walls it reaches into."""
+
+    def __init__(self, candidate: Candidate, entities: Sequence[str]) -> None:
+        self.candidate = candidate
+        self.entities: tuple[str, ...] = tuple(entities)
+        """Ids, which pictures draw."""
+
+    def meshes(self, entity: str, frame: int) -> list[TriangleMesh]:
+        """Meshes of an entity in the world at a frame, for plans and sections."""
+        parts = self.candidate.built[entity].parts
+        return [TriangleMesh(self.candidate.surface(entity, p.part, frame), p.render.faces) for p in parts]
+
+
+class PartsLayer(Layer):
+    """Bodies: the render surface of each part, at the pose of its body."""
+
+    quantities = ("min_gap", "contacts")
+
+    def bends(self, entity: str) -> bool:
+        """Whether the surface of an entity changes its form from frame to frame."""
+        return False
+
+    def tone(self, entity: str, part: str) -> float:
+        """Share of its material's colour that a part shows."""
+        return 1.0
+
+    def soft(self, entity: str, part: BuiltPart, surface: Surface, start: int) -> SoftPart | None:
+        """Binding of a batch's vertices from row `start` on to a part that bends; None for a part that keeps its form."""
+        return None
+
+
+@dataclass(frozen=True)
+class TracedShapes:
+    """Shapes that a layer adds to a scene of the path tracer at one frame."""
+
+    shapes: dict[str, Any]
+    """By name."""
+    clear: Mapping[str, F64] = field(default_factory=dict)
+    """Absorption [1/m] per colour of those that light passes through, by name."""
+
+
+class LooseLayer(Layer, ABC):
+    """Matter without parts of its own: cast beside the bodies, shapes anew in every frame."""
+
+    opaque: ClassVar[bool] = True
+    """Hides and shadows what is behind, like a body; else `paint` lays its colour over what is seen through it."""
+
+    @abstractmethod
+    def cast(self, frame: int, camera: Camera, entity: str | None = None) -> IdImage:
+        """The view of all its entities, or of one, if nothing else were there; ids are indices into `entities`."""
+
+    @abstractmethod
+    def traced(self, mi: Any, frame: int) -> TracedShapes:
+        """Mitsuba shapes at a frame."""
+
+    @property
+    @abstractmethod
+    def colors(self) -> F64:
+        """Linear RGB per entity, shape (n, 3)."""
+
+    def paint(self, below: F64, ids: Any, normals: F64, directions: F64, sun: F64, sky: tuple[float, ...]) -> F64:
+        """Linear RGB of pixels of a preview that show this layer, shape (n, 3).
+
+        Args:
+            below: colour behind (n, 3).
+            ids: index into `entities` of what is seen (n,).
+            normals: of what is seen (n, 3).
+            directions: of sight (n, 3).
+            sun: unit vector towards it.
+            sky: colour that smooth faces mirror.
+        """
+        return np.asarray(self.colors[ids])

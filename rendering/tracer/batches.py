@@ -1,0 +1,148 @@
+"""Bodies of a candidate as few meshes: all parts of one material layer that move, or that do not, are one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...worlds.arrays import F32, F64, rotation_matrix
+from ...worlds.built import BuiltPart
+from ...worlds.candidate import Candidate
+from ..categories.layer import PartsLayer
+from ..categories.liquid.wet_look import Link, Wetness, film_at
+from ..categories.registry import Layers
+from ..categories.soft_part import SoftPart
+from ..land.scenery import cut_from, landscapes_of
+from ..views import active, part_frame
+from .materials import PANE
+from .surfaces import Surface, textured_surfaces
+from .textures import Tile
+
+__all__ = ["Batch", "Kind", "batches_of"]
+
+
+class Kind(NamedTuple):
+    """Properties that all parts of a batch share."""
+
+    material: str
+    layer: str
+    """Of the texture: `side`, or `end` for the end grain of wood."""
+    moving: bool
+    wets: bool
+    """A liquid ever wets them."""
+    tone: float
+    """How many times lighter than the material they are."""
+
+    @property
+    def name(self) -> str:
+        """Name of the mesh in the scene."""
+        tone = f"-{round(100 * self.tone)}" if self.tone != 1.0 else ""
+        return f"{'moving' if self.moving else 'static'}-{self.material}-{self.layer}{'-wet' if self.wets else ''}{tone}"
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Parts of one kind as one mesh."""
+
+    name: str
+    bodies: tuple[tuple[str, str], ...]
+    """(entity, body) that own vertices."""
+    owner: Any
+    """Index into `bodies` per vertex."""
+    surface: Surface
+    links: tuple[tuple[int, tuple[Link, ...]], ...] = ()
+    """Of wetted parts in the order of their vertices: how many, and whence their film; empty where nothing gets wet."""
+    soft: tuple[SoftPart, ...] = ()
+    """Parts that deform."""
+
+    def film(self, wetness: Wetness, frame: int, known: dict[str, F64]) -> F32:
+        """Share of the film of a liquid at every vertex, shape (v,)."""
+        return np.concatenate([film_at(wetness, list(links), count, frame, known) for count, links in self.links])
+
+    def placed(self, candidate: Candidate, frame: int) -> tuple[F32, F32]:
+        """World positions and normals at a frame; entities that do not exist then shrink to a point."""
+        poses = [candidate.pose(entity, frame, body) for entity, body in self.bodies]
+        turns = rotation_matrix(np.stack([p.quaternion for p in poses]))
+        shown = np.array([active(candidate, entity, frame) for entity, _ in self.bodies], dtype=np.float64)
+        shifts = np.stack([p.position for p in poses])
+        local = self.surface.positions * shown[self.owner, None]
+        positions = np.einsum("nij,nj->ni", turns[self.owner], local) + shifts[self.owner]
+        normals = np.einsum("nij,nj->ni", turns[self.owner], self.surface.normals)
+        for part in self.soft:
+            if active(candidate, part.entity, frame):
+                positions[part.rows], normals[part.rows] = part.placed(candidate, frame)
+        return positions.astype(np.float32), normals.astype(np.float32)
+
+
+def _joined(surfaces: list[Surface]) -> Surface:
+    starts = np.cumsum([0, *(len(s.positions) for s in surfaces)])
+    return Surface(
+        np.concatenate([s.positions for s in surfaces]),
+        np.concatenate([s.normals for s in surfaces]),
+        np.concatenate([s.uv for s in surfaces]),
+        np.concatenate([s.faces + start for s, start in zip(surfaces, starts, strict=False)]),
+    )
+
+
+class _Piece(NamedTuple):
+    """Surface of one part that goes into a batch."""
+
+    layer: PartsLayer
+    entity: str
+    part: BuiltPart
+    surface: Surface
+
+
+def _pieces(
+    candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], wetness: Wetness
+) -> Iterator[tuple[Kind, _Piece]]:
+    """Surfaces of all bodies but the grounds of landscapes, which are drawn with their land."""
+    wet, scenery = wetness.entities(), landscapes_of(candidate)
+    for layer, entity, part in layers.parts:
+        if cut_from(candidate, entity) in scenery:
+            continue
+        changing = candidate.moves(entity) or candidate.spec.entities[entity].active is not None
+        look = candidate.spec.materials[part.material].appearance
+        surfaces = textured_surfaces(
+            part.render,
+            smooth=part.smooth,
+            tiles=tiles[part.material],
+            pattern=look.pattern,
+            scale=look.pattern_scale,
+            frame=part_frame(candidate, entity, part),
+            key=f"{entity}/{part.part}",
+        )
+        wets = entity in wet and look.transmission < PANE and not layer.bends(entity)
+        tone = layer.tone(entity, part.part)
+        for side, surface in surfaces.items():
+            fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
+            yield Kind(part.material, side, changing, wets, tone), _Piece(layer, entity, part, fine)
+
+
+def batches_of(candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], wetness: Wetness) -> dict[Kind, Batch]:
+    """Batches of all bodies by what their parts have in common; tiles by material and texture layer."""
+    found: dict[Kind, list[_Piece]] = {}
+    for kind, piece in _pieces(candidate, layers, tiles, wetness):
+        found.setdefault(kind, []).append(piece)
+    return {kind: _batch(kind, pieces, wetness) for kind, pieces in sorted(found.items())}
+
+
+def _batch(kind: Kind, pieces: list[_Piece], wetness: Wetness) -> Batch:
+    bodies = tuple(dict.fromkeys((p.entity, p.part.body) for p in pieces))
+    index = {name: k for k, name in enumerate(bodies)}
+    counts = [len(p.surface.positions) for p in pieces]
+    owner = np.concatenate([np.full(n, index[p.entity, p.part.body]) for p, n in zip(pieces, counts, strict=True)])
+    links = [tuple(wetness.links(p.entity, p.part.body, p.part.part, p.surface)) for p in pieces] if kind.wets else []
+    starts = np.cumsum([0, *counts]).tolist()
+    soft = [p.layer.soft(p.entity, p.part, p.surface, k) for p, k in zip(pieces, starts, strict=False)]
+    return Batch(
+        kind.name,
+        bodies,
+        owner,
+        _joined([p.surface for p in pieces]),
+        tuple(zip(counts, links, strict=False)),
+        tuple(s for s in soft if s is not None),
+    )

@@ -1,0 +1,128 @@
+"""Every category of matter that has a layer is seen in pictures, and what has none is said or refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.construction import build_entity
+from worldagent.geometry.camera import Camera
+from worldagent.rendering import PreviewRenderer, camera_for, id_view, plan_view
+from worldagent.rendering.categories.deforming import DeformingLayer
+from worldagent.rendering.categories.layer import LooseLayer, PartsLayer
+from worldagent.rendering.categories.registry import LAYERS, category_of, layers_of
+from worldagent.rendering.tracer.scene import SceneRenderer
+from worldagent.testing.worlds.small_cloth import flag_spec
+from worldagent.testing.worlds.small_grains import sand_spec
+from worldagent.testing.worlds.small_liquids import tank_spec
+from worldagent.testing.worlds.small_soft import hammock_spec
+from worldagent.tests.physics.fracture_world import struck_wall
+from worldagent.worlds.cache import Cache, CacheIndex, write_container
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.categories.registry import CATEGORIES
+from worldagent.worlds.errors import InputError
+from worldagent.worlds.spec import WorldSpec
+
+SIZE = (96, 54)
+BASES = {"solid": PartsLayer, "deforming": DeformingLayer, "loose": LooseLayer}
+
+
+def _spec(data: Any) -> WorldSpec:
+    return data if isinstance(data, WorldSpec) else WorldSpec.model_validate({**data, "prompt": "p"})
+
+
+WORLDS = {
+    "rigid": ("ball", sand_spec),
+    "fracture": ("wall", lambda: struck_wall(0.0)),
+    "elastic": ("jelly", hammock_spec),
+    "cloth": ("flag", flag_spec),
+    "liquid": ("water", tank_spec),
+    "particles": ("sand", sand_spec),
+}
+"""Entity of the category, and the world that it is in."""
+
+
+def _candidate(folder: Path, spec: WorldSpec) -> Candidate:
+    """The world as it is built; particles, which the static stage does not show, have one frame written by hand."""
+    built = {name: build_entity(spec, name, folder) for name in spec.entities}
+    caches = {}
+    for name, instance in spec.simulation.particles.items():
+        cache = Cache(folder / name)
+        cache.folder.mkdir(parents=True)
+        cache.write_index(CacheIndex(name, "dem", 24, 1, tuple(instance.members), (), (), (), "", {}))
+        at = np.stack(np.meshgrid(*[np.linspace(-0.1, 0.1, 9)] * 2, [0.02, 0.05]), axis=-1).reshape(-1, 3)
+        data = {
+            "origin": np.zeros(3),
+            "particle/position": at.astype(np.float32),
+            "particle/radius": np.full(len(at), 0.012, dtype=np.float32),
+            "particle/member": np.zeros(len(at), dtype=np.int32),
+        }
+        cache.begin_digests([write_container(cache.path(0), data)])
+        caches[name] = cache
+    return Candidate(folder, spec, built, "full" if caches else "static", caches)
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_a_preview_shows_every_category(name: str, tmp_path: Path) -> None:
+    entity, make = WORLDS[name]
+    candidate = _candidate(tmp_path, _spec(make()))
+    assert category_of(candidate.spec.entities[entity]) == name
+    drawn = PreviewRenderer(candidate)
+    assert type(layers_of(candidate).of[entity]) is LAYERS[name]
+    camera = camera_for(candidate, 0, width=SIZE[0], height=SIZE[1])
+    seen = drawn.mask(0, camera, entity)
+    assert seen.sum() > 10, "would be seen if nothing stood before it"
+    middle = candidate.vertices(entity, 0).mean(0)
+    near = Camera(middle + np.array([0.3, -0.5, 1.0]), middle, 40.0, *SIZE)
+    ids = drawn.entity_ids(drawn.cast(0, near))
+    assert (ids == drawn.entities.index(entity)).sum() > 10
+    picture = drawn.preview(0, near)
+    assert picture.shape == (SIZE[1], SIZE[0], 3)
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 10
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_a_layer_fits_the_shape_that_its_category_declares(name: str) -> None:
+    assert issubclass(LAYERS[name], BASES[CATEGORIES[name].shape])
+
+
+def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_the_tracer(tmp_path: Path) -> None:
+    """A source of smoke is no opaque box."""
+    data = sand_spec()
+    size = [0.3, 0.3, 0.3]
+    data["entities"]["smoke"] = {
+        "role": "smoke",
+        "motion": "dynamic",
+        "physics": {"category": "gas", "resolution": 0.1},
+        "dimensions": {"size": size},
+        "material": "sand",
+        "pose": {"position": [0, 0, 0.2]},
+        "parts": {"source": {"shape": {"kind": "box", "size": size}}},
+    }
+    candidate = _candidate(tmp_path, _spec(data))
+    layers = layers_of(candidate)
+    assert layers.undrawn == {"smoke": "gas"}
+    assert "smoke (gas)" in layers.note
+    drawn = PreviewRenderer(candidate)
+    assert "smoke" not in drawn.entities
+    assert not drawn.mask(0, camera_for(candidate, 0, width=SIZE[0], height=SIZE[1]), "smoke").any()
+    bare = data | {"entities": {k: v for k, v in data["entities"].items() if k != "smoke"}}
+    without = _candidate(tmp_path / "bare", _spec(bare))
+    camera = camera_for(without, 0, width=640, height=360)
+    assert (drawn.cast(0, camera).ids == PreviewRenderer(without).cast(0, camera).ids).all()
+    shown, plain = (id_view(one, 0, camera=camera) for one in (candidate, without))
+    assert (shown != plain).any(), "the note"
+    assert (plan_view(candidate) != plan_view(without)).any()
+    with pytest.raises(InputError, match="'smoke' is of category 'gas'"):
+        SceneRenderer(candidate)
+
+
+def test_no_layer_is_drawn_for_an_entity_of_another_category(tmp_path: Path) -> None:
+    candidate = _candidate(tmp_path, _spec(sand_spec()))
+    layers = layers_of(candidate)
+    assert set(layers.of) == set(candidate.spec.entities)
+    for entity, layer in layers.of.items():
+        assert type(layer) is LAYERS[category_of(candidate.spec.entities[entity])]
+    layers.refuse_undrawn()

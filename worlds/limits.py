@@ -8,8 +8,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .categories.category import Cap
-from .categories.registry import CATEGORIES
+from .categories.caps import CATEGORY_CAPS, Cap
 from .categories.rigid.facts import body_count
 from .errors import InputError, LimitError
 
@@ -87,7 +86,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("job_memory_bytes", 64_000_000_000, "bytes", "fewer bodies, triangles or pixels"),
     Cap("running_jobs", 16, "jobs", "wait for running jobs or cancel some with the job tool"),
     Cap("workspace_bytes", 100_000_000_000, "bytes", "delete old candidates or worlds from the workspace folder"),
-    *(cap for category in CATEGORIES.values() for cap in category.caps),
+    *CATEGORY_CAPS,
 )
 """All caps by name."""
 
@@ -112,6 +111,8 @@ def check_cap(name: str, estimate: float, *, what: str = "") -> None:
 
 def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     """Amounts that a specification would take, by name of the cap."""
+    from .categories.registry import CATEGORIES
+
     plan, look = spec.simulation, spec.look
     bodies = sum(body_count(entity) for entity in spec.entities.values() if entity.motion != "static")
     counts: dict[str, float] = {

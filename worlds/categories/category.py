@@ -11,22 +11,12 @@ from ..parameters import PHYSICS, GroupInfo, Parameter
 from ..predicate_base import PredicateInfo
 from ..problems import Problem
 from ..vocabulary import SpecModel
+from .caps import Cap
 
 if TYPE_CHECKING:
     from ..spec import Coupling, Entity, WorldSpec
 
 __all__ = ["Audit", "Cap", "CategorySpec", "declares"]
-
-
-@dataclass(frozen=True)
-class Cap:
-    """The largest amount of something that the server takes on."""
-
-    name: str
-    value: int
-    unit: str
-    knob: str
-    """The change that keeps below it."""
 
 
 @dataclass(frozen=True)

@@ -8,29 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..arrays import F64
-from .category import Cap
 
 if TYPE_CHECKING:
     from ..spec import LiquidInstance, ParticleInstance, WorldSpec
 
-__all__ = ["CAPS", "LooseEstimate", "counts", "domain_box"]
+__all__ = ["LooseEstimate", "counts", "domain_box"]
 
 CACHE_BYTES_PER_PARTICLE_FRAME = 48
 """Position, velocity, id, fluid, volume, density, pressure, temperature in 32 bits [bytes]."""
-CAPS = (
-    Cap(
-        "particles",
-        20_000_000,
-        "particles",
-        "a larger /entities/<liquid>/physics/resolution or radius of grains, a smaller volume or domain, or inflows that end sooner",
-    ),
-    Cap(
-        "particle_steps",
-        100_000_000_000,
-        "particle steps",
-        "a larger /entities/<liquid>/physics/resolution or radius of grains, softer grains (young_modulus), fewer frames, or engine flip instead of dfsph",
-    ),
-)
 
 
 class LooseEstimate(NamedTuple):

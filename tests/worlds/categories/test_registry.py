@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 import pytest
 from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.categories.caps import CATEGORY_CAPS
 from worldagent.worlds.categories.category import CategorySpec, declares
 from worldagent.worlds.categories.registry import CATEGORIES, PARAMETERS, parameter_of, shape_of
 from worldagent.worlds.groups import GROUPS, group_of
@@ -194,3 +195,10 @@ def test_loose_matter_says_what_can_be_asked_of_it(category: CategorySpec) -> No
     moved = any(category.name in i.moves for i in category.instances)
     assert bool(category.asked) == (category.shape == "loose" and moved)
     assert category.noun
+
+
+def test_the_caps_of_all_categories_are_those_that_they_declare() -> None:
+    """`limits.py` reads them from the plain list, so that listing caps loads no category."""
+    declared = {cap.name: cap for category in CATEGORIES.values() for cap in category.caps}
+    assert declared == {cap.name: cap for cap in CATEGORY_CAPS}
+    assert declared.items() <= CAPS.items()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from ...parameters import PHYSICS, SETTINGS, GroupInfo, parameters
-from ..category import Audit, Cap, CategorySpec
+from ..caps import CLOTH_CAPS
+from ..category import Audit, CategorySpec
 from ..shared import DAMPING, LINEAR_VELOCITY, PINS, STEPS
 from .audit import cloth_problems, has_sheets, mass_problems
 from .contacts import unrecorded
@@ -56,15 +57,7 @@ CLOTH = CategorySpec(
         *parameters(SETTINGS, "integrator", "step", "repair", "rows hold the motion against laws"),
         *parameters(SETTINGS, "margin", "contact", "repair", "rows hold the motion against laws"),
     ),
-    caps=(
-        Cap("vertices", 1_000_000, "vertices of cloth", "a larger /entities/<cloth>/parts/<part>/shape/resolution"),
-        Cap(
-            "vertex_steps",
-            100_000_000_000,
-            "vertex steps",
-            "a larger resolution of the sheets, a smaller stretch_stiffness or damping, or fewer frames",
-        ),
-    ),
+    caps=CLOTH_CAPS,
     estimate=cloth_counts,
     audit=Audit(
         "cloth",

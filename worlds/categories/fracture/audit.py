@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...problems import Problem, removed, replaced
-from ..category import Cap
+from ..caps import PIECES
 from ..rigid.models import ForceDriver, PathDriver, RigidPhysics
 from .facts import CRUMBLE, piece_count
 
 if TYPE_CHECKING:
     from ...spec import Breakable, Entity, WorldSpec
 
-__all__ = ["PIECES", "crumble_limit", "fracture_problems", "usual_crumble"]
+__all__ = ["crumble_limit", "fracture_problems", "usual_crumble"]
 
-PIECES = Cap("pieces", 2_000, "pieces", "fewer pieces in /entities/<id>/breakable/pattern, or larger bricks")
 LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
 CRUMBLE_SHARE = 0.1

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ...parameters import BREAKABLE, GroupInfo, Parameter, Way, parameters
+from ..caps import PIECES
 from ..category import Audit, CategorySpec
-from .audit import PIECES, fracture_problems
+from .audit import fracture_problems
 from .predicates import PREDICATES
 
 __all__ = ["FRACTURE"]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
+from ..caps import LOOSE_CAPS
 from ..category import Audit, CategorySpec
-from ..loose import CAPS, counts
+from ..loose import counts
 from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, STEPS, TEMPERATURE
 from .audit import liquid_problems
 from .facts import liquid_estimate
@@ -53,7 +54,7 @@ LIQUID = CategorySpec(
         ),
     ),
     knobs={"dfsph": ("resolution",), "flip": ("resolution",)},
-    caps=CAPS,
+    caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (liquid_estimate(spec, name) for name in spec.simulation.liquid)),
     audit=Audit(
         "liquids", "liquids are members of a liquid instance that resolves them, and its domain holds them", liquid_problems

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
+from ..caps import LOOSE_CAPS
 from ..category import Audit, CategorySpec
-from ..loose import CAPS, counts
+from ..loose import counts
 from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
 from .audit import particle_problems
 from .facts import particle_estimate
@@ -37,7 +38,7 @@ PARTICLES = CategorySpec(
         *parameters(DRIVER, "speed_spread cone", "drivers", "repair", "drivers stand in the register", below=True),
     ),
     knobs={"dem": ("radius",)},
-    caps=CAPS,
+    caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (particle_estimate(spec, name) for name in spec.simulation.particles)),
     audit=Audit(
         "particles", "particles are members of an engine of their law, which holds them in its domain", particle_problems

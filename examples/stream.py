@@ -53,7 +53,7 @@ BEAMS = ((4.5, 0.5), (5.5, -3.0), (-4.2, -1.6), (-5.5, 2.4), (8.0, 1.6), (-8.5, 
 """Along and across the stream from the log [m]."""
 CARRIED = 0.3
 """Least way of the floating bodies, which lie at rest at first, in parts of the water's: the stream has to take them along."""
-SPACING = 0.275
+SPACING = 0.3
 """Cell of the liquid [m]: the deepest water is five cells across, as buoyancy asks."""
 SECONDS = 8.0
 REACH = (44.0, 30.0)

@@ -13,7 +13,7 @@ import pytest
 import worldagent.rendering as rendering
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools.edit_spec import edit_spec
-from worldagent.workflow import bundles, jobs
+from worldagent.workflow import bundles, jobs, pictures
 from worldagent.workflow.session import Session
 from worldagent.worlds.bundle import open_bundle
 from worldagent.worlds.folder import WorldFolder
@@ -39,7 +39,7 @@ def test_a_contact_sheet_that_is_drawn_anew_can_be_read_meanwhile(tmp_path: Path
     monkeypatch.setattr(rendering, "contact_sheet", lambda *_, **__: b"new sheet")
     monkeypatch.setattr(Path, "write_bytes", half)
     candidate = SimpleNamespace(last_frame=8, spec=SimpleNamespace(simulation=SimpleNamespace(fps=24)))
-    jobs._sheet(candidate, WorldFolder(tmp_path), "probe.jpg")
+    pictures.motion_sheet(candidate, WorldFolder(tmp_path), "probe.jpg")
     assert (seen, sheet.read_bytes()) == ([b"old sheet"], b"new sheet")
 
 
@@ -68,7 +68,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
     session = Session.open(tmp_path, "w")
     session.ledger.put_bake("f" * 64, 1, "d", {})
-    monkeypatch.setattr(jobs, "_session", lambda payload: (session, "f" * 64))
+    monkeypatch.setattr(jobs, "_work", lambda payload: jobs._Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
     monkeypatch.setattr(
         "worldagent.verifiers.acceptance.judge_fresh",
@@ -88,7 +88,7 @@ def test_a_judgement_that_is_killed_amid_its_entry_leaves_the_change_untested(
     failed = Row(id="beat:roll", check="beat", group="temporal", predicate="p", status="fail", artifact="x")
     session.ledger.add_iteration(1, "it rolls too slowly", "velocities", [failed])
     candidate = SimpleNamespace(last_frame=35, frame_count=36, digest="d", spec=session.spec)
-    monkeypatch.setattr(jobs, "_session", lambda payload: (session, "f" * 64))
+    monkeypatch.setattr(jobs, "_work", lambda payload: jobs._Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "_keeping", lambda candidate, *_: candidate)
     monkeypatch.setattr("worldagent.worlds.candidate.open_candidate", lambda *_: candidate)
     monkeypatch.setattr("worldagent.verifiers.checks.run_checks", lambda *_, **__: [failed])

@@ -43,7 +43,7 @@ def _ordinary(value: Any) -> Any:
     """The value with whole floats as integers, and marked texts for floats that Python writes with an exponent.
 
     Raises:
-        _UnusualError: a number that the RFC does not allow, a key that is not ASCII, a mark, or no JSON at all.
+        _UnusualError: a number that the RFC does not allow, a key that is not ASCII, a mark in a key or text, or no JSON at all.
     """
     kind = type(value)
     if kind is bool or value is None:
@@ -61,7 +61,7 @@ def _ordinary(value: Any) -> Any:
             return _MARK + _number(value)
     if kind is int and -_WHOLE_LARGEST <= value <= _WHOLE_LARGEST:
         return value
-    if kind is dict and all(type(key) is str and key.isascii() for key in value):
+    if kind is dict and all(type(key) is str and key.isascii() and _MARK not in key for key in value):
         return {key: _ordinary(item) for key, item in value.items()}
     if kind is list or kind is tuple:
         return [_ordinary(item) for item in value]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import rfc8785
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.canonical import canonical_json, digest_of, source_digest, spec_digest
@@ -107,6 +107,7 @@ JSON = st.recursive(
 
 
 @given(value=JSON)
+@example(value={"\x00": None})
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_the_fast_writer_gives_the_bytes_of_the_reference(value: object) -> None:
     try:

@@ -19,7 +19,7 @@ def bond_number(surface_tension: float, density: float, gravity: float, length: 
 
 
 def is_felt(surface_tension: float, density: float, gravity: float, spacing: float) -> bool:
-    """Whether the Bond number of one spacing is below `HEAVY`.
+    """True where the Bond number of one spacing is below `HEAVY`.
 
     Args:
         surface_tension: [N/m].

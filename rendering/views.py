@@ -17,7 +17,7 @@ from ..worlds.spec import Shot
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
 
-__all__ = ["Bounds", "active", "automatic_camera", "camera_for", "focus_bounds", "shot_of", "world_bounds"]
+__all__ = ["Bounds", "active", "automatic_camera", "camera_for", "focus_bounds", "shot_of"]
 
 BACKDROP_RATIO = 4.0
 """A static entity more than this many times larger than all the others together is a backdrop; own choice."""
@@ -62,13 +62,6 @@ def _bounds(candidate: Candidate, entity: str, frame: int) -> Bounds:
 
 def _union(boxes: list[Bounds]) -> Bounds:
     return Bounds(np.min([b.low for b in boxes], axis=0), np.max([b.high for b in boxes], axis=0))
-
-
-def world_bounds(candidate: Candidate, frame: int = 0) -> Bounds:
-    """Box around all built entities at `frame`."""
-    if not candidate.built:
-        raise InputError("nothing is built, so there is nothing to look at; call place_object or build_terrain")
-    return _union([_bounds(candidate, name, frame) for name in candidate.built])
 
 
 def focus_bounds(candidate: Candidate) -> Bounds:

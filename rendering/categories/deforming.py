@@ -19,7 +19,7 @@ class DeformingLayer(PartsLayer):
     """Elastic bodies and cloth; rigid in their shape at rest until they are simulated."""
 
     def bends(self, entity: str) -> bool:
-        """Whether a cache holds the deformation of an entity."""
+        """True where a cache holds the deformation of an entity."""
         return entity in self.candidate.deforming
 
     def soft(self, entity: str, part: BuiltPart, surface: Surface, start: int) -> SoftPart | None:

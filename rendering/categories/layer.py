@@ -1,4 +1,4 @@
-"""How pictures show the entities of one category of matter: by their parts, or as loose matter with a cast of its own."""
+"""Layer of one category of matter: its entities are drawn by their parts, or as loose matter with a cast of its own."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Layer:
     """Recorded or derived quantities that a plot of the records shows for this category unless told otherwise."""
 
     nearer: ClassVar[float] = 0.0
-    """How much nearer plans and sections draw it, in spans of the picture, so that it shows before walls it reaches into."""
+    """Distance by which plans and sections draw it nearer, in spans of the picture, so that it shows before walls it reaches into."""
 
     def __init__(self, candidate: Candidate, entities: Sequence[str]) -> None:
         self.candidate = candidate
@@ -59,7 +59,7 @@ class PartsLayer(Layer):
     quantities = ("min_gap", "contacts")
 
     def bends(self, entity: str) -> bool:
-        """Whether the surface of an entity changes its form from frame to frame."""
+        """True where the surface of an entity changes its form from frame to frame."""
         return False
 
     def tone(self, entity: str, part: str) -> float:

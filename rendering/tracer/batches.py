@@ -29,12 +29,12 @@ class Kind(NamedTuple):
 
     material: str
     layer: str
-    """Of the texture: `side`, or `end` for the end grain of wood."""
+    """Kind of texture: `side`, or `end` for the end grain of wood."""
     moving: bool
     wets: bool
     """A liquid ever wets them."""
     tone: float
-    """How many times lighter than the material they are."""
+    """Factor by which they are lighter than the material."""
 
     @property
     def name(self) -> str:
@@ -54,7 +54,7 @@ class Batch:
     """Index into `bodies` per vertex."""
     surface: Surface
     links: tuple[tuple[int, tuple[Link, ...]], ...] = ()
-    """Of wetted parts in the order of their vertices: how many, and whence their film; empty where nothing gets wet."""
+    """Number of vertices of each wetted part and where its film comes from, in the order of their vertices; empty where nothing gets wet."""
     soft: tuple[SoftPart, ...] = ()
     """Parts that deform."""
 

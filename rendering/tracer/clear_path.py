@@ -69,7 +69,7 @@ def _defined(mi: Any) -> type:
 
 
 def _pane(self: Any, shape: Any) -> Any:
-    """Whether a shape is a pane."""
+    """True for a pane."""
     import mitsuba as mi
 
     found = mi.Bool(False)
@@ -79,7 +79,7 @@ def _pane(self: Any, shape: Any) -> Any:
 
 
 def _face(self: Any, shape: Any) -> Any:
-    """Whether a shape is a liquid's face, and that liquid's absorption."""
+    """True for a shape that is a liquid's face, with that liquid's absorption [1/m]."""
     import drjit as dr
     import mitsuba as mi
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from ...worlds.categories.registry import shape_of
 from ...worlds.requirements import Row, RowId
 from ...worlds.spec import MOVED
-from ..rows.verdicts import correction, make_row
+from ..rows.corrections import correction
+from ..rows.verdicts import make_row
 from .registry import judged_instances
 
 if TYPE_CHECKING:

@@ -9,30 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.requirements import Correction, Group, Row, RowId, Status
-from .answers import plain, row_of
-from .corrections import EDIT_CLASS, correction, postponed
+from .answers import row_of
 from .findings import Finding
-from .questions import GROUP_OF, Comparison, Question
+from .questions import Comparison, Question
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = [
-    "EDIT_CLASS",
-    "GROUP_OF",
-    "Comparison",
-    "answered",
-    "correction",
-    "make_row",
-    "plain",
-    "postponed",
-    "requested_frames",
-]
-
-
-def requested_frames(candidate: Candidate) -> tuple[int, int]:
-    """First and last frame that the simulation plan asks for."""
-    return 0, candidate.spec.simulation.frames - 1
+__all__ = ["answered", "make_row"]
 
 
 def _question(row_id: RowId, predicate: str, **more: Any) -> Question:

@@ -31,7 +31,8 @@ from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row, RowId
 from ..categories.registry import judge_of
 from ..ledgers import motion
-from ..rows.verdicts import correction, make_row
+from ..rows.corrections import correction
+from ..rows.verdicts import make_row
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .phase_ends import SPAN, ending
 

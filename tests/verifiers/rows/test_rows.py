@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 from worldagent.tests.verifiers.categories.test_category import falling
 from worldagent.verifiers.checks import run_checks
+from worldagent.verifiers.rows.corrections import correction
 from worldagent.verifiers.rows.findings import Finding, cache_of, judged
-from worldagent.verifiers.rows.verdicts import GROUP_OF, answered, correction, make_row
+from worldagent.verifiers.rows.questions import GROUP_OF
+from worldagent.verifiers.rows.verdicts import answered, make_row
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.requirements import Row, RowId

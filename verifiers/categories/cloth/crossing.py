@@ -8,8 +8,8 @@ import numpy as np
 
 from ....geometry import pierced
 from ....worlds.arrays import F64, I32
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 
 if TYPE_CHECKING:
     from .frames import ClothRun, Solid

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
+from ...rows.corrections import correction
 from ...rows.findings import Finding, again
-from ...rows.verdicts import correction
 
 if TYPE_CHECKING:
     from .frames import ClothRun

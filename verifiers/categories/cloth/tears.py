@@ -15,8 +15,8 @@ from ....worlds.arrays import F64, I32, pose_of
 from ....worlds.categories.cloth.facts import tears
 from ....worlds.categories.cloth.tears import Flags, Seams, following, seams_of, welded
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction
 from ...rows.findings import Finding, again
-from ...rows.verdicts import correction
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,8 +10,8 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ...ledgers.strains import require_deforming, strains_of
+from ...rows.corrections import correction
 from ...rows.findings import Finding, judged
-from ...rows.verdicts import correction
 from .exchange import exchange, outside_work, together
 from .fields import fields
 from .ledger import elastic_energies, vertex_books

@@ -26,9 +26,8 @@ from ....worlds.candidate import Candidate
 from ....worlds.errors import EvidenceError, InputError
 from ....worlds.spec import ElasticPhysics
 from ...ledgers.strains import require_deforming, strains_of
+from ...rows.corrections import correction, pointer
 from ...rows.findings import Finding, judged
-from ...rows.guards import pointer
-from ...rows.verdicts import correction
 from . import books as elastic_books
 from . import holds as elastic_holds
 from .rows import elastic_row, physics_of

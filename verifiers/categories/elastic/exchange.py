@@ -18,8 +18,8 @@ from ....worlds.errors import EvidenceError
 from ...ledgers.balance import books_of
 from ...ledgers.exchanged import partners
 from ...ledgers.fields import blown
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .fields import field_work
 from .ledger import elastic_energies
 

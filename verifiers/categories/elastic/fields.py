@@ -16,8 +16,8 @@ from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.fields import Fields, fields_of
 from ...ledgers.strains import require_deforming
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .rows import physics_of
 
 if TYPE_CHECKING:

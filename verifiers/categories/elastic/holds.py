@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64, pose_of
 from ....worlds.errors import EvidenceError
 from ...ledgers.strains import deflections, require_deforming, strains_of
+from ...rows.corrections import correction, pointer
 from ...rows.findings import Finding
-from ...rows.guards import pointer
-from ...rows.verdicts import correction
 from .exchange import soft_impulses
 from .fields import field_impulses
 from .rows import physics_of

@@ -27,8 +27,9 @@ from ....worlds.categories.fracture.bonds import WORLD, components
 from ....worlds.categories.fracture.pieces import middle_size
 from ....worlds.errors import EvidenceError
 from ....worlds.requirements import RowId
+from ...rows.corrections import correction
 from ...rows.findings import Finding, judged
-from ...rows.verdicts import answered, correction
+from ...rows.verdicts import answered
 from ..rigid.laws import IMPULSE, PLACE
 from .budget import Budget
 from .flight import free_flight

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import Breach, Broken, Debris, atoms_of
-from ...rows.verdicts import correction
+from ...rows.corrections import correction
 from .frames import Frames
 
 if TYPE_CHECKING:

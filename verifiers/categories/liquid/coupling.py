@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64, rotation_matrix
 from ....worlds.errors import EvidenceError
 from ...ledgers.exchanged import partners
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .about import COLUMN, Hull, Surroundings, hull_of, others_than
 from .bodies import Bodies, exchanged
 from .footing import unwetted

@@ -14,9 +14,9 @@ import numpy as np
 
 from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .rows import coarse, first_over, longer_step
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .bodies import Bodies, exchanged
 from .rows import coarse, first_over, longer_step
 

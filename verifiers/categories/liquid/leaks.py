@@ -18,8 +18,8 @@ from scipy.spatial import cKDTree
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.facts import LEAST_SPACINGS
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from ..cloth.sides import PassedSheets
 from ..soft_solids import soft_walls
 from .across import production_spacing

@@ -17,9 +17,9 @@ import numpy as np
 from ....geometry import Solid, contains
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from ..soft_solids import soft_depths
 from .rows import first_over, longer_step, place
 from .samples import spread

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .bodies import Bodies
 from .rows import first_over, longer_step, place
 

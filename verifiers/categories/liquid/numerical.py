@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .rows import coarse, first_over, longer_step
 
 if TYPE_CHECKING:

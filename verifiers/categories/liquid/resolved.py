@@ -15,8 +15,8 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.facts import LEAST_MOUTH
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .barriers import still_barrier
 from .rows import coarse, place
 from .samples import scattered

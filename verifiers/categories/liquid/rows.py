@@ -10,8 +10,8 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.requirements import Correction
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 
 if TYPE_CHECKING:
     from .frames import Liquid, Step

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from ..soft_solids import soft_gaps
 from .rows import coarse, place
 from .solids import deepest, pieces_of

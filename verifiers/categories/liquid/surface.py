@@ -17,9 +17,9 @@ from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .rows import first_over, place
 
 if TYPE_CHECKING:

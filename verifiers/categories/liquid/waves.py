@@ -20,9 +20,9 @@ from ....physics.waves import Sea, wavelength
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.waves import developed, heading, inward, sea_of, waves_of
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from .rows import coarse, place
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...ledgers.exchanged import partners
+from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ...rows.verdicts import correction
 from ..cloth.sides import PassedSheets
 from ..liquid.solids import deepest, pieces_of
 from ..soft_solids import soft_depths

@@ -10,8 +10,8 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.spec import ForceDriver, MotorDriver, SpringJoint
 from ...ledgers.balance import Books, books_of
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .joints import stored
 from .rows import judged_law, largest
 

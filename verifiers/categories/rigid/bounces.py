@@ -19,8 +19,8 @@ from ....worlds.arrays import F64
 from ....worlds.spec import HeightField
 from ...land.uneven import even_ground
 from ...ledgers.balance import Books, books_of
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .contacts import moves
 from .rows import judged_law, largest
 

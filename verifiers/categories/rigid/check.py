@@ -28,8 +28,9 @@ from ....worlds.requirements import Row, RowId
 from ....worlds.spec import BoxRegion, CylinderRegion, SphereRegion
 from ...ledgers import motion
 from ...ledgers.balance import books_of
+from ...rows.corrections import correction
 from ...rows.findings import Finding, cache_of, judged
-from ...rows.verdicts import answered, correction
+from ...rows.verdicts import answered
 from ..elastic.exchange import outside_work
 from ..elastic.ledger import elastic_energies
 from . import books as rigid_books

@@ -13,8 +13,8 @@ import numpy as np
 from ....geometry import aabb_of
 from ....worlds.arrays import F64
 from ...ledgers.balance import Books, books_of
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .rows import judged_law, largest
 
 if TYPE_CHECKING:

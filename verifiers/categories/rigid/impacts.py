@@ -24,8 +24,8 @@ from ....worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
 from ...ledgers.balance import Books, Flags, books_of
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
+from ...rows.corrections import correction
 from ...rows.findings import Finding, halve
-from ...rows.verdicts import correction
 from ..elastic.ledger import elastic_energies
 from .rows import judged_law, largest
 

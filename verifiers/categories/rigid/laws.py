@@ -20,8 +20,8 @@ from ....worlds.spec import PathDriver
 from ...ledgers.balance import Books, Flags, books_of
 from ...ledgers.sleep_impulses import rests_of, strangest
 from ...ledgers.tumbling import tumble
+from ...rows.corrections import correction
 from ...rows.findings import Finding
-from ...rows.verdicts import correction
 from .rows import Excess, judged_law, largest
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from ...ledgers import motion
 from ...ledgers.balance import books_of
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
+from ...rows.corrections import correction
 from ...rows.findings import Finding, again, cache_of, halve, judged, separate
-from ...rows.verdicts import correction
 from ...scene import initial_state
 from .. import container
 from ..container import Function, numerical_row

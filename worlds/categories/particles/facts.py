@@ -12,13 +12,7 @@ from ..loose import LooseEstimate
 if TYPE_CHECKING:
     from ...spec import ParticlePhysics, WorldSpec
 
-__all__ = ["emitters_of", "grain_step", "particle_estimate"]
-
-
-def emitters_of(spec: WorldSpec, name: str) -> dict[str, object]:
-    """Emitters into the members of an instance, by driver id."""
-    members = spec.simulation.particles[name].members
-    return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "emitter" and d.entity in members}
+__all__ = ["grain_step", "particle_estimate"]
 
 
 def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:

@@ -28,11 +28,11 @@ PROMPT = "A stream carries beams and a log under a footbridge."
 WAIT_SECONDS = 25.0
 EXTENT = (320.0, 128.0)
 """Of the landscape x, y [m]."""
-DISCHARGE = 5.0
+DISCHARGE = 5.5
 """Of the stream where it comes in, mean over the year [m^3/s]; it runs bankfull, at five times that."""
 BRIDGE_AT = 26.0
 """Where the bridge stands along x [m]: the stream runs straight there."""
-CLEARANCE = 1.4
+CLEARANCE = 2.1
 """Of the bridge over the water [m]; over the banks at its feet three cells are left for water to pass."""
 DECK = (2.2, 0.35)
 """Width and thickness of the bridge's deck [m]."""
@@ -217,7 +217,7 @@ class Ranger(Agent):
         """A deck between two girders across the stream, on two feet in the banks."""
         place, along, _ = self.course.at(way)
         across = np.array([-along[1], along[0]])
-        half = 0.5 * self.course.width + 2.2
+        half = 0.5 * self.course.width + 1.3
         feet = [place[:2] + side * (half - 0.6) * across for side in (-1, 1)]
         corners = [foot + a * 0.9 * along + b * 0.5 * across for foot in feet for a in (-1, 1) for b in (-1, 1)]
         ground = await self.heights([_numbers(c) for c in corners])

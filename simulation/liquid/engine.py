@@ -6,8 +6,9 @@ engine (DFSPH) and the grid engine (FLIP) keep this interface; `solver.py` turns
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -26,6 +27,7 @@ __all__ = [
     "Outflow",
     "Particles",
     "WaveZones",
+    "by_inflow",
 ]
 
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
@@ -70,6 +72,19 @@ class Inflow:
     """[m/s]"""
     start: float = 0.0
     end: float = np.inf
+
+
+def by_inflow(names: Iterable[str], values: Iterable[Any], inflows: Sequence[Inflow]) -> list[Any]:
+    """Values of a checkpoint, one per name of an inflow, for the inflows that there are now.
+
+    Raises:
+        ValueError: an inflow is not in the checkpoint.
+    """
+    found = dict(zip(map(str, names), values, strict=True))
+    missing = [i.name for i in inflows if i.name not in found]
+    if missing:
+        raise ValueError(f"inflows {missing} are not in a state with {sorted(found)}")
+    return [found[i.name] for i in inflows]
 
 
 @dataclass(frozen=True)

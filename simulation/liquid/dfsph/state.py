@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...sealed import from_bytes, to_bytes
+from ..engine import by_inflow
 from .store import FIELDS
 
 if TYPE_CHECKING:
@@ -27,20 +28,20 @@ def pack(engine: Dfsph) -> bytes:
         "lost": np.int64(engine.lost),
         "next_identity": np.int64(engine.next_identity),
         "layers": np.array(engine.layers, dtype=np.int64),
+        "inflows": np.array([m.inflow.name for m in engine.mouths], dtype=str),
     }
     return to_bytes({**engine.store.columns(), **counters, **engine.coupling.soft.pack()})
 
 
 def unpack(engine: Dfsph, state: bytes) -> None:
-    """Continue from a checkpoint of an engine with the same setup.
+    """Continue from a checkpoint of an engine with the same setup, or with inflows that this one lacks: they give nothing more.
 
     Raises:
         EngineError: these are not the bytes of such a checkpoint.
         ValueError: it is of another liquid.
     """
-    found = from_bytes(state, (*FIELDS, "layers"))
-    if len(found["layers"]) != len(engine.layers):
-        raise ValueError(f"{len(found['layers'])} inflows for an engine of {len(engine.layers)}")
+    found = from_bytes(state, (*FIELDS, "layers", "inflows"))
+    layers = by_inflow(found["inflows"], found["layers"], engine.setup.inflows)
     engine.store.replace({name: found[name] for name in FIELDS})
     engine.coupling.soft.unpack(found)
     engine.time, engine.speed = float(found["time"]), float(found["speed"])
@@ -49,4 +50,4 @@ def unpack(engine: Dfsph, state: bytes) -> None:
     engine.next_identity = int(found["next_identity"])
     engine.full = float(found["full"])
     engine.solves.relaxation = [float(k) for k in found["relaxation"]]
-    engine.layers = [int(k) for k in found["layers"]]
+    engine.layers = [int(k) for k in layers]

@@ -14,7 +14,7 @@ from ....worlds.errors import EngineError
 from ...boundaries import BodyState
 from ...sealed import from_bytes, to_bytes
 from ..blowing import Blowing
-from ..engine import LiquidReport, LiquidSetup, Particles
+from ..engine import LiquidReport, LiquidSetup, Particles, by_inflow
 from ..zones import Zones
 from . import distance_kernels as distances
 from . import exchange_kernels as exchanges
@@ -286,17 +286,20 @@ class Flip(CutCells):
     def checkpoint(self) -> bytes:
         """The full state; the engine itself continues from exactly these bytes."""
         travel = np.array([[mouth.travel, mouth.layers] for mouth in self.sources.mouths]).reshape(-1, 2)
-        return to_bytes({**self.markers.dump(), "clock": np.array([self.time, self._speed, self.volume]), "travel": travel})
+        inflows = np.array([mouth.inflow.name for mouth in self.sources.mouths], dtype=str)
+        clock = np.array([self.time, self._speed, self.volume])
+        return to_bytes({**self.markers.dump(), "clock": clock, "travel": travel, "inflows": inflows})
 
     def restore(self, state: bytes) -> None:
-        """Continue from a checkpoint.
+        """Continue from a checkpoint of the same liquid, or with inflows that this one lacks: they give nothing more.
 
         Raises:
             EngineError: the bytes are no checkpoint of this engine.
             ValueError: it is of another liquid.
         """
-        found = from_bytes(state, ("position", "clock", "travel"))
+        found = from_bytes(state, ("position", "clock", "travel", "inflows"))
+        travels = by_inflow(found["inflows"], found["travel"], self.setup.inflows)
         self.markers.load(found)
         self.time, self._speed, self.volume = (float(value) for value in found["clock"])
-        for mouth, (travel, layers) in zip(self.sources.mouths, found["travel"], strict=True):
+        for mouth, (travel, layers) in zip(self.sources.mouths, travels, strict=True):
             mouth.travel, mouth.layers = float(travel), int(layers)

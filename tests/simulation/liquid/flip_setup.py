@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from worldagent.simulation.boundaries import BodyState, Boundary
-from worldagent.simulation.liquid.engine import Engine, Fluid, LiquidSetup, StepReport
+from worldagent.simulation.liquid.engine import Engine, Fluid, LiquidReport, LiquidSetup
 from worldagent.worlds.arrays import F64
 
 WATER = Fluid("water", 1000.0, 1e-3)
@@ -47,7 +47,7 @@ def tank(
     )
 
 
-def advance(engine: Engine, seconds: float, bodies: BodyState | None = None) -> list[StepReport]:
+def advance(engine: Engine, seconds: float, bodies: BodyState | None = None) -> list[LiquidReport]:
     """Steps until a time has passed."""
     reports, passed = [], 0.0
     while passed < seconds - 1e-9:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from worldagent.simulation.liquid.engine import Fluid, Inflow, Outflow
+from worldagent.simulation.liquid.dfsph.engine import Dfsph
+from worldagent.simulation.liquid.engine import Engine, Fluid, Inflow, LiquidSetup, Outflow
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.flip.settings import FlipSettings
 from worldagent.worlds.errors import EngineError, InputError
@@ -128,3 +130,25 @@ def test_what_one_density_cannot_hold_is_refused() -> None:
     setup = tank((0.5, 0.5, 0.5), block((0, 0, 0), (0.25, 0.25, 0.25), CELL), CELL)
     with pytest.raises(InputError, match="density"):
         Flip(dataclasses.replace(setup, fluids=(WATER, Fluid("oil", 800.0, 1e-3))))
+
+
+@pytest.mark.parametrize("engine", [Flip, Dfsph])
+def test_a_run_goes_on_without_one_of_its_inflows_from_a_state_that_has_it(engine: Callable[[LiquidSetup], Engine]) -> None:
+    """A counterfactual begins at a checkpoint of the true run: the inflow that stays goes on as it was, the other gives nothing more."""
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    left, right = (
+        Inflow(n, 0, np.array([0.1, y, 0.4]), turn, (0.1, 0.1), False, 1.0) for n, y in (("left", 0.2), ("right", 0.6))
+    )
+    setup = tank((1.0, 0.8, 1.0), block((0, 0, 0), (1.0, 0.8, 0.25), CELL), CELL, inflows=(left, right))
+    whole = engine(setup)
+    advance(whole, 0.15)
+    state = whole.checkpoint()
+    without = engine(dataclasses.replace(setup, inflows=(right,)))
+    without.restore(state)
+    after, kept = advance(whole, 0.15), advance(without, 0.15)
+    given = [{n: sum(r.added.get(n, 0.0) for r in reports) for n in ("left", "right")} for reports in (after, kept)]
+    assert given[0]["left"] == pytest.approx(given[0]["right"])
+    assert given[1] == {"left": 0.0, "right": pytest.approx(given[0]["right"])}
+    none = engine(dataclasses.replace(setup, inflows=(dataclasses.replace(left, name="new"),)))
+    with pytest.raises(ValueError, match=r"inflows \['new'\] are not in a state with \['left', 'right'\]"):
+        none.restore(state)

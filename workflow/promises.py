@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..verifiers.rows.verdicts import make_row
-from ..worlds.requirements import Row, RowId
+from ..verifiers.rows.answers import row_of
+from ..verifiers.rows.findings import Finding
+from ..verifiers.story.questions import PROMISE
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row
 
 __all__ = ["broken_promises", "promise_row"]
 
@@ -52,17 +54,16 @@ def promise_row(candidate: Candidate, promised: Events, found: Events, overrides
     """
     different = broken_promises(promised, found, coarse=bool(overrides))
     about = f"within {LATE:.0%} of the time and in the order" if overrides else "at the frames"
-    return make_row(
-        candidate,
-        RowId("numerical:promise"),
-        group="temporal",
+    found_out = Finding(
+        "fail" if different else "pass",
+        f"{', '.join(different)} came otherwise" if different else f"{len(promised)} beats came as promised",
+        float(len(different)),
+        0.0,
+        evidence={
+            "promised": promised,
+            "found": found,
+            **({"different": different, "probe_overrides": overrides} if overrides else {}),
+        },
         predicate=f"beats come true {about} that the probe of these settings promised",
-        status="fail" if different else "pass",
-        explanation=f"{', '.join(different)} came otherwise" if different else f"{len(promised)} beats came as promised",
-        measured=float(len(different)),
-        bound=0.0,
-        comparison="<=",
-        unit="beat",
-        evidence={"promised": promised, "found": found, **({"different": different, "probe_overrides": overrides} if overrides else {})},
-        extra=promised,
-    )  # fmt: skip
+    )
+    return row_of(candidate, PROMISE, (), found_out, extra=promised)

@@ -41,7 +41,7 @@ class Meeting(NamedTuple):
 
 
 class _Promise(NamedTuple):
-    """What the specification says of a contact."""
+    """A contact that the specification asks for."""
 
     entities: frozenset[str]
     direct: bool

@@ -1,4 +1,4 @@
-"""What rightly goes on when a run ends: flights, slides, spins, splashes, and what a driver keeps moving (R77, S12).
+"""Motions that rightly go on when a run ends: flights, slides, spins, splashes, and what a driver keeps moving (R77, S12).
 
 A motion goes on by physics when the mechanical energy of all matter does not grow without a source. Looked at is the last third of
 the response, `SPAN` at least: its largest energy is not above the largest before by more than `GROWTH` of the run's largest
@@ -62,7 +62,9 @@ def ending(candidate: Candidate, kinetic: F64, start: int) -> Ending | None:
         text = f"energy grows by {gain:.3g} J over the last {seconds:.3g} s and no driver feeds it; {GROWTH * scale:.3g} J is allowed"
         return Ending(False, text)
     told = _told(candidate, span, float(kinetic[last]), feeding)
-    change = f"energy {gain / scale:+.1%} of the largest kinetic energy over the last {seconds:.3g} s" if scale > 0 else "at rest"
+    # Of hardly any kinetic energy a share says nothing.
+    share = f"{gain / scale:+.1%} of the largest kinetic energy" if scale > abs(gain) else f"{gain:+.3g} J"
+    change = f"energy {share} over the last {seconds:.3g} s" if scale > 0 else "at rest"
     return Ending(True, f"goes on at the end: {told}; {change}")
 
 
@@ -93,7 +95,7 @@ def _feeding(candidate: Candidate, since: int) -> dict[str, tuple[str, ...]]:
 
 
 def _told(candidate: Candidate, span: int, kinetic: float, feeding: dict[str, tuple[str, ...]]) -> str:
-    """What moves at the end, and how."""
+    """Sentence about the entities that move at the end, and how."""
     ways: dict[str, list[str]] = {}
     spec = candidate.spec
     for name, way in (w for s in candidate.caches for w in judge_of_instance(spec, s).endings(candidate, s, span, kinetic)):

@@ -20,6 +20,7 @@ Where bodies could move and none does, the kinetic energy is that of grains and 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,20 +29,22 @@ from ...worlds.arrays import F64
 from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
-from ...worlds.requirements import Correction, Row, RowId
+from ...worlds.requirements import Correction, Row
 from ..categories.registry import judge_of
 from ..ledgers import motion
-from ..rows.corrections import correction
-from ..rows.verdicts import make_row
+from ..rows.answers import guarded, row_of
+from ..rows.corrections import correction, set_value
+from ..rows.findings import Finding
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .phase_ends import SPAN, ending
+from .questions import PHASES_SHOWN
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
     from ...worlds.spec import Entity
 
-__all__ = ["FALLING", "PHASES", "SETTLED", "START_SPEED", "Phases", "check", "find_phases"]
+__all__ = ["FALLING", "PHASES", "SETTLED", "START_SPEED", "Course", "Phases", "check", "find_phases"]
 
 PHASES = ("preroll", "activation", "first_contact", "peak_response", "early_settling")
 START_SPEED = 0.05
@@ -56,6 +59,15 @@ NAMED = 3
 """Pairs that should meet and do not, named in a row."""
 SMALL = 1e-3
 """[m/s] Least start speed, for tiny scenes and without gravity."""
+
+
+class Course(Enum):
+    """How the response to the first contact ends."""
+
+    SETTLES = "settles"
+    CARRIED_ON = "is carried on evenly, as by a stream"
+    GOES_ON = "goes on by physics: a flight, a slide, a spin"
+    GROWS = "gains energy from nowhere"
 
 
 @dataclass(frozen=True)
@@ -76,6 +88,8 @@ class Phases:
     """[m/s] above which a body counts as active."""
     touchless: bool = False
     """Whether first contact does not apply: nothing new touches, and nothing in the specification asks for it."""
+    course: Course | None = None
+    """How the response ends; None where the run does not show it."""
 
     def applicable(self) -> tuple[str, ...]:
         """Phases that such a run has, in order."""
@@ -125,23 +139,9 @@ def find_phases(candidate: Candidate) -> Phases:
     unasked = touchless or (met is not None and not asked and (met.pressed or late))
     if touchless:
         notes["first_contact"] += ", and no beat, relation or cause asks for one"
-    peak = settling = None
     start = activation if unasked else contact
-    if start is not None:
-        peak = start + int(np.argmax(energy[start : last + 1]))
-        notes["peak_response"] = f"kinetic energy {energy[peak]:.3g} J"
-        if peak == last and unasked and (steady := _steady(candidate, energy, start)) is not None:
-            peak = steady
-            notes["peak_response"] = f"carried on evenly from frame {steady} to the last, with {energy[last]:.3g} J"
-        elif peak == last:
-            notes["peak_response"] = f"kinetic energy is largest at the last frame {last}"
-            end = ending(candidate, energy, start)
-            notes["peak_response"] += "" if end is None else f": {end.text}"
-            notes |= {"grows": end.text} if end is not None and not end.goes_on else {}
-            peak = peak if end is not None and end.goes_on else None
-    if peak is not None and start is not None:
-        settling = _settling(candidate, energy, (start, peak), notes)
-    return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold, touchless)
+    peak, settling, course = (None, None, None) if start is None else _response(candidate, energy, start, notes, unasked=unasked)
+    return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold, touchless, course)
 
 
 def _start_speed(candidate: Candidate) -> float:
@@ -243,93 +243,89 @@ def _steady(candidate: Candidate, energy: F64, start: int) -> int | None:
     return first if last - first >= max(1, round(FALLING * candidate.spec.simulation.fps)) else None
 
 
-def _settling(candidate: Candidate, energy: F64, response: tuple[int, int], notes: dict[str, str]) -> int | None:
-    """When the response, which has a start and a peak, settles or goes on rightly to the end."""
-    (start, peak), last, fps = response, candidate.last_frame, candidate.spec.simulation.fps
-    if notes["peak_response"].startswith("carried on"):
+def _response(
+    candidate: Candidate, energy: F64, start: int, notes: dict[str, str], *, unasked: bool
+) -> tuple[int | None, int | None, Course | None]:
+    """Frames of the peak and of the settling of the response that starts at a frame, and how it ends."""
+    last = candidate.last_frame
+    peak = start + int(np.argmax(energy[start : last + 1]))
+    notes["peak_response"] = f"kinetic energy {energy[peak]:.3g} J"
+    if peak == last and unasked and (steady := _steady(candidate, energy, start)) is not None:
+        notes["peak_response"] = f"carried on evenly from frame {steady} to the last, with {energy[last]:.3g} J"
         notes["early_settling"] = notes["peak_response"]
-        return last
+        return steady, last, Course.CARRIED_ON
     goes = ending(candidate, energy, start)
-    if goes is not None and not goes.goes_on and not set(candidate.caches) - set(candidate.rigid_caches):
+    if peak == last:
+        notes["peak_response"] = f"kinetic energy is largest at the last frame {last}" + (
+            "" if goes is None else f": {goes.text}"
+        )
+        if goes is None or not goes.goes_on:
+            return None, None, None if goes is None else Course.GROWS
+    elif goes is not None and not goes.goes_on and not set(candidate.caches) - set(candidate.rigid_caches):
         # A swing that grows is slow at its ends too. Of other matter not all that it exchanges is in these sums.
-        notes["early_settling"] = notes["grows"] = goes.text
-        return None
-    quiet = np.flatnonzero(energy[peak:] <= SETTLED * energy[peak])
-    if len(quiet):
-        notes["early_settling"] = f"kinetic energy below {SETTLED:.0%} of its peak"
-        return peak + int(quiet[0])
-    span = max(1, round(FALLING * fps))
-    if last - peak >= span and bool((np.diff(energy[last - span : last + 1]) <= 0).all()):
-        notes["early_settling"] = f"kinetic energy has fallen for {FALLING:g} s"
-        return last
+        notes["early_settling"] = goes.text
+        return peak, None, Course.GROWS
+    if (settled := _settled(candidate, energy, peak)) is not None:
+        frame, notes["early_settling"] = settled
+        return peak, frame, Course.SETTLES
     if goes is not None and goes.goes_on:
         notes["early_settling"] = goes.text
-        return last
+        return peak, last, Course.GOES_ON
     end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=None)
     if end is not None and peak <= end <= last:
         notes["early_settling"] = f"the last beat ends at frame {end}"
-        return end
+        return peak, end, Course.SETTLES
     share = energy[last] / energy[peak]
     notes["early_settling"] = f"kinetic energy is still {share:.0%} of its peak at the last frame {last}"
+    return peak, None, None
+
+
+def _settled(candidate: Candidate, energy: F64, peak: int) -> tuple[int, str] | None:
+    """Frame at which the kinetic energy shows that the response settles, and how; None where it does not."""
+    last, span = candidate.last_frame, max(1, round(FALLING * candidate.spec.simulation.fps))
+    quiet = np.flatnonzero(energy[peak:] <= SETTLED * energy[peak])
+    if len(quiet):
+        return peak + int(quiet[0]), f"kinetic energy below {SETTLED:.0%} of its peak"
+    if last - peak >= span and bool((np.diff(energy[last - span : last + 1]) <= 0).all()):
+        return last, f"kinetic energy has fallen for {FALLING:g} s"
     return None
 
 
+@guarded(PHASES_SHOWN)
 def check(candidate: Candidate) -> list[Row]:
     """Row `probe:phases`: all five phases lie within the simulated frames."""
-    predicate = "the run covers preroll, activation, first contact, peak response and early settling"
-    try:
-        phases = find_phases(candidate)
-    except EvidenceError as error:
-        return [make_row(candidate, RowId("probe:phases"), status="unverified", explanation=str(error), predicate=predicate)]
+    phases = find_phases(candidate)
+    extra = None if phases.activation is None and _meant_to_rest(candidate) else candidate.spec.simulation.frames
+    return [row_of(candidate, PHASES_SHOWN, (), _finding(candidate, phases), extra=extra)]
+
+
+def _finding(candidate: Candidate, phases: Phases) -> Finding:
+    """Whether all phases are shown; `not_applicable` where everything is meant to rest, and does."""
+    measures = {"start_speed": phases.start_speed, "notes": phases.notes}
     if phases.activation is None and _meant_to_rest(candidate):
         text = f"nothing is driven or thrown, every beat asks for rest, and no body exceeds {phases.start_speed:.3g} m/s: no phase to cover"
-        return [
-            make_row(
-                candidate,
-                RowId("probe:phases"),
-                status="not_applicable",
-                explanation=text,
-                frames=(0, phases.last_frame),
-                evidence={"start_speed": phases.start_speed, "notes": phases.notes},
-                predicate=predicate,
-            )
-        ]
-    missing = phases.missing()
+        return Finding("not_applicable", text, evidence=measures)
+    missing, applicable, who = phases.missing(), phases.applicable(), tuple(phases.entities.values())
     frames = {p: getattr(phases, p) for p in PHASES}
-    evidence = {"phases": frames, "notes": phases.notes, "entities": phases.entities, "start_speed": phases.start_speed}
+    measures |= {"phases": frames, "entities": phases.entities}
+    counts = float(len(applicable) - len(missing)), float(len(applicable))
     if not missing:
-        text = ", ".join(f"{p.replace('_', ' ')} at frame {frames[p]}" for p in phases.applicable())
-        if phases.touchless:
-            text += f"; {phases.notes['first_contact']}"
-        if phases.notes.get("early_settling", "").startswith("goes on"):
-            text += f"; {phases.notes['early_settling']}"
-    else:
-        why = phases.notes.get(missing[0], "the phase before it is missing")
-        text = f"no {missing[0].replace('_', ' ')} within frames 0..{phases.last_frame}: {why}"
-    more = _more_frames(candidate, phases)
-    return [
-        make_row(
-            candidate,
-            RowId("probe:phases"),
-            status="fail" if missing else "pass",
-            explanation=text,
-            frames=(0, phases.last_frame),
-            measured=float(len(phases.applicable()) - len(missing)),
-            bound=float(len(phases.applicable())),
-            comparison=">=",
-            unit="phases",
-            entities=tuple(phases.entities.values()),
-            first_failing_entity=next(iter(reversed(phases.entities.values())), None) if missing else None,
-            first_failing_frame=phases.last_frame if missing else None,
-            corrections=(_blown_up() if "grows" in phases.notes else _hints(candidate, missing[0], more)) if missing else (),
-            evidence={
-                **evidence,
-                **({"missing": list(missing), "more_frames": more, "grows": int("grows" in phases.notes)} if missing else {}),
-            },
-            extra=candidate.spec.simulation.frames,
-            predicate=predicate,
-        )
-    ]
+        text = ", ".join(f"{p.replace('_', ' ')} at frame {frames[p]}" for p in applicable)
+        text += f"; {phases.notes['first_contact']}" if phases.touchless else ""
+        text += f"; {phases.notes['early_settling']}" if phases.course is Course.GOES_ON else ""
+        return Finding("pass", text, *counts, evidence=measures, entities=who)
+    why = phases.notes.get(missing[0], "the phase before it is missing")
+    grows, more = phases.course is Course.GROWS, _more_frames(candidate, phases)
+    return Finding(
+        "fail",
+        f"no {missing[0].replace('_', ' ')} within frames 0..{phases.last_frame}: {why}",
+        *counts,
+        entity=next(iter(reversed(who)), None),
+        frame=phases.last_frame,
+        hints=tuple(_blown_up() if grows else _hints(candidate, missing[0], more)),
+        evidence={**measures, "missing": list(missing), "more_frames": more, "grows": int(grows)},
+        entities=who,
+    )
 
 
 def _meant_to_rest(candidate: Candidate) -> bool:
@@ -359,14 +355,13 @@ def _blown_up() -> list[Correction]:
 
 def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
     if phase == "preroll":
-        patch = ({"op": "add", "path": "/simulation/preroll", "value": 0.5},)
         return [
             correction(
                 "bodies move from frame 0 on without being told to: the scene is not at rest",
                 "interval",
                 "give it 0.5 s of preroll to settle",
                 pointers=("/simulation/preroll",),
-                patch=patch,
+                patch=set_value("/simulation/preroll", 0.5),
             ),
             correction("bodies start in the air or overlap", "placement", "put them on their supports", pointers=("/entities",)),
         ]

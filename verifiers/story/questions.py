@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..rows.questions import Question
 
-__all__ = ["BEAT", "CAUSAL", "DRIVEN", "QUESTIONS", "REQUIREMENT", "ROBUST", "VACUOUS", "WITHOUT"]
+__all__ = ["BEAT", "CAUSAL", "DRIVEN", "PHASES_SHOWN", "PROMISE", "QUESTIONS", "REQUIREMENT", "ROBUST", "VACUOUS", "WITHOUT"]
 
 BEAT = Question(
     "beat",
@@ -54,5 +54,22 @@ ROBUST = Question(
     "min_fraction of the item; at most `frames` of it",
     ("item", "beat"),
 )
+PHASES_SHOWN = Question(
+    "probe:phases",
+    "the run covers preroll, activation, first contact, peak response and early settling",
+    "phases shown",
+    "phases",
+    ">=",
+    "5, or 4 where nothing should meet",
+)
+PROMISE = Question(
+    "numerical:promise",
+    "beats come true as the probe of these settings promised",
+    "beats that come otherwise",
+    "beat",
+    "<=",
+    "0; after a coarser probe LATE of the time and the order",
+    matrix_group="temporal",
+)
 
-QUESTIONS = (BEAT, VACUOUS, DRIVEN, REQUIREMENT, CAUSAL, WITHOUT, ROBUST)
+QUESTIONS = (BEAT, VACUOUS, DRIVEN, REQUIREMENT, CAUSAL, WITHOUT, ROBUST, PHASES_SHOWN, PROMISE)

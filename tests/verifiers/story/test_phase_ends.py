@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
+from worldagent.verifiers.categories.registry import JUDGES
+from worldagent.verifiers.ledgers.exchanged import CHANNEL
+from worldagent.verifiers.story.phase_ends import ending
 from worldagent.verifiers.story.phases import check
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Contact, Displacement
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, DfsphInstance, ForceDriver, LiquidPhysics, WorldSpec
+from worldagent.worlds.spec import Beat, Coupling, DfsphInstance, ForceDriver, LiquidPhysics, WorldSpec
 
 FPS, FRAMES = 24, 49
 LAST = FRAMES - 1
@@ -111,6 +114,34 @@ def test_what_a_lasting_driver_feeds_may_gain(tmp_path: Path) -> None:
     ended = push.model_copy(update={"end": 0.5})
     assert row(moving(tmp_path / "b", place, speed, touches=True, drivers={"push": ended})).status == "fail"
     assert row(moving(tmp_path / "c", place, speed, touches=True)).status == "fail"
+
+
+def test_what_is_fed_from_rest_is_told_in_joules_since_a_share_of_nothing_says_nothing(tmp_path: Path) -> None:
+    lift = ForceDriver(entity="ball", force=(0, 0, 50), start=0.0, end=5.0)
+    lifted = moving(tmp_path, along(0.0, 0.1 + 0.5 * TIME), along(0.0, 0.06), drivers={"lift": lift})
+    end = ending(lifted, np.full(FRAMES, 0.01), 0)
+    assert end is not None
+    assert end.goes_on
+    assert " J over the last" in end.text
+    assert "%" not in end.text
+
+
+def test_a_body_that_water_carries_drifts_or_floats(tmp_path: Path) -> None:
+    base = moving(tmp_path, along(2 * TIME, 1.0), along(2.0, 0.0))
+    water = DfsphInstance(engine="dfsph", members=["sea"], settings={"domain": {"center": (0, 0, 1), "size": (4, 4, 4)}})
+    plan = base.spec.simulation
+    (solver,) = plan.rigid
+    both = Coupling(source="water", target=solver, direction="two_way", variables=["wrench"])
+    made = plan.model_copy(update={"solvers": {**plan.solvers, "water": water}, "couplings": {"both": both}})
+    coupled = dataclasses.replace(base, spec=base.spec.model_copy(update={"simulation": made}))
+    cache = coupled.caches[solver]
+    for frame in range(FRAMES):
+        push = np.zeros((1, 6))
+        push[0, 2] = 1.0
+        write_container(cache.path(frame), {**cache.read(frame), CHANNEL: push})
+    ways = dict(JUDGES["rigid"].endings(coupled, solver, 12, 1.0))
+    assert ways == {"ball": "drifts or floats on"}
+    assert dict(JUDGES["rigid"].endings(base, solver, 12, 1.0)) == {"ball": "flies on"}
 
 
 def test_a_run_that_is_cut_before_its_first_contact_or_a_beat_fails(tmp_path: Path) -> None:

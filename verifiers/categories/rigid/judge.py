@@ -9,6 +9,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...ledgers import motion
+from ...ledgers.exchanged import CHANNEL, partners
 from ..judge import TOLD, Judge, Push, stored
 from .check import category_rows
 from .links import contact_pushes
@@ -62,6 +63,7 @@ class RigidJudge(Judge):
         spec, last, cache = candidate.spec, candidate.last_frame, candidate.caches[solver]
         joined = {e for j in spec.simulation.joints.values() for e in (j.parent, j.child) if e}
         touched = _touched(cache, last - span + 1, last)
+        carried = _carried(candidate, solver, last - span + 1)
         energy, owners = motion.kinetic_energy(candidate, cache)[last], [b.split("/", 1)[0] for b in cache.index.bodies]
         for name in _owners(cache):
             own = float(energy[[o == name for o in owners]].sum())
@@ -74,6 +76,7 @@ class RigidJudge(Judge):
                 "swings or turns on" if name in joined
                 else "spins on" if spins
                 else "slides or rolls on" if name in touched
+                else "drifts or floats on" if name in carried
                 else "flies on",
             )  # fmt: skip
 
@@ -85,6 +88,15 @@ class RigidJudge(Judge):
 def _owners(cache: Cache) -> list[str]:
     """Entities of the bodies of a cache."""
     return list(dict.fromkeys(b.split("/", 1)[0] for b in cache.index.bodies))
+
+
+def _carried(candidate: Candidate, solver: str, first: int) -> set[str]:
+    """Entities that liquids, grains or cloth which are coupled both ways push at a frame or later."""
+    if not partners(candidate.spec, solver):
+        return set()
+    cache = candidate.caches[solver]
+    pushed = np.any(cache.series(CHANNEL)[first : candidate.frame_count] != 0.0, axis=(0, 2))
+    return {name.split("/", 1)[0] for name, felt in zip(cache.index.bodies, pushed, strict=True) if felt}
 
 
 def _touched(cache: Cache, first: int, last: int) -> set[str]:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, digest_arrays
 from ..worlds.candidate import Candidate, open_candidate, recorded_inputs
@@ -19,8 +20,8 @@ from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import WorldFolder
 from ..worlds.spec import WorldSpec
 from .protocol import Solver
-from .runs import Run, groups_of, make_run
-from .schedule import checkpoint_frames, checkpoint_path, run_frames
+from .runs import Run, make_run
+from .schedule import checkpoint_path, run_frames
 
 __all__ = ["positions_of", "probe_frames", "replay", "run_probe"]
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import bake_order, cloth_of, coupled_groups, membership_problems
+from ..worlds.instances import cloth_of, coupled_groups, membership_problems
 from .engines import solver_class
 from .protocol import Intervention, Solver, Within
 from .recipes import alone_recipe, coupled_recipe
@@ -17,15 +17,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
     from .coupling import CoupledRun
 
-__all__ = ["Run", "groups_of", "make_run", "reads"]
-
-
-def groups_of(spec: WorldSpec) -> list[tuple[str, ...]]:
-    """Instances in the order of the bake; those with two-way couplings stand together, the rigid one first."""
-    together = {name: group for group in coupled_groups(spec) for name in group}
-    order = bake_order(spec)
-    found = [tuple(sorted(together.get(n, {n}), key=lambda m: (m not in spec.simulation.rigid, order.index(m)))) for n in order]
-    return list(dict.fromkeys(found))
+__all__ = ["Run", "make_run", "reads"]
 
 
 def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
+from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, CacheIndex
 from ..worlds.errors import EngineError, EvidenceError
@@ -16,22 +17,13 @@ from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from ..worlds.writers import writers_of
 from .protocol import Within
-from .runs import Run, groups_of, make_run
+from .runs import Run, make_run
 
-__all__ = ["CHECKPOINT_SECONDS", "checkpoint_frames", "checkpoint_path", "run_frames", "stretch_count"]
-
-CHECKPOINT_SECONDS = 0.5
-"""Interval between checkpoints [s of the world]: what a resumed or replayed run repeats at most."""
+__all__ = ["checkpoint_path", "run_frames", "stretch_count"]
 
 SLOW_FRAME_SECONDS = 2.0
 """A frame that takes longer tells how far it is and in what steps [s]: else a step that has become a thousand times shorter, or a frame
 that is made again, looks like one that stands still. Own choice; the clock decides what is told, never what is computed."""
-
-
-def checkpoint_frames(spec: WorldSpec, frames: int) -> list[int]:
-    """Frames at which checkpoints are taken, frame 0 first."""
-    every = max(1, round(CHECKPOINT_SECONDS * spec.simulation.fps))
-    return list(range(0, frames, every))
 
 
 def checkpoint_path(folder: Path, frame: int) -> Path:

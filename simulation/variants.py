@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, CacheIndex
 from ..worlds.candidate import Candidate
@@ -26,8 +27,8 @@ from .kept_runs import KeptRuns
 from .probe import positions_of
 from .protocol import Intervention, Solver
 from .recipes import coupled_recipe
-from .runs import Run, groups_of, make_run, reads
-from .schedule import checkpoint_frames, checkpoint_path
+from .runs import Run, make_run, reads
+from .schedule import checkpoint_path
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 

@@ -18,6 +18,7 @@ from ..execution import Part, Tell
 from ..worlds.audits.audit import audit
 from ..worlds.audits.clauses import clauses_of
 from ..worlds.audits.story import uncaused
+from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.baked import BakeRecord, bake_record
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
@@ -119,7 +120,6 @@ def judge(
         EvidenceError: something recorded is missing or damaged.
     """
     from ..simulation.freeze import freeze_hash
-    from ..simulation.runs import groups_of
 
     folder = WorldFolder(root)
     spec = parse_spec(folder.read_json(folder.spec_path))
@@ -168,8 +168,6 @@ def _bound_rows(
     candidate: Candidate, freeze: str, seed: int, intervals: int, recorded: str | None, progress: Tell | None
 ) -> list[Row]:
     """`delivery:cache`, and `delivery:replay` where something was simulated again or an earlier replay failed."""
-    from ..simulation.schedule import checkpoint_frames
-
     known, missing = None, ""
     try:
         known = BakeRecord(recorded) if recorded is not None else bake_record(WorldFolder(candidate.folder).ledger_path, freeze)

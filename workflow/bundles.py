@@ -134,7 +134,8 @@ def candidate_members(
         with_caches: whether the frames are among them.
     """
     from ..simulation.probe import probe_frames
-    from ..simulation.schedule import checkpoint_frames, checkpoint_path
+    from ..simulation.schedule import checkpoint_path
+    from ..worlds.bake_plan import checkpoint_frames
     from ..worlds.coarsening import OVERRIDES, read_overrides
 
     files = {s.shape.file for e in spec.entities.values() for s in e.parts.values() if s.shape.kind == "mesh" and s.shape.file}

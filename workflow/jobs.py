@@ -90,10 +90,10 @@ def _work(payload: dict[str, Any]) -> _Work:
 def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Probe the present settings; a pass freezes them."""
     from ..simulation.probe import probe_frames, run_probe
-    from ..simulation.runs import groups_of
     from ..simulation.schedule import stretch_count
     from ..verifiers.checks import judging_share, names_of, run_checks
     from ..verifiers.story.phases import find_phases
+    from ..worlds.bake_plan import groups_of
     from ..worlds.coarsening import overrides_for
 
     session, freeze, built = _work(payload)

@@ -11,10 +11,11 @@ import trimesh
 from worldagent.construction.build import build_entity
 from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
-from worldagent.simulation.runs import groups_of, make_run
+from worldagent.simulation.runs import make_run
 from worldagent.testing.worlds.small_liquids import PROMPT, jelly_tank_spec, tank_spec
 from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
 from worldagent.tests.physics.liquid_column import G, bodies, liquid, momentum
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.patch import parse_spec
 

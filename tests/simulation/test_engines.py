@@ -11,11 +11,12 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from worldagent.simulation.engines import ENGINES, solver_class
-from worldagent.simulation.runs import Run, groups_of, make_run
+from worldagent.simulation.runs import Run, make_run
 from worldagent.simulation.schedule import run_frames
 from worldagent.simulation.sealed import Stamp, seal, to_bytes, unseal
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.simulation.engine_worlds import WORLDS, built_world
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache, digest_arrays
 from worldagent.worlds.channels import CHANNELS, names_written

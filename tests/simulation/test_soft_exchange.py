@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation.elastic import Lattice
-from worldagent.simulation.runs import groups_of, make_run
+from worldagent.simulation.runs import make_run
 from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, hammock_spec
 from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.patch import parse_spec
 
 FRAMES = 5

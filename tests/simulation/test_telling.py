@@ -10,8 +10,9 @@ import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation import schedule
 from worldagent.simulation.rigid import SolverRigid
-from worldagent.simulation.runs import groups_of, make_run
+from worldagent.simulation.runs import make_run
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec

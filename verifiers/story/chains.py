@@ -31,16 +31,15 @@ from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import ForceDriver, ReleaseDriver
 from ..categories.pushes import MIN_IMPULSE
-from ..categories.registry import JUDGES, judge_of, pressed
+from ..categories.registry import JUDGES, judge_of
 from ..categories.rigid.links import ties
-from ..ledgers import motion
 from ..ledgers.fields import blown_at
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ..categories.judge import Push
 
-__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach", "begins"]
+__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach"]
 
 MOMENTUM_SHARE = 0.01
 """Own choice: a contact must give at least this share of the momentum that its receiver has in that frame, and a chain this
@@ -376,27 +375,3 @@ def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:
     a, b = table[:, 0].astype(np.intp), table[:, 1].astype(np.intp)
     begin, end, impulse = (np.tile(table[:, k], 2) for k in (2, 3, 4))
     return _Links(np.concatenate([a, b]), np.concatenate([b, a]), begin, end, impulse)
-
-
-def begins(candidate: Candidate, a: str, b: str, frames: tuple[int, int]) -> float | None:
-    """Time [s] at which the first contact of the pair within the frames began; None without one.
-
-    A pair that already touched before the interval began counts from the interval's first instant. Where no log of contacts tells, it
-    is the beginning of the frame over which they first press each other: records tell no moment within it.
-    """
-    fps = candidate.spec.simulation.fps
-    impulse = pressed(candidate, a, b)
-    if impulse is not None:
-        when = np.flatnonzero(impulse[frames[0] : frames[1] + 1])
-        return max(0, frames[0] + int(when[0]) - 1) / fps if len(when) else None
-    for cache in motion.caches_with(candidate, a, b):
-        pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))
-        contacts, events = cache.ragged("contact/pair", "contact/impulse"), cache.ragged("event/time", "event/pair")
-        for frame in range(frames[0], frames[1] + 1):
-            log = events[frame]
-            times = [float(t) for t, p in zip(log["event/time"], log["event/pair"].tolist(), strict=True) if p == pair]
-            if pair in contacts[frame]["contact/pair"].tolist():
-                return min(times, default=(frame - 1) / fps)
-            if times:
-                return min(times)
-    return None

@@ -10,16 +10,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ...worlds.drivers import acts_from
 from ...worlds.predicates import Contact
-from ..categories.registry import judge_of, logged
-from .chains import begins
+from ..categories.registry import judge_of, logged, pressed
+from ..ledgers import motion
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import Beat
 
-__all__ = ["Onset", "contact_time", "onset_of"]
+__all__ = ["Onset", "begins", "contact_time", "onset_of"]
 
 INSTANTS = frozenset({"contact", "reaches", "crosses", "liquid_arrives"})
 """Kinds of predicates that come true in an instant."""
@@ -68,3 +70,27 @@ def contact_time(candidate: Candidate, beat: Beat, first: int | None) -> float |
         return None
     time = begins(candidate, a, b, (beat.frames[0], first))
     return time if time is not None and time >= (first - 1) / candidate.spec.simulation.fps else None
+
+
+def begins(candidate: Candidate, a: str, b: str, frames: tuple[int, int]) -> float | None:
+    """Time [s] at which the first contact of the pair within the frames began; None without one.
+
+    A pair that already touched before the interval began counts from the interval's first instant. Where no log of contacts tells, it
+    is the beginning of the frame over which they first press each other: records tell no moment within it.
+    """
+    fps = candidate.spec.simulation.fps
+    impulse = pressed(candidate, a, b)
+    if impulse is not None:
+        when = np.flatnonzero(impulse[frames[0] : frames[1] + 1])
+        return max(0, frames[0] + int(when[0]) - 1) / fps if len(when) else None
+    for cache in motion.caches_with(candidate, a, b):
+        pair = sorted((cache.index.colliders.index(a), cache.index.colliders.index(b)))
+        contacts, events = cache.ragged("contact/pair", "contact/impulse"), cache.ragged("event/time", "event/pair")
+        for frame in range(frames[0], frames[1] + 1):
+            log = events[frame]
+            times = [float(t) for t, p in zip(log["event/time"], log["event/pair"].tolist(), strict=True) if p == pair]
+            if pair in contacts[frame]["contact/pair"].tolist():
+                return min(times, default=(frame - 1) / fps)
+            if times:
+                return min(times)
+    return None

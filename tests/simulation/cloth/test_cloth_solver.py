@@ -11,8 +11,9 @@ import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation.cloth.solver import SolverCloth
 from worldagent.simulation.protocol import Intervention
-from worldagent.simulation.runs import groups_of, make_run
+from worldagent.simulation.runs import make_run
 from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, DRAPE_PROMPT, FLAG_PROMPT, catch_spec, drape_spec, flag_spec
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.cache import digest_arrays
 from worldagent.worlds.patch import parse_spec
 

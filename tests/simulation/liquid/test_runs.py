@@ -12,10 +12,11 @@ import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation.probe import replay
 from worldagent.simulation.protocol import Intervention
-from worldagent.simulation.runs import groups_of, make_run
+from worldagent.simulation.runs import make_run
 from worldagent.simulation.schedule import run_frames
 from worldagent.simulation.variants import run_variant, simulated
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.cache import Cache
 from worldagent.worlds.candidate import Candidate, cache_digest

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from worldagent.simulation.runs import groups_of
 from worldagent.testing.worlds.small_grains import sand_spec
 from worldagent.testing.worlds.small_liquids import tank_spec
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.spec import WorldSpec
 

@@ -12,7 +12,8 @@ from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
 from worldagent.verifiers.categories.registry import JUDGES, pressed
 from worldagent.verifiers.predicates import evaluate
 from worldagent.verifiers.story import causal
-from worldagent.verifiers.story.chains import Chains, begins
+from worldagent.verifiers.story.chains import Chains
+from worldagent.verifiers.story.onsets import begins
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError

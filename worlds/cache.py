@@ -175,10 +175,17 @@ def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, 
 
 
 class Cache:
-    """Reader of one instance's frames in `folder`; frame files are `frame_000000.npz`."""
+    """Reader of one instance's frames in `folder`; frame files are `frame_000000.npz`.
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    With `limit` it is a view of the first so many frames, as if none had been written after them.
+    """
+
+    def __init__(self, folder: Path, *, limit: int | None = None) -> None:
+        self.folder, self.limit = folder, limit
+
+    def until(self, frame: int) -> Cache:
+        """View of this cache that ends at a frame."""
+        return Cache(self.folder, limit=frame + 1)
 
     @cached_property
     def index(self) -> CacheIndex:
@@ -191,6 +198,7 @@ class Cache:
             data = json.loads((self.folder / "index.json").read_text())
             for name in ("bodies", "colliders", "joints", "drivers", "deformables", "vertices", "breakables"):
                 data[name] = tuple(data.get(name, ()))
+            data["frames"] = data["frames"] if self.limit is None else min(data["frames"], self.limit)
             return CacheIndex(**data)
         except DAMAGE as error:
             raise EvidenceError(f"cache {self.folder.name!r} has no readable index.json ({error}); bake again") from error
@@ -205,7 +213,7 @@ class Cache:
             lines = (self.folder / "digests.txt").read_text().split()
         except (OSError, ValueError) as error:
             raise EvidenceError(f"cache {self.folder.name!r} has no readable digests.txt ({error}); bake again") from error
-        return lines
+        return lines[: self.limit]
 
     def begin_digests(self, digests: Sequence[str]) -> None:
         """Keep these digests of the first frames, and no other."""
@@ -250,6 +258,11 @@ class Cache:
     def path(self, frame: int) -> Path:
         """File of one frame."""
         return self.folder / f"frame_{frame:06d}.npz"
+
+    def beyond(self) -> list[str]:
+        """Names of the frame files after the last one of the index; of a view none, for it does not look there."""
+        names = (p.name for p in self.folder.glob("frame_*.npz")) if self.limit is None else ()
+        return sorted(n for n in names if n > self.path(self.index.frames - 1).name)
 
     def complete(self) -> bool:
         """Whether every frame is there."""

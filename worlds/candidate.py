@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
@@ -63,6 +63,21 @@ class Candidate:
         if key not in self._memory:
             self._memory[key] = make()
         return cast("T", self._memory[key])
+
+    def until(self, frame: int) -> Candidate:
+        """This candidate as it stands when the run has come to a frame, for verdicts frame by frame and while a run goes on.
+
+        Rows that need later frames are `unverified`; what has failed by then stays failed.
+
+        Raises:
+            EvidenceError: there is no such frame.
+        """
+        if not 0 <= frame <= self.last_frame:
+            raise EvidenceError(f"no frame {frame}: frames 0..{self.last_frame} can be inspected")
+        if frame == self.last_frame:
+            return self
+        caches = {name: cache.until(frame) for name, cache in self.caches.items()}
+        return replace(self, stage="probe", caches=caches, digest=cache_digest(caches), variants=None)
 
     @cached_property
     def rigid_caches(self) -> dict[str, Cache]:

@@ -27,7 +27,7 @@ class Derived:
 
     def __init__(self, cache: Cache, folder: Path) -> None:
         self.cache = cache
-        self.files = Cache(folder)
+        self.files = Cache(folder, limit=cache.limit)
 
     def count(self) -> int:
         """Frames at the start that have one; 0 when none was made."""

@@ -67,8 +67,7 @@ def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         wrong.append(f"written for instance {index.solver!r}, not {solver!r}")
     if index.engine != plan.solvers[solver].engine:
         wrong.append(f"written by engine {index.engine!r}, planned {plan.solvers[solver].engine!r}")
-    beyond = sorted(p.name for p in cache.folder.glob("frame_*.npz") if p.name > cache.path(index.frames - 1).name)
-    if beyond:
+    if beyond := cache.beyond():
         wrong.append(f"{len(beyond)} frames lie beyond the last one of the index, first {beyond[0]}")
     if absent:
         wrong.append(f"{len(absent)} of {index.frames} frames are missing, first frame {absent[0]}")

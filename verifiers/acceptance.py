@@ -136,7 +136,7 @@ def judge(
 
 
 def _record(spec: WorldSpec, candidate: Candidate, freeze: str, rows: list[Row]) -> dict[str, Any]:
-    """What a judgement is about, its rows, and all that travels with them."""
+    """Record of a judgement: its subject, its rows, and all that travels with them."""
     from ..simulation.freeze import engine_versions
 
     mapped = spec.clauses

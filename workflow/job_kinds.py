@@ -30,7 +30,7 @@ class JobKind:
     fixed: dict[str, str] = field(default_factory=dict)
     """Arguments of that tool which are the same for all jobs of the kind."""
     keeps: str = ""
-    """What the same call does with the work of a job that was interrupted."""
+    """How the same call goes on with the work of a job that was interrupted."""
 
 
 KINDS: dict[str, JobKind] = {

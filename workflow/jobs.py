@@ -49,7 +49,7 @@ WARM = (
     "worldagent.verifiers.story.phases",
     "worldagent.worlds.candidate",
 )
-"""What a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
+"""Modules that a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
 no Mitsuba (Dr.Jit starts a thread)."""
 JUDGED = 1.0 - 1e-9
 """Part of an acceptance that is the judgement; the report takes a moment."""

@@ -8,7 +8,7 @@ from typing import Any
 __all__ = ["WORLD_VIEW", "proof_links"]
 
 WORLD_VIEW = "ui://worldagent/world"
-"""What hosts of MCP Apps show beside a tool that names it."""
+"""Resource that hosts of MCP Apps show beside a tool that names it."""
 
 _KINDS = {"report": "text/html", "bundle": "application/zip"}
 

@@ -13,7 +13,7 @@ __all__ = ["CAUSAL_CLASSES", "UNDONE", "causal_groups", "cut_grounds", "failed",
 
 CAUSAL_CLASSES = ("scene", "solver")
 UNDONE = "undone"
-"""What stands in the place of a test where a change was taken back untested."""
+"""Word that stands in the place of a test where a change was taken back untested."""
 _POSITION = "/pose/position"
 
 

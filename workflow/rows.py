@@ -19,7 +19,7 @@ EVIDENCE_CHARACTERS = 1500
 TEXT_CHARACTERS = 400
 MAX_TRIED = 3
 ROWS_CHARACTERS = {"concise": 5500, "full": 15000}
-"""What the rows of one reply may take; what follows comes as single lines."""
+"""Characters that the rows of one reply may take; further rows come as single lines."""
 LINES_CHARACTERS = 1500
 _LATE: dict[str, int] = {"causal": 1, "robustness": 2, "shots": 3, "delivery": 4}
 _UPSTREAM: dict[str, tuple[int, int]] = {name: (_LATE.get(name, 0), k) for k, name in enumerate(get_args(Check))}

@@ -180,7 +180,7 @@ class Books(BodyBooks):
 
     @cached_property
     def liquid(self) -> Exchanged:
-        """What liquids, grains and cloth that are coupled both ways gave: of what they give to a body that is let go within an
+        """Impulses and work of liquids, grains and cloth that are coupled both ways: of what they give to a body that is let go within an
         interval, the share of it in which it is free (see `let_go_doubt`); the hold bears the rest."""
         found = exchanged(self)
         share = np.where(self.let_go, self.free_time / self.duration, 1.0)[:, :, None]
@@ -196,12 +196,12 @@ class Books(BodyBooks):
 
     @cached_property
     def fields(self) -> Exchanged:
-        """What force fields gave."""
+        """Impulses and work of force fields."""
         return blown(self)
 
     @cached_property
     def outside(self) -> Exchanged:
-        """What liquids and force fields gave together."""
+        """Impulses and work of coupled matter and of force fields together."""
         return self.liquid.plus(self.fields)
 
     @cached_property

@@ -25,7 +25,7 @@ CHANNELS = (
     *(f"record/{n}" for n in ("kinetic_energy", "potential_energy", "momentum_x", "momentum_y", "momentum_z", "driver_work")),
     *(f"record/{n}" for n in ("max_speed", "max_travel_per_step", "step", "joint_error")),
 )
-"""What the laws read; all of it is taken from a frame's container at once."""
+"""Channels that the laws read; all are taken from a frame's container at once."""
 
 
 class BodyBooks:

@@ -1,4 +1,4 @@
-"""What liquids gave to the bodies of a rigid instance, as its ledgers need it (R66-R68).
+"""Impulses and work that liquids, grains and cloth gave to the bodies of a rigid instance, for its ledgers (R66-R68).
 
 The impulses are those that the rigid side received; that the liquid gave the same and lost as much itself is judged with the
 liquids (`liquid_coupling`). Work is force times way: an impulse times the mean of the velocities at both ends of the interval,

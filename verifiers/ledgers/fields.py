@@ -1,4 +1,4 @@
-"""What force fields gave to the bodies of a rigid instance: the impulses that the engine applied (R18, R63)."""
+"""Impulses that force fields gave to the bodies of a rigid instance, as the engine applied them (R18, R63)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What sleeping bodies lie on gives them: the engine lists no contacts of theirs."""
+"""Impulses that hold sleeping bodies up, from what they lie on: the engine lists no contacts of theirs."""
 
 from __future__ import annotations
 

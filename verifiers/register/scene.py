@@ -236,7 +236,7 @@ def _moving(candidate: Candidate, entity: str) -> Any:
 
 
 def _work(candidate: Candidate, cache: Cache, solver: str) -> str:
-    """What the ledger says that drivers of an instance did in all."""
+    """Sentence about the work that all drivers did on an instance, by its record."""
     try:
         done = np.asarray(cache.series("record/driver_work"), dtype=np.float64)[: candidate.frame_count]
     except EvidenceError:

@@ -1,4 +1,4 @@
-"""What the shots of a candidate see: an entity's own pixels, and which of them nothing stands in front of (R98, S9).
+"""Pixels of an entity in the shots of a candidate, and which of them nothing stands in front of (R98, S9).
 
 Only what can be in front of the entity is cast, and only where the entity is in the picture: about 2 ms per look in a
 world of 200 boxes (2 cores, 2026-11). Small entities are cast again with finer pixels. Glass hides nothing, and a surface
@@ -74,7 +74,7 @@ HELD_FACES = 4_000_000
 
 
 class _Scene:
-    """What is cast at one frame: instances, one per entity, body and whether it is of glass."""
+    """Shapes that are cast at one frame: instances, one per entity, body and whether it is of glass."""
 
     def __init__(self, instances: list[tuple[str, str]], meshes: list[TriangleMesh], glass: list[bool]) -> None:
         self.instances, self.meshes = instances, meshes
@@ -138,7 +138,7 @@ class Sight:
         return entity in self._loose or self._veils
 
     def _scene(self, frame: int, entity: str) -> _Scene:
-        """What is there at a frame, liquids included where pictures of the entity depend on them.
+        """Shapes of a frame, liquids included where pictures of the entity depend on them.
 
         Raises:
             EvidenceError: a liquid has no readable shape.

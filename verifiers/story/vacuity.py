@@ -59,7 +59,7 @@ class Past(NamedTuple):
     first: int
     last: int
     told: str
-    """What was measured then, in words."""
+    """Sentence about what was measured then."""
     event: bool
     """Whether it happened, where else it lasted."""
 

@@ -11,8 +11,8 @@ import pytest
 from worldagent.physics.substances import DENSITY_RANGES
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.simulation.liquid.resolved import LEAST_WALL
-from worldagent.verifiers.categories.cloth.check import CLAIMS as CLOTH
-from worldagent.verifiers.categories.cloth.check import NUMBERS
+from worldagent.verifiers.catalogue import QUESTIONS
+from worldagent.verifiers.categories.cloth.questions import CATEGORY, NUMERICAL
 from worldagent.verifiers.categories.elastic.rows import PREDICATES as ELASTIC
 from worldagent.verifiers.categories.liquid.check import WATCHES
 from worldagent.verifiers.categories.liquid.numerical import Numbers
@@ -143,6 +143,11 @@ def test_every_check_has_a_diagnosis(check: str) -> None:
     assert any(check in entry["checks"] for entry in DIAGNOSIS)
 
 
+def _of_instances(*starts: str) -> list[str]:
+    """Ids of the rows that answer the questions of the catalogue that start so, of an instance `main`."""
+    return [q.row_id(("main",)) for q in QUESTIONS.values() if q.subject == ("solver",) and q.id.startswith(starts)]
+
+
 ROWS = {
     "audit": [
         "audit:ownership",
@@ -172,8 +177,7 @@ ROWS = {
     "robustness": ["robustness:r:b"],
     "category": [
         *(f"category:elastic:{n}:jelly" for n in ELASTIC),
-        *(f"category:cloth:{n}:sheets" for n in CLOTH),
-        *(f"category:rigid:{n}:rigid" for n in ("bodies", "mass", "joints", "energy", "escape")),
+        *_of_instances("category:cloth:", "category:rigid:"),
         *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.claims),
     ],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
@@ -184,14 +188,7 @@ ROWS = {
 
 
 def _numerical() -> list[str]:
-    from worldagent.verifiers.categories.rigid.numerical import CLAIMS
-
-    return (
-        [f"numerical:{name}:rigid" for name in CLAIMS]
-        + [f"numerical:{n}:sheets" for n in NUMBERS]
-        + [f"numerical:{n}:water" for n in Numbers.claims]
-        + ["numerical:promise"]
-    )
+    return _of_instances("numerical:") + [f"numerical:{n}:water" for n in Numbers.claims] + ["numerical:promise"]
 
 
 @pytest.mark.parametrize("check", get_args(Check))
@@ -252,7 +249,7 @@ def test_the_skills_of_elastic_bodies_and_cloth_name_every_row_of_theirs() -> No
     assert {n for n in ELASTIC if not re.search(rf"\b{n}\b", first)} == set()
     rows = (SKILLS / "cloth" / "SKILL.md").read_text().split("## Rows", 1)[1]
     named = [set(found.split(",")) for found in re.findall(r"\{([\w,]+)\}", rows)]
-    assert named == [set(CLOTH), set(NUMBERS)]
+    assert named == [{q.id.rpartition(":")[2] for q in table} for table in (CATEGORY, NUMERICAL)]
 
 
 def test_worlds_of_skills_are_found() -> None:

@@ -7,49 +7,34 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from ...worlds.errors import EvidenceError
-from ...worlds.requirements import RowId
 from ..rows.corrections import bake_again, correction
 from ..rows.findings import Finding, cache_of, judged
-from ..rows.verdicts import answered
+from ..rows.instance_rows import instance_answer
+from .questions import DIGEST, FRAMES
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
+    from ..rows.questions import Question
 
-__all__ = ["CLAIMS", "FUNCTIONS", "Function", "numerical_row", "rows_about"]
+__all__ = ["FUNCTIONS", "Function", "answers", "rows_about"]
 
 Function = Callable[["Candidate", str, "Cache"], Finding]
-CLAIMS = {
-    "frames": "every frame is there and the index agrees with the plan",
-    "digest": "every frame is readable and undamaged",
-}
 
 
-def numerical_row(candidate: Candidate, solver: str, name: str, claim: str, found: Finding) -> Row:
-    """Row `numerical:<name>:<solver>`."""
-    limits = candidate.spec.simulation.limits.model_dump(mode="json")
-    return answered(candidate, RowId(f"numerical:{name}", solver), claim, found, evidence={"solver": solver}, extra=limits)
+def rows_about(candidate: Candidate, solver: str, started: Mapping[Question, Function]) -> list[Row]:
+    """Rows about frame 0 and the cache of an instance, by the functions that answer the questions about frame 0."""
+    return answers(candidate, solver, {**started, **FUNCTIONS})
 
 
-def rows_about(candidate: Candidate, solver: str, started: Mapping[str, Function], claims: Mapping[str, str]) -> list[Row]:
-    """Rows about frame 0 and the cache of an instance.
-
-    Args:
-        candidate: what is judged.
-        solver: the instance.
-        started: functions that judge frame 0, by claim.
-        claims: words of these.
-    """
-    claims = {**claims, **CLAIMS}
+def answers(candidate: Candidate, solver: str, asked: Mapping[Question, Function]) -> list[Row]:
+    """Rows of an instance by questions about its cache; `unverified` where it has none."""
 
     def ask(function: Function) -> Finding:
         return function(candidate, solver, cache_of(candidate, solver))
 
-    return [
-        numerical_row(candidate, solver, name, claims[name], judged(ask, function))
-        for name, function in {**started, **FUNCTIONS}.items()
-    ]
+    return [instance_answer(candidate, q, solver, judged(ask, function)) for q, function in asked.items()]
 
 
 def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
@@ -103,4 +88,4 @@ def digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     return Finding("pass", f"{count} frames read", 0.0, 0.0, "frames", evidence=evidence)
 
 
-FUNCTIONS: Mapping[str, Function] = {"frames": frames, "digest": digest}
+FUNCTIONS: Mapping[Question, Function] = {FRAMES: frames, DIGEST: digest}

@@ -9,8 +9,9 @@ import numpy as np
 from ...worlds.accounts import Account, Mark
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
+from ..categories.rigid.bounds import IMPULSE
 from ..categories.rigid.joints import stored
-from ..categories.rigid.laws import IMPULSE, unexplained
+from ..categories.rigid.laws import unexplained
 from .balance import Books, books_of
 
 if TYPE_CHECKING:

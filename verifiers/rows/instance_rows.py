@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...worlds.requirements import RowId
+from .answers import row_of
 from .corrections import bake_again as baked_again
 from .verdicts import answered
 
@@ -13,8 +14,27 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Check, Row
     from .findings import Finding
+    from .questions import Question
 
-__all__ = ["baked_again", "instance_row"]
+__all__ = ["baked_again", "instance_answer", "instance_row"]
+
+
+def instance_answer(candidate: Candidate, question: Question, solver: str, found: Finding, *, members: bool = False) -> Row:
+    """The row that answers a question about one instance.
+
+    Args:
+        candidate: what is judged.
+        question: its subject is the instance.
+        solver: the instance.
+        found: the verdict.
+        members: whether it is about all members, first failing at frame 0 unless the finding says.
+    """
+    instance = candidate.spec.simulation.solvers[solver]
+    if members and found.status == "fail" and found.frame is None:
+        found = replace(found, frame=0)
+    found = replace(found, evidence={"solver": solver, "category": instance.moves[0], **(found.evidence or {})})
+    limits = candidate.spec.simulation.limits.model_dump(mode="json")
+    return row_of(candidate, question, (solver,), found, entities=instance.members if members else (), extra=limits)
 
 
 def instance_row(

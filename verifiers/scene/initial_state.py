@@ -24,6 +24,7 @@ from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ...worlds.categories.cloth.facts import release_time
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import PathDriver, ReleaseDriver, Supports
+from ..categories.questions import AMOUNT, PLACED, STARTED
 from ..rows.corrections import bake_again, correction, separate
 from ..rows.findings import Finding
 from .bounds import CORNERS, GAP_CAP, ROUNDING, SETTLED, SPEED, SPEED_SHARE
@@ -33,16 +34,12 @@ from .initial_matter import amounts, grains_started, liquid_placed, liquid_start
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
+    from ..rows.questions import Question
 
-__all__ = ["CLAIMS", "FUNCTIONS", "Opened", "opened", "start_lines"]
+__all__ = ["FUNCTIONS", "Opened", "opened", "start_lines"]
 
 EXACT = 300
 """Members of a group up to which the way from each to its farthest is looked for: it takes their number squared."""
-CLAIMS = {
-    "placed": "at frame 0 every entity is where it was declared, but for opened skins; where a preroll moved it, that is told",
-    "amount": "at frame 0 grains fill what was declared",
-    "started": "at frame 0 every entity has its declared velocity",
-}
 
 
 class Opened(NamedTuple):
@@ -383,10 +380,10 @@ def _of_speeds(found: list[_Speed]) -> Finding:
 # ---------------------------------------------------------------- what is judged how
 
 Function = Callable[["Candidate", str, "Cache"], Finding]
-FUNCTIONS: dict[str, dict[str, Function]] = {
-    "rigid": {"placed": _placed_bodies, "started": _started_bodies},
-    "cloth": {"placed": _placed_cloth, "started": _started_cloth},
-    "liquid": {"placed": liquid_placed, "started": liquid_started},
-    "particles": {"amount": amounts, "started": grains_started},
+FUNCTIONS: dict[str, dict[Question, Function]] = {
+    "rigid": {PLACED: _placed_bodies, STARTED: _started_bodies},
+    "cloth": {PLACED: _placed_cloth, STARTED: _started_cloth},
+    "liquid": {PLACED: liquid_placed, STARTED: liquid_started},
+    "particles": {AMOUNT: amounts, STARTED: grains_started},
 }
 """By kind of instance."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....geometry import pierced
 from ....worlds.arrays import F64, I32
-from ...rows.corrections import correction
+from ...rows.corrections import halve_step, separate
 from ...rows.findings import Finding
+from .frames import at_most
 
 if TYPE_CHECKING:
     from .frames import ClothRun, Solid
@@ -94,17 +96,7 @@ def _through(x: F64, edges: I32, faces: I32, points: F64, solid: Solid, low: F64
 def _finding(run: ClothRun, total: int, first: int | None, entity: str | None, text: str, place: list[float] | None) -> Finding:
     if first is None:
         return Finding("pass", text, 0.0, 0.0, "1")
-    pose, step = f"/entities/{entity}/pose", f"/simulation/solvers/{run.solver}/settings/max_step"
-    start = correction("they overlap at the start", "placement", "move the cloth away at frame 0", pointers=(pose,))
-    later = correction("the step is too long for the motion", "step", "halve max_step", pointers=(step,))
-    return Finding(
-        "fail",
-        f"{text}; first at frame {first} near {place}",
-        float(total),
-        0.0,
-        "1",
-        entity=entity,
-        frame=first,
-        hints=(start, later) if first == 0 else (later, start),
-        evidence={"point": place},
-    )
+    start, later = separate(entity), halve_step(run.candidate, run.solver, "the step is too long for the motion")
+    hints = (start, later) if first == 0 else (later, start)
+    text = f"{text}; first at frame {first} near {place}"
+    return replace(at_most(text, float(total), 0.0, "1", first, *hints), entity=entity, evidence={"point": place})

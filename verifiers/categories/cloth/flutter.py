@@ -12,6 +12,7 @@ from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import Flutters
 from ...predicates.outcome import Comparison, Outcome, vector
+from .bounds import FLUTTER_NOISE, FLUTTER_ROUNDING, FLUTTER_SHARE
 from .predicates import instance_run
 
 if TYPE_CHECKING:
@@ -19,15 +20,7 @@ if TYPE_CHECKING:
     from ...predicates.scope import Scope
     from .frames import ClothRun
 
-__all__ = ["SHARE", "flutters"]
-
-SHARE = 0.1
-"""Own choice: share of a sheet's free area that has to flutter as asked. A loose corner is less; of a flag that waves at its fly
-end alone a tenth does."""
-NOISE = 0.2
-"""Own choice, of the amplitude: a crossing of the mean counts once the point was this far on its other side."""
-ROUND = 1e-9
-"""Sums of areas are right to such a share."""
+__all__ = ["flutters"]
 
 
 @dataclass(frozen=True)
@@ -61,10 +54,10 @@ class _Demand:
     what: str
 
     def reached(self, among: NDArray[np.bool_], area: F64, least: float) -> float:
-        """What those of some points reach that stand for `least` [m^2] together, the farthest, oftenest or fastest ones."""
+        """Value that the farthest, oftenest or fastest of some points reach, which stand for `least` [m^2] together."""
         places = np.flatnonzero(among)
         order = places[np.argsort(-self.found[places], kind="stable")]
-        index = int(np.searchsorted(np.cumsum(area[order]), least * (1.0 - ROUND)))
+        index = int(np.searchsorted(np.cumsum(area[order]), least * (1.0 - FLUTTER_ROUNDING)))
         return float(self.found[order[min(index, len(order) - 1)]])
 
     def kept_by(self, value: float) -> bool:
@@ -104,7 +97,7 @@ def _points(scope: Scope, run: ClothRun, p: Flutters) -> _Points:
     main = np.linalg.eigh(np.einsum("fni,fnj->nij", away, away))[1][:, :, -1]
     signal = np.einsum("fni,ni->fn", away, main)
     amplitude = 0.5 * np.ptp(signal, axis=0)
-    cycles = _cycles(signal - 0.5 * (signal.max(axis=0) + signal.min(axis=0)), NOISE * amplitude)
+    cycles = _cycles(signal - 0.5 * (signal.max(axis=0) + signal.min(axis=0)), FLUTTER_NOISE * amplitude)
     rate = cycles * scope.candidate.spec.simulation.fps / max(last - first, 1)
     return _Points(rows, rest[chosen], area, signal, amplitude, cycles, rate)
 
@@ -132,7 +125,7 @@ def flutters(scope: Scope, predicate: SpecModel) -> Outcome:
     p, run = predicate, instance_run(scope.candidate, predicate.entity)
     points, (first, last) = _points(scope, run, p), scope.frames
     asked, among = _demands(points, p), np.ones(len(points.rows), dtype=bool)
-    least = SHARE * float(points.area.sum())
+    least = FLUTTER_SHARE * float(points.area.sum())
     value, missed = 0.0, None
     for demand in asked:
         value = demand.reached(among, points.area, least)
@@ -176,7 +169,7 @@ def flutters(scope: Scope, predicate: SpecModel) -> Outcome:
 
 
 def _told(p: Flutters, asked: list[_Demand], found: str, share: float) -> str:
-    """What was found of what is asked, up to the point that goes farthest."""
+    """Sentence on the demands and the value found, up to the point that goes farthest."""
     wanted = ", ".join(f"{'at least' if d.comparison == '>=' else 'at most'} {d.what.format(d.bound)}" for d in asked)
     if p.point is not None:
         return f"a point of {p.entity} {found}; asked: {wanted};"

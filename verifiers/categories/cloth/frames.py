@@ -1,4 +1,4 @@
-"""What the checks of cloth look at: vertices by frame, edges and triangles at rest, who holds what, solids around."""
+"""Cloth as its checks see it: vertices by frame, edges and triangles at rest, pins, solids around."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from ....worlds.arrays import F64, I32, compose, pose_of
 from ....worlds.categories.cloth.facts import held_by, release_time
 from ....worlds.errors import EvidenceError
 from ....worlds.instances import soft_met
+from ...rows.findings import Finding
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Correction
     from ....worlds.spec import ClothPhysics
 
-__all__ = ["ClothRun", "Held", "Piece", "Solid", "cloth_run"]
+__all__ = ["ClothRun", "Held", "Piece", "Solid", "at_most", "cloth_run"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Held:
-    """What a pin holds."""
+    """Vertices that a pin holds."""
 
     entity: str
     pin: str
@@ -148,8 +150,7 @@ class ClothRun:
 
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
-        """What the cloth meets: surfaces of rigid entities that collide and of elastic ones, but for those that every member passes
-        through."""
+        """Surfaces of rigid entities that collide and of elastic ones, but for those that every member passes through."""
         ignored = set.intersection(*(set(p.physics.ignores) for p in self.pieces)) if self.pieces else set()
         spec, found = self.candidate.spec, []
         soft = soft_met(spec, self.solver)
@@ -192,6 +193,11 @@ class ClothRun:
             return None
         base = compose(pose_of(self.candidate.spec.entities[held.to].pose), bodies[0].pose)
         return self.candidate.pose(held.to, frame, bodies[0].name).apply(base.inverse().apply(held.place))
+
+
+def at_most(text: str, value: float, bound: float, unit: str, frame: int, *hints: Correction) -> Finding:
+    """Finding about the largest value, at a frame, against its bound."""
+    return Finding("pass" if value <= bound else "fail", text, value, bound, unit, frame=frame, hints=hints)
 
 
 def cloth_run(candidate: Candidate, solver: str) -> ClothRun:

@@ -7,30 +7,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
-from ...rows.corrections import correction
-from ...rows.findings import Finding, again
+from ...rows.corrections import bake_again, halve_step
+from .bounds import BOOKS, CUT, ROUNDING, SINGLE
+from .frames import at_most
 
 if TYPE_CHECKING:
+    from ...rows.findings import Finding
     from .frames import ClothRun
 
 __all__ = ["energy", "kept_mass", "kept_records", "momentum", "uncut"]
 
-SINGLE = 4e-7
-"""Velocities are written in float32: relative error of their sums, several roundings."""
-ROUNDING = 1e-9
-"""Relative error of sums in float64 that two codes make in another order."""
-BOOKS = 1e-6
-"""Own choice: share of the momentum that passed through the cloth by which its books may be off."""
-CUT = 0.02
-"""Own choice: share of the momentum exchanged that cut ways may take."""
 GIVERS = ("air", "hold", "solid", "load", "cut")
 
 
-def _worst(series: F64, bound: F64) -> tuple[int, float, float, bool]:
-    """Frame where a series is largest against its bound, both there, and whether any is over."""
-    share = series / np.maximum(bound, 1e-300)
-    k = int(np.argmax(share))
-    return k, float(series[k]), float(bound[k]), bool((series > bound).any())
+def _worst(series: F64, bound: F64) -> tuple[int, float, float]:
+    """Frame where a series is largest against its bound, and both there."""
+    k = int(np.argmax(series / np.maximum(bound, 1e-300)))
+    return k, float(series[k]), float(bound[k])
 
 
 def kept_mass(run: ClothRun) -> Finding:
@@ -38,17 +31,8 @@ def kept_mass(run: ClothRun) -> Finding:
     recorded, wanted = run.record("mass"), float(run.mass.sum())
     off = np.abs(recorded - wanted) / wanted
     k = int(off.argmax())
-    ok = off[k] <= ROUNDING
     text = f"the cloth weighs {recorded[k]:.6g} kg at frame {k}, by its area {wanted:.6g} kg"
-    return Finding(
-        "pass" if ok else "fail",
-        text,
-        float(off[k]),
-        ROUNDING,
-        "1",
-        frame=k,
-        hints=() if ok else (again("the cache is of another run"),),
-    )
+    return at_most(text, float(off[k]), ROUNDING, "1", k, bake_again("the cache is of another run"))
 
 
 def _vertices(run: ClothRun) -> tuple[F64, F64, F64]:
@@ -79,11 +63,8 @@ def kept_records(run: ClothRun) -> Finding:
     ]
     share = np.max([value / bound for value, bound in pairs], axis=0)
     k = int(share.argmax())
-    ok = share[k] <= 1.0
     text = f"records differ from the vertices by at most {share[k]:.3g} of what single precision allows (frame {k})"
-    return Finding(
-        "pass" if ok else "fail", text, float(share[k]), 1.0, "1", frame=k, hints=() if ok else (again("the cache was edited"),)
-    )
+    return at_most(text, float(share[k]), 1.0, "1", k, bake_again("the cache was edited"))
 
 
 def _given(run: ClothRun) -> F64:
@@ -109,17 +90,9 @@ def momentum(run: ClothRun) -> Finding:
     moving = np.maximum(np.arange(len(momenta)) / spec.fps - run.start, 0.0)
     wanted = run.mass.sum() * moving[:, None] * np.array(spec.gravity) + _given(run).sum(axis=0)
     off = np.linalg.norm(momenta - momenta[0] - wanted, axis=1)
-    k, value, bound, over = _worst(off, BOOKS * _through(run))
+    k, value, bound = _worst(off, BOOKS * _through(run))
     text = f"momentum is off by {value:.3g} N s at frame {k}, allowed {bound:.3g} N s"
-    return Finding(
-        "fail" if over else "pass",
-        text,
-        value,
-        bound,
-        "N s",
-        frame=k,
-        hints=(again("the cache was edited, or an impulse is missing"),) if over else (),
-    )
+    return at_most(text, value, bound, "N s", k, bake_again("the cache was edited, or an impulse is missing"))
 
 
 def energy(run: ClothRun) -> Finding:
@@ -133,18 +106,14 @@ def energy(run: ClothRun) -> Finding:
     growth = run.candidate.spec.simulation.limits.energy_growth
     share = gain / scale
     k = int(share.argmax())
-    ok = share[k] <= growth
     text = f"energy from nowhere is {share[k]:.3%} of {scale:.4g} J at frame {k}, allowed {growth:.1%}"
-    place = f"/simulation/solvers/{run.solver}/settings/max_step"
-    hint = correction("the step is too long", "step", "halve max_step", pointers=(place,))
-    return Finding("pass" if ok else "fail", text, float(share[k]), growth, "1", frame=k, hints=() if ok else (hint,))
+    return at_most(text, float(share[k]), growth, "1", k, halve_step(run.candidate, run.solver, "the step is too long"))
 
 
 def uncut(run: ClothRun) -> Finding:
     """Momentum lost where ways were cut short, frame by frame, against what passed through the cloth."""
     lost = np.linalg.norm(np.diff(_given(run)[GIVERS.index("cut")], axis=0, prepend=0.0), axis=1).cumsum()
-    k, value, bound, over = _worst(lost, CUT * _through(run))
+    k, value, bound = _worst(lost, CUT * _through(run))
     text = f"{value:.3g} N s were lost by frame {k}, allowed {bound:.3g} N s; {int(run.record('cut_vertices').sum())} vertices were cut short"
-    place = f"/simulation/solvers/{run.solver}/settings/max_step"
-    hint = correction("sheets meet faster than a step resolves", "step", "halve max_step", pointers=(place,))
-    return Finding("fail" if over else "pass", text, value, bound, "N s", frame=k, hints=(hint,) if over else ())
+    hint = halve_step(run.candidate, run.solver, "sheets meet faster than a step resolves")
+    return at_most(text, value, bound, "N s", k, hint)

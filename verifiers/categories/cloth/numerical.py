@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...rows.corrections import correction
+from ...rows.corrections import halve_step
 from ...rows.findings import Finding
+from .frames import at_most
 
 if TYPE_CHECKING:
     from .frames import ClothRun
@@ -19,11 +20,10 @@ def finite(run: ClothRun) -> Finding:
     """Every channel and record."""
     for k in range(run.candidate.frame_count):
         for name, values in run.cache.read(k).items():
-            if not np.isfinite(values).all():
-                place = f"/simulation/solvers/{run.solver}/settings/max_step"
-                hint = correction("the step is too long for the sheet", "step", "halve max_step", pointers=(place,))
-                count = float((~np.isfinite(values)).sum())
-                return Finding("fail", f"channel {name!r} is not finite at frame {k}", count, 0.0, "1", frame=k, hints=(hint,))
+            count = int((~np.isfinite(values)).sum())
+            if count:
+                hint = halve_step(run.candidate, run.solver, "the step is too long for the sheet")
+                return at_most(f"channel {name!r} is not finite at frame {k}", float(count), 0.0, "1", k, hint)
     return Finding("pass", "every channel is finite on every frame", 0.0, 0.0, "1")
 
 
@@ -33,8 +33,6 @@ def slow(run: ClothRun) -> Finding:
     written = [float(np.linalg.norm(run.frame(k)[1], axis=1).max()) for k in range(run.candidate.frame_count)]
     speed = np.maximum(run.record("max_speed"), written)
     k = int(speed.argmax())
-    ok = speed[k] <= bound
-    place = f"/simulation/solvers/{run.solver}/settings/max_step"
-    hint = correction("the step is too long for the sheet", "step", "halve max_step", pointers=(place,))
     text = f"the fastest vertex has {speed[k]:.4g} m/s at frame {k}, allowed {bound:g} m/s"
-    return Finding("pass" if ok else "fail", text, float(speed[k]), bound, "m/s", frame=k, hints=() if ok else (hint,))
+    hint = halve_step(run.candidate, run.solver, "the step is too long for the sheet")
+    return at_most(text, float(speed[k]), bound, "m/s", k, hint)

@@ -11,6 +11,7 @@ from ....worlds.arrays import F64, I32
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import Drape, Pinned, Torn
 from ...predicates.outcome import Outcome, Series, band, judge
+from .bounds import CELLS
 from .frames import cloth_run
 from .tears import TearingPiece, tearing_pieces
 
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 __all__ = ["drape", "instance_run", "pinned", "torn"]
 
 P = TypeVar("P")
-CELLS = 300
-"""Own choice: cells across the longer side of a shadow; its area is then right to about a thousandth."""
 
 
 def _typed(predicate: SpecModel, kind: type[P]) -> P:

@@ -1,4 +1,4 @@
-"""What cloth simplifies, for the approximation register."""
+"""Lines of the approximation register about cloth."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def cloth_lines(candidate: Candidate) -> list[dict[str, str]]:
 
 
 def _steps(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
-    """What long steps take; on a GPU there are short ones alone, and beside elastic bodies none of those with contacts."""
+    """Losses of swings by long steps; on a GPU there are short ones alone, and beside elastic bodies none of those with contacts."""
     settings = spec.simulation.cloth[name].settings
     if settings.integrator != "implicit" or settings.device != "cpu":
         return
@@ -78,7 +78,7 @@ def _steps(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
 
 
 def _forced(candidate: Candidate, name: str) -> Iterator[dict[str, str]]:
-    """What contacts do to places and speeds beside impulses."""
+    """Changes of places and speeds by contacts, beside impulses."""
     yield {
         "what": f"ways of vertices of {name!r} are cut short where they would cross something",
         "effect": f"momentum is lost there; {_cut(candidate, name)}",
@@ -113,7 +113,7 @@ def _ignored(spec: WorldSpec, name: str) -> set[str]:
 
 
 def _contacts(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
-    """What holds for all sheets of an instance alike."""
+    """Lines that hold for all sheets of an instance alike."""
     members = [m for m in spec.simulation.cloth[name].members if spec.entities[m].physics.category == "cloth"]
     listed = ", ".join(repr(m) for m in members)
     yield {

@@ -6,19 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction, halve_step, set_value
 from ...rows.findings import Finding
+from .bounds import LEAST_AREA, SLIP
 
 if TYPE_CHECKING:
-    from ....worlds.requirements import Correction
+    from ....worlds.requirements import Status
     from .frames import ClothRun
 
 __all__ = ["pinned", "shaped", "stretched"]
-
-LEAST_AREA = 0.1
-"""Own choice: a triangle of less than this share of its area at rest has collapsed; folds bend edges, they do not shrink faces."""
-SLIP = 1e-5
-"""[m] Own choice: places are float64 and exact; bodies' poses between frames turn evenly, which leaves less than this."""
 
 
 def stretched(run: ClothRun) -> Finding:
@@ -33,26 +29,22 @@ def stretched(run: ClothRun) -> Finding:
                 worst, entity, frame, bound, value = most / allowed, piece.entity, k, allowed, most
                 share = float((ratio > allowed).mean())
                 text = f"an edge of {piece.entity} is {most:.2%} longer than at rest at frame {k}, allowed {allowed:.2%}; {share:.2%} of its edges are over"
-    failed = worst > 1.0
-    hints: tuple[Correction, ...] = ()
-    if failed and entity is not None:
-        physics = next(p.physics for p in run.pieces if p.entity == entity)
-        pointer = f"/entities/{entity}/physics/stretch_stiffness"
-        stiffer = float(f"{1.2 * physics.stretch_stiffness * value / bound:.3g}")
-        held = f"/entities/{entity}/physics/pins"
-        hints = (
-            correction(
-                "the sheet is too soft for its load",
-                "cloth",
-                f"raise stretch_stiffness to {stiffer:g} N/m",
-                pointers=(pointer,),
-                patch=({"op": "replace", "path": pointer, "value": stiffer},),
-            ),
-            correction(
-                "a pin of a single vertex takes the whole load", "joints", "give pins a radius or an edge", pointers=(held,)
-            ),
-        )
-    return Finding("fail" if failed else "pass", text, value, bound, "1", entity=entity, frame=frame, hints=hints)
+    if worst <= 1.0 or entity is None:
+        return Finding("pass", text, value, bound, "1")
+    physics = next(p.physics for p in run.pieces if p.entity == entity)
+    stiffer = float(f"{1.2 * physics.stretch_stiffness * value / bound:.3g}")
+    place, held = (f"/entities/{entity}/physics/{field}" for field in ("stretch_stiffness", "pins"))
+    hints = (
+        correction(
+            "the sheet is too soft for its load",
+            "cloth",
+            f"raise stretch_stiffness to {stiffer:g} N/m",
+            pointers=(place,),
+            patch=set_value(place, stiffer),
+        ),
+        correction("a pin of a single vertex takes the whole load", "joints", "give pins a radius or an edge", pointers=(held,)),
+    )
+    return Finding("fail", text, value, bound, "1", entity=entity, frame=frame, hints=hints)
 
 
 def shaped(run: ClothRun) -> Finding:
@@ -65,13 +57,10 @@ def shaped(run: ClothRun) -> Finding:
             share = float((0.5 * np.linalg.norm(np.cross(q - p, r - p), axis=1) / piece.area).min())
             if share < least:
                 least, entity, frame = share, piece.entity, k
-    failed = least < LEAST_AREA
     text = f"the smallest triangle of {entity} has {least:.2%} of its area at rest at frame {frame}, at least {LEAST_AREA:.0%}"
-    place = f"/simulation/solvers/{run.solver}/settings/max_step"
-    hints = (correction("the step is too long for the impact", "step", "halve max_step", pointers=(place,)),) if failed else ()
-    return Finding(
-        "fail" if failed else "pass", text, least, LEAST_AREA, "1", entity=entity, frame=frame, hints=hints, comparison=">="
-    )
+    hints = (halve_step(run.candidate, run.solver, "the step is too long for the impact"),)
+    status: Status = "fail" if least < LEAST_AREA else "pass"
+    return Finding(status, text, least, LEAST_AREA, "1", entity=entity, frame=frame, hints=hints)
 
 
 def pinned(run: ClothRun) -> Finding:
@@ -91,10 +80,7 @@ def pinned(run: ClothRun) -> Finding:
                 worst, name, entity, frame = off, held.pin, held.entity, k
     if worst > SLIP:
         text = f"pin {name!r} of {entity} slips by {worst:.4g} m at frame {frame}, allowed {SLIP:g} m"
-        hint = correction(
-            "the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",)
-        )
-        return Finding("fail", text, worst, SLIP, "m", entity=entity, frame=frame, hints=(hint,))
+        return Finding("fail", text, worst, SLIP, "m", entity=entity, frame=frame, hints=(bake_again(),))
     if open_pins:
         return Finding("unverified", f"pins {sorted(open_pins)[:5]} are held by entities of several bodies")
     return Finding("pass", f"held vertices are within {worst:.3g} m of their places", worst, SLIP, "m")

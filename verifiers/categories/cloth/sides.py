@@ -19,6 +19,7 @@ from ....worlds.arrays import F64, I32
 from ....worlds.built import TriangleMesh
 from ....worlds.errors import EvidenceError
 from ..soft_solids import SoftDepth, soft_walls
+from .bounds import CROSSED, NEAR, NOISE, RIM, STRETCHES
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -26,17 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["PassedSheets", "SheetSides"]
 
 Rows: TypeAlias = NDArray[np.intp]
-
-NEAR = 1.0
-"""[largest radii] Particles farther from a sheet than that and all that the two move in a frame are not followed."""
-CROSSED = 0.2
-"""Of the radius: own choice; a middle nearer than that to a sheet is on neither side for certain."""
-STRETCHES = 64
-"""Most stretches of a frame."""
-RIM = 1e-9
-"""Weight of a corner below which a point lies on the edge opposite of it."""
-NOISE = 1e-9
-"""[m] Rounding of a distance to a plane."""
 
 
 class _Foot(NamedTuple):

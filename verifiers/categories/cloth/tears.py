@@ -6,6 +6,7 @@ them, times the contract's stiffness, as a mean over the triangles around a vert
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,8 +16,10 @@ from ....worlds.arrays import F64, I32, pose_of
 from ....worlds.categories.cloth.facts import tears
 from ....worlds.categories.cloth.tears import Flags, Seams, following, seams_of, welded
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import correction
-from ...rows.findings import Finding, again
+from ...rows.corrections import bake_again
+from ...rows.findings import Finding
+from .bounds import ALIGNED, OVER, REACH, SAME, UPRIGHT
+from .frames import at_most
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,16 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["TearingPiece", "held_strength", "tearing_pieces", "torn_with_cause"]
 
-SAME = 1e-6
-"""Relative: tensions that two codes find from the same places."""
-OVER = 0.05
-"""Own choice: share of the strength by which a tension may be over it at two frames in a row without a tear."""
-ALIGNED = 0.8
-"""Cosine of an edge to the tension over which it need not open: then a vertex may stay whole."""
-REACH = 1.001
-"""Allowance on recorded peak speeds for ways between frames."""
-UPRIGHT = 0.3
-"""A warp that stands steeper across a triangle than this share of it in its plane is laid along the next axis."""
 CHANNELS = (
     "vertex/position",
     "edge/open",
@@ -188,14 +181,12 @@ def torn_with_cause(run: ClothRun) -> Finding:
     if count == 0:
         return Finding("pass", "nothing tore, and all corners are together", 1.0, 1.0, "1")
     text = f"{count} tears, the weakest under {least:.4f} of the strength"
-    return Finding("pass", text, float(least), 1.0, "1", comparison=">=")
+    return Finding("pass", text, float(least), 1.0, "1")
 
 
 def _bad(piece: TearingPiece, frame: int, text: str, ratio: float | None = None) -> Finding:
-    return Finding(
-        "fail", text, ratio, None if ratio is None else 1.0, "1", entity=piece.entity, frame=frame,
-        hints=(again("the cache was edited, or is of another run"),), comparison=">=",
-    )  # fmt: skip
+    bound = None if ratio is None else 1.0
+    return Finding("fail", text, ratio, bound, "1", entity=piece.entity, frame=frame, hints=(bake_again(),))
 
 
 def _judged(run: ClothRun, piece: TearingPiece, frame: int, opened: Flags) -> Iterator[tuple[_Event, str, float]]:
@@ -265,11 +256,7 @@ def held_strength(run: ClothRun) -> Finding:
     if worst == 0.0:
         return Finding("pass", "no vertex bears more than the strength from one frame to the next", 0.0, 1.0 + OVER, "1")
     text = f"a vertex of {entity} bears {worst:.4f} of its strength at frames {frame - 1} and {frame} and stays whole"
-    failed = worst > 1.0 + OVER
-    hint = correction("the cache is of another run", "interval", "bake again", pointers=("/simulation/frames",))
-    return Finding(
-        "fail" if failed else "pass", text, worst, 1.0 + OVER, "1", entity=entity, frame=frame, hints=(hint,) if failed else ()
-    )
+    return replace(at_most(text, worst, 1.0 + OVER, "1", frame, bake_again()), entity=entity)
 
 
 def _could_tear(piece: TearingPiece, x: F64, opened: Flags, label: I32, direction: F64) -> Flags:

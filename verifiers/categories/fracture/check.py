@@ -30,7 +30,7 @@ from ....worlds.requirements import RowId
 from ...rows.corrections import correction
 from ...rows.findings import Finding, judged
 from ...rows.verdicts import answered
-from ..rigid.laws import IMPULSE, PLACE
+from ..rigid.bounds import IMPULSE, PLACE
 from .budget import Budget
 from .flight import free_flight
 from .frames import Broken, Frames

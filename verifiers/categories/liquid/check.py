@@ -71,4 +71,4 @@ category_rows = _WATCHING.category_rows
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of frame 0, of the cache and of counters of one instance."""
     first = initial_state.FUNCTIONS["liquid"]
-    return [*rows_about(candidate, solver, first, initial_state.CLAIMS), *_WATCHING.numerical_rows(candidate, solver)]
+    return [*rows_about(candidate, solver, first), *_WATCHING.numerical_rows(candidate, solver)]

@@ -16,7 +16,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
-from ..rigid.check import energy_scale, largest_growth
+from ..rigid.books import energy_scale, largest_growth
 from ..soft_solids import soft_walls
 from .contacts import stored_energy
 from .frames import matched

@@ -10,31 +10,33 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.spec import ForceDriver, MotorDriver, SpringJoint
 from ...ledgers.balance import Books, books_of
-from ...rows.corrections import correction
-from ...rows.findings import Finding
+from ...rows.corrections import bake_again
+from .bounds import AUTHORED_NOISE, RECORDS, REST_HEIGHT, WORK
 from .joints import stored
-from .rows import judged_law, largest
+from .rows import Law, judged_law, largest
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ...rows.findings import Finding
 
-__all__ = ["PREDICATES", "RECORDS", "WORK", "authored_noise", "energies", "records", "work"]
+__all__ = ["authored_noise", "energies", "energy_scale", "largest_growth", "records", "work"]
 
-RECORDS = 1e-3
-"""Relative to the energy or momentum in play; the same formula on the same state, measured 1e-9. Bending of ropes is summed by
-the engine in its own coordinates."""
-WORK = 0.01
-"""Of the energy in play: recorded work beyond what the drivers can have done in one frame."""
-ROUNDING = 1e-6
-"""Least energy that counts as in play, in parts of that of the bodies on paths."""
-REST_HEIGHT = 1e-3
-"""[m] As in `rigid.energy_scale`."""
 
-PREDICATES = {
-    "records": f"recorded energies and momentum are those of poses, velocities and masses within {RECORDS:g} of what is in play",
-    "work": f"recorded work is none where no driver acts, and at most what its forces could do, within {WORK:.0%} of the energy in play",
-}
+def energy_scale(kinetic: F64, potential: F64, weight: float, noise: float = 0.0) -> float:
+    """Energy in play [J]: largest kinetic energy plus the range of the potential energy.
+
+    At least the noise [J], and the weight [N] times `REST_HEIGHT`, so that the noise of a scene at rest is not magnified.
+    """
+    k, p = kinetic[np.isfinite(kinetic)], potential[np.isfinite(potential)]
+    return max(float(k.max(initial=0.0)) + (float(np.ptp(p)) if len(p) else 0.0), weight * REST_HEIGHT, noise, 1e-12)
+
+
+def largest_growth(energy: F64) -> tuple[float, int, int]:
+    """Largest rise of a series over any interval, and the frames between which it rises."""
+    rise = energy - np.minimum.accumulate(energy)
+    end = int(np.argmax(rise))
+    return float(rise[end]), int(np.argmin(energy[: end + 1])), end
 
 
 def energies(books: Books) -> tuple[F64, F64]:
@@ -46,18 +48,17 @@ def energies(books: Books) -> tuple[F64, F64]:
 
 
 def authored_noise(books: Books) -> float:
-    """What recorded work may be off [J] because that on bodies on paths is taken out of it."""
-    return ROUNDING * float(books.kinetic[:, books.kinematic].sum(axis=1).max(initial=0.0))
+    """Error that recorded work may have [J] because that on bodies on paths is taken out of it."""
+    return AUTHORED_NOISE * float(books.kinetic[:, books.kinematic].sum(axis=1).max(initial=0.0))
 
 
 def _scale(books: Books, kinetic: F64, potential: F64) -> float:
     weight = float(books.mass[~books.kinematic].sum() * np.linalg.norm(books.gravity))
-    moved = float(kinetic.max(initial=0.0)) + float(np.ptp(potential))
-    return max(moved, weight * REST_HEIGHT, authored_noise(books), 1e-12)
+    return energy_scale(kinetic, potential, weight, authored_noise(books))
 
 
 def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `records`."""
+    """Deviation of recorded energies and momentum from those of the ledger."""
     books = books_of(candidate, cache)
     free = ~books.kinematic
     kinetic, potential = energies(books)
@@ -68,21 +69,12 @@ def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     )
     own = {"kinetic_energy": (kinetic, scale), "potential_energy": (potential, scale)}
     own |= {f"momentum_{axis}": (momentum[:, i], flow) for i, axis in enumerate("xyz")}
-    names = tuple(own)
     table = np.stack([np.abs(books.record(n) - v) / s for n, (v, s) in own.items()], axis=1)
     table = np.where(np.isfinite(table), table, np.inf)
-    found = largest(table, np.ones(table.shape, dtype=bool), names, RECORDS, shift=0)
-    deviation = judged_law(
-        candidate,
-        solver,
-        found,
-        bound=RECORDS,
-        unit="1",
-        what="deviation of the records from the ledger",
-        none="there is no frame",
-        entities=books.entities,
-        evidence={"scale_J": scale, "scale_Ns": flow},
-    )
+    law = Law(RECORDS, "1", "deviation of the records from the ledger", "there is no frame")
+    found = largest(law, tuple(own), table, np.ones(table.shape, dtype=bool), shift=0)
+    deviation = judged_law(candidate, solver, found, evidence={"scale_J": scale, "scale_Ns": flow})
+    deviation = replace(deviation, entities=books.entities)
     if not found.over:
         return deviation
     # The worst column is a quantity, not an entity: name whose share is the largest then.
@@ -91,7 +83,7 @@ def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def work(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `work`: the bound needs no knowledge of what drivers did, only of what they could do at the fastest recorded speed."""
+    """Recorded work that no driver can have done: the bound needs no knowledge of what drivers did, only of what they could do at the fastest recorded speed."""
     books = books_of(candidate, cache)
     kinetic, potential = energies(books)
     done = np.diff(books.record("driver_work"))
@@ -100,20 +92,16 @@ def work(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     value = (np.abs(done) - most) / scale
     value = np.where(np.isfinite(done), value, np.inf)
     drivers = tuple(candidate.spec.simulation.drivers)
-    found = largest(value[:, None], np.isfinite(most)[:, None], (books.entities[0],), WORK)
-    hints = (correction("the record of work was edited", "interval", "bake again", pointers=("/simulation/frames",)),)
-    return judged_law(
-        candidate,
-        solver,
-        found,
-        bound=WORK,
-        unit="1",
-        what="work that no driver can have done, as share of the energy in play,",
-        none="motors or bodies on paths with joints act in every frame; their work has no bound that poses give",
-        entities=books.entities,
-        hints=hints,
-        evidence={"drivers": list(drivers), "scale_J": scale},
+    law = Law(
+        WORK,
+        "1",
+        "work that no driver can have done, as share of the energy in play,",
+        "motors or bodies on paths with joints act in every frame; their work has no bound that poses give",
     )
+    found = largest(law, books.entities[:1], value[:, None], np.isfinite(most)[:, None])
+    evidence: dict[str, object] = {"drivers": list(drivers), "scale_J": scale}
+    hints = (bake_again("the record of work was edited"),)
+    return replace(judged_law(candidate, solver, found, hints=hints, evidence=evidence), entities=books.entities)
 
 
 def _could(books: Books, cache: Cache) -> F64:

@@ -20,24 +20,16 @@ from ....worlds.spec import HeightField
 from ...land.uneven import even_ground
 from ...ledgers.balance import Books, books_of
 from ...rows.corrections import correction
-from ...rows.findings import Finding
+from .bounds import BOUNCE, SLOW_BOUNCE, TURNED
 from .contacts import moves
-from .rows import judged_law, largest
+from .rows import Law, judged_law, largest
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ...rows.findings import Finding
 
-__all__ = ["BOUNCE", "PREDICATES", "restitution"]
-
-BOUNCE = 0.05
-"""Own choice: of restitution; measured 0.01 for single hits of balls at steps up to 2 ms."""
-SLOW_BOUNCE = 0.25
-"""[m/s] Slower hits are not judged: gravity in a step and the resting threshold are then a visible part of them."""
-TURNED = 0.5 * BOUNCE
-"""Own choice: part of the closing speed that a turn of the ground under a rolling ball may add to what it keeps."""
-
-PREDICATES = {"restitution": f"a ball leaves a single hit with the declared restitution within {BOUNCE:g}"}
+__all__ = ["restitution"]
 
 
 class _Hit(NamedTuple):
@@ -64,7 +56,7 @@ class _Event(NamedTuple):
 
 
 def restitution(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `restitution`.
+    """Deviation of the restitution of single hits.
 
     Where the ball stays in contact, gravity may or may not have acted on it until the frame's end: an interval.
     """
@@ -73,7 +65,7 @@ def restitution(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     table = np.full((books.frames - 1, len(books.entities)), -np.inf)
     for hit in hits:
         table[hit.frame - 1, hit.entity] = max(table[hit.frame - 1, hit.entity], hit.deviation)
-    worst = largest(table, np.isfinite(table), books.entities, BOUNCE)
+    law = Law(BOUNCE, "1", "deviation of the restitution", "no ball hits once, and nothing else, within a frame")
     evidence: dict[str, object] = {
         "hits": [
             {
@@ -94,18 +86,7 @@ def restitution(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             pointers=("/materials",),
         ),
     )
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=BOUNCE,
-        unit="1",
-        what="deviation of the restitution",
-        none="no ball hits once, and nothing else, within a frame",
-        entities=books.entities,
-        hints=hints,
-        evidence=evidence,
-    )
+    return judged_law(candidate, solver, largest(law, books.entities, table), hints=hints, evidence=evidence)
 
 
 def _radius(books: Books, collider: str) -> float | None:
@@ -247,7 +228,7 @@ def _judge(books: Books, event: _Event, partners: list[dict[int, set[int]]]) -> 
 
 
 def _pushed(books: Books, k: int, side: int) -> float:
-    """What liquids and fields changed an entity's velocity by in the three frames about a hit [m/s]; 0 where none was there.
+    """Change of an entity's velocity by liquids and fields in the three frames about a hit [m/s]; 0 where none was there.
 
     What they gave until the hit and after it may cancel in its own frame, so that the frames beside it count too.
     """
@@ -260,7 +241,7 @@ def _pushed(books: Books, k: int, side: int) -> float:
 def _wet(
     books: Books, k: int, sides: list[int], normal: F64, closing: float, pushed: float, *, resting: float
 ) -> tuple[float, float]:
-    """What is kept of a logged closing speed [m/s], by the impulse that the ledgers leave to the contact.
+    """Least and greatest share kept of a logged closing speed [m/s], by the impulse that the ledgers leave to the contact.
 
     The contact also bears the ball for as long as it lasts, against gravity and all that pushes it.
     """

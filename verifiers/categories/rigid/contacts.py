@@ -9,35 +9,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....geometry import aabb_of
 from ....worlds.arrays import F64
-from ...ledgers.balance import Books, books_of
+from ...ledgers.balance import Books, Flags, books_of
 from ...rows.corrections import correction
-from ...rows.findings import Finding
-from .rows import judged_law, largest
+from .bounds import FRICTION, REACH, ROLLS, SLIDING, STRAIGHT
+from .rows import Law, judged_law, largest
+from .speeds import surface_speeds
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ...rows.findings import Finding
 
-__all__ = ["FRICTION", "PREDICATES", "REACH", "contacts", "friction", "moves"]
-
-REACH = 1e-3
-"""[m] Rounding of boxes and a frame's fall beyond the contact tolerance."""
-FRICTION = 0.05
-"""Own choice: relative; the engine's cone is met to 1e-3 while a body slides."""
-SLIDING = 0.1
-"""[m/s] Slower bodies may stick within the frame."""
-STRAIGHT = 0.9995
-"""Cosine of the angle between the velocities at both frames from which on a body slides straight."""
-ROLLS = 0.02
-"""Share of the speed that turning may give the surface of a sliding body."""
-
-PREDICATES = {
-    "contacts": "pairs that are logged as touching are within reach of each other",
-    "friction": f"a sliding body loses mu times the normal impulse, within {FRICTION:.0%}",
-}
+__all__ = ["contacts", "friction", "moves"]
 
 
 def _boxes(books: Books) -> tuple[F64, F64]:
@@ -59,7 +46,7 @@ def _boxes(books: Books) -> tuple[F64, F64]:
 
 
 def contacts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `contacts`: boxes swept over the interval, grown by the way that the fastest step of it could have led."""
+    """Distance of bodies that are logged as touching: boxes swept over the interval, grown by the way that the fastest step of it could have led."""
     books = books_of(candidate, cache)
     found = books.contacts
     low, high = _boxes(books)
@@ -75,24 +62,15 @@ def contacts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     for side in (found.a, found.b):
         row = books.collider_row[side]
         np.maximum.at(table, (k[row >= 0] - 1, row[row >= 0]), excess[row >= 0])
-    worst = largest(table, np.isfinite(table), books.entities, REACH)
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=REACH,
-        unit="m",
-        what="distance of bodies that are logged as touching",
-        none="no contact is logged in this interval",
-        entities=books.entities,
-    )
+    law = Law(REACH, "m", "distance of bodies that are logged as touching", "no contact is logged in this interval")
+    return judged_law(candidate, solver, largest(law, books.entities, table))
 
 
 # ---------------------------------------------------------------- friction
 
 
 def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `friction`.
+    """Deviation from Coulomb's law.
 
     All normals of a body that slides along without turning are perpendicular to its velocity, so that the momentum it loses
     along its way is the friction of all its contacts: mu times the sum of their normal impulses, at least and at most. A blow
@@ -100,13 +78,9 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """
     books = books_of(candidate, cache)
     found = books.contacts
-    share, judged = np.zeros((2, books.frames - 1, len(books.entities)))
     total, least, most = np.zeros((3, books.frames - 1, len(books.entities)))
     moving = np.zeros((books.frames - 1, len(books.entities)), dtype=bool)
-    for (
-        side,
-        other,
-    ) in ((found.a, found.b), (found.b, found.a)):
+    for side, other in ((found.a, found.b), (found.b, found.a)):
         row, partner = books.collider_row[side], books.collider_row[other]
         mine = row >= 0
         at = (found.frame[mine] - 1, row[mine])
@@ -128,7 +102,12 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     # In units of the normal impulse; a frictionless contact must not brake either.
     share = np.maximum(least - lost, lost - most) / scale
     allowed = FRICTION * np.maximum(most / scale, 0.02)
-    worst = largest(share / allowed * FRICTION, judged, books.entities, FRICTION)
+    law = Law(
+        FRICTION,
+        "1",
+        "deviation from Coulomb's law",
+        "no free body slides straight on something that rests for a whole frame",
+    )
     hints = (
         correction(
             "the friction that acts is not the declared one",
@@ -137,20 +116,10 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             pointers=("/materials",),
         ),
     )
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=FRICTION,
-        unit="1",
-        what="deviation from Coulomb's law",
-        none="no free body slides straight on something that rests for a whole frame",
-        entities=books.entities,
-        hints=hints,
-    )
+    return judged_law(candidate, solver, largest(law, books.entities, share / allowed * FRICTION, judged), hints=hints)
 
 
-def _struck(books: Books) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _struck(books: Books) -> Flags:
     """Whether a contact of an entity begins in an interval or in the one before, shape (F - 1, E)."""
     began = np.zeros((books.frames, len(books.entities)), dtype=bool)
     for frame, log in enumerate(books.ragged("event/pair")[1 : books.frames], start=1):
@@ -159,14 +128,8 @@ def _struck(books: Books) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     return np.asarray(began[:-1] | began[1:])
 
 
-def moves(
-    books: Books, rows: np.ndarray[tuple[int, ...], np.dtype[np.int64]], interval: np.ndarray[tuple[int, ...], np.dtype[np.int64]]
-) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def moves(books: Books, rows: NDArray[np.int64], interval: NDArray[np.int64]) -> Flags:
     """Whether a contact's partner moves at either end of the interval; static ones (row -1) do not."""
-    speed = np.linalg.norm(books.velocity, axis=2) + np.linalg.norm(books.spin, axis=2) * books.body_reach
-    fastest = np.zeros((books.frames, len(books.entities)))
-    for body, owner in enumerate(books.owner):
-        fastest[:, owner] = np.maximum(fastest[:, owner], speed[:, body])
+    fastest = surface_speeds(books)
     known = np.maximum(rows, 0)
-    result = (rows >= 0) & (np.maximum(fastest[interval, known], fastest[interval + 1, known]) > 1e-3)
-    return np.asarray(result)
+    return np.asarray((rows >= 0) & (np.maximum(fastest[interval, known], fastest[interval + 1, known]) > 1e-3))

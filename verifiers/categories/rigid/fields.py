@@ -1,6 +1,6 @@
 """Whether what force fields gave to rigid bodies is what the declared fields say (R18, R63).
 
-Row `category:rigid:fields:<solver>` asks the declared fields again at the poses and velocities of the frames: Simpson's rule over each
+`fields` asks the declared fields again at the poses and velocities of the frames: Simpson's rule over each
 interval, with the state in its middle from both ends. Where contacts, joints, cloth or liquids may have turned a body's way between two
 frames, drag is known only so far (`_astray`).
 """
@@ -17,23 +17,20 @@ from ....worlds.fields import Fields, fields_of
 from ...ledgers.balance import books_of
 from ...ledgers.fields import feels_fields, recorded
 from ...rows.corrections import bake_again
-from ...rows.findings import Finding
-from .rows import judged_law, largest
+from .bounds import FIELD
+from .rows import Law, judged_law, largest
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
     from ...ledgers.balance import Books
+    from ...rows.findings import Finding
 
-__all__ = ["PREDICATES", "fields"]
-
-FIELD = 0.05
-"""Own choice: of the largest force of a field on the body in play, what recorded impulses may differ from the declared field's."""
-PREDICATES = {"fields": f"impulses of force fields are those of the declared fields within {FIELD:.0%} of the largest"}
+__all__ = ["fields"]
 
 
 def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `fields`."""
+    """Deviation of recorded impulses from those of the declared fields."""
     books = books_of(candidate, cache)
     felt = feels_fields(candidate.spec, solver)
     excess = np.full((books.frames - 1, len(books.owner)), -np.inf)
@@ -46,17 +43,14 @@ def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             else:
                 excess[:, body] = np.where(np.abs(given[:, body]).any(axis=1), np.inf, -np.inf)
     names = tuple(books.entities[o] for o in books.owner)
-    return judged_law(
-        candidate,
-        solver,
-        largest(excess, np.isfinite(excess) | (excess > 0), names, FIELD),
-        bound=FIELD,
-        unit="1",
-        what="deviation of a field's impulse from the declared field, as share of its largest,",
-        none="no force field acts on a body of this instance",
-        entities=tuple(dict.fromkeys(names)),
-        hints=(bake_again("the record of the fields was edited"),),
+    law = Law(
+        FIELD,
+        "1",
+        "deviation of a field's impulse from the declared field, as share of its largest,",
+        "no force field acts on a body of this instance",
     )
+    worst = largest(law, names, excess, np.isfinite(excess) | (excess > 0))
+    return judged_law(candidate, solver, worst, hints=(bake_again("the record of the fields was edited"),))
 
 
 def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:

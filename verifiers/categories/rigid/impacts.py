@@ -1,4 +1,4 @@
-"""Impacts that give energy: `category:rigid:impact_energy:<solver>`.
+"""Impacts that give energy.
 
 A contact can only take energy from the bodies that it joins. Two things are held against that, in every frame with contacts:
 
@@ -25,33 +25,19 @@ from ...ledgers.balance import Books, Flags, books_of
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
 from ...rows.corrections import correction
-from ...rows.findings import Finding, halve
 from ..elastic.ledger import elastic_energies
-from .rows import judged_law, largest
+from .bounds import GAIN, PUSHES, REST_HEIGHT, REST_SPEED
+from .rows import Law, judged_law, largest
+from .speeds import surface_speeds
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ...rows.findings import Finding
 
-__all__ = ["GAIN", "PREDICATES", "RECORD", "impact_energy"]
+__all__ = ["RECORD", "impact_energy"]
 
 RECORD = "contact_gain"
-GAIN = 0.01
-"""Of the energy that took part, given by contacts in one step, or in one frame. The solver leaves 1e-4 of what an impact exchanges, and
-what is pushed out of a skin comes back as up to 2 per cent of the speed, 4e-4 of the energy, over the steps of a push; measured: 5e-3 in a
-chain of five balls at restitution 0, below 1e-3 elsewhere. The fault that it is for gave half of the energy and more in a step."""
-PUSHES = 4.0
-"""Own choice: what entered a skin is out of it after four of the solver's time constants for that."""
-REST_HEIGHT = 1e-3
-"""[m] Least energy that counts as taking part: the weight of the bodies times this height, as in `rigid.energy_scale`."""
-
-REST_SPEED = 0.05
-"""[m/s] Own choice, for worlds without gravity: bodies whose speeds are below a tenth of this, half a centimetre per second, may be pushed
-out of their skins. As `numerical.SLOW`."""
-
-PREDICATES = {
-    "impact_energy": f"contacts give no energy: in no step and no frame more than {GAIN:.0%} of the energy of the bodies that touch",
-}
 
 
 class _Groups(NamedTuple):
@@ -98,9 +84,7 @@ def _reached(books: Books) -> F64:
 
 def _pushed(books: Books) -> F64:
     """Energy that bodies on paths can give what they touch, per kilogram of it [J/kg], shape (F - 1, E); 0 for all others."""
-    surface = np.linalg.norm(books.velocity, axis=2) + np.linalg.norm(books.spin, axis=2) * books.body_reach
-    speed = np.zeros((books.frames, len(books.entities)))
-    np.maximum.at(speed.T, books.owner, surface.T)
+    speed = surface_speeds(books)
     fastest = np.maximum(speed[:-1], speed[1:])
     return np.where(books.kinematic, 0.5 * (2.0 * fastest) ** 2, 0.0)
 
@@ -150,7 +134,7 @@ def _groups(books: Books, cache: Cache) -> list[_Groups]:
 
 
 def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `impact_energy`."""
+    """Energy that contacts gave."""
     books = books_of(candidate, cache)
     record: F64 = np.asarray(cache.series(f"record/{RECORD}"), dtype=np.float64)
     shape = (books.frames - 1, len(books.entities))
@@ -166,7 +150,13 @@ def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         share[strongest] = max(share[strongest], given[k])
         inside = found.label >= 0
         value[k, inside], judged[k, inside] = share[found.label[inside]], True
-    worst = largest(value, judged, books.entities, GAIN)
+    law = Law(
+        GAIN,
+        "1",
+        "energy that contacts gave, as share of that of the bodies that touch,",
+        "no contact is logged in any frame",
+    )
+    worst = largest(law, books.entities, value, judged)
     evidence = _evidence(books, groups, record, worst.frame) if worst.over and worst.frame is not None else {}
     hints = (
         correction(
@@ -175,24 +165,12 @@ def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             "leave a gap of a few tenths of a millimetre more than the two skins between bodies that are to pass an impact on",
             pointers=(f"/entities/{worst.entity}/pose",),
         ),
-        halve(candidate, solver, "the step is too long for the impact"),
     )
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=GAIN,
-        unit="1",
-        what="energy that contacts gave, as share of that of the bodies that touch,",
-        none="no contact is logged in any frame",
-        entities=books.entities,
-        hints=hints,
-        evidence=evidence,
-    )
+    return judged_law(candidate, solver, worst, hints=hints, evidence=evidence)
 
 
 def _evidence(books: Books, groups: list[_Groups], record: F64, frame: int) -> dict[str, object]:
-    """What happened in a frame: who touched whom, strongest first, and the energies."""
+    """Evidence about a frame: who touched whom, strongest first, and the energies."""
     found = books.contacts
     mine = np.flatnonzero(found.frame == frame)
     order = mine[np.argsort(-found.impulse[mine], kind="stable")][:5]

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ....worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ....worlds.spec import HingeJoint, SlideJoint, SpringJoint, WeldJoint
-from ...ledgers.balance import Books
+from ...ledgers.balance import Books, books_of
+from ...rows.corrections import correction, halve_step
+from ...rows.findings import Finding
+from .bounds import DETACHED, JOINT_GAP, JOINT_SHARE, LIMIT_STEPS
+from .speeds import angle_of
 
 if TYPE_CHECKING:
+    from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
 
-__all__ = ["Opening", "openings", "stored"]
-
-LIMIT_STEPS = 4.0
-"""Steps that a critically damped limit of a joint takes: it is overrun by speed times this, over e."""
-DETACHED = 1e-9
-"""[s]"""
+__all__ = ["Opening", "joints", "openings", "stored"]
 
 
 class Opening(NamedTuple):
@@ -77,11 +78,11 @@ def openings(books: Books) -> list[Opening]:
         size = _size(candidate, joint.child)
         relative = np.swapaxes(parent.turn, 1, 2) @ child.turn
         if isinstance(joint, WeldJoint):
-            gap = np.maximum(np.linalg.norm(apart, axis=1), size * _angle(relative))
+            gap = np.maximum(np.linalg.norm(apart, axis=1), size * angle_of(relative))
         elif isinstance(joint, SlideJoint):
             axis = parent.turn @ _unit(joint.axis)
             along = np.sum(apart * axis, axis=1)
-            gap = np.maximum(np.linalg.norm(apart - along[:, None] * axis, axis=1), size * _angle(relative))
+            gap = np.maximum(np.linalg.norm(apart - along[:, None] * axis, axis=1), size * angle_of(relative))
             gap = np.maximum(gap, _beyond(books, joint.range, along, 1.0))
         elif isinstance(joint, HingeJoint):
             axis = _unit(joint.axis)
@@ -98,14 +99,44 @@ def openings(books: Books) -> list[Opening]:
     return found
 
 
+def joints(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Gap of every joint and rope, by the records and by poses."""
+    plan = candidate.spec.simulation
+    members = {*cache.index.colliders, *(b.split("/", 1)[0] for b in cache.index.bodies)}
+    jointed = {n: j for n, j in plan.joints.items() if j.kind != "spring" and j.child in members}
+    ropes = [n for n, e in candidate.spec.entities.items() if e.generator is not None and n in members]
+    if not jointed and not ropes:
+        return Finding("not_applicable", "the plan has no hinge, slide, ball or weld and no rope in this instance")
+    books = books_of(candidate, cache)
+    sizes = {name: _size(candidate, name) for name in (*(j.child for j in jointed.values()), *ropes)}
+    smallest = min(sizes, key=lambda n: sizes[n])
+    bounds = {n: max(JOINT_GAP, JOINT_SHARE * size) for n, size in sizes.items()}
+    # The record is the largest gap of all that the engine solves; poses show every joint by itself.
+    series: F64 = books.record("joint_error")
+    cases = [(smallest, "of the records", series), *((o.child, o.name, o.gap) for o in openings(books) if o.child in bounds)]
+    worst, culprit, frame, bound, which = -1.0, None, None, bounds[smallest], ""
+    for child, joint, gap in cases:
+        wrong = ~((gap <= bounds[child]) | (np.isnan(gap) if gap is not series else False))
+        value = float(np.nanmax(gap, initial=0.0)) if np.isfinite(gap[~np.isnan(gap)]).all() else np.inf
+        first = int(np.argmax(wrong)) if wrong.any() else None
+        if (first is not None, value / bounds[child]) > (frame is not None, worst):
+            worst, culprit, frame, bound, which = value / bounds[child], child, first, bounds[child], joint
+    largest_gap = worst * bound if np.isfinite(worst) and np.isfinite(series).all() else None
+    text = f"largest joint gap, {which}, {'not finite' if largest_gap is None else f'{largest_gap:.3g} m'} against {bound:.3g} m"
+    evidence = {"joints": list(jointed), "ropes": ropes, "smallest_body": sizes[smallest]}
+    found = Finding("pass", text, largest_gap, bound, "m", entities=tuple(sizes), evidence=evidence)
+    if frame is None:
+        return found
+    hints = (
+        halve_step(candidate, solver, "joints give way under the load"),
+        correction("the load is too large for the jointed masses", "mass", "bring the masses of jointed bodies closer together"),
+    )
+    return replace(found, status="fail", text=f"{text}, first over it at frame {frame}", entity=culprit, frame=frame, hints=hints)
+
+
 def _unit(axis: tuple[float, float, float]) -> F64:
     vector = np.array(axis, dtype=np.float64)
     result: F64 = vector / np.linalg.norm(vector)
-    return result
-
-
-def _angle(relative: F64) -> F64:
-    result: F64 = 2.0 * np.arcsin(np.clip(np.linalg.norm(relative - np.eye(3), axis=(1, 2)) / np.sqrt(8.0), 0.0, 1.0))
     return result
 
 
@@ -167,7 +198,7 @@ def stored(books: Books) -> F64:
             anchor = np.array(joint.anchor, dtype=np.float64)
             value = np.sum((child.carry(anchor) - parent.carry(anchor)) * (parent.turn @ _unit(joint.axis)), axis=1)
         else:
-            value = _angle(relative)
+            value = angle_of(relative)
         result += 0.5 * joint.stiffness * value**2
     for name in books.entities:
         rope = books.candidate.spec.entities[name].generator
@@ -178,5 +209,5 @@ def stored(books: Books) -> F64:
         if rope.attach_start is not None:
             pairs.append((_side(books, None if rope.attach_start == "world" else rope.attach_start), sides[0]))
         for one, other in pairs:
-            result += 0.5 * rope.stiffness * _angle(np.swapaxes(one.turn, 1, 2) @ other.turn) ** 2
+            result += 0.5 * rope.stiffness * angle_of(np.swapaxes(one.turn, 1, 2) @ other.turn) ** 2
     return result

@@ -21,20 +21,16 @@ from ...ledgers.balance import Books, Flags, books_of
 from ...ledgers.sleep_impulses import rests_of, strangest
 from ...ledgers.tumbling import tumble
 from ...rows.corrections import correction
-from ...rows.findings import Finding
-from .rows import Excess, judged_law, largest
+from .bounds import BUDGET_NOISE, FASTER, HELD, IMPULSE, JOINTED, PLACE, SPIN, TURN, UNSTEADY
+from .rows import Law, judged_law, largest
+from .speeds import angle_of, most_of_bodies, surface_speeds
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ...rows.findings import Finding
 
 __all__ = [
-    "HELD",
-    "IMPULSE",
-    "PLACE",
-    "PREDICATES",
-    "SPIN",
-    "TURN",
     "driven",
     "momentum",
     "motion",
@@ -42,34 +38,6 @@ __all__ = [
     "turning",
     "unexplained",
 ]
-
-IMPULSE = 2e-3
-"""[m/s] Change of velocity per frame without a source. Measured: 1e-14 for free bodies and contacts, 5e-4 for jointed ones and
-2e-4 for springs, whose forces the frames resolve only so far."""
-JOINTED = 2e-3
-"""Of the fastest surface of an assembly of jointed bodies: generalised coordinates keep momentum only to a step's turn."""
-PLACE = 1e-4
-"""[m] Displacement in one frame beyond what velocities, contacts and a step's delay explain; measured 1e-15."""
-SPIN = 5e-3
-"""[rad/s] Change of angular velocity per frame beyond Euler's equations and |omega|^2 dt; measured at most 0.15 of the latter."""
-TURN = 2e-3
-"""[rad] Turn in one frame beyond Euler's equations and |omega|^2 dt per frame; measured at most 0.2 of the latter."""
-HELD = 1e-5
-"""[m] Distance of a driven body's surface from where its driver puts it; measured 4e-11 m for held bodies."""
-UNSTEADY = 0.1
-"""Own choice: share of a body's weight by which the force of a liquid may vary within a frame beside its mean and what the frames beside show."""
-FASTER = 1.01
-"""Allowance on recorded peak speeds: a path's cubic between two steps."""
-ROUNDING = 1e-6
-"""Relative, of a budget of impulses."""
-
-PREDICATES = {
-    "momentum": f"no velocity changes by more than {IMPULSE:g} m/s in a frame without gravity, driver, spring or logged contact",
-    "motion": f"centres of mass move by their velocities within {PLACE:g} m and one step's delay per frame",
-    "spin": f"angular velocity follows Euler's equations and logged contacts within {SPIN:g} rad/s per frame",
-    "turning": f"orientation follows the angular velocity within {TURN:g} rad per frame",
-    "driven": f"bodies on paths and held ones are within {HELD:g} m of where their drivers put them",
-}
 
 
 class Unexplained(NamedTuple):
@@ -110,10 +78,7 @@ def _grouped(books: Books, label: Labels, opened: Flags) -> _Groups:
 
 def _lag(books: Books, label: Labels) -> F64:
     """Velocity that the engine's scheme may add per group [m/s], shape (K,): zero where nothing of it is jointed."""
-    surface = np.linalg.norm(books.velocity, axis=2) + np.linalg.norm(books.spin, axis=2) * books.body_reach
-    speed = np.zeros((books.frames, len(books.entities)))
-    for body, owner in enumerate(books.owner):
-        speed[:, owner] = np.maximum(speed[:, owner], surface[:, body])
+    speed = surface_speeds(books)
     count = int(label.max(initial=-1)) + 1
     fastest, jointed = np.zeros(count), np.zeros(count, dtype=bool)
     np.maximum.at(fastest, label, np.maximum(speed[:-1], speed[1:]))
@@ -129,16 +94,22 @@ def unexplained(books: Books) -> Unexplained:
     rests = rests_of(books)
     np.add.at(unlogged, label, rests.unlogged + rests.passed_on)
     size = np.linalg.norm(groups.residual - groups.given, axis=1)
-    excess = (size - unlogged * (1 + ROUNDING) - ROUNDING * groups.budget - groups.doubt) / groups.mass
+    excess = (size - unlogged * (1 + BUDGET_NOISE) - BUDGET_NOISE * groups.budget - groups.doubt) / groups.mass
     judged = ~groups.open & np.isfinite(groups.doubt)
     return Unexplained((excess - _lag(books, label))[label], judged[label])
 
 
 def momentum(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `momentum`."""
+    """Velocity without a source."""
     books = books_of(candidate, cache)
     found = unexplained(books)
-    worst = largest(found.value, found.judged, books.entities, IMPULSE)
+    law = Law(
+        IMPULSE,
+        "m/s",
+        "change of velocity without a source",
+        "every moving body is held, on a path or fixed by joints in this interval",
+    )
+    worst = largest(law, books.entities, found.value, found.judged)
     hints = (
         correction(
             f"something pushed {worst.entity} that the specification does not know",
@@ -147,18 +118,8 @@ def momentum(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             pointers=("/simulation/drivers",),
         ),
     )
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=IMPULSE,
-        unit="m/s",
-        what="change of velocity without a source",
-        none="every moving body is held, on a path or fixed by joints in this interval",
-        entities=books.entities,
-        hints=hints,
-        evidence=strangest(books, worst.entity, worst.frame) if worst.over and worst.entity else None,
-    )
+    evidence = strangest(books, worst.entity, worst.frame) if worst.over and worst.entity else None
+    return judged_law(candidate, solver, worst, hints=hints, evidence=evidence)
 
 
 # ---------------------------------------------------------------- places
@@ -180,7 +141,7 @@ def _drift(books: Books) -> tuple[F64, Flags]:
     unlogged = np.zeros(len(groups.mass))
     np.add.at(unlogged, label, rests_of(books).unlogged)
     # An impulse at any moment of the frame shifts the body by at most half the frame times its speed against the trapezoid.
-    allowed = 0.5 * h * (groups.budget + groups.doubt + unlogged + change) * (1 + ROUNDING) / groups.mass
+    allowed = 0.5 * h * (groups.budget + groups.doubt + unlogged + change) * (1 + BUDGET_NOISE) / groups.mass
     allowed += np.linalg.norm(known, axis=1) / groups.mass * books.step
     value = np.linalg.norm(off, axis=1) - allowed
     return (value - h * _lag(books, label))[label], ~groups.open[label] & np.isfinite(groups.doubt)[label]
@@ -202,26 +163,14 @@ def _uneven(books: Books) -> F64:
 
 
 def motion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `motion`."""
+    """Displacement that no velocity explains."""
     books = books_of(candidate, cache)
     value, judged = _drift(books)
     peak = books.record("max_speed")[1:, None]
     way = np.linalg.norm(np.diff(books.body_centers, axis=0), axis=2) - FASTER * books.duration * peak
-    fast = np.full(value.shape, -np.inf)
-    for body, owner in enumerate(books.owner):
-        fast[:, owner] = np.maximum(fast[:, owner], way[:, body])
-    both = np.maximum(np.where(judged, value, -np.inf), fast)
-    worst = largest(both, np.isfinite(both), books.entities, PLACE)
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=PLACE,
-        unit="m",
-        what="displacement that no velocity explains",
-        none="there is only one frame",
-        entities=books.entities,
-    )
+    both = np.maximum(np.where(judged, value, -np.inf), most_of_bodies(books, way))
+    law = Law(PLACE, "m", "displacement that no velocity explains", "there is only one frame")
+    return judged_law(candidate, solver, largest(law, books.entities, both))
 
 
 # ---------------------------------------------------------------- turning
@@ -244,7 +193,9 @@ def _in_contact(books: Books) -> tuple[F64, Flags]:
     angular = np.linalg.norm(np.diff(books.angular_momentum, axis=0) - books.driver_wrench[1] - books.outside.angular, axis=2)
     torques = np.where(books.dozing | books.switching, np.linalg.norm(books.driver_wrench[1], axis=2), 0.0)
     lever = books.reach + books.rolling
-    allowed = books.contact_budget * lever * (1 + ROUNDING) + rests_of(books).unlogged * lever + torques + books.let_go_doubt[1]
+    allowed = (
+        books.contact_budget * lever * (1 + BUDGET_NOISE) + rests_of(books).unlogged * lever + torques + books.let_go_doubt[1]
+    )
     inertia = np.linalg.eigvalsh(books.inertia[books.first])
     speed = np.linalg.norm(books.spin[:, books.first], axis=2)
     gyration = np.maximum(speed[:-1], speed[1:]) ** 2 * books.step * inertia[:, 2]
@@ -271,21 +222,25 @@ def _tumbled(books: Books) -> _Turned:
         turned, spun = tumble(*start, books.inertia[body], torque, books.duration)
         end, after = books.turns[interval + 1, body], books.spin[interval + 1, body]
         between = np.einsum("nji,njk->nik", turned, end)
-        # |R - 1| (Frobenius) = 2 sqrt(2) sin(angle / 2)
-        half = np.clip(np.linalg.norm(between - np.eye(3), axis=(1, 2)) / np.sqrt(8.0), 0.0, 1.0)
         speed = np.maximum(np.linalg.norm(start[1], axis=1), np.linalg.norm(after, axis=1))
         change = speed**2 + np.linalg.norm(torque, axis=1) / np.linalg.eigvalsh(books.inertia[body])[:, 0]
         spin_off[interval, entity] = np.linalg.norm(spun - after, axis=1) - change * books.step
-        turn_off[interval, entity] = 2.0 * np.arcsin(half) - change * books.step * books.duration
+        turn_off[interval, entity] = angle_of(between) - change * books.step * books.duration
     return _Turned(spin_off, turn_off, judged)
 
 
 def spin(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `spin`."""
+    """Change of angular velocity without a torque."""
     books = books_of(candidate, cache)
     flown, (touched, other) = _tumbled(books), _in_contact(books)
     value = np.where(flown.judged, flown.spin, touched)
-    worst = largest(value, flown.judged | other, books.entities, SPIN)
+    law = Law(
+        SPIN,
+        "rad/s",
+        "change of angular velocity without a torque",
+        "no free body of one piece without joints and springs",
+    )
+    worst = largest(law, books.entities, value, flown.judged | other)
     hints = (
         correction(
             f"something turned {worst.entity} that the specification does not know",
@@ -294,42 +249,20 @@ def spin(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             pointers=("/simulation/drivers",),
         ),
     )
-    return judged_law(
-        candidate,
-        solver,
-        worst,
-        bound=SPIN,
-        unit="rad/s",
-        what="change of angular velocity without a torque",
-        none="no free body of one piece without joints and springs",
-        entities=books.entities,
-        hints=hints,
-    )
+    return judged_law(candidate, solver, worst, hints=hints)
 
 
 def turning(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `turning`."""
+    """Turn that no angular velocity explains."""
     books = books_of(candidate, cache)
     flown = _tumbled(books)
     steps = books.record("step")[1:, None]
     surface = books.record("max_travel_per_step")[1:, None] / np.maximum(steps, 1e-12)
     between = np.einsum("fnji,fnjk->fnik", books.turns[:-1], books.turns[1:])
-    half = np.clip(np.linalg.norm(between - np.eye(3), axis=(2, 3)) / np.sqrt(8.0), 0.0, 1.0)
-    turned = 2.0 * np.arcsin(half) - FASTER * books.duration * surface / books.body_reach
-    fast = np.full(flown.turn.shape, -np.inf)
-    for body, owner in enumerate(books.owner):
-        fast[:, owner] = np.maximum(fast[:, owner], turned[:, body])
-    both = np.maximum(np.where(flown.judged, flown.turn, -np.inf), fast)
-    return judged_law(
-        candidate,
-        solver,
-        largest(both, np.isfinite(both), books.entities, TURN),
-        bound=TURN,
-        unit="rad",
-        what="turn that no angular velocity explains",
-        none="there is only one frame",
-        entities=books.entities,
-    )
+    turned = angle_of(between) - FASTER * books.duration * surface / books.body_reach
+    both = np.maximum(np.where(flown.judged, flown.turn, -np.inf), most_of_bodies(books, turned))
+    law = Law(TURN, "rad", "turn that no angular velocity explains", "there is only one frame")
+    return judged_law(candidate, solver, largest(law, books.entities, both))
 
 
 # ---------------------------------------------------------------- drivers
@@ -350,7 +283,7 @@ def _path(driver: PathDriver, times: F64) -> tuple[F64, F64]:
 
 
 def driven(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Row `driven`."""
+    """Distance of bodies on paths and held ones from where their drivers put them."""
     books = books_of(candidate, cache)
     paths = {d.entity: d for d in candidate.spec.simulation.drivers.values() if isinstance(d, PathDriver)}
     off = np.full((books.frames, len(books.entities)), -np.inf)
@@ -371,14 +304,5 @@ def driven(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         twist = np.linalg.norm(rotation_matrix(quaternion) - rotation_matrix(turned), axis=(1, 2)) / np.sqrt(2.0)
         value = apart + twist * (books.body_reach[body] + float(np.linalg.norm(books.offset[body])))
         off[:, owner] = np.maximum(off[:, owner], np.where(fixed, value, -np.inf))
-    found: Excess = largest(off, np.isfinite(off), books.entities, HELD, shift=0)
-    return judged_law(
-        candidate,
-        solver,
-        found,
-        bound=HELD,
-        unit="m",
-        what="distance from where the driver puts it",
-        none="nothing in this instance is held or on a path",
-        entities=tuple(n for n, c in zip(books.entities, np.isfinite(off).any(axis=0), strict=True) if c),
-    )
+    law = Law(HELD, "m", "distance from where the driver puts it", "nothing in this instance is held or on a path")
+    return judged_law(candidate, solver, largest(law, books.entities, off, shift=0))

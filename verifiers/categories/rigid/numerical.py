@@ -1,7 +1,4 @@
-"""Numerical health of rigid instances, on probes and full sequences (R105, R106, S6).
-
-Row ids are `numerical:<what>:<solver>`; `<what>` is a key of `CLAIMS`.
-"""
+"""Numerical health of rigid instances, on probes and full sequences (R105, R106, S6)."""
 
 from __future__ import annotations
 
@@ -11,69 +8,41 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ....worlds.requirements import Correction, Row
 from ...contact.step_travel import step_travel
 from ...ledgers import motion
 from ...ledgers.balance import books_of
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
-from ...rows.corrections import correction
-from ...rows.findings import Finding, again, cache_of, halve, judged, separate
+from ...rows.corrections import bake_again, correction, halve_step, separate, set_value
+from ...rows.findings import Finding
 from ...scene import initial_state
-from .. import container
-from ..container import Function, numerical_row
-from .check import energy_scale, moves_nothing
-from .numerical_state import SPIKE, counters, events, frozen, resting, spike
+from ..container import rows_about
+from ..questions import COUNTERS, COUNTS, FINITE, ITERATIONS, SPEED, TRAVEL
+from .books import energy_scale
+from .bounds import CAPPED, GROWTH, QUATERNION_NOISE, SLACK, SLOW, SPIKE
+from .check import of_movers
+from .numerical_state import counters, events, frozen, resting, spike
+from .questions import NUMERICAL
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Correction, Row
+    from ...rows.questions import Question
+    from ..container import Function
 
-__all__ = ["CAPPED_SHARE", "CLAIMS", "GROWTH", "QUATERNION_NOISE", "numerical_rows"]
+__all__ = ["numerical_rows"]
 
-QUATERNION_NOISE = 1e-6
-"""Deviation of a quaternion's norm from 1; engines normalise every step, so more means a damaged state."""
-GROWTH = 20.0
-"""Own choice: no body gets this many times faster from one frame to the next while the scene's energy grows."""
-SLOW = 0.05
-"""[m/s] Speeds below this count as this in a growth ratio: anything is many times faster than rest."""
-CAPPED_SHARE = 0.05
-"""Own choice: share of steps that may end at the iteration cap before contact forces are not to be trusted."""
-POTENTIAL_SLACK = 1.0
-"""[m/s] added to the speed limit for travel per frame: rounding of positions and half a frame of gravity."""
-
-CLAIMS = {
-    **container.CLAIMS,
-    "finite": "every number in every channel is finite",
-    "quaternion": "|q| = 1 within 1e-6",
-    "speed": "centre of mass speed <= limits.max_speed",
-    "travel": "travel of the centre of mass per frame <= (limits.max_speed + 1 m/s) / fps",
-    "growth": "no body gets 20 times faster in one frame while the energy grows by more than limits.energy_growth",
-    "counts": "rows per channel are as many as the index names",
-    "overflow": "the engine reports no full buffer and no bad state",
-    "iterations": "at most 5 % of the steps end at the iteration cap",
-    "step_travel": "travel per step <= half of the thickness of either of two colliders that could meet in that frame",
-    "counters": "steps of at most the planned length cover every frame, and every counter is possible",
-    "events": "logged contacts name colliders that are there, at times of their frame, with impulses >= 0",
-    "frozen": "no free body that moves repeats a pose to the last bit",
-    "resting": "sleeping bodies stay within 1e-6 m per frame, and something touches or holds them",
-    **{name: initial_state.CLAIMS[name] for name in initial_state.FUNCTIONS["rigid"]},
-}
-CONTAINER = ("frames", "digest", "finite")
-"""Claims about the cache itself, whatever it holds."""
 BODY_CHANNELS = ("position", "quaternion", "velocity", "angular_velocity", "asleep")
 
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of one instance; `unverified` where it has no cache."""
-    return [numerical_row(candidate, solver, n, claim, judged(_ask, n, candidate, solver)) for n, claim in CLAIMS.items()]
-
-
-def _ask(name: str, candidate: Candidate, solver: str) -> Finding:
-    cache = cache_of(candidate, solver)
-    if name not in CONTAINER and moves_nothing(candidate, solver, cache):
-        return Finding("not_applicable", f"no member of {solver!r} moves")
-    return FUNCTIONS[name](candidate, solver, cache)
+    asked = {question: of_movers(FUNCTIONS[question.id]) for question in NUMERICAL}
+    own = {question: of_movers(function) for question, function in SHARED.items()}
+    return rows_about(candidate, solver, {FINITE: _finite, **own, **asked})
 
 
 def _owner(cache: Cache, row: int) -> str:
@@ -96,7 +65,7 @@ def _finite(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             row = int(np.argwhere(bad)[0][0]) if array.ndim else 0
             entity = _owner(cache, row) if name in BODY_CHANNELS and row < len(cache.index.bodies) else None
             text = f"{name} of {entity or 'the instance'} is {array[bad].flat[0]} at frame {k} ({int(bad.sum())} numbers there)"
-            hints = (halve(candidate, solver, "the solver diverged"), separate(entity))
+            hints = (halve_step(candidate, solver, "the solver diverged"), separate(entity))
             return Finding("fail", text, float(bad.sum()), 0.0, "numbers", entity, k, hints, {"channel": name})
     return Finding("pass", f"{total} numbers are finite", 0.0, 0.0, "numbers")
 
@@ -122,19 +91,19 @@ def _counts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         return Finding("fail", text, float(len(missing) + len(alien)), 0.0, "bodies", name.split("/")[0] or None, 0)
     named = _misnamed(candidate, solver, cache)
     if named:
-        return Finding("fail", named, 1.0, 0.0, "lists", None, 0, (again("the index does not fit the plan"),))
+        return Finding("fail", named, 1.0, 0.0, "lists", None, 0, (bake_again("the index does not fit the plan"),))
     for k in range(index.frames):
         frame = cache.read(k, expected)
         for channel, count in expected.items():
             if len(frame[channel]) != count:
                 text = f"{channel} has {len(frame[channel])} rows at frame {k}, the index names {count}"
-                hints = (correction("the cache does not fit its index", "interval", "bake again"),)
+                hints = (bake_again("the cache does not fit its index"),)
                 return Finding("fail", text, float(len(frame[channel])), float(count), "rows", None, k, hints, comparison="==")
     return Finding("pass", f"{len(index.bodies)} bodies at every frame", float(len(index.bodies)), float(len(planned)), "bodies")
 
 
 def _misnamed(candidate: Candidate, solver: str, cache: Cache) -> str:
-    """What of the index's names is not as planned."""
+    """Sentence on the first list of names in the index that is not as planned; empty where all are."""
     plan, index = candidate.spec.simulation, cache.index
     members = plan.rigid[solver].members
     joints = {n for n, j in plan.joints.items() if j.kind in ("hinge", "slide") and j.child in members}
@@ -157,7 +126,7 @@ def _misnamed(candidate: Candidate, solver: str, cache: Cache) -> str:
 def _quaternion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", over="ignore"):
         off = np.abs(np.linalg.norm(cache.series("quaternion"), axis=2) - 1.0)
-    return _largest(candidate, solver, cache, off, QUATERNION_NOISE, "1", "deviation of |q| from 1", ())
+    return _largest(cache, off, QUATERNION_NOISE, "1", "deviation of |q| from 1", ())
 
 
 def _speed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
@@ -165,7 +134,7 @@ def _speed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         speed = np.linalg.norm(cache.series("velocity"), axis=2)
     limit = candidate.spec.simulation.limits.max_speed
     hints = _blown_up(candidate, solver, cache, speed, limit)
-    found = _largest(candidate, solver, cache, speed, limit, "m/s", "speed", hints)
+    found = _largest(cache, speed, limit, "m/s", "speed", hints)
     peak: F64 = cache.series("record/max_speed")
     between = ~(peak <= limit)
     if found.status == "pass" and between.any():
@@ -181,20 +150,18 @@ def _travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", over="ignore"):
         tracks = np.stack([motion.centers(candidate, n) for n in owners], axis=1)
         step = np.linalg.norm(np.diff(tracks, axis=0, prepend=tracks[:1]), axis=2)
-    bound = (limits.max_speed + POTENTIAL_SLACK) / fps
+    bound = (limits.max_speed + SLACK) / fps
     hints = _blown_up(candidate, solver, cache, step, bound)
-    return _largest(candidate, solver, cache, step, bound, "m", "travel in one frame", hints, names=owners)
+    return _largest(cache, step, bound, "m", "travel in one frame", hints, names=owners)
 
 
 def _blown_up(candidate: Candidate, solver: str, cache: Cache, values: F64, bound: float) -> tuple[Correction, ...]:
     wrong = ~(values <= bound)
     entity = _owner(cache, int(np.argwhere(wrong)[0][1])) if wrong.any() and values.shape[1] == len(cache.index.bodies) else None
-    return separate(entity), halve(candidate, solver, "contacts or joints are too stiff for the step")
+    return separate(entity), halve_step(candidate, solver, "contacts or joints are too stiff for the step")
 
 
 def _largest(
-    candidate: Candidate,
-    solver: str,
     cache: Cache,
     values: F64,
     bound: float,
@@ -209,7 +176,7 @@ def _largest(
     wrong = ~(values <= bound)
     named = "" if unit == "1" else f" {unit}"
     if values.size == 0:
-        raise EvidenceError(f"instance {solver!r} moves no body")
+        raise EvidenceError(f"instance {cache.index.solver!r} moves no body")
     peak = float(np.max(values)) if np.isfinite(values).all() else None
     if not wrong.any():
         k, r = np.unravel_index(int(np.argmax(values)), values.shape)
@@ -234,10 +201,8 @@ def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         ratio = np.ones_like(speed)
         ratio[1:] = speed[1:] / np.maximum(speed[:-1], SLOW)
     gains = ~(gain <= plan.limits.energy_growth * energy_scale(kinetic, potential, weight))
-    hints = (separate(None), halve(candidate, solver, "the step is too long for the contacts"))
-    if ratio.size == 0:
-        raise EvidenceError(f"instance {solver!r} moves no body")
-    found = _largest(candidate, solver, cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
+    hints = (separate(None), halve_step(candidate, solver, "the step is too long for the contacts"))
+    found = _largest(cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
     between = spike(candidate, solver, cache) if found.status == "pass" else None
     if between is not None:
         k, peak, seen = between
@@ -275,24 +240,24 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     if total <= 0:
         raise EvidenceError(f"instance {solver!r} records no solver steps")
     share = float(capped.sum()) / total
-    over = np.cumsum(capped) > CAPPED_SHARE * total
-    pointer = f"/simulation/solvers/{solver}/settings/iterations"
+    over = np.cumsum(capped) > CAPPED * total
+    place = f"/simulation/solvers/{solver}/settings/iterations"
     now = candidate.spec.simulation.rigid[solver].settings.iterations
     hints = (
         correction(
             "the contact solver does not converge",
             "step",
             f"double the iterations from {now}",
-            pointers=(pointer,),
-            patch=({"op": "add", "path": pointer, "value": min(1000, 2 * now)},),
+            pointers=(place,),
+            patch=set_value(place, min(1000, 2 * now)),
         ),
         correction("very unequal masses in contact", "mass", "bring the masses of touching bodies closer together"),
     )
     return Finding(
-        "pass" if share <= CAPPED_SHARE else "fail",
+        "pass" if share <= CAPPED else "fail",
         f"{share:.2%} of {total:.0f} steps ended at the iteration cap",
         share,
-        CAPPED_SHARE,
+        CAPPED,
         "1",
         None,
         int(np.argmax(over)) if over.any() else None,
@@ -300,20 +265,22 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     )
 
 
-FUNCTIONS: dict[str, Function] = {
-    **container.FUNCTIONS,
-    "finite": _finite,
-    "quaternion": _quaternion,
-    "speed": _speed,
-    "travel": _travel,
-    "growth": _growth,
-    "counts": _counts,
-    "overflow": _overflow,
-    "iterations": _iterations,
-    "step_travel": step_travel,
-    "counters": counters,
-    "events": events,
-    "frozen": frozen,
-    "resting": resting,
+SHARED: Mapping[Question, Function] = {
+    SPEED: _speed,
+    TRAVEL: _travel,
+    COUNTS: _counts,
+    ITERATIONS: _iterations,
+    COUNTERS: counters,
     **initial_state.FUNCTIONS["rigid"],
 }
+"""Questions that other categories are asked too."""
+FUNCTIONS: Mapping[str, Function] = {
+    "numerical:quaternion": _quaternion,
+    "numerical:growth": _growth,
+    "numerical:overflow": _overflow,
+    "numerical:step_travel": step_travel,
+    "numerical:events": events,
+    "numerical:frozen": frozen,
+    "numerical:resting": resting,
+}
+"""By id of the question."""

@@ -12,25 +12,17 @@ from ....worlds.errors import EvidenceError
 from ...contact.log import log_fault
 from ...ledgers.balance import Books, books_of, frictions
 from ...ledgers.exchanged import exchange_steps
-from ...rows.findings import Finding, again, halve, separate
+from ...rows.corrections import bake_again, halve_step, separate
+from ...rows.findings import Finding
 from ...scene.surfaces import Surfaces, surfaces_of
+from .bounds import ASLEEP_CREEP, ASLEEP_SPEED, SPIKE, STILL, TIME
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
 
-__all__ = ["ASLEEP_CREEP", "STILL", "counters", "events", "frozen", "resting", "spike"]
+__all__ = ["counters", "events", "frozen", "resting", "spike"]
 
-STILL = 0.05
-"""[m/s] A free body that is faster than this at two frames in a row is not at the same place to the last bit."""
-ASLEEP_CREEP = 1e-6
-"""[m] Way of a sleeping body per frame; the engine integrates it not at all."""
-ASLEEP_SPEED = 1e-3
-"""[m/s] Speed of a sleeping body; the engine puts it to zero."""
-SPIKE = 20.0
-"""Own choice, as between frames: nothing is this many times faster within a frame than at its ends or than its way asks for."""
-TIME = 1e-6
-"""[s] Rounding of sums of steps."""
 
 _COUNTS = ("steps", "iterations_max", "iterations_capped", "contacts_max", "overflows")
 
@@ -67,8 +59,8 @@ def counters(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     k = first[name]
     shown = ", ".join(f"{n} {values[n][k]:g}" for n in values)
     hints = (
-        again("the records do not belong to these settings"),
-        halve(candidate, solver, "frames were run with too long a step"),
+        bake_again("the records do not belong to these settings"),
+        halve_step(candidate, solver, "frames were run with too long a step"),
     )
     return Finding("fail", f"{name} at frame {k} ({shown})", float(wrong), 0.0, "frames", None, k, hints)
 
@@ -106,7 +98,9 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
                     if cache.body_row(cache.index.colliders[int(i)]) is not None
                 ]
                 entity = movers[0] if movers else entity
-            return Finding("fail", f"{wrong} at frame {k}", 1.0, 0.0, "frames", entity, k, (again("the contact log was edited"),))
+            return Finding(
+                "fail", f"{wrong} at frame {k}", 1.0, 0.0, "frames", entity, k, (bake_again("the contact log was edited"),)
+            )
     step = candidate.spec.simulation.rigid[solver].settings.step
     rough = frictions(candidate, cache.index.colliders)[1]
     wrong_log = log_fault(cache.ragged(*contact, *event), h, _sleepers(cache), step, rough)
@@ -114,7 +108,7 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         colliders = [cache.index.colliders[i] for i in wrong_log.pair]
         moving = [n for n in colliders if any(b.startswith(f"{n}/") for b in cache.index.bodies)]
         text = f"{' and '.join(colliders)} at frame {wrong_log.frame}: {wrong_log.text}"
-        hints = (again("the contact log was edited"),)
+        hints = (bake_again("the contact log was edited"),)
         where = (moving or colliders)[0], wrong_log.frame
         return Finding("fail", text, wrong_log.measured, wrong_log.bound, "N s", *where, hints)
     return Finding("pass", f"{count} logged contacts and events", 0.0, 0.0, "frames")
@@ -143,7 +137,7 @@ def frozen(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     k = int(np.argmax(bad.any(axis=1)))
     name = books.entities[int(books.owner[int(np.argmax(bad[k]))])]
     text = f"{name} moves at {speed[k + 1][bad[k]].max():.3g} m/s and is at frame {k + 1} where it was at frame {k}"
-    return Finding("fail", text, count, 0.0, "poses", name, k + 1, (again("a frame was written twice"),))
+    return Finding("fail", text, count, 0.0, "poses", name, k + 1, (bake_again("a frame was written twice"),))
 
 
 def spike(candidate: Candidate, solver: str, cache: Cache) -> tuple[int, float, float] | None:
@@ -184,7 +178,7 @@ def resting(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             k = int(np.argmax(wrong.any(axis=1)))
             name = books.entities[int(books.owner[int(np.argmax(values[k]))])]
             text = f"{name} sleeps at frame {k + shift} and {what} {values[k].max():.3g} {unit}"
-            return Finding("fail", text, float(values.max()), bound, unit, name, k + shift, (again("the cache was edited"),))
+            return Finding("fail", text, float(values.max()), bound, unit, name, k + shift, (bake_again("the cache was edited"),))
     return _aloft(books, asleep, float(way.max(initial=0.0)))
 
 
@@ -209,7 +203,7 @@ def _aloft(books: Books, asleep: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
                     )
                     if not gap <= bound:
                         near = "nothing else is there" if other is None else f"the nearest surface, {other}, is {gap:.3g} m away"
-                        hints = (again("the cache was edited"), separate(name))
+                        hints = (bake_again("the cache was edited"), separate(name))
                         return Finding(
                             "fail",
                             f"{name} sleeps at frame {frame} and {near}",

@@ -30,7 +30,7 @@ steps it halves the speed in the first one."""
 
 
 def rigid_lines(spec: WorldSpec) -> list[dict[str, str]]:
-    """What the rigid instances simplify, by their settings."""
+    """Lines about every rigid instance, by its settings."""
     return [line for name, instance in spec.simulation.rigid.items() for line in _instance(spec, name, instance)]
 
 
@@ -120,7 +120,7 @@ def _mixed(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, 
 
 
 def _constraints(spec: WorldSpec, instance: RigidInstance) -> list[str]:
-    """What is held by a constraint of the solver: welds that open, ends of ropes, joints at the ends of their range."""
+    """Names of joints and ropes that a constraint of the solver holds: welds that open, ends of ropes, joints at the ends of their range."""
     plan, members = spec.simulation, set(instance.members)
     opened = {d.joint for d in plan.drivers.values() if isinstance(d, DetachDriver)}
     found = []

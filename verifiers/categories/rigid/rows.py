@@ -1,4 +1,4 @@
-"""What a law of rigid bodies came to: the largest excess over it, and the finding about that."""
+"""Laws of rigid bodies: the largest excess over one, and the finding about it."""
 
 from __future__ import annotations
 
@@ -8,49 +8,68 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ....worlds.requirements import Correction
-from ...rows.findings import Finding, again, halve
+from ...rows.corrections import bake_again, halve_step
+from ...rows.findings import Finding
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
     from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Correction
 
-__all__ = ["Excess", "judged_law", "largest"]
+__all__ = ["Excess", "Law", "judged_law", "largest"]
+
+
+@dataclass(frozen=True)
+class Law:
+    """Greatest sound value of a quantity, and its words."""
+
+    bound: float
+    unit: str
+    """SI, of the bound."""
+    quantity: str
+    """For the sentence of a finding."""
+    none: str
+    """Why there is no case, where there is none."""
 
 
 @dataclass(frozen=True)
 class Excess:
-    """The largest excess over what a law allows: value, whose, and first frame over the bound (or the frame of the largest)."""
+    """The largest excess over a law: value, whose, and first frame over the bound (or the frame of the largest)."""
 
-    value: float
-    entity: str | None
-    frame: int
-    over: bool
-    judged: int
+    law: Law
+    names: tuple[str, ...]
+    """All that were looked at."""
+    value: float = 0.0
+    entity: str | None = None
+    frame: int = 0
+    over: bool = False
+    judged: int = 0
     """How many cases the law could be applied to."""
 
 
-def largest(excess: F64, judged: NDArray[np.bool_], entities: tuple[str, ...], bound: float, *, shift: int = 1) -> Excess:
+def largest(law: Law, names: tuple[str, ...], excess: F64, judged: NDArray[np.bool_] | None = None, *, shift: int = 1) -> Excess:
     """The worst of a table.
 
     Args:
-        excess: per interval and entity, shape (intervals, E), in the bound's unit.
-        judged: where the law applies, same shape, bool.
-        entities: names of the columns.
-        bound: greatest sound value.
+        law: what it is held against.
+        names: of the columns.
+        excess: per interval and entity, shape (intervals, E), in the law's unit.
+        judged: where the law applies, same shape; default where the excess is finite.
         shift: frame of row 0: 1 where rows are the intervals that end at a frame.
     """
+    judged = np.isfinite(excess) if judged is None else judged
     values = np.where(judged, excess, -np.inf)
     count = int(np.count_nonzero(judged))
     if not count:
-        return Excess(0.0, None, 0, False, 0)
-    over = values > bound
-    peak = float(values.max())
+        return Excess(law, names)
+    over = values > law.bound
+    peak = max(float(values.max()), 0.0)
     if over.any():
-        frame = int(np.argmax(over.any(axis=1)))
-        return Excess(max(peak, 0.0), entities[int(np.argmax(values[frame]))], frame + shift, True, count)
-    row, column = np.unravel_index(int(np.argmax(values)), values.shape)
-    return Excess(max(peak, 0.0), entities[int(column)], int(row) + shift, False, count)
+        row = int(np.argmax(over.any(axis=1)))
+        column = int(np.argmax(values[row]))
+    else:
+        row, column = (int(i) for i in np.unravel_index(int(np.argmax(values)), values.shape))
+    return Excess(law, names, peak, names[column], row + shift, bool(over.any()), count)
 
 
 def judged_law(
@@ -58,38 +77,29 @@ def judged_law(
     solver: str,
     found: Excess,
     *,
-    bound: float,
-    unit: str,
-    what: str,
-    none: str,
-    entities: tuple[str, ...],
     hints: tuple[Correction, ...] = (),
     evidence: dict[str, object] | None = None,
 ) -> Finding:
-    """What the excess over a law comes to, `not_applicable` where the caches prove that there is no case of it.
+    """The finding about an excess over a law: `not_applicable` where the caches prove that there is no case of it.
 
     Args:
         candidate: what is judged.
         solver: instance.
         found: the excess.
-        bound: greatest sound value.
-        unit: of value and bound.
-        what: what the value is, for the sentence.
-        none: why there is no case.
-        entities: all that were looked at.
-        hints: corrections of a failure; default: bake again, halve the step.
+        hints: corrections of a failure before those that always apply: halve the step, bake again.
         evidence: further evidence.
     """
+    law = found.law
     if not found.judged:
-        return Finding("not_applicable", none)
+        return Finding("not_applicable", law.none)
+    names = tuple(dict.fromkeys(found.names))
     proof = {"cases": found.judged, **(evidence or {})}
     if not found.over:
-        text = f"largest {what} is {found.value:.3g} {unit}, {found.entity} at frame {found.frame} ({found.judged} cases)"
-        return Finding("pass", text, found.value, bound, unit, evidence=proof, entities=entities)
-    text = f"{what} of {found.entity} is over {bound:.3g} {unit} first at frame {found.frame}; largest {found.value:.4g} {unit}"
-    hints = (
-        *hints,
-        halve(candidate, solver, "the step is too long for what happens"),
-        again("the cache was edited or is of another run"),
+        text = f"largest {law.quantity} is {found.value:.3g} {law.unit}, {found.entity} at frame {found.frame} ({found.judged} cases)"
+        return Finding("pass", text, found.value, law.bound, law.unit, evidence=proof, entities=names)
+    text = (
+        f"{law.quantity} of {found.entity} is over {law.bound:.3g} {law.unit} first at frame {found.frame}; "
+        f"largest {found.value:.4g} {law.unit}"
     )
-    return Finding("fail", text, found.value, bound, unit, found.entity, found.frame, hints, proof, entities=entities)
+    hints = (*hints, halve_step(candidate, solver, "the step is too long for what happens"), bake_again())
+    return Finding("fail", text, found.value, law.bound, law.unit, found.entity, found.frame, hints, proof, entities=names)

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from worldagent.testing.defects import _impact_scenes as scenes
+from worldagent.verifiers.categories.rigid.bounds import GAIN
 from worldagent.verifiers.categories.rigid.check import category_rows
-from worldagent.verifiers.categories.rigid.impacts import GAIN
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 

@@ -16,6 +16,7 @@ from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.verifiers.categories.fracture import check as fracture
 from worldagent.verifiers.categories.rigid import check as rigid
 from worldagent.verifiers.categories.rigid import laws as rigid_laws
+from worldagent.verifiers.ledgers.balance import books_of
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
@@ -140,12 +141,12 @@ def _lifted(run: Candidate, folder: Path, *, told: bool) -> Candidate:
 def test_water_that_lifts_some_pieces_does_not_hide_what_others_sleep_on(run: Candidate, tmp_path: Path) -> None:
     """It may carry some with as much as what others lie on bears of those: nothing is left of what is known to push them together."""
     lifted = _lifted(run, tmp_path, told=True)
-    row = rigid_laws.momentum(lifted, "rigid", lifted.caches["rigid"])
+    row = rigid_laws.momentum(books_of(lifted, lifted.caches["rigid"]))
     assert row.status == "pass", row.evidence
 
 
 def test_a_lift_that_no_water_gave_is_found_and_names_the_piece(run: Candidate, tmp_path: Path) -> None:
     lifted = _lifted(run, tmp_path, told=False)
-    row = rigid_laws.momentum(lifted, "rigid", lifted.caches["rigid"])
+    row = rigid_laws.momentum(books_of(lifted, lifted.caches["rigid"]))
     assert (row.status, row.first_failing_entity) == ("fail", "plank")
     assert str(row.evidence["body"]).startswith("plank/")

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
-from ....worlds.spec import ForceDriver, MotorDriver, SpringJoint
-from ...ledgers.balance import Books, books_of
-from ...rows.corrections import bake_again
+from ....worlds.spec import ForceDriver, MotorDriver
+from ...ledgers.balance import Books
 from .bounds import AUTHORED_NOISE, RECORDS, REST_HEIGHT, WORK
 from .joints import stored
-from .rows import Law, judged_law, largest
+from .rows import Law
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
-    from ....worlds.candidate import Candidate
     from ...rows.findings import Finding
 
 __all__ = ["authored_noise", "energies", "energy_scale", "largest_growth", "records", "work"]
@@ -57,9 +54,8 @@ def _scale(books: Books, kinetic: F64, potential: F64) -> float:
     return energy_scale(kinetic, potential, weight, authored_noise(books))
 
 
-def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def records(books: Books) -> Finding:
     """Deviation of recorded energies and momentum from those of the ledger."""
-    books = books_of(candidate, cache)
     free = ~books.kinematic
     kinetic, potential = energies(books)
     scale = _scale(books, kinetic, potential)
@@ -72,39 +68,35 @@ def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     table = np.stack([np.abs(books.record(n) - v) / s for n, (v, s) in own.items()], axis=1)
     table = np.where(np.isfinite(table), table, np.inf)
     law = Law(RECORDS, "1", "deviation of the records from the ledger", "there is no frame")
-    found = largest(law, tuple(own), table, np.ones(table.shape, dtype=bool), shift=0)
-    deviation = judged_law(candidate, solver, found, evidence={"scale_J": scale, "scale_Ns": flow})
-    deviation = replace(deviation, entities=books.entities)
-    if not found.over:
-        return deviation
+    evidence = {"scale_J": scale, "scale_Ns": flow}
+    found = law.judge(
+        tuple(own), table, np.ones(table.shape, dtype=bool), shift=0, evidence=evidence, proof=lambda name, _: {"quantity": name}
+    )
     # The worst column is a quantity, not an entity: name whose share is the largest then.
-    culprit = books.entities[int(np.argmax(books.kinetic[found.frame]))]
-    return replace(deviation, entity=culprit, evidence={**(deviation.evidence or {}), "quantity": found.entity})
+    culprit = books.entities[int(np.argmax(books.kinetic[found.frame or 0]))]
+    return replace(found, entities=books.entities, entity=culprit)
 
 
-def work(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def work(books: Books) -> Finding:
     """Recorded work that no driver can have done: the bound needs no knowledge of what drivers did, only of what they could do at the fastest recorded speed."""
-    books = books_of(candidate, cache)
     kinetic, potential = energies(books)
     done = np.diff(books.record("driver_work"))
-    most = _could(books, cache)
+    most = _could(books)
     scale = _scale(books, kinetic, potential)
     value = (np.abs(done) - most) / scale
     value = np.where(np.isfinite(done), value, np.inf)
-    drivers = tuple(candidate.spec.simulation.drivers)
     law = Law(
         WORK,
         "1",
         "work that no driver can have done, as share of the energy in play,",
         "motors or bodies on paths with joints act in every frame; their work has no bound that poses give",
     )
-    found = largest(law, books.entities[:1], value[:, None], np.isfinite(most)[:, None])
-    evidence: dict[str, object] = {"drivers": list(drivers), "scale_J": scale}
-    hints = (bake_again("the record of work was edited"),)
-    return replace(judged_law(candidate, solver, found, hints=hints, evidence=evidence), entities=books.entities)
+    evidence = {"drivers": list(books.candidate.spec.simulation.drivers), "scale_J": scale}
+    found = law.judge(books.entities[:1], value[:, None], np.isfinite(most)[:, None], evidence=evidence)
+    return replace(found, entities=books.entities)
 
 
-def _could(books: Books, cache: Cache) -> F64:
+def _could(books: Books) -> F64:
     """Most work that drivers can have done per interval [J], shape (F - 1,); infinite where poses give no bound."""
     spec = books.candidate.spec.simulation
     steps = np.maximum(books.record("step")[1:], 1e-12)
@@ -125,14 +117,13 @@ def _could(books: Books, cache: Cache) -> F64:
         moved = np.linalg.norm(np.diff(books.position[:, body], axis=0), axis=1) + np.linalg.norm(
             np.diff(books.quaternion[:, body], axis=0), axis=1
         )
-        linked = any(name in (j.parent, j.child) for j in spec.joints.values() if not isinstance(j, SpringJoint))
-        sprung = any(name in (j.parent, j.child) for j in spec.joints.values() if isinstance(j, SpringJoint))
+        linked = any(name in (j.parent, j.child) for j in spec.joints.values())
         tied = any(
             name in (e.generator.attach_start, e.generator.attach_end)
             for e in books.candidate.spec.entities.values()
             if e.generator is not None
         )
-        carried = np.inf if linked or sprung or tied else books.contact_budget[:, row] * surface
+        carried = np.inf if linked or tied else books.contact_budget[:, row] * surface
         moving = (
             (moved > 0)
             | (np.linalg.norm(books.velocity[:-1, body], axis=1) > 0)

@@ -18,15 +18,13 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.spec import HeightField
 from ...land.uneven import even_ground
-from ...ledgers.balance import Books, books_of
+from ...ledgers.balance import Books
 from ...rows.corrections import correction
 from .bounds import BOUNCE, SLOW_BOUNCE, TURNED
 from .contacts import moves
-from .rows import Law, judged_law, largest
+from .rows import Law
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
-    from ....worlds.candidate import Candidate
     from ...rows.findings import Finding
 
 __all__ = ["restitution"]
@@ -55,38 +53,38 @@ class _Event(NamedTuple):
     """At which the two closed [m/s]."""
 
 
-def restitution(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def restitution(books: Books) -> Finding:
     """Deviation of the restitution of single hits.
 
     Where the ball stays in contact, gravity may or may not have acted on it until the frame's end: an interval.
     """
-    books = books_of(candidate, cache)
     hits = _hits(books)
     table = np.full((books.frames - 1, len(books.entities)), -np.inf)
     for hit in hits:
         table[hit.frame - 1, hit.entity] = max(table[hit.frame - 1, hit.entity], hit.deviation)
-    law = Law(BOUNCE, "1", "deviation of the restitution", "no ball hits once, and nothing else, within a frame")
-    evidence: dict[str, object] = {
-        "hits": [
-            {
-                "frame": h.frame,
-                "entity": books.entities[h.entity],
-                "closing_m_s": h.closing,
-                "kept": h.kept,
-                "declared": h.declared,
-            }
-            for h in sorted(hits, key=lambda h: -h.deviation)[:10]
-        ]
-    }
-    hints = (
-        correction(
-            "restitution is not the declared one",
+    law = Law(
+        BOUNCE,
+        "1",
+        "deviation of the restitution",
+        "no ball hits once, and nothing else, within a frame",
+        lambda entity: correction(
+            f"restitution of {entity} is not the declared one",
             "material",
             "look at the materials and pairs of the two",
             pointers=("/materials",),
         ),
     )
-    return judged_law(candidate, solver, largest(law, books.entities, table), hints=hints, evidence=evidence)
+    strongest = [
+        {
+            "frame": h.frame,
+            "entity": books.entities[h.entity],
+            "closing_m_s": h.closing,
+            "kept": h.kept,
+            "declared": h.declared,
+        }
+        for h in sorted(hits, key=lambda h: -h.deviation)[:10]
+    ]
+    return law.judge(books.entities, table, evidence={"hits": strongest})
 
 
 def _radius(books: Books, collider: str) -> float | None:

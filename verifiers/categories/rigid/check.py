@@ -7,11 +7,13 @@ for a whole frame, a ball that hits once in one. Elsewhere impulses bound them, 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...rows.corrections import bake_again, correction
+from ...ledgers.balance import books_of
+from ...rows.corrections import bake_again, correction, halve_step
 from ...rows.findings import Finding
 from ..container import answers
 from . import books, laws
@@ -23,15 +25,17 @@ from .escape import escape
 from .fields import fields
 from .impacts import impact_energy
 from .joints import joints
+from .links import owners
 from .questions import CATEGORY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from ....worlds.arrays import F64
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
+    from ...ledgers.balance import Books
     from ..container import Function
 
 __all__ = ["category_rows", "moves_nothing", "of_movers"]
@@ -59,13 +63,21 @@ def moves_nothing(candidate: Candidate, solver: str, cache: Cache) -> bool:
     return not cache.index.bodies and all(e.motion == "static" or e.physics.category == "elastic" for e in members)
 
 
-def _owners(cache: Cache) -> list[str]:
-    return [name.split("/", 1)[0] for name in cache.index.bodies]
+def by_books(law: Callable[[Books], Finding]) -> Function:
+    """A law of the instance's ledgers as a function of its cache; to halve the step may mend what fails."""
+
+    def ask(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+        found = law(books_of(candidate, cache))
+        if found.status != "fail":
+            return found
+        return replace(found, hints=(*found.hints, halve_step(candidate, solver, "the step is too long for what happens")))
+
+    return ask
 
 
 def _bodies(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     entities = candidate.spec.entities
-    still = [n for n in _owners(cache) if n not in entities or entities[n].motion == "static"]
+    still = [n for n in owners(cache) if n not in entities or entities[n].motion == "static"]
     if still:
         text = f"the cache moves {still[0]}, which is declared static or not at all"
         again = bake_again("the cache is of another specification")
@@ -84,7 +96,7 @@ def _mass(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 def _constant(solver: str, cache: Cache, record: str, expected: float, noise: float, unit: str) -> Finding:
     """A record against what was built, at every frame."""
     series: F64 = cache.series(f"record/{record}")
-    off, owners = np.abs(series - expected), _owners(cache)
+    off, names = np.abs(series - expected), owners(cache)
     wrong, finite = ~(off <= noise), bool(np.isfinite(series).all())
     frame = int(np.argmax(wrong)) if wrong.any() else None
     named = "" if unit == "1" else f" {unit}"
@@ -105,9 +117,9 @@ def _constant(solver: str, cache: Cache, record: str, expected: float, noise: fl
         measured=0.0 if frame is None else float(off.max()) if finite else None,
         bound=noise,
         unit=unit,
-        entities=tuple(dict.fromkeys(owners)),
+        entities=tuple(dict.fromkeys(names)),
         frame=frame,
-        entity=owners[0] if frame is not None and owners else None,
+        entity=names[0] if frame is not None and names else None,
         hints=hints,
         evidence={"expected": expected, "record": f"record/{record}"},
     )
@@ -119,17 +131,17 @@ FUNCTIONS: Mapping[str, Function] = {
     "category:rigid:joints": joints,
     "category:rigid:energy": energy,
     "category:rigid:escape": escape,
-    "category:rigid:records": books.records,
-    "category:rigid:work": books.work,
-    "category:rigid:momentum": laws.momentum,
-    "category:rigid:motion": laws.motion,
-    "category:rigid:spin": laws.spin,
-    "category:rigid:turning": laws.turning,
-    "category:rigid:driven": laws.driven,
-    "category:rigid:contacts": contacts,
-    "category:rigid:friction": friction,
-    "category:rigid:restitution": restitution,
-    "category:rigid:impact_energy": impact_energy,
-    "category:rigid:fields": fields,
+    "category:rigid:records": by_books(books.records),
+    "category:rigid:work": by_books(books.work),
+    "category:rigid:momentum": by_books(laws.momentum),
+    "category:rigid:motion": by_books(laws.motion),
+    "category:rigid:spin": by_books(laws.spin),
+    "category:rigid:turning": by_books(laws.turning),
+    "category:rigid:driven": by_books(laws.driven),
+    "category:rigid:contacts": by_books(contacts),
+    "category:rigid:friction": by_books(friction),
+    "category:rigid:restitution": by_books(restitution),
+    "category:rigid:impact_energy": by_books(impact_energy),
+    "category:rigid:fields": by_books(fields),
 }
 """By id of the question."""

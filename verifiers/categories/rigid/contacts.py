@@ -13,15 +13,13 @@ from numpy.typing import NDArray
 
 from ....geometry import aabb_of
 from ....worlds.arrays import F64
-from ...ledgers.balance import Books, Flags, books_of
+from ...ledgers.balance import Books, Flags
 from ...rows.corrections import correction
 from .bounds import FRICTION, REACH, ROLLS, SLIDING, STRAIGHT
-from .rows import Law, judged_law, largest
+from .rows import Law
 from .speeds import surface_speeds
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
-    from ....worlds.candidate import Candidate
     from ...rows.findings import Finding
 
 __all__ = ["contacts", "friction", "moves"]
@@ -45,9 +43,8 @@ def _boxes(books: Books) -> tuple[F64, F64]:
     return low, high
 
 
-def contacts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def contacts(books: Books) -> Finding:
     """Distance of bodies that are logged as touching: boxes swept over the interval, grown by the way that the fastest step of it could have led."""
-    books = books_of(candidate, cache)
     found = books.contacts
     low, high = _boxes(books)
     k = found.frame
@@ -57,26 +54,25 @@ def contacts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         axis=1, initial=-np.inf
     )
     peak = books.record("max_speed")[k]
-    excess = gap - candidate.spec.simulation.limits.contact_gap - 0.5 * books.duration * peak * 2.0
+    excess = gap - books.candidate.spec.simulation.limits.contact_gap - 0.5 * books.duration * peak * 2.0
     table = np.full((books.frames - 1, len(books.entities)), -np.inf)
     for side in (found.a, found.b):
         row = books.collider_row[side]
         np.maximum.at(table, (k[row >= 0] - 1, row[row >= 0]), excess[row >= 0])
     law = Law(REACH, "m", "distance of bodies that are logged as touching", "no contact is logged in this interval")
-    return judged_law(candidate, solver, largest(law, books.entities, table))
+    return law.judge(books.entities, table)
 
 
 # ---------------------------------------------------------------- friction
 
 
-def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def friction(books: Books) -> Finding:
     """Deviation from Coulomb's law.
 
     All normals of a body that slides along without turning are perpendicular to its velocity, so that the momentum it loses
     along its way is the friction of all its contacts: mu times the sum of their normal impulses, at least and at most. A blow
     that begins in the interval or the one before may brake it along a normal: no slide is judged there.
     """
-    books = books_of(candidate, cache)
     found = books.contacts
     total, least, most = np.zeros((3, books.frames - 1, len(books.entities)))
     moving = np.zeros((books.frames - 1, len(books.entities)), dtype=bool)
@@ -107,16 +103,14 @@ def friction(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         "1",
         "deviation from Coulomb's law",
         "no free body slides straight on something that rests for a whole frame",
-    )
-    hints = (
-        correction(
-            "the friction that acts is not the declared one",
+        lambda entity: correction(
+            f"the friction that acts on {entity} is not the declared one",
             "material",
             "look at the materials and pairs of its contacts",
             pointers=("/materials",),
         ),
     )
-    return judged_law(candidate, solver, largest(law, books.entities, share / allowed * FRICTION, judged), hints=hints)
+    return law.judge(books.entities, share / allowed * FRICTION, judged)
 
 
 def _struck(books: Books) -> Flags:

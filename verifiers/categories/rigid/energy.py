@@ -19,6 +19,7 @@ from ..elastic.exchange import outside_work
 from ..elastic.ledger import elastic_energies
 from .books import authored_noise, energies, energy_scale, largest_growth
 from .bounds import LEDGER_NOISE
+from .links import owners
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
@@ -71,13 +72,13 @@ def energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         "end_J": float(series[-1]),
     }
     text = f"energy rises by at most {growth:.3g} J (frames {low}..{high}), {growth / scale:.2%} of the {scale:.3g} J in play"
-    owners = [name.split("/", 1)[0] for name in cache.index.bodies]
+    names = owners(cache)
     over = series - np.minimum.accumulate(series) > bound * scale
-    found = Finding("pass", text, growth / scale, bound, "1", evidence=evidence, entities=tuple(dict.fromkeys(owners)))
+    found = Finding("pass", text, growth / scale, bound, "1", evidence=evidence, entities=tuple(dict.fromkeys(names)))
     if not over.any():
         return found
     frame = int(np.argmax(over))
-    entity = _gainer(candidate, cache, owners, frame)
+    entity = _gainer(candidate, cache, names, frame)
     hints = (
         halve_step(candidate, solver, "stiff contacts or joints put energy in: the step is too long"),
         correction(
@@ -97,8 +98,8 @@ def energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     return replace(found, status="fail", text=text, entity=entity, frame=frame, hints=hints)
 
 
-def _gainer(candidate: Candidate, cache: Cache, owners: list[str], frame: int) -> str:
+def _gainer(candidate: Candidate, cache: Cache, names: list[str], frame: int) -> str:
     """Entity whose kinetic energy, computed from velocities and masses, grew most in the frame."""
     own = motion.kinetic_energy(candidate, cache)
     gain = own[frame] - own[max(0, frame - 1)]
-    return owners[int(np.nanargmax(gain))] if len(gain) and np.isfinite(gain).any() else "?"
+    return names[int(np.nanargmax(gain))] if len(gain) and np.isfinite(gain).any() else "?"

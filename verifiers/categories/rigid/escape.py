@@ -13,6 +13,7 @@ from ...ledgers import motion
 from ...rows.corrections import correction, halve_step, separate
 from ...rows.findings import Finding
 from .bounds import ESCAPE
+from .links import owners
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
@@ -29,7 +30,7 @@ def escape(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     bound = ESCAPE * extent / 2
     sent = _sent_away(candidate, middle, bound)
     worst, culprit, at, checked = 0.0, None, None, []
-    for name in dict.fromkeys(b.split("/", 1)[0] for b in cache.index.bodies):
+    for name in dict.fromkeys(owners(cache)):
         if name in sent:
             continue
         checked.append(name)

@@ -14,30 +14,25 @@ import numpy as np
 from ....physics.drag import area_vectors, drag_force, projected_area
 from ....worlds.arrays import F64, rotation_matrix
 from ....worlds.fields import Fields, fields_of
-from ...ledgers.balance import books_of
 from ...ledgers.fields import feels_fields, recorded
-from ...rows.corrections import bake_again
 from .bounds import FIELD
-from .rows import Law, judged_law, largest
+from .rows import Law
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
-    from ....worlds.candidate import Candidate
     from ...ledgers.balance import Books
     from ...rows.findings import Finding
 
 __all__ = ["fields"]
 
 
-def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def fields(books: Books) -> Finding:
     """Deviation of recorded impulses from those of the declared fields."""
-    books = books_of(candidate, cache)
-    felt = feels_fields(candidate.spec, solver)
+    spec = books.candidate.spec
     excess = np.full((books.frames - 1, len(books.owner)), -np.inf)
-    if felt:
+    if feels_fields(spec, books.cache.index.solver):
         given = recorded(books)
         for body in range(len(books.owner)):
-            found = fields_of(candidate.spec, books.entities[books.owner[body]])
+            found = fields_of(spec, books.entities[books.owner[body]])
             if found:
                 excess[:, body] = _excess(books, body, found, given[:, body])
             else:
@@ -49,8 +44,7 @@ def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         "deviation of a field's impulse from the declared field, as share of its largest,",
         "no force field acts on a body of this instance",
     )
-    worst = largest(law, names, excess, np.isfinite(excess) | (excess > 0))
-    return judged_law(candidate, solver, worst, hints=(bake_again("the record of the fields was edited"),))
+    return law.judge(names, excess, np.isfinite(excess) | (excess > 0))
 
 
 def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:

@@ -21,18 +21,16 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 from ....worlds.spec import DetachDriver, ForceDriver, ReleaseDriver
-from ...ledgers.balance import Books, Flags, books_of
+from ...ledgers.balance import Books, Flags
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
 from ...rows.corrections import correction
 from ..elastic.ledger import elastic_energies
 from .bounds import GAIN, PUSHES, REST_HEIGHT, REST_SPEED
-from .rows import Law, judged_law, largest
+from .rows import Law
 from .speeds import surface_speeds
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
-    from ....worlds.candidate import Candidate
     from ...rows.findings import Finding
 
 __all__ = ["RECORD", "impact_energy"]
@@ -89,17 +87,17 @@ def _pushed(books: Books) -> F64:
     return np.where(books.kinematic, 0.5 * (2.0 * fastest) ** 2, 0.0)
 
 
-def _groups(books: Books, cache: Cache) -> list[_Groups]:
+def _groups(books: Books) -> list[_Groups]:
     """Groups of every interval."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    settings = books.candidate.spec.simulation.rigid[cache.index.solver].settings
+    settings = books.candidate.spec.simulation.rigid[books.cache.index.solver].settings
     window = 1 + int(np.ceil(PUSHES * settings.contact_steps * settings.step / books.duration))
     count, found = len(books.entities), books.contacts
     a, b = books.collider_row[found.a], books.collider_row[found.b]
     reached, pushed, busy = _reached(books), _pushed(books), _busy(books)
-    soft = elastic_energies(cache)[0]
+    soft = elastic_energies(books.cache)[0]
     energy = np.where(books.kinematic, 0.0, books.kinetic + books.potential)
     lag = books.mass * np.linalg.norm(books.gravity) * np.linalg.norm(books.velocities, axis=2)
     step = books.record("step")
@@ -133,21 +131,18 @@ def _groups(books: Books, cache: Cache) -> list[_Groups]:
     return result
 
 
-def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def impact_energy(books: Books) -> Finding:
     """Energy that contacts gave."""
-    books = books_of(candidate, cache)
-    record: F64 = np.asarray(cache.series(f"record/{RECORD}"), dtype=np.float64)
-    shape = (books.frames - 1, len(books.entities))
-    value, judged = np.full(shape, -np.inf), np.zeros(shape, dtype=bool)
-    given = np.zeros(shape[0])
-    groups = _groups(books, cache)
+    record: F64 = np.asarray(books.cache.series(f"record/{RECORD}"), dtype=np.float64)
+    value = np.full((books.frames - 1, len(books.entities)), -np.inf)
+    judged, groups = np.zeros(value.shape, dtype=bool), _groups(books)
     for k, found in enumerate(groups):
         if not len(found.energy):
             continue
         share = found.gain / found.energy
         strongest = int(np.argmax(found.energy))
-        given[k] = record[k + 1] / found.energy[strongest] if np.isfinite(record[k + 1]) else np.inf
-        share[strongest] = max(share[strongest], given[k])
+        given = record[k + 1] / found.energy[strongest] if np.isfinite(record[k + 1]) else np.inf
+        share[strongest] = max(share[strongest], given)
         inside = found.label >= 0
         value[k, inside], judged[k, inside] = share[found.label[inside]], True
     law = Law(
@@ -155,18 +150,14 @@ def impact_energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         "1",
         "energy that contacts gave, as share of that of the bodies that touch,",
         "no contact is logged in any frame",
-    )
-    worst = largest(law, books.entities, value, judged)
-    evidence = _evidence(books, groups, record, worst.frame) if worst.over and worst.frame is not None else {}
-    hints = (
-        correction(
-            f"the impact in which {worst.entity} takes part gives energy: bodies touch in a way that one step does not resolve",
+        lambda entity: correction(
+            f"the impact in which {entity} takes part gives energy: bodies touch in a way that one step does not resolve",
             "placement",
             "leave a gap of a few tenths of a millimetre more than the two skins between bodies that are to pass an impact on",
-            pointers=(f"/entities/{worst.entity}/pose",),
+            pointers=(f"/entities/{entity}/pose",),
         ),
     )
-    return judged_law(candidate, solver, worst, hints=hints, evidence=evidence)
+    return law.judge(books.entities, value, judged, proof=lambda _, frame: _evidence(books, groups, record, frame))
 
 
 def _evidence(books: Books, groups: list[_Groups], record: F64, frame: int) -> dict[str, object]:

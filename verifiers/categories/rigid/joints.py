@@ -14,6 +14,7 @@ from ...ledgers.balance import Books, books_of
 from ...rows.corrections import correction, halve_step
 from ...rows.findings import Finding
 from .bounds import DETACHED, JOINT_GAP, JOINT_SHARE, LIMIT_STEPS
+from .links import owners
 from .speeds import angle_of
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ def openings(books: Books) -> list[Opening]:
 def joints(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Gap of every joint and rope, by the records and by poses."""
     plan = candidate.spec.simulation
-    members = {*cache.index.colliders, *(b.split("/", 1)[0] for b in cache.index.bodies)}
+    members = {*cache.index.colliders, *owners(cache)}
     jointed = {n: j for n, j in plan.joints.items() if j.kind != "spring" and j.child in members}
     ropes = [n for n, e in candidate.spec.entities.items() if e.generator is not None and n in members]
     if not jointed and not ropes:

@@ -12,7 +12,7 @@ from ...ledgers import motion
 from ...ledgers.exchanged import CHANNEL, partners
 from ..judge import TOLD, Judge, Push, stored
 from .check import category_rows
-from .links import contact_pushes
+from .links import contact_pushes, owners
 from .numerical import numerical_rows
 from .register import rigid_lines
 
@@ -54,7 +54,7 @@ class RigidJudge(Judge):
         cache, frames = candidate.caches[solver], candidate.frame_count
         energy: F64 = motion.kinetic_energy(candidate, cache)[:frames].sum(axis=1)
         gravity = np.array(candidate.spec.simulation.gravity)
-        for name in _owners(cache):
+        for name in dict.fromkeys(owners(cache)):
             energy = energy - motion.entity_mass(candidate, name) * (motion.centers(candidate, name)[:frames] @ gravity)
         return stored(cache, frames, energy)
 
@@ -64,9 +64,9 @@ class RigidJudge(Judge):
         joined = {e for j in spec.simulation.joints.values() for e in (j.parent, j.child) if e}
         touched = _touched(cache, last - span + 1, last)
         carried = _carried(candidate, solver, last - span + 1)
-        energy, owners = motion.kinetic_energy(candidate, cache)[last], [b.split("/", 1)[0] for b in cache.index.bodies]
-        for name in _owners(cache):
-            own = float(energy[[o == name for o in owners]].sum())
+        energy, bodies = motion.kinetic_energy(candidate, cache)[last], owners(cache)
+        for name in dict.fromkeys(bodies):
+            own = float(energy[[o == name for o in bodies]].sum())
             if own <= TOLD * kinetic or own <= 0.0:
                 continue
             speed = float(np.linalg.norm(motion.velocities(candidate, name)[last]))
@@ -85,18 +85,13 @@ class RigidJudge(Judge):
         return rigid_lines(candidate.spec)
 
 
-def _owners(cache: Cache) -> list[str]:
-    """Entities of the bodies of a cache."""
-    return list(dict.fromkeys(b.split("/", 1)[0] for b in cache.index.bodies))
-
-
 def _carried(candidate: Candidate, solver: str, first: int) -> set[str]:
     """Entities that liquids, grains or cloth which are coupled both ways push at a frame or later."""
     if not partners(candidate.spec, solver):
         return set()
     cache = candidate.caches[solver]
     pushed = np.any(cache.series(CHANNEL)[first : candidate.frame_count] != 0.0, axis=(0, 2))
-    return {name.split("/", 1)[0] for name, felt in zip(cache.index.bodies, pushed, strict=True) if felt}
+    return {name for name, felt in zip(owners(cache), pushed, strict=True) if felt}
 
 
 def _touched(cache: Cache, first: int, last: int) -> set[str]:

@@ -17,17 +17,15 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64, pose_of, rotation_matrix
 from ....worlds.spec import PathDriver
-from ...ledgers.balance import Books, Flags, books_of
+from ...ledgers.balance import Books, Flags
 from ...ledgers.sleep_impulses import rests_of, strangest
 from ...ledgers.tumbling import tumble
 from ...rows.corrections import correction
 from .bounds import BUDGET_NOISE, FASTER, HELD, IMPULSE, JOINTED, PLACE, SPIN, TURN, UNSTEADY
-from .rows import Law, judged_law, largest
+from .rows import Law
 from .speeds import angle_of, most_of_bodies, surface_speeds
 
 if TYPE_CHECKING:
-    from ....worlds.cache import Cache
-    from ....worlds.candidate import Candidate
     from ...rows.findings import Finding
 
 __all__ = [
@@ -99,27 +97,22 @@ def unexplained(books: Books) -> Unexplained:
     return Unexplained((excess - _lag(books, label))[label], judged[label])
 
 
-def momentum(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def momentum(books: Books) -> Finding:
     """Velocity without a source."""
-    books = books_of(candidate, cache)
     found = unexplained(books)
     law = Law(
         IMPULSE,
         "m/s",
         "change of velocity without a source",
         "every moving body is held, on a path or fixed by joints in this interval",
-    )
-    worst = largest(law, books.entities, found.value, found.judged)
-    hints = (
-        correction(
-            f"something pushed {worst.entity} that the specification does not know",
+        lambda entity: correction(
+            f"something pushed {entity} that the specification does not know",
             "drivers",
             "declare a force driver, or let a contact do it",
             pointers=("/simulation/drivers",),
         ),
     )
-    evidence = strangest(books, worst.entity, worst.frame) if worst.over and worst.entity else None
-    return judged_law(candidate, solver, worst, hints=hints, evidence=evidence)
+    return law.judge(books.entities, found.value, found.judged, proof=lambda entity, frame: strangest(books, entity, frame))
 
 
 # ---------------------------------------------------------------- places
@@ -162,15 +155,13 @@ def _uneven(books: Books) -> F64:
     return result
 
 
-def motion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def motion(books: Books) -> Finding:
     """Displacement that no velocity explains."""
-    books = books_of(candidate, cache)
     value, judged = _drift(books)
     peak = books.record("max_speed")[1:, None]
     way = np.linalg.norm(np.diff(books.body_centers, axis=0), axis=2) - FASTER * books.duration * peak
     both = np.maximum(np.where(judged, value, -np.inf), most_of_bodies(books, way))
-    law = Law(PLACE, "m", "displacement that no velocity explains", "there is only one frame")
-    return judged_law(candidate, solver, largest(law, books.entities, both))
+    return Law(PLACE, "m", "displacement that no velocity explains").judge(books.entities, both)
 
 
 # ---------------------------------------------------------------- turning
@@ -229,9 +220,8 @@ def _tumbled(books: Books) -> _Turned:
     return _Turned(spin_off, turn_off, judged)
 
 
-def spin(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def spin(books: Books) -> Finding:
     """Change of angular velocity without a torque."""
-    books = books_of(candidate, cache)
     flown, (touched, other) = _tumbled(books), _in_contact(books)
     value = np.where(flown.judged, flown.spin, touched)
     law = Law(
@@ -239,30 +229,25 @@ def spin(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         "rad/s",
         "change of angular velocity without a torque",
         "no free body of one piece without joints and springs",
-    )
-    worst = largest(law, books.entities, value, flown.judged | other)
-    hints = (
-        correction(
-            f"something turned {worst.entity} that the specification does not know",
+        lambda entity: correction(
+            f"something turned {entity} that the specification does not know",
             "drivers",
             "declare a force driver with a torque, or let a contact do it",
             pointers=("/simulation/drivers",),
         ),
     )
-    return judged_law(candidate, solver, worst, hints=hints)
+    return law.judge(books.entities, value, flown.judged | other)
 
 
-def turning(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def turning(books: Books) -> Finding:
     """Turn that no angular velocity explains."""
-    books = books_of(candidate, cache)
     flown = _tumbled(books)
     steps = books.record("step")[1:, None]
     surface = books.record("max_travel_per_step")[1:, None] / np.maximum(steps, 1e-12)
     between = np.einsum("fnji,fnjk->fnik", books.turns[:-1], books.turns[1:])
     turned = angle_of(between) - FASTER * books.duration * surface / books.body_reach
     both = np.maximum(np.where(flown.judged, flown.turn, -np.inf), most_of_bodies(books, turned))
-    law = Law(TURN, "rad", "turn that no angular velocity explains", "there is only one frame")
-    return judged_law(candidate, solver, largest(law, books.entities, both))
+    return Law(TURN, "rad", "turn that no angular velocity explains").judge(books.entities, both)
 
 
 # ---------------------------------------------------------------- drivers
@@ -282,10 +267,9 @@ def _path(driver: PathDriver, times: F64) -> tuple[F64, F64]:
     return position, turns.as_quat()[:, [3, 0, 1, 2]]
 
 
-def driven(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def driven(books: Books) -> Finding:
     """Distance of bodies on paths and held ones from where their drivers put them."""
-    books = books_of(candidate, cache)
-    paths = {d.entity: d for d in candidate.spec.simulation.drivers.values() if isinstance(d, PathDriver)}
+    paths = {d.entity: d for d in books.candidate.spec.simulation.drivers.values() if isinstance(d, PathDriver)}
     off = np.full((books.frames, len(books.entities)), -np.inf)
     for body, owner in enumerate(books.owner):
         name = books.entities[owner]
@@ -298,11 +282,11 @@ def driven(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         else:
             wanted, turned = (np.repeat(x[:1], books.frames, axis=0) for x in (position, quaternion))
             if books.kinematic[owner]:
-                start = pose_of(candidate.spec.entities[name].pose)
+                start = pose_of(books.candidate.spec.entities[name].pose)
                 wanted, turned = (np.repeat(x[None], books.frames, axis=0) for x in (start.position, start.quaternion))
         apart = np.linalg.norm(position - wanted, axis=1)
         twist = np.linalg.norm(rotation_matrix(quaternion) - rotation_matrix(turned), axis=(1, 2)) / np.sqrt(2.0)
         value = apart + twist * (books.body_reach[body] + float(np.linalg.norm(books.offset[body])))
         off[:, owner] = np.maximum(off[:, owner], np.where(fixed, value, -np.inf))
     law = Law(HELD, "m", "distance from where the driver puts it", "nothing in this instance is held or on a path")
-    return judged_law(candidate, solver, largest(law, books.entities, off, shift=0))
+    return law.judge(books.entities, off, shift=0)

@@ -1,4 +1,4 @@
-"""Contacts and joints of rigid instances as links of causal chains, by their logs (R96, R97)."""
+"""Which bodies belong together: owners, and contacts and joints as links of causal chains, by their logs (R96, R97)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.spec import WorldSpec
 
-__all__ = ["contact_pushes", "ties"]
+__all__ = ["contact_pushes", "owners", "ties"]
+
+
+def owners(cache: Cache) -> list[str]:
+    """Entity of every body of a cache."""
+    return [name.split("/", 1)[0] for name in cache.index.bodies]
 
 
 def contact_pushes(candidate: Candidate) -> list[list[Push]]:

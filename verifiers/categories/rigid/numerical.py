@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,15 +22,17 @@ from ..questions import COUNTERS, COUNTS, FINITE, ITERATIONS, SPEED, TRAVEL
 from .books import energy_scale
 from .bounds import CAPPED, GROWTH, QUATERNION_NOISE, SLACK, SLOW, SPIKE
 from .check import of_movers
+from .links import owners
 from .numerical_state import counters, events, frozen, resting, spike
 from .questions import NUMERICAL
+from .rows import Law
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
-    from ....worlds.requirements import Correction, Row
+    from ....worlds.requirements import Row
     from ...rows.questions import Question
     from ..container import Function
 
@@ -43,10 +46,6 @@ def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     asked = {question: of_movers(FUNCTIONS[question.id]) for question in NUMERICAL}
     own = {question: of_movers(function) for question, function in SHARED.items()}
     return rows_about(candidate, solver, {FINITE: _finite, **own, **asked})
-
-
-def _owner(cache: Cache, row: int) -> str:
-    return cache.index.bodies[row].split("/", 1)[0]
 
 
 # ---------------------------------------------------------------- numbers and names
@@ -63,7 +62,7 @@ def _finite(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             if not bad.any():
                 continue
             row = int(np.argwhere(bad)[0][0]) if array.ndim else 0
-            entity = _owner(cache, row) if name in BODY_CHANNELS and row < len(cache.index.bodies) else None
+            entity = owners(cache)[row] if name in BODY_CHANNELS and row < len(cache.index.bodies) else None
             text = f"{name} of {entity or 'the instance'} is {array[bad].flat[0]} at frame {k} ({int(bad.sum())} numbers there)"
             hints = (halve_step(candidate, solver, "the solver diverged"), separate(entity))
             return Finding("fail", text, float(bad.sum()), 0.0, "numbers", entity, k, hints, {"channel": name})
@@ -126,66 +125,45 @@ def _misnamed(candidate: Candidate, solver: str, cache: Cache) -> str:
 def _quaternion(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", over="ignore"):
         off = np.abs(np.linalg.norm(cache.series("quaternion"), axis=2) - 1.0)
-    return _largest(cache, off, QUATERNION_NOISE, "1", "deviation of |q| from 1", ())
+    return _largest(cache, Law(QUATERNION_NOISE, "1", "deviation of |q| from 1"), off)
 
 
 def _speed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     with np.errstate(invalid="ignore", over="ignore"):
         speed = np.linalg.norm(cache.series("velocity"), axis=2)
     limit = candidate.spec.simulation.limits.max_speed
-    hints = _blown_up(candidate, solver, cache, speed, limit)
-    found = _largest(cache, speed, limit, "m/s", "speed", hints)
+    found = _largest(cache, Law(limit, "m/s", "speed"), speed)
     peak: F64 = cache.series("record/max_speed")
     between = ~(peak <= limit)
     if found.status == "pass" and between.any():
         k = int(np.argmax(between))
         text = f"speed reaches {peak[k]:.3g} m/s between frames {k - 1} and {k} (limit {limit:g} m/s)"
-        return Finding("fail", text, float(np.nanmax(peak)), limit, "m/s", None, k, hints)
-    return found
+        found = Finding("fail", text, float(np.nanmax(peak)), limit, "m/s", None, k)
+    return _blown_up(candidate, solver, found)
 
 
 def _travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     limits, fps = candidate.spec.simulation.limits, cache.index.fps
-    owners = list(dict.fromkeys(_owner(cache, r) for r in range(len(cache.index.bodies))))
+    names = tuple(dict.fromkeys(owners(cache)))
     with np.errstate(invalid="ignore", over="ignore"):
-        tracks = np.stack([motion.centers(candidate, n) for n in owners], axis=1)
+        tracks = np.stack([motion.centers(candidate, n) for n in names], axis=1)
         step = np.linalg.norm(np.diff(tracks, axis=0, prepend=tracks[:1]), axis=2)
-    bound = (limits.max_speed + SLACK) / fps
-    hints = _blown_up(candidate, solver, cache, step, bound)
-    return _largest(cache, step, bound, "m", "travel in one frame", hints, names=owners)
+    law = Law((limits.max_speed + SLACK) / fps, "m", "travel in one frame")
+    return _blown_up(candidate, solver, _largest(cache, law, step, names))
 
 
-def _blown_up(candidate: Candidate, solver: str, cache: Cache, values: F64, bound: float) -> tuple[Correction, ...]:
-    wrong = ~(values <= bound)
-    entity = _owner(cache, int(np.argwhere(wrong)[0][1])) if wrong.any() and values.shape[1] == len(cache.index.bodies) else None
-    return separate(entity), halve_step(candidate, solver, "contacts or joints are too stiff for the step")
+def _blown_up(candidate: Candidate, solver: str, found: Finding) -> Finding:
+    """The finding with the corrections of a simulation that blows up."""
+    step = halve_step(candidate, solver, "the step is too long: contacts or joints are too stiff for it")
+    return replace(found, hints=(separate(found.entity), step))
 
 
-def _largest(
-    cache: Cache,
-    values: F64,
-    bound: float,
-    unit: str,
-    what: str,
-    hints: tuple[Correction, ...],
-    *,
-    names: list[str] | None = None,
-) -> Finding:
-    """Every entry of (frames, rows) must be <= bound; the first frame that is not, and its worst row."""
-    owners = names or [_owner(cache, r) for r in range(values.shape[1])]
-    wrong = ~(values <= bound)
-    named = "" if unit == "1" else f" {unit}"
+def _largest(cache: Cache, law: Law, values: F64, names: tuple[str, ...] = ()) -> Finding:
+    """The finding about the largest value, (frames, bodies) or by names; one that is not a number is over every bound."""
     if values.size == 0:
         raise EvidenceError(f"instance {cache.index.solver!r} moves no body")
-    peak = float(np.max(values)) if np.isfinite(values).all() else None
-    if not wrong.any():
-        k, r = np.unravel_index(int(np.argmax(values)), values.shape)
-        text = f"largest {what} is {peak:.4g}{named}, {owners[int(r)]} at frame {k}"
-        return Finding("pass", text, peak, bound, unit, owners[int(r)])
-    frame = int(np.argmax(wrong.any(axis=1)))
-    row = int(np.argmax(np.where(np.isnan(values[frame]), np.inf, values[frame])))
-    text = f"{what} of {owners[row]} is {values[frame, row]:.4g}{named} at frame {frame}, limit {bound:.4g}{named}"
-    return Finding("fail", text, peak, bound, unit, owners[row], frame, hints)
+    values = np.where(np.isnan(values), np.inf, values)
+    return law.judge(names or tuple(owners(cache)), values, np.ones(values.shape, dtype=bool), shift=0)
 
 
 def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
@@ -201,14 +179,13 @@ def _growth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         ratio = np.ones_like(speed)
         ratio[1:] = speed[1:] / np.maximum(speed[:-1], SLOW)
     gains = ~(gain <= plan.limits.energy_growth * energy_scale(kinetic, potential, weight))
-    hints = (separate(None), halve_step(candidate, solver, "the step is too long for the contacts"))
-    found = _largest(cache, np.where(gains[:, None], ratio, 0.0), GROWTH, "1", "speed-up in one frame", hints)
+    found = _largest(cache, Law(GROWTH, "1", "speed-up in one frame"), np.where(gains[:, None], ratio, 0.0))
     between = spike(candidate, solver, cache) if found.status == "pass" else None
     if between is not None:
         k, peak, seen = between
         text = f"something reaches {peak:.3g} m/s within frame {k}, whose ends and ways show at most {seen:.3g} m/s"
-        return Finding("fail", text, peak / seen, SPIKE, "1", None, k, hints)
-    return found
+        found = Finding("fail", text, peak / seen, SPIKE, "1", None, k)
+    return _blown_up(candidate, solver, found)
 
 
 # ---------------------------------------------------------------- the engine's own records

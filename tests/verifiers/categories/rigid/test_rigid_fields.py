@@ -10,9 +10,10 @@ import pytest
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
 from worldagent.tests.physics.rigid_world import ball, box, floor, world
 from worldagent.verifiers.categories.rigid.fields import fields
+from worldagent.verifiers.ledgers.balance import books_of
 from worldagent.verifiers.register.fields import field_lines
+from worldagent.verifiers.rows.findings import Finding
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.requirements import Row
 
 DRAG = {"air": {"kind": "field", "field": {"kind": "drag"}}}
 
@@ -28,9 +29,9 @@ BALLS: dict[str, dict[str, Any]] = {
 }
 
 
-def _row(candidate: Candidate) -> Row:
-    ((solver, cache),) = candidate.rigid_caches.items()
-    return fields(candidate, solver, cache)
+def _row(candidate: Candidate) -> Finding:
+    (cache,) = candidate.rigid_caches.values()
+    return fields(books_of(candidate, cache))
 
 
 def _forged(base: Candidate, folder: Path, push: float) -> Candidate:

@@ -103,15 +103,15 @@ def _points(scope: Scope, run: ClothRun, p: Flutters) -> _Points:
 
 
 def _demands(points: _Points, p: Flutters) -> list[_Demand]:
-    asked = [_Demand(points.amplitude, p.min_amplitude, ">=", "m", "{:.3g} m to and fro")]
-    if p.max_amplitude is not None:
-        asked.append(_Demand(points.amplitude, p.max_amplitude, "<=", "m", "{:.3g} m to and fro"))
-    asked.append(_Demand(points.cycles, p.min_cycles, ">=", "cycles", "{:g} cycles"))
-    if p.min_frequency:
-        asked.append(_Demand(points.rate, p.min_frequency, ">=", "Hz", "{:.3g} Hz"))
-    if p.max_frequency is not None:
-        asked.append(_Demand(points.rate, p.max_frequency, "<=", "Hz", "{:.3g} Hz"))
-    return asked
+    swing, rate = "{:.3g} m to and fro", "{:.3g} Hz"
+    asked: tuple[tuple[F64, float | None, Comparison, str, str], ...] = (
+        (points.amplitude, p.min_amplitude, ">=", "m", swing),
+        (points.amplitude, p.max_amplitude, "<=", "m", swing),
+        (points.cycles, p.min_cycles, ">=", "cycles", "{:g} cycles"),
+        (points.rate, p.min_frequency or None, ">=", "Hz", rate),
+        (points.rate, p.max_frequency, "<=", "Hz", rate),
+    )
+    return [_Demand(found, bound, how, unit, words) for found, bound, how, unit, words in asked if bound is not None]
 
 
 def flutters(scope: Scope, predicate: SpecModel) -> Outcome:

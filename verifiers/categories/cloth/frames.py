@@ -63,9 +63,7 @@ class Solid:
 
     entity: str
     part: str
-    body: str
     faces: I32
-    moves: bool
 
 
 class ClothRun:
@@ -76,7 +74,6 @@ class ClothRun:
         if solver not in candidate.caches:
             raise EvidenceError(f"instance {solver!r} has no cache yet; probe or bake it")
         self.cache: Cache = candidate.caches[solver]
-        self.instance = candidate.spec.simulation.cloth[solver]
         self.pieces = tuple(self._pieces())
 
     def _pieces(self) -> Iterator[Piece]:
@@ -159,7 +156,7 @@ class ClothRun:
                 continue
             for part in self.candidate.entity(name).parts:
                 if part.collision or name in soft:
-                    found.append(Solid(name, part.part, part.body, part.render.faces, contract.motion != "static"))
+                    found.append(Solid(name, part.part, part.render.faces))
         return tuple(found)
 
     def frame(self, frame: int) -> tuple[F64, F64]:
@@ -175,6 +172,18 @@ class ClothRun:
         if not (np.isfinite(x).all() and np.isfinite(v).all()):
             raise EvidenceError(f"frame {frame} of {self.solver!r} is not finite")
         return x, v
+
+    @cached_property
+    def sums(self) -> tuple[F64, F64, F64]:
+        """Momentum (F, 3) [N s], kinetic and potential energy (F,) [J] of the vertices."""
+        gravity = np.array(self.candidate.spec.simulation.gravity)
+        momenta, kinetic, potential = [], [], []
+        for k in range(self.candidate.frame_count):
+            x, v = self.frame(k)
+            momenta.append(self.mass @ v)
+            kinetic.append(0.5 * float(self.mass @ (v**2).sum(1)))
+            potential.append(-float(self.mass @ (x @ gravity)))
+        return np.array(momenta), np.array(kinetic), np.array(potential)
 
     def record(self, name: str) -> F64:
         """A recorded quantity by frame.

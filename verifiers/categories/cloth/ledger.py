@@ -35,25 +35,9 @@ def kept_mass(run: ClothRun) -> Finding:
     return at_most(text, float(off[k]), ROUNDING, "1", k, bake_again("the cache is of another run"))
 
 
-def _vertices(run: ClothRun) -> tuple[F64, F64, F64]:
-    """Momentum (F, 3), kinetic and potential energy (F,) of the vertices; summed once per run."""
-    return run.candidate.memo(("sums over vertices", run), lambda: _summed(run))
-
-
-def _summed(run: ClothRun) -> tuple[F64, F64, F64]:
-    gravity = np.array(run.candidate.spec.simulation.gravity)
-    momenta, kinetic, potential = [], [], []
-    for k in range(run.candidate.frame_count):
-        x, v = run.frame(k)
-        momenta.append(run.mass @ v)
-        kinetic.append(0.5 * float(run.mass @ (v**2).sum(1)))
-        potential.append(-float(run.mass @ (x @ gravity)))
-    return np.array(momenta), np.array(kinetic), np.array(potential)
-
-
 def kept_records(run: ClothRun) -> Finding:
     """Recorded momentum and energies against those of the vertices."""
-    momenta, kinetic, potential = _vertices(run)
+    momenta, kinetic, potential = run.sums
     told = np.stack([run.record(f"momentum_{a}") for a in "xyz"], axis=1)
     size = np.sqrt(2.0 * run.mass.sum() * np.maximum(kinetic, 0.0))
     pairs = [
@@ -74,7 +58,7 @@ def _given(run: ClothRun) -> F64:
 
 def _through(run: ClothRun) -> F64:
     """Momentum that has passed through the cloth since frame 0, at least (F,) [N s]."""
-    momenta, kinetic, _ = _vertices(run)
+    momenta, kinetic, _ = run.sums
     time = np.arange(len(momenta)) / run.candidate.spec.simulation.fps
     weight = float(run.mass.sum() * np.linalg.norm(run.candidate.spec.simulation.gravity))
     parts = np.abs(np.diff(_given(run), axis=1)).sum(axis=(0, 2))
@@ -85,7 +69,7 @@ def _through(run: ClothRun) -> F64:
 
 def momentum(run: ClothRun) -> Finding:
     """Change of momentum since frame 0 against gravity and all that gave some."""
-    momenta, _, _ = _vertices(run)
+    momenta, _, _ = run.sums
     spec = run.candidate.spec.simulation
     moving = np.maximum(np.arange(len(momenta)) / spec.fps - run.start, 0.0)
     wanted = run.mass.sum() * moving[:, None] * np.array(spec.gravity) + _given(run).sum(axis=0)
@@ -97,7 +81,7 @@ def momentum(run: ClothRun) -> Finding:
 
 def energy(run: ClothRun) -> Finding:
     """Energy beyond that of frame 0 and all work done on the cloth, against the scale of the energies."""
-    _, kinetic, potential = _vertices(run)
+    _, kinetic, potential = run.sums
     total = kinetic + potential + run.record("stretch_energy") + run.record("bending_energy")
     work = sum(run.record(f"{giver}_work") for giver in GIVERS if giver != "cut")
     gain = total - total[0] - work

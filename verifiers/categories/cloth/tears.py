@@ -191,48 +191,51 @@ def _bad(piece: TearingPiece, frame: int, text: str, ratio: float | None = None)
 
 def _judged(run: ClothRun, piece: TearingPiece, frame: int, opened: Flags) -> Iterator[tuple[_Event, str, float]]:
     """Tears of a frame with what is wrong with them, and their tension over the strength."""
-    fps, cache = run.candidate.spec.simulation.fps, run.cache
-    if not piece.frames[frame][2]:
-        return
-    start, speed = (frame - 1) / fps, REACH * float(cache.read(frame, ("record/max_speed",))["record/max_speed"])
     for event in piece.frames[frame][2]:
-        label = welded(piece.seams, opened)
-        own = np.flatnonzero(label == label[event.corner]) // 3
-        mates = piece.seams.mate[event.sides[:, 0]]
-        if not (frame > 0 and start - 1e-9 < event.time <= frame / fps + 1e-9):
-            yield event, "is not of its frame", 0.0
-            continue
-        if len(event.sides) == 0 or not np.array_equal(mates, event.sides[:, 1]) or opened[event.sides].any():
-            yield event, "opens sides that do not lie along each other, or were open", 0.0
-            continue
-        if not np.array_equal(np.sort(event.triangles), own):
-            yield event, "was judged by other triangles than those around it", 0.0
+        problem = _misplaced(run, piece, frame, event, opened)
+        if problem:
+            yield event, problem, 0.0
             continue
         area = piece.area[event.triangles]
         tensor = np.einsum("t,tij->ij", area, piece.stress(event.places, event.triangles)) / area.sum()
         tension = float(np.linalg.eigvalsh(tensor)[2])
-        ratio = tension / piece.strength
-        problem = ""
-        if ratio < 1.0 - SAME:
-            problem = f"happened under {tension:.4g} N/m, below the strength of {piece.strength:g} N/m"
-        elif abs(tension - event.tension) > SAME * piece.strength:
-            problem = f"is logged with {event.tension:.4g} N/m and was under {tension:.4g} N/m"
-        elif _far(piece, frame, event, start, 1.0 / fps, speed):
-            problem = "was where its triangles cannot have been at that time"
-        elif event.cause >= 0 and not np.abs(cache.read(frame, ("exchange/impulse",))["exchange/impulse"][event.cause, :3]).any():
-            problem = f"is laid to {cache.index.colliders[event.cause]}, which gave nothing"
-        yield event, problem, ratio
+        yield event, _uncaused(run, piece, frame, event, tension), tension / piece.strength
         opened[event.sides] = True
 
 
-def _far(piece: TearingPiece, frame: int, event: _Event, start: float, duration: float, speed: float) -> bool:
+def _misplaced(run: ClothRun, piece: TearingPiece, frame: int, event: _Event, opened: Flags) -> str:
+    """Sentence on a tear whose time, sides or triangles cannot be; empty where they can."""
+    fps, label = run.candidate.spec.simulation.fps, welded(piece.seams, opened)
+    if not (frame > 0 and (frame - 1) / fps - 1e-9 < event.time <= frame / fps + 1e-9):
+        return "is not of its frame"
+    mates = piece.seams.mate[event.sides[:, 0]]
+    if len(event.sides) == 0 or not np.array_equal(mates, event.sides[:, 1]) or opened[event.sides].any():
+        return "opens sides that do not lie along each other, or were open"
+    own = np.flatnonzero(label == label[event.corner]) // 3
+    return "" if np.array_equal(np.sort(event.triangles), own) else "was judged by other triangles than those around it"
+
+
+def _uncaused(run: ClothRun, piece: TearingPiece, frame: int, event: _Event, tension: float) -> str:
+    """Sentence on a tear that its tension, places or cause do not explain; empty where they do."""
+    cache = run.cache
+    if tension / piece.strength < 1.0 - SAME:
+        return f"happened under {tension:.4g} N/m, below the strength of {piece.strength:g} N/m"
+    if abs(tension - event.tension) > SAME * piece.strength:
+        return f"is logged with {event.tension:.4g} N/m and was under {tension:.4g} N/m"
+    if _far(run, piece, frame, event):
+        return "was where its triangles cannot have been at that time"
+    if event.cause >= 0 and not np.abs(cache.read(frame, ("exchange/impulse",))["exchange/impulse"][event.cause, :3]).any():
+        return f"is laid to {cache.index.colliders[event.cause]}, which gave nothing"
+    return ""
+
+
+def _far(run: ClothRun, piece: TearingPiece, frame: int, event: _Event) -> bool:
     """Whether the places of a tear lie farther from those of the frames around it than the fastest vertex gets."""
     rows = (3 * event.triangles[:, None] + np.arange(3)).ravel()
-    places, passed = event.places.reshape(-1, 3), event.time - start
-    for x, time in ((piece.frames[frame - 1][0], passed), (piece.frames[frame][0], duration - passed)):
-        if np.linalg.norm(places - x[rows], axis=1).max() > speed * max(time, 0.0) + SAME:
-            return True
-    return False
+    fps, speed = run.candidate.spec.simulation.fps, REACH * float(run.record("max_speed")[frame])
+    places, passed = event.places.reshape(-1, 3), event.time - (frame - 1) / fps
+    sides = ((piece.frames[frame - 1][0], passed), (piece.frames[frame][0], 1.0 / fps - passed))
+    return any(np.linalg.norm(places - x[rows], axis=1).max() > speed * max(time, 0.0) + SAME for x, time in sides)
 
 
 def held_strength(run: ClothRun) -> Finding:

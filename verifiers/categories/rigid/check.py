@@ -12,16 +12,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....worlds.predicates import Crosses, Displacement, Reaches, StaysIn, entities_of
+from ....worlds.spec import BoxRegion, CylinderRegion, SphereRegion
+from ...ledgers import motion
 from ...ledgers.balance import books_of
-from ...rows.corrections import bake_again, correction, halve_step
+from ...rows.corrections import bake_again, correction, halve_step, separate
 from ...rows.findings import Finding
 from ..container import answers
 from . import books, laws
 from .bounces import restitution
-from .bounds import MASS_NOISE
+from .bounds import ESCAPE, MASS_NOISE
 from .contacts import contacts, friction
 from .energy import energy
-from .escape import escape
 from .fields import fields
 from .impacts import impact_energy
 from .joints import joints
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
     from ...ledgers.balance import Books
     from ..container import Function
 
-__all__ = ["category_rows", "moves_nothing", "of_movers"]
+__all__ = ["category_rows", "of_movers"]
 
 
 def category_rows(candidate: Candidate, solver: str) -> list[Row]:
@@ -47,20 +49,15 @@ def category_rows(candidate: Candidate, solver: str) -> list[Row]:
 
 
 def of_movers(function: Function) -> Function:
-    """The function, `not_applicable` where the instance moves nothing."""
+    """The function, `not_applicable` where the instance holds no rigid body but ground: by the plan, and by the index of its cache."""
 
     def ask(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-        if moves_nothing(candidate, solver, cache):
+        members = [candidate.spec.entities[m] for m in candidate.spec.simulation.solvers[solver].members]
+        if not cache.index.bodies and all(e.motion == "static" or e.physics.category == "elastic" for e in members):
             return Finding("not_applicable", f"no rigid member of {solver!r} moves")
         return function(candidate, solver, cache)
 
     return ask
-
-
-def moves_nothing(candidate: Candidate, solver: str, cache: Cache) -> bool:
-    """Whether an instance holds no rigid body but ground: by the plan, and by the index of its cache."""
-    members = [candidate.spec.entities[m] for m in candidate.spec.simulation.solvers[solver].members]
-    return not cache.index.bodies and all(e.motion == "static" or e.physics.category == "elastic" for e in members)
 
 
 def by_books(law: Callable[[Books], Finding]) -> Function:
@@ -125,12 +122,66 @@ def _constant(solver: str, cache: Cache, record: str, expected: float, noise: fl
     )
 
 
+def _escape(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Distance of every body from the middle of the scene, along each axis."""
+    low, high = motion.scene_box(candidate)
+    middle, extent = (low + high) / 2, float((high - low).max())
+    bound = ESCAPE * extent / 2
+    sent = _sent_away(candidate, middle, bound)
+    worst, culprit, at, checked = 0.0, None, None, []
+    for name in dict.fromkeys(owners(cache)):
+        if name in sent:
+            continue
+        checked.append(name)
+        away = np.abs(motion.centers(candidate, name) - middle).max(axis=1)
+        outside = ~(away <= bound)
+        if outside.any() and (at is None or int(np.argmax(outside)) < at):
+            culprit, at = name, int(np.argmax(outside))
+        worst = max(worst, float(np.nanmax(away, initial=0.0)))
+    text = f"bodies stay within {worst:.3g} m of the middle of the scene ({extent:.3g} m large)"
+    if culprit is not None:
+        text = f"{culprit} is more than {bound:.3g} m from the middle of the scene from frame {at} on (at most {worst:.3g} m)"
+    evidence = {"middle": middle, "extent": extent, "sent_away": sorted(sent)}
+    found = Finding("pass", text, worst, bound, "m", entities=tuple(checked), evidence=evidence)
+    if culprit is None:
+        return found
+    hints = (
+        separate(culprit),
+        halve_step(candidate, solver, "contacts are resolved too late"),
+        correction("nothing holds it", "placement", f"put a support under {culprit}", pointers=(f"/entities/{culprit}/pose",)),
+    )
+    return replace(found, status="fail", entity=culprit, frame=at, hints=hints)
+
+
+def _sent_away(candidate: Candidate, middle: F64, bound: float) -> set[str]:
+    """Entities that a predicate of the story sends beyond the box: a far region or plane, a large displacement."""
+    story, regions = candidate.spec.story, candidate.spec.graph.regions
+    predicates = [b.predicate for b in story.beats.values()] + [r.predicate for r in story.requirements.values()]
+    found: set[str] = set()
+    for predicate in predicates:
+        goal: F64 | None = None
+        if isinstance(predicate, Reaches | StaysIn):
+            region = regions.get(predicate.region)
+            if isinstance(region, BoxRegion) and region.relative_to is None:
+                goal = (np.array(region.min) + np.array(region.max)) / 2
+            elif isinstance(region, CylinderRegion | SphereRegion) and region.relative_to is None:
+                goal = np.array(region.center)
+        elif isinstance(predicate, Crosses):
+            goal = np.array(predicate.point)
+        far = goal is not None and bool((np.abs(goal - middle) > bound).any())
+        if isinstance(predicate, Displacement):
+            far = predicate.min is not None and predicate.min > bound
+        if far:
+            found |= set(entities_of(predicate))
+    return found
+
+
 FUNCTIONS: Mapping[str, Function] = {
     "category:rigid:bodies": _bodies,
     "category:rigid:mass": _mass,
     "category:rigid:joints": joints,
     "category:rigid:energy": energy,
-    "category:rigid:escape": escape,
+    "category:rigid:escape": _escape,
     "category:rigid:records": by_books(books.records),
     "category:rigid:work": by_books(books.work),
     "category:rigid:momentum": by_books(laws.momentum),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ....worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
-from ....worlds.spec import HingeJoint, SlideJoint, SpringJoint, WeldJoint
+from ....worlds.spec import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
 from ...ledgers.balance import Books, books_of
 from ...rows.corrections import correction, halve_step
 from ...rows.findings import Finding
@@ -57,6 +57,13 @@ def _side(books: Books, entity: str | None, body: str | None = None) -> _Side:
     return _Side(turn, start.position, books.position[:, row])
 
 
+def _relative(books: Books, joint: HingeJoint | SlideJoint | BallJoint | WeldJoint) -> tuple[F64, F64, F64]:
+    """A joint over the frames: way between its two anchors [m], turn of the parent, and turn of the child within it."""
+    child, parent = _side(books, joint.child), _side(books, joint.parent)
+    anchor = np.array(joint.anchor, dtype=np.float64)
+    return child.carry(anchor) - parent.carry(anchor), parent.turn, np.swapaxes(parent.turn, 1, 2) @ child.turn
+
+
 def _size(candidate: Candidate, entity: str) -> float:
     """Diagonal of an entity's smallest body [m]."""
     found = []
@@ -73,15 +80,12 @@ def openings(books: Books) -> list[Opening]:
     for name, joint in candidate.spec.simulation.joints.items():
         if isinstance(joint, SpringJoint) or joint.child not in books.row:
             continue
-        child, parent = _side(books, joint.child), _side(books, joint.parent)
-        anchor = np.array(joint.anchor, dtype=np.float64)
-        apart = child.carry(anchor) - parent.carry(anchor)
+        apart, parent, relative = _relative(books, joint)
         size = _size(candidate, joint.child)
-        relative = np.swapaxes(parent.turn, 1, 2) @ child.turn
         if isinstance(joint, WeldJoint):
             gap = np.maximum(np.linalg.norm(apart, axis=1), size * angle_of(relative))
         elif isinstance(joint, SlideJoint):
-            axis = parent.turn @ _unit(joint.axis)
+            axis = parent @ _unit(joint.axis)
             along = np.sum(apart * axis, axis=1)
             gap = np.maximum(np.linalg.norm(apart - along[:, None] * axis, axis=1), size * angle_of(relative))
             gap = np.maximum(gap, _beyond(books, joint.range, along, 1.0))
@@ -191,13 +195,11 @@ def stored(books: Books) -> F64:
     for joint in books.candidate.spec.simulation.joints.values():
         if isinstance(joint, SpringJoint | WeldJoint) or joint.child not in books.row or joint.stiffness == 0:
             continue
-        child, parent = _side(books, joint.child), _side(books, joint.parent)
-        relative = np.swapaxes(parent.turn, 1, 2) @ child.turn
+        apart, parent, relative = _relative(books, joint)
         if isinstance(joint, HingeJoint):
             value = _turned(relative, _unit(joint.axis))
         elif isinstance(joint, SlideJoint):
-            anchor = np.array(joint.anchor, dtype=np.float64)
-            value = np.sum((child.carry(anchor) - parent.carry(anchor)) * (parent.turn @ _unit(joint.axis)), axis=1)
+            value = np.sum(apart * (parent @ _unit(joint.axis)), axis=1)
         else:
             value = angle_of(relative)
         result += 0.5 * joint.stiffness * value**2

@@ -60,18 +60,23 @@ class _Groups(NamedTuple):
     open: Flags
 
 
+def _summed(label: Labels, values: F64) -> F64:
+    """Sums of values of intervals and entities, shape (F - 1, E, ...), over the groups that labels name, shape (K, ...)."""
+    result = np.zeros((int(label.max(initial=-1)) + 1, *values.shape[2:]))
+    np.add.at(result, label, values)
+    return result
+
+
 def _grouped(books: Books, label: Labels, opened: Flags) -> _Groups:
-    count = int(label.max(initial=-1)) + 1
-    mass, budget, doubt = np.zeros(count), np.zeros(count), np.zeros(count)
-    residual, given, closed = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, dtype=bool)
-    np.add.at(mass, label, np.broadcast_to(books.mass, label.shape))
     rests = rests_of(books)
-    np.add.at(residual, label, books.residual - rests.held)
-    np.add.at(given, label, books.contact_given)
-    np.add.at(budget, label, books.contact_budget + rests.passed_on)
-    np.add.at(doubt, label, books.spring_impulse[1] + books.let_go_doubt[0])
-    np.logical_or.at(closed, label, opened)
-    return _Groups(mass, residual, given, budget, doubt, closed)
+    return _Groups(
+        _summed(label, np.broadcast_to(books.mass, label.shape)),
+        _summed(label, books.residual - rests.held),
+        _summed(label, books.contact_given),
+        _summed(label, books.contact_budget + rests.passed_on),
+        _summed(label, books.spring_impulse[1] + books.let_go_doubt[0]),
+        _summed(label, opened.astype(np.float64)) > 0.0,
+    )
 
 
 def _lag(books: Books, label: Labels) -> F64:
@@ -88,9 +93,8 @@ def unexplained(books: Books) -> Unexplained:
     """Velocity without a source, of every assembly: what is left when all that is known to push it, and its contacts, are taken off."""
     label, anchored = books.assemblies
     groups = _grouped(books, label, anchored | (books.free_time <= 0))
-    unlogged = np.zeros(len(groups.mass))
     rests = rests_of(books)
-    np.add.at(unlogged, label, rests.unlogged + rests.passed_on)
+    unlogged = _summed(label, rests.unlogged + rests.passed_on)
     size = np.linalg.norm(groups.residual - groups.given, axis=1)
     excess = (size - unlogged * (1 + BUDGET_NOISE) - BUDGET_NOISE * groups.budget - groups.doubt) / groups.mass
     judged = ~groups.open & np.isfinite(groups.doubt)
@@ -124,15 +128,9 @@ def _drift(books: Books) -> tuple[F64, Flags]:
     time, h = books.free_time, books.duration
     trapezoid = 0.5 * (books.velocities[:-1] + books.velocities[1:]) * time[:, :, None]
     groups = _grouped(books, label, anchored | (time <= 0))
-    off = np.zeros((len(groups.mass), 3))
-    np.add.at(off, label, (np.diff(books.centers, axis=0) - trapezoid) * books.mass[:, None])
-    off /= groups.mass[:, None]
-    known = np.zeros((len(groups.mass), 3))
-    np.add.at(known, label, books.known_impulse)
-    change = np.zeros(len(groups.mass))
-    np.add.at(change, label, _uneven(books))
-    unlogged = np.zeros(len(groups.mass))
-    np.add.at(unlogged, label, rests_of(books).unlogged)
+    off = _summed(label, (np.diff(books.centers, axis=0) - trapezoid) * books.mass[:, None]) / groups.mass[:, None]
+    known, change = _summed(label, books.known_impulse), _summed(label, _uneven(books))
+    unlogged = _summed(label, rests_of(books).unlogged)
     # An impulse at any moment of the frame shifts the body by at most half the frame times its speed against the trapezoid.
     allowed = 0.5 * h * (groups.budget + groups.doubt + unlogged + change) * (1 + BUDGET_NOISE) / groups.mass
     allowed += np.linalg.norm(known, axis=1) / groups.mass * books.step

@@ -22,8 +22,7 @@ def angle_of(turn: F64) -> F64:
 def most_of_bodies(books: Books, values: F64) -> F64:
     """Largest value of each entity's bodies, (n, bodies) to (n, entities)."""
     result = np.full((len(values), len(books.entities)), -np.inf)
-    for body, owner in enumerate(books.owner):
-        result[:, owner] = np.maximum(result[:, owner], values[:, body])
+    np.maximum.at(result.T, books.owner, values.T)
     return result
 
 

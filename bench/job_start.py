@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..execution import JobContext, JobStore, result_of
+from ..execution import JobContext, JobStore, Terms, result_of
 from ..workflow.jobs import WARM
 
 __all__ = ["WARM", "first_line", "run"]
@@ -34,7 +34,7 @@ def first_line(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
 def _start(store: JobStore, *, warm: bool) -> tuple[float, float, float]:
     began = time.monotonic()
-    job = store.submit("start", None, {}, entry=ENTRY, warm=warm)
+    job = store.submit("start", None, {}, entry=ENTRY, terms=Terms(warm=warm))
     while not job.ended:
         job = store.wait(job.id, 5.0)
     return result_of(job)["at"] - began, time.monotonic() - began, job.cpu_s or 0.0

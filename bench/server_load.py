@@ -141,12 +141,14 @@ def _prepare(workspace: Path) -> list[str]:
 
 def _start_bakes(workspace: Path) -> None:
     """Start all bakes at once, whatever the number of cores is, and wait until each has written frames."""
-    from ..execution import JobStore
+    from ..execution import JobStore, Terms
 
     store = JobStore(workspace, slots=BAKES)
     for k in range(BAKES):
         folder = workspace / f"bake{k}"
-        store.submit("bake", folder.name, {"folder": str(folder)}, entry="worldagent.workflow.jobs:bake", exclusive=True)
+        store.submit(
+            "bake", folder.name, {"folder": str(folder)}, entry="worldagent.workflow.jobs:bake", terms=Terms(exclusive=True)
+        )
     deadline = time.monotonic() + WAIT_S
     while any(not list((workspace / f"bake{k}").glob("candidates/*/bake/*/frame_000010.npz")) for k in range(BAKES)):
         if time.monotonic() > deadline:

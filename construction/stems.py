@@ -26,7 +26,7 @@ SIDES = 32
 
 
 class StemCut(NamedTuple):
-    """What stands on a ground."""
+    """File of the stems cut for a ground, and the box around them."""
 
     file: str
     """Name in the world's `assets/` folder."""

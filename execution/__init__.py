@@ -13,6 +13,7 @@ from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled,
 from .jobs import JobStore
 from .parts import Part, Tell
 from .queue import Standing
+from .terms import Terms
 from .usage import machine_memory
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "Progress",
     "Standing",
     "Tell",
+    "Terms",
     "machine_memory",
     "memory_cap",
     "result_of",

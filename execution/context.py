@@ -1,4 +1,4 @@
-"""What an entry gets to report progress and to learn that it should stop."""
+"""Line from an entry to its caller: it reports progress and learns that it should stop."""
 
 from __future__ import annotations
 

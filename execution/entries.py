@@ -90,7 +90,7 @@ def as_json(value: Any, what: str) -> str:
 
 
 def checked_result(entry: str, result: Any) -> dict[str, Any]:
-    """What a caller in another process would get: `result` through JSON.
+    """`result` written as JSON and read again, as a caller in another process gets it.
 
     Raises:
         EngineError: The result is no dict of plain data.

@@ -1,4 +1,4 @@
-"""What a job is: the row of `jobs.db` as plain data, and how its end is handed to a caller."""
+"""A job: the row of `jobs.db` as plain data, and how its end is handed to a caller."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Progress(NamedTuple):
 
 
 class Usage(NamedTuple):
-    """What a task used; None where it was not measured."""
+    """Memory and time that a task used; None where it was not measured."""
 
     peak_bytes: int | None
     """Largest resident memory of its processes together [bytes]."""
@@ -135,7 +135,7 @@ def result_of(job: Job) -> dict[str, Any]:
 
 
 def as_exception(error: dict[str, str]) -> WorldAgentError:
-    """What `error_of` described: an error of worldagent as itself, any other as EngineError."""
+    """The error that `error_of` described: one of worldagent as itself, any other as EngineError."""
     name, message = error["type"], error["message"]
     if name in errors.__all__:
         kind: type[WorldAgentError] = getattr(errors, name)

@@ -19,14 +19,17 @@ from .processes import core_count
 from .pruning import prune
 from .queue import Standing, insert, standing
 from .table import JobTable
+from .terms import Terms, check_name
 
 __all__ = ["JobStore"]
 
 _KIND = re.compile(r"[a-z][a-z0-9_.-]{0,63}")
-_NAME_MAX = 200
 _POLL_S = (0.005, 0.05)
 """Shortest and longest pause between two looks at a job that is waited for [s]."""
 _PUMP_S = 0.5
+
+USUAL = Terms()
+"""Terms of a job whose submitter names none."""
 
 
 class JobStore:
@@ -49,36 +52,15 @@ class JobStore:
         """Opened at the first need, so that what only reads worlds works where nothing can be written."""
         return JobTable(self.workspace)
 
-    def submit(
-        self,
-        kind: str,
-        world: str | None,
-        payload: dict[str, Any],
-        *,
-        entry: str,
-        key: str | None = None,
-        exclusive: bool = False,
-        priority: int = 0,
-        wall_s: float | None = None,
-        memory_bytes: int | None = None,
-        warm: bool = False,
-    ) -> Job:
+    def submit(self, kind: str, world: str | None, payload: dict[str, Any], *, entry: str, terms: Terms = USUAL) -> Job:
         """Queue a job and start it if it is its turn.
 
         Args:
-            kind: What sort of work it is, for lists and logs: lower case, digits, `_.-`.
+            kind: Sort of work, for lists and logs: lower case, digits, `_.-`.
             world: The world it belongs to, if any.
             payload: Plain JSON data for the entry.
             entry: `worldagent.module:function`, called as `function(payload, context)` in a process of its own.
-            key: Idempotency key. A job of the same kind, world, and key that is queued, running, or done is
-                returned instead; one that failed, was cancelled, or got lost is run anew.
-            exclusive: Whether it writes its world: such jobs of one world run one after another.
-            priority: Higher starts first: `BULK`, `NORMAL` or `INTERACTIVE`. Of equal ones the worlds take turns.
-            wall_s: Cap of its running time [s].
-            memory_bytes: Cap of the resident memory of all its processes together [bytes], measured a few times a
-                second; what GPUs hold does not count.
-            warm: Whether it may start in a process that has the engines of the entry's module loaded, where one
-                waits (see `warm_up`). The module names them in its `WARM`.
+            terms: On which it runs.
 
         Raises:
             InputError: An argument is out of range or the payload is no plain data.
@@ -87,31 +69,13 @@ class JobStore:
         """
         if not _KIND.fullmatch(kind):
             raise InputError(f"kind {kind!r} must be a lower-case word of at most 64 letters, digits, '_', '.', '-'")
-        for name, text in (("world", world), ("key", key)):
-            if text is not None and not 1 <= len(text) <= _NAME_MAX:
-                raise InputError(f"{name} must have 1 to {_NAME_MAX} characters, it has {len(text)}")
-        if exclusive and world is None:
+        check_name("world", world)
+        if terms.exclusive and world is None:
             raise InputError("an exclusive job needs the world that it writes")
-        if wall_s is not None and not wall_s > 0:
-            raise InputError(f"wall_s {wall_s} must be > 0 s")
-        if memory_bytes is not None and not memory_bytes >= 2**26:
-            raise InputError(f"memory_bytes {memory_bytes} must be >= {2**26} (64 MiB)")
         text = as_json(payload, "the payload")
         self._recover_running()
         prune(self._table)
-        job = insert(
-            self._table,
-            key=key,
-            kind=kind,
-            world=world,
-            entry=check_entry(entry),
-            payload=text,
-            exclusive=exclusive,
-            priority=priority,
-            warm=warm,
-            wall_s=wall_s,
-            memory_bytes=memory_bytes,
-        )
+        job = insert(self._table, kind, world, check_entry(entry), text, terms=terms)
         return start(self._table, job, slots=self.slots)
 
     def get(self, job_id: str) -> Job:

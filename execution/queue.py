@@ -16,6 +16,7 @@ from ..worlds.errors import LimitError
 from .job import INTERACTIVE, Job
 from .processes import host_id
 from .schema import FOLDER, JobFile, job_of
+from .terms import Terms
 
 __all__ = ["QUEUED_PER_WORKSPACE", "QUEUED_PER_WORLD", "Standing", "claim", "insert", "standing"]
 
@@ -62,46 +63,28 @@ class Standing(NamedTuple):
     ahead: int
     """Queued jobs whose turn comes before it, as things stand."""
     waits_for: str
-    """What it waits for, in words."""
+    """Reason why it does not run, in words."""
 
 
-def insert(
-    file: JobFile,
-    *,
-    key: str | None,
-    kind: str,
-    world: str | None,
-    entry: str,
-    payload: str,
-    exclusive: bool,
-    priority: int,
-    warm: bool,
-    wall_s: float | None,
-    memory_bytes: int | None,
-) -> Job:
-    """A new queued job, or the queued, running or done one that has this key already.
+def insert(file: JobFile, kind: str, world: str | None, entry: str, payload: str, *, terms: Terms) -> Job:
+    """A new queued job, or the queued, running or done one that has this key already; `payload` is JSON.
 
     Raises:
         LimitError: Too many jobs of the world, or of the workspace, wait already.
     """
     job_id = f"job_{os.urandom(6).hex()}"  # what secrets.token_hex does, without its imports
     values: dict[str, Any] = {
+        **vars(terms),
         "id": job_id,
-        "key": key,
         "kind": kind,
         "world": world,
         "entry": entry,
         "payload": payload,
-        "exclusive": exclusive,
-        "priority": priority,
-        "warm": warm,
         "created": time.time(),
-        "wall_s": wall_s,
-        "memory_bytes": memory_bytes,
         "log": f"{FOLDER}/logs/{job_id}.log",
     }
     with file.transaction() as connection:
-        row = connection.execute(_EARLIER, values).fetchone() if key is not None else None
+        row = connection.execute(_EARLIER, values).fetchone() if terms.key is not None else None
         if row is None:
             _check_room(connection, world)
             connection.execute(_NEW, values)

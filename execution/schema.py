@@ -76,7 +76,7 @@ _MIGRATIONS: dict[int, tuple[str, ...]] = {
     1: (*(f"ALTER TABLE jobs ADD COLUMN {column}" for column in _COLUMNS_OF_2 + _COLUMNS_OF_3), *_INDEXES),
     2: tuple(f"ALTER TABLE jobs ADD COLUMN {column}" for column in _COLUMNS_OF_3),
 }
-"""What brings a layout to the present one; rows stay."""
+"""Statements that bring a layout to the present one; rows stay."""
 
 
 def job_of(row: sqlite3.Row) -> Job:

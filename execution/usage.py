@@ -1,4 +1,4 @@
-"""What the processes of a job use: resident memory now and at most, and CPU time. Exact on Linux."""
+"""Use by the processes of a job: resident memory now and at most, and CPU time. Exact on Linux."""
 
 from __future__ import annotations
 

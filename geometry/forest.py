@@ -101,7 +101,7 @@ class Forest:
         self.on_device: dict[str, Any] = {}
         self.overlaps = 0
         """Overlaps of bodies that are not convex which `clearance_batch` measured without kernels so far."""
-        """What kernels hold of it, per device."""
+        """Its arrays for kernels, per device."""
 
     @cached_property
     def _groups(self) -> NDArray[np.intp]:

@@ -34,7 +34,7 @@ NEAR = 1e-9
 
 
 class IdImage(NamedTuple):
-    """What one view sees."""
+    """Instances, depths and normals in the pixels of one view."""
 
     ids: I32
     """Index of the instance in front, shape (height, width); -1 where nothing is."""

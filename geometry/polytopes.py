@@ -59,7 +59,7 @@ class Witness(NamedTuple):
 
 
 class Faces(NamedTuple):
-    """What the facet planes of both say: separation [m] and, where it is the distance, its witness points."""
+    """Verdict of the facet planes of both: separation [m] and, where it is the distance, its witness points."""
 
     separation: F64
     """Largest plane separation, shape (f,); > 0 proves the bodies apart and bounds the distance from below."""

@@ -88,19 +88,23 @@ class _Pair:
 
 
 class Sweep(NamedTuple):
-    """One pair on n motions, and what is asked about it (see `lowest_clearance`)."""
+    """One pair on n motions, and what is asked about it."""
 
     a: Solid
+    """One surface, in its own frame."""
     motion_a: Motion
+    """Its motion, n intervals."""
     b: Solid
     motion_b: Motion
     below: float = np.inf
-    """[m]"""
+    """Only lower values [m] are searched: where none exists the value returned is some value of the motion, or a lower bound
+    that is not below."""
     precision: float = 0.0
-    """[m]"""
+    """The value is at most this much [m] above the true one where that is lower than `below`."""
     first_found: bool = False
+    """Whether any value lower than `below` ends the search of its motion."""
     ends_above: float = -np.inf
-    """[m]"""
+    """Motions with a lower clearance [m] at one of their ends are not searched."""
     names: str = "two surfaces"
     """Of both, for messages."""
 
@@ -113,37 +117,18 @@ class _Ask(NamedTuple):
     enough: F64
 
 
-def lowest_clearance(
-    a: Solid,
-    motion_a: Motion,
-    b: Solid,
-    motion_b: Motion,
-    *,
-    below: float = np.inf,
-    precision: float,
-    skip_above: float = 0.0,
-    first_found: bool = False,
-    ends_above: float = -np.inf,
-) -> Lowest:
+def lowest_clearance(sweep: Sweep, *, skip_above: float = 0.0) -> Lowest:
     """Lowest signed clearance of two surfaces over each of n motions.
 
     Args:
-        a: one surface, in its own frame.
-        motion_a: its motion, n intervals.
-        b: the other surface.
-        motion_b: the same for b.
-        below: only lower values [m] are searched: where none exists the value returned is some value of the motion, or a
-            lower bound that is not below.
-        precision: the value is at most this much [m] above the true one where that is lower than `below`.
+        sweep: the surfaces, their motions and what is asked about them.
         skip_above: bounding-box gap [m] from which on a lower bound of the clearance is enough.
-        first_found: whether any value lower than `below` ends the search of its motion.
-        ends_above: motions with a lower clearance [m] at one of their ends are not searched.
 
     Raises:
         EvidenceError: surfaces that may meet move more than `FARTHEST` precisions.
     """
-    pair = _Pair(a, motion_a, b, motion_b, skip_above=skip_above)
-    search = _search(pair, Sweep(a, motion_a, b, motion_b, below, precision, first_found, ends_above))
+    pair = _Pair(sweep.a, sweep.motion_a, sweep.b, sweep.motion_b, skip_above=skip_above)
+    search = _search(pair, sweep)
     ask = next(search)
     while True:
         try:
@@ -283,7 +268,7 @@ def swept_clearance(
     pair = _Pair(a, motion_a, b, motion_b, skip_above=np.inf)
     touch = max(precision if tolerance is None else tolerance, query_noise(a.size + b.size))
     first = _first_contact(pair, touch)
-    lowest = lowest_clearance(a, motion_a, b, motion_b, precision=precision, skip_above=np.inf)
+    lowest = lowest_clearance(Sweep(a, motion_a, b, motion_b, precision=precision), skip_above=np.inf)
     found = []
     for k in range(len(motion_a)):
         row, s = np.array([k]), lowest.time[k : k + 1]

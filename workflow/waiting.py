@@ -6,7 +6,7 @@ import os
 import time
 from typing import Any
 
-from ..execution import Job, JobStore, memory_cap, result_of, wall_cap
+from ..execution import Job, JobStore, Terms, memory_cap, result_of, wall_cap
 from ..worlds.errors import EngineError
 from ..worlds.limits import CAPS
 from .answers import call
@@ -165,12 +165,14 @@ def start_and_wait(
         {"folder": str(session.folder.root), **payload},
         entry=f"{ENTRIES}:{kind}",
         # The stamp tells a world from an earlier one of the same name whose jobs the workspace still remembers.
-        key=_turn(context, session, kind, f"{key}:{session.stamp()}", reuse=reuse),
-        exclusive=True,
-        priority=KINDS[kind].priority,
-        wall_s=wall_cap(kind, min(KINDS[kind].wall_s, CAPS["job_seconds"].value)),
-        memory_bytes=memory_cap(CAPS["job_memory_bytes"].value),
-        warm=True,
+        terms=Terms(
+            key=_turn(context, session, kind, f"{key}:{session.stamp()}", reuse=reuse),
+            exclusive=True,
+            priority=KINDS[kind].priority,
+            wall_s=wall_cap(kind, min(KINDS[kind].wall_s, CAPS["job_seconds"].value)),
+            memory_bytes=memory_cap(CAPS["job_memory_bytes"].value),
+            warm=True,
+        ),
     )
     longest = patience(wait_s)
     if context.handover is not None:

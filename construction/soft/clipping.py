@@ -122,7 +122,7 @@ def _crossings(solid: Solid, points: F64, depth: F64, cut: I32) -> tuple[F64, _C
 
 
 def _cut(tets: I32, depth: F64, crossing: _Crossing, count: int) -> I32:
-    """What is left of tetrahedra with `count` corners inside."""
+    """Tetrahedra that fill the inner part of each one with `count` corners inside, shape (n, 4)."""
     if not len(tets):
         return np.empty((0, 4), dtype=np.int32)
     order = np.argsort(depth[tets] > 0.0, axis=1, kind="stable")

@@ -16,7 +16,7 @@ from .flood import drain
 from .grid import Grid
 from .slices import SLICE, in_slices
 
-__all__ = ["Ground", "MassBalance", "erode_rivers", "relax_slopes"]
+__all__ = ["Ground", "MassBalance", "Rivers", "erode_rivers", "relax_slopes"]
 
 AREA_EXPONENT = 0.45
 """m / n of the stream power law, the concavity of graded rivers: 0.4 to 0.6 (Whipple & Tucker 1999; Kirby & Whipple 2012)."""
@@ -48,7 +48,7 @@ class MassBalance:
 
     @property
     def residual(self) -> float:
-        """What is missing, relative to what moved."""
+        """Imbalance of the ledger, relative to the volume worn."""
         return abs(self.worn - self.deposited - self.exported) / max(self.worn, 1e-12)
 
 
@@ -98,17 +98,30 @@ class Ground:
         )
 
 
+@dataclass(frozen=True)
+class Rivers:
+    """Law of rivers and creep, and the time for which it holds."""
+
+    years: float
+    """Time modelled."""
+    steps: int
+    """Time steps; the drainage is found anew in each."""
+    erodibility: F64 | float
+    """K [m^(1-2m)/year], a number or a field."""
+    creep: float = 0.0
+    """D [m^2/year]."""
+    uplift: F64 | float = 0.0
+    """U [m/year]; not applied to cells that keep their height."""
+    exponent: float = AREA_EXPONENT
+    """m."""
+
+    def __post_init__(self) -> None:
+        if self.years <= 0 or not 1 <= self.steps <= 1000:
+            raise InputError(f"years {self.years} must be > 0 and steps {self.steps} from 1 to 1000")
+
+
 def erode_rivers(
-    ground: Ground,
-    *,
-    years: float,
-    steps: int,
-    erodibility: F64 | float,
-    creep: float = 0.0,
-    uplift: F64 | float = 0.0,
-    base: np.ndarray | None = None,
-    valid: np.ndarray | None = None,
-    exponent: float = AREA_EXPONENT,
+    ground: Ground, rivers: Rivers, *, base: np.ndarray | None = None, valid: np.ndarray | None = None
 ) -> tuple[Ground, MassBalance]:
     """Let rivers cut valleys and slopes creep: dz/dt = U - K A^m S + D laplace(z) (n = 1), implicit, stable at any step.
 
@@ -118,61 +131,56 @@ def erode_rivers(
 
     Args:
         ground: the land.
-        years: time modelled.
-        steps: time steps; the drainage is found anew in each.
-        erodibility: K [m^(1-2m)/year], a number or a field.
-        creep: D [m^2/year].
-        uplift: U [m/year]; not applied to `base`.
+        rivers: law and time.
         base: cells that keep their height (the sea), shape (rows, cols).
         valid: where there is land; default everywhere.
-        exponent: m.
-
-    Raises:
-        InputError: a parameter is out of range.
 
     References:
         Braun & Willett 2013, doi:10.1016/j.geomorph.2012.10.008
     """
-    from .erosion_kernels import incise, settle_sediment
-
-    if years <= 0 or not 1 <= steps <= 1000:
-        raise InputError(f"years {years} must be > 0 and steps {steps} from 1 to 1000")
-    grid, dt = ground.grid, years / steps
+    grid, dt = ground.grid, rivers.years / rivers.steps
     known = np.ones(grid.shape, dtype=bool) if valid is None else valid
     fixed = ~known if base is None else base | ~known
-    factor = np.where(fixed, 0.0, np.broadcast_to(np.asarray(erodibility, dtype=np.float64), grid.shape) * dt)
-    rise = np.where(fixed, 0.0, np.broadcast_to(np.asarray(uplift, dtype=np.float64), grid.shape) * dt)
+    factor, rise = (
+        np.where(fixed, 0.0, np.broadcast_to(np.asarray(rate, dtype=np.float64), grid.shape) * dt)
+        for rate in (rivers.erodibility, rivers.uplift)
+    )
     # Of the sea only the shore takes part: water that is there is gone.
     drained = known if base is None else known & (~base | ndimage.binary_dilation(known & ~base, np.ones((3, 3))))
     if not drained.any():
         drained = known
     ground = ground.copied()
     total = MassBalance(0.0, 0.0, 0.0)
-    for _ in range(steps):
+    for _ in range(rivers.steps):
         ground.bedrock[...] += rise
         ground.uplift[...] += rise
-        height = ground.height
-        drainage = drain(grid, height, valid=drained)
-        receiver = drainage.receiver.ravel()
-        strength = _strength(drainage.accumulation(), exponent, factor).ravel()
-        new = incise(height.ravel(), drainage.filled.ravel(), receiver, drainage.order, grid.cols, grid.cell, strength)
-        new = new.reshape(grid.shape)
-        removed = np.where(drained, height - new, 0.0)
-        depth = np.where(fixed, 0.0, np.nan_to_num(drainage.depth, copy=False))
-        label, count = ndimage.label(depth > 0, np.ones((3, 3)))
-        volume = np.bincount(label.ravel(), weights=depth.ravel(), minlength=count + 1)
-        kept, left = settle_sediment(removed.ravel(), label.ravel(), volume.copy(), receiver, drainage.order)
-        # Fine matter settles out of the whole column: more where the water is deep.
-        share = np.divide(kept, volume, out=np.zeros_like(kept), where=volume > 0)
-        worn, laid = float(removed.sum()), float(kept.sum())
-        _move(ground, depth * share[label] - removed)
-        if creep > 0:
-            change, out = _crept(ground.height, fixed, known, creep * dt / grid.cell_area)
+        worn, laid, left = _incised(ground, drained, fixed, rivers.exponent, factor)
+        if rivers.creep > 0:
+            change, out = _crept(ground.height, fixed, known, rivers.creep * dt / grid.cell_area)
             _move(ground, change)
             worn, laid, left = worn - float(change[change < 0].sum()), laid + float(change[change > 0].sum()), left + out
-        moved = MassBalance(worn, laid, float(left), float(rise.sum()))
-        total = total + moved.times(grid.cell_area)
+        total = total + MassBalance(worn, laid, left, float(rise.sum())).times(grid.cell_area)
     return ground, total
+
+
+def _incised(ground: Ground, drained: np.ndarray, fixed: np.ndarray, exponent: float, factor: F64) -> tuple[float, float, float]:
+    """Heights worn, laid down and carried out of the grid [m], summed over cells, by one step of the rivers; changes the ground."""
+    from .erosion_kernels import incise, settle_sediment
+
+    grid, height = ground.grid, ground.height
+    drainage = drain(grid, height, valid=drained)
+    receiver = drainage.receiver.ravel()
+    strength = _strength(drainage.accumulation(), exponent, factor).ravel()
+    new = incise(height.ravel(), drainage.filled.ravel(), receiver, drainage.order, grid.cols, grid.cell, strength)
+    removed = np.where(drained, height - new.reshape(grid.shape), 0.0)
+    depth = np.where(fixed, 0.0, np.nan_to_num(drainage.depth, copy=False))
+    label, count = ndimage.label(depth > 0, np.ones((3, 3)))
+    volume = np.bincount(label.ravel(), weights=depth.ravel(), minlength=count + 1)
+    kept, left = settle_sediment(removed.ravel(), label.ravel(), volume.copy(), receiver, drainage.order)
+    # Fine matter settles out of the whole column: more where the water is deep.
+    share = np.divide(kept, volume, out=np.zeros_like(kept), where=volume > 0)
+    _move(ground, depth * share[label] - removed)
+    return float(removed.sum()), float(kept.sum()), float(left)
 
 
 def _strength(area: F64, exponent: float, factor: F64) -> F64:

@@ -23,7 +23,7 @@ from .ground import GroundCover, cover
 from .layers import shape_land
 from .relief import horizons, relief, sunlight, wind_exposure
 from .vegetation import HECTARE, Plants, Species, biomes_of, fitness, scatter, species_of
-from .water import WaterBodies, find_water
+from .water import WaterBodies, WaterLimits, find_water
 from .weathering import Say, weather
 from .zones import along, declared_zone, zone_distance
 
@@ -109,7 +109,7 @@ def build_landscape(
     water = _water(grid, terrain, biome, drainage, rain)
     channels = carve(drainage, water) if terrain.hydrology.carve else _uncut(grid, water)
     say(0.6, "sun, wind and moisture")
-    fields = _fields(grid, terrain, biome, raw, ground, drainage, water, channels, rain)
+    fields = _fields(terrain, raw, ground, drainage, water, channels, rain)
     say(0.8, "covering the ground")
     covered = cover(grid, terrain, fields, bed=channels.bed)
     fields["moisture"] = _moisture(fields, covered.retention, rain)
@@ -181,12 +181,14 @@ def _water(grid: Grid, terrain: Terrain, biome: Biome, drainage: Drainage, rain:
         inflow[grid.indices(np.array(x), np.array(y))] += source.discharge
     water = find_water(
         drainage,
-        sea_level=terrain.sea_level,
+        WaterLimits(
+            sea_level=terrain.sea_level,
+            river_density=biome.river_density * plan.density if plan.rivers is None else plan.rivers,
+            stream_density=biome.stream_density * plan.density if plan.streams is None else plan.streams,
+            least_lake_area=max(plan.least_lake_area, LAKE_CELLS * grid.cell_area),
+            least_lake_depth=plan.least_lake_depth,
+        ),
         runoff=rain * biome.runoff,
-        river_density=biome.river_density * plan.density if plan.rivers is None else plan.rivers,
-        stream_density=biome.stream_density * plan.density if plan.streams is None else plan.streams,
-        least_lake_area=max(plan.least_lake_area, LAKE_CELLS * grid.cell_area),
-        least_lake_depth=plan.least_lake_depth,
         inflow=inflow if plan.inflows else None,
         rng=np.random.default_rng([terrain.seed, 1]),
     )
@@ -218,16 +220,9 @@ def _uncut(grid: Grid, water: WaterBodies) -> Channels:
 
 
 def _fields(
-    grid: Grid,
-    terrain: Terrain,
-    biome: Biome,
-    raw: F64,
-    ground: Ground,
-    drainage: Drainage,
-    water: WaterBodies,
-    channels: Channels,
-    rain: F64,
+    terrain: Terrain, raw: F64, ground: Ground, drainage: Drainage, water: WaterBodies, channels: Channels, rain: F64
 ) -> dict[str, F64]:
+    grid, biome = ground.grid, BIOMES[terrain.climate.biome]
     height = ground.height - channels.cut
     shape = relief(grid, height, window=3 * grid.cell)
     climate = terrain.climate

@@ -25,7 +25,7 @@ HALF = wp.constant(wp.float64(0.5))
 
 @wp.struct
 class Land:
-    """What does not change during a step."""
+    """Constants of a step."""
 
     rows: wp.int32
     cols: wp.int32

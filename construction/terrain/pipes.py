@@ -61,7 +61,7 @@ class Rain:
 
 @dataclass(frozen=True)
 class RainRecord:
-    """What happened. Fields of shape (rows, cols), volumes in m^3."""
+    """Water, load and volumes of a storm. Fields of shape (rows, cols), volumes in m^3."""
 
     depth: F64
     """Water at the end [m]."""

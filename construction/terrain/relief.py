@@ -1,4 +1,4 @@
-"""What the shape of the land gives directly: slope, aspect, curvature, roughness, peaks, openness to sun, sky and wind (R41)."""
+"""Measures of the shape of the land: slope, aspect, curvature, roughness, peaks, openness to sun, sky and wind (R41)."""
 
 from __future__ import annotations
 

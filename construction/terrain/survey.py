@@ -40,7 +40,7 @@ def _levels(land: SavedLandscape, sea_level: float | None) -> F64:
 
 
 def at_points(land: SavedLandscape, points: Sequence[Sequence[float]], *, sea_level: float | None) -> list[dict[str, Any]]:
-    """What is at each point (x, y) [m]: heights, slope, normal, cover, water, moisture.
+    """Survey of each point (x, y) [m]: heights, slope, normal, cover, water, moisture.
 
     Raises:
         InputError: a point lies outside the landscape.

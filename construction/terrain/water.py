@@ -14,7 +14,18 @@ from ...worlds.arrays import F64
 from .flood import Drainage
 from .grid import Grid
 
-__all__ = ["BANKFULL", "Lake", "River", "WaterBodies", "channel_depth", "channel_width", "find_lakes", "find_sea", "find_water"]
+__all__ = [
+    "BANKFULL",
+    "Lake",
+    "River",
+    "WaterBodies",
+    "WaterLimits",
+    "channel_depth",
+    "channel_width",
+    "find_lakes",
+    "find_sea",
+    "find_water",
+]
 
 YEAR_S = 365.25 * 86400
 BANKFULL = 5.0
@@ -180,39 +191,42 @@ def find_lakes(
     return number[label], lakes
 
 
+@dataclass(frozen=True)
+class WaterLimits:
+    """Limits from which on land counts as under water."""
+
+    sea_level: float | None
+    """[m], None without a sea."""
+    river_density: float
+    """Length of rivers per area of land [m/m^2] that the channel threshold is chosen for (R38)."""
+    stream_density: float
+    """The same for streams above them."""
+    least_lake_area: float
+    """Smaller depressions stay dry [m^2]."""
+    least_lake_depth: float
+    """Shallower ones stay dry [m]."""
+
+
 def find_water(
-    drainage: Drainage,
-    *,
-    sea_level: float | None,
-    runoff: F64,
-    river_density: float,
-    stream_density: float,
-    least_lake_area: float,
-    least_lake_depth: float,
-    inflow: F64 | None = None,
-    rng: np.random.Generator,
+    drainage: Drainage, limits: WaterLimits, *, runoff: F64, inflow: F64 | None = None, rng: np.random.Generator
 ) -> WaterBodies:
     """Sea, lakes, rivers and streams.
 
     Args:
         drainage: of the ground.
-        sea_level: [m], None without a sea.
+        limits: from where on it is water.
         runoff: part of the rain that runs off [m/year], shape (rows, cols).
-        river_density: length of rivers per area of land [m/m^2] that the channel threshold is chosen for (R38).
-        stream_density: the same for streams above them.
-        least_lake_area: smaller depressions stay dry [m^2].
-        least_lake_depth: shallower ones stay dry [m].
         inflow: water that enters from outside the grid [m^3/s], shape (rows, cols).
         rng: decides which sources are tried first.
     """
-    sea = find_sea(drainage.height, sea_level, drainage.valid)
-    lake, lakes = find_lakes(drainage, sea, least_area=least_lake_area, least_depth=least_lake_depth)
+    sea = find_sea(drainage.height, limits.sea_level, drainage.valid)
+    lake, lakes = find_lakes(drainage, sea, least_area=limits.least_lake_area, least_depth=limits.least_lake_depth)
     weight = runoff * (drainage.grid.cell_area / YEAR_S) + (0.0 if inflow is None else inflow)
     discharge = drainage.accumulation(weight)
     standing = sea | (lake > 0)
-    channel, threshold = _channel(drainage, discharge, standing, river_density, inflow)
+    channel, threshold = _channel(drainage, discharge, standing, limits.river_density, inflow)
     rivers = _reaches(drainage, channel, lake, sea, discharge)
-    streams = _streams(drainage, channel, lake, sea, discharge, stream_density, len(rivers), rng)
+    streams = _streams(drainage, channel, lake, sea, discharge, limits.stream_density, len(rivers), rng)
     return WaterBodies(
         grid=drainage.grid,
         sea=sea,

@@ -1,4 +1,4 @@
-"""What nature does to the layers of a terrain: rivers, creep, slides and a storm, with ledgers for the record."""
+"""Weathering of the layers of a terrain: rivers, creep, slides and a storm, with ledgers for the record."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.spec.terrain import Hydraulic, Terrain
-from .erosion import Ground, MassBalance, erode_rivers, relax_slopes
+from .erosion import Ground, MassBalance, Rivers, erode_rivers, relax_slopes
 from .grid import Grid
 from .pipes import Rain, run_off
 from .water import find_sea
@@ -49,8 +49,7 @@ def weather(grid: Grid, terrain: Terrain, raw: F64, valid: np.ndarray, figures: 
         if part > 0:
             say(0.08 + 0.3 * (1 - part), f"{plan.years * part:g} years of rivers")
             ground, balance = erode_rivers(
-                ground, years=plan.years * part, steps=max(1, round(plan.steps * part)), erodibility=plan.erodibility,
-                creep=plan.creep, uplift=plan.uplift, base=sea, valid=valid,
+                ground, Rivers(years=plan.years * part, steps=max(1, round(plan.steps * part)), erodibility=plan.erodibility, creep=plan.creep, uplift=plan.uplift), base=sea, valid=valid,
             )  # fmt: skip
             moved = moved + balance
         say(0.12 + 0.3 * (1 - part), "slopes find their rest")

@@ -26,7 +26,7 @@ from .tear_log import TearEvent, cause_of, tear_channels, torn_length
 __all__ = ["SolverCloth"]
 
 SUMS = ("air", "hold", "cut", "solid", "load")
-"""What gives momentum to cloth, summed since frame 0."""
+"""Momentum given to cloth by each origin, summed since frame 0."""
 
 
 class SolverCloth(CoupledSolver):

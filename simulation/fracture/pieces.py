@@ -73,7 +73,7 @@ class Pieces:
     bonded: list[Cluster] = field(default_factory=list)
     """Those of them that have bonds."""
     rooms: dict[str, _Room] = field(default_factory=dict)
-    """What is known of clusters that bear their loads."""
+    """State of clusters that bear their loads."""
     label: Any = None
     """Place of each piece's cluster in `bonded`, their number where it has none, shape (n,)."""
 

@@ -21,7 +21,7 @@ ALONE = 5
 DROPLET = 24
 """Clumps of fewer particles are spray: too small for a mesh."""
 STAY = 1.4
-"""What is spray stays so until it has this many times the neighbours or clump: else it would flicker."""
+"""Spray stays spray until it has this many times the neighbours or clump: else it would flicker."""
 TRAPPED = (3.0, 14.0)
 """Range of the potential of trapped air [m/s]; own choice, 5..20 in the source."""
 CREST = (2.0, 8.0)

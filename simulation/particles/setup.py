@@ -113,7 +113,7 @@ class GrainReport(StepReport):
     wall_work: float = 0.0
     """Of the motion of bodies on grains in contact [J]."""
     left: F64 = field(default_factory=lambda: np.zeros(5))
-    """What left the domain: number, mass [kg], momentum [N s] (5,)."""
+    """Totals that left the domain: number, mass [kg], momentum [N s] (5,)."""
     came: tuple[int, float] = (0, 0.0)
     """Number and mass [kg] of what was let in."""
     died: tuple[int, float] = (0, 0.0)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from worldagent.execution import Cancelled, machine_memory, memory_cap, result_of, wall_cap
+from worldagent.execution import Cancelled, Terms, machine_memory, memory_cap, result_of, wall_cap
 from worldagent.execution.processes import is_alive, start_time
 from worldagent.execution.schema import VERSION
 from worldagent.execution.table import JobTable
@@ -19,7 +19,7 @@ E = "execution_entries:"
 
 
 def _running(store, until, entry, payload, *, at, **options):
-    job = store.submit("task", "isle", payload, entry=E + entry, **options)
+    job = store.submit("task", "isle", payload, entry=E + entry, terms=Terms(**options))
     return until(lambda: (row := store.get(job.id)).progress_done >= at and row)
 
 
@@ -96,7 +96,7 @@ def test_a_killed_worker_leaves_no_process_of_its_task_behind(store, until, tmp_
 
 def test_a_queued_job_is_cancelled_at_once_and_an_ended_one_stays(store, tmp_path):
     gate = {"gate": str(tmp_path / "gate")}
-    first, second = (store.submit("g", "w", gate, entry=E + "gated", exclusive=True) for _ in range(2))
+    first, second = (store.submit("g", "w", gate, entry=E + "gated", terms=Terms(exclusive=True)) for _ in range(2))
     assert store.request_cancel(second.id).state == "cancelled"
     (tmp_path / "gate").touch()
     assert store.wait(first.id, LONG_S).state == "done"
@@ -119,7 +119,7 @@ def test_a_killed_worker_is_lost_and_takes_its_task_along(store, until):
     until(lambda: not is_alive(job.task_pid, job.task_started))
     with pytest.raises(EngineError, match="gone"):
         result_of(ended)
-    again = store.submit("task", "isle", {}, entry=E + "native_loop", key="k")
+    again = store.submit("task", "isle", {}, entry=E + "native_loop", terms=Terms(key="k"))
     assert again.id != job.id
 
 
@@ -207,14 +207,14 @@ def test_only_one_of_two_ends_counts(store, until):
 
 
 def test_the_wall_time_cap_ends_a_job_and_names_the_cap(store):
-    job = store.wait(store.submit("n", None, {}, entry=E + "native_loop", wall_s=0.5).id, LONG_S)
+    job = store.wait(store.submit("n", None, {}, entry=E + "native_loop", terms=Terms(wall_s=0.5)).id, LONG_S)
     assert job.state == "failed"
     with pytest.raises(LimitError, match=r"wall_s = 0\.5 s\. Knob: WORLDAGENT_JOB_WALL_S_N "):
         result_of(job)
 
 
 def test_the_memory_cap_ends_a_job_and_names_cap_and_peak(store):
-    job = store.submit("h", None, {"bytes": 2**28}, entry=E + "hungry", memory_bytes=2**27)
+    job = store.submit("h", None, {"bytes": 2**28}, entry=E + "hungry", terms=Terms(memory_bytes=2**27))
     ended = store.wait(job.id, LONG_S)
     assert ended.state == "failed"
     with pytest.raises(LimitError, match=r"held 0\.\d\d GB of memory, its cap is memory_bytes = 0\.13 GB"):

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from worldagent.execution import Cancelled, JobStore, result_of, run_inline
+from worldagent.execution import Cancelled, JobStore, Terms, result_of, run_inline
 from worldagent.execution.table import JobTable
 from worldagent.tests.execution.conftest import LONG_S
 from worldagent.worlds.errors import EngineError, InputError, LimitError, RefusedError, SpecError
@@ -74,18 +74,18 @@ def test_a_restarted_server_sees_running_jobs(store, tmp_path, until):
 
 def test_the_same_key_gives_the_same_job_while_queued_running_or_done(store, tmp_path):
     payload = {"gate": str(tmp_path / "gate")}
-    first = store.submit("gated", "isle", payload, entry=E + "gated", key="abc")
-    assert store.submit("gated", "isle", payload, entry=E + "gated", key="abc").id == first.id
-    assert store.submit("gated", "other", payload, entry=E + "gated", key="abc").id != first.id
+    first = store.submit("gated", "isle", payload, entry=E + "gated", terms=Terms(key="abc"))
+    assert store.submit("gated", "isle", payload, entry=E + "gated", terms=Terms(key="abc")).id == first.id
+    assert store.submit("gated", "other", payload, entry=E + "gated", terms=Terms(key="abc")).id != first.id
     (tmp_path / "gate").touch()
     store.wait(first.id, LONG_S)
-    assert store.submit("gated", "isle", payload, entry=E + "gated", key="abc").id == first.id
+    assert store.submit("gated", "isle", payload, entry=E + "gated", terms=Terms(key="abc")).id == first.id
 
 
 def test_a_failed_job_is_run_anew(store):
-    first = store.submit("bad", "isle", {"what": "spec"}, entry=E + "raises", key="abc")
+    first = store.submit("bad", "isle", {"what": "spec"}, entry=E + "raises", terms=Terms(key="abc"))
     assert store.wait(first.id, LONG_S).state == "failed"
-    second = store.submit("bad", "isle", {"what": "spec"}, entry=E + "raises", key="abc")
+    second = store.submit("bad", "isle", {"what": "spec"}, entry=E + "raises", terms=Terms(key="abc"))
     assert second.id != first.id
 
 
@@ -173,7 +173,9 @@ def test_progress_inline_goes_to_the_caller_and_cancel_comes_from_it(tmp_path):
 def test_exclusive_jobs_of_one_world_run_one_after_another_and_others_beside(tmp_path):
     store, gate = JobStore(tmp_path, slots=4), str(tmp_path / "gate")
     jobs = [
-        store.submit("alone", world, {"inside": str(tmp_path / world), "gate": gate}, entry=E + "alone", exclusive=True)
+        store.submit(
+            "alone", world, {"inside": str(tmp_path / world), "gate": gate}, entry=E + "alone", terms=Terms(exclusive=True)
+        )
         for world in ("a", "a", "a", "b")
     ]
     assert [job.state for job in jobs] == ["running", "queued", "queued", "running"]
@@ -188,7 +190,7 @@ def test_exclusive_jobs_of_one_world_run_one_after_another_and_others_beside(tmp
 def test_no_more_jobs_run_than_there_are_slots_and_priority_goes_first(tmp_path):
     store = JobStore(tmp_path, slots=1)
     gate = {"gate": str(tmp_path / "gate")}
-    first, low, high = (store.submit("g", None, gate, entry=E + "gated", priority=p) for p in (0, 0, 5))
+    first, low, high = (store.submit("g", None, gate, entry=E + "gated", terms=Terms(priority=p)) for p in (0, 0, 5))
     assert [store.get(job.id).state for job in (first, low, high)] == ["running", "queued", "queued"]
     (tmp_path / "gate").touch()
     first, low, high = (store.wait(job.id, LONG_S) for job in (first, low, high))
@@ -217,10 +219,10 @@ def test_a_worker_that_ends_starts_the_next_job_without_any_server(tmp_path, unt
 
 def test_processes_that_submit_at_the_same_time_lose_nothing(tmp_path):
     script = (
-        "import sys, pathlib, json; from worldagent.execution import JobStore\n"
+        "import sys, pathlib, json; from worldagent.execution import JobStore, Terms\n"
         "s = JobStore(pathlib.Path(sys.argv[1]), slots=2)\n"
         "own = [s.submit('e', 'w', {'k': k}, entry='execution_entries:echo') for k in range(6)]\n"
-        "one = [s.submit('e', 'w', {'k': k}, entry='execution_entries:echo', key=f'k{k}') for k in range(4)]\n"
+        "one = [s.submit('e', 'w', {'k': k}, entry='execution_entries:echo', terms=Terms(key=f'k{k}')) for k in range(4)]\n"
         "print(json.dumps([[j.id for j in own], [j.id for j in one]]))"
     )
     servers = [
@@ -265,7 +267,7 @@ def test_code_outside_the_package_is_refused(store, monkeypatch):
 
 def test_a_row_that_names_foreign_code_is_not_run(store, monkeypatch):
     """The worker checks for itself: jobs.db is a file that others may write."""
-    job = store.submit("echo", None, {}, entry=E + "echo", key="k")
+    job = store.submit("echo", None, {}, entry=E + "echo", terms=Terms(key="k"))
     store.wait(job.id, LONG_S)
     with closing(sqlite3.connect(store.workspace / ".worldagent" / "jobs.db")) as connection, connection:
         connection.execute("UPDATE jobs SET entry = 'os:abort', state = 'queued', pid = NULL, finished = NULL")
@@ -278,18 +280,21 @@ def test_a_row_that_names_foreign_code_is_not_run(store, monkeypatch):
     [
         {"kind": "../up"},
         {"world": ""},
-        {"key": "k" * 201},
         {"payload": {"x": float("inf")}},
         {"payload": {"x": object()}},
-        {"wall_s": 0.0},
-        {"memory_bytes": 1000},
-        {"exclusive": True, "world": None},
+        {"terms": Terms(exclusive=True), "world": None},
     ],
 )
 def test_arguments_out_of_range_are_named(store, change):
     arguments = {"kind": "echo", "world": "w", "payload": {}, "entry": E + "echo", **change}
     with pytest.raises(InputError):
         store.submit(**arguments)
+
+
+@pytest.mark.parametrize("change", [{"key": "k" * 201}, {"wall_s": 0.0}, {"memory_bytes": 1000}])
+def test_terms_out_of_range_are_named(change):
+    with pytest.raises(InputError, match=next(iter(change))):
+        Terms(**change)
 
 
 def test_ids_that_are_none_are_refused(store):

@@ -6,7 +6,7 @@ from contextlib import closing
 from threading import Thread, current_thread
 
 import pytest
-from worldagent.execution import JobStore, damage, jobs, launch, pruning, result_of
+from worldagent.execution import JobStore, Terms, damage, jobs, launch, pruning, result_of
 from worldagent.execution.logs import KEPT_HEAD, KEPT_TAIL, LOG_BYTES_MAX, trim_log
 from worldagent.execution.schema import _COLUMNS_OF_2, _COLUMNS_OF_3, VERSION, JobFile
 from worldagent.execution.table import JobTable
@@ -32,7 +32,7 @@ def test_rows_of_layouts_before_stay_and_go_on(tmp_path, version):
     store = JobStore(tmp_path, slots=1)
     gate = {"gate": str(tmp_path / "gate")}
     (tmp_path / "gate").touch()
-    done = store.wait(store.submit("g", "w", gate, entry=E + "gated", key="k").id, LONG_S)
+    done = store.wait(store.submit("g", "w", gate, entry=E + "gated", terms=Terms(key="k")).id, LONG_S)
     waiting = JobTable(tmp_path)
     _older_layout(waiting.path, version)
     with closing(sqlite3.connect(waiting.path)) as connection, connection:
@@ -47,7 +47,7 @@ def test_rows_of_layouts_before_stay_and_go_on(tmp_path, version):
         assert connection.execute("PRAGMA user_version").fetchone() == (VERSION,)
     assert (found.state, found.result, found.warm) == ("done", {"through": True}, False)
     assert (found.peak_bytes is None) == (version == 1)
-    assert again.submit("g", "w", gate, entry=E + "gated", key="k").id == done.id
+    assert again.submit("g", "w", gate, entry=E + "gated", terms=Terms(key="k")).id == done.id
     ended = again.wait("job_0123456789ab", LONG_S)
     assert result_of(ended)["job"] == "job_0123456789ab"
     assert ended.cpu_s is not None
@@ -121,7 +121,7 @@ def test_an_old_result_that_is_asked_for_is_given_though_it_is_forgotten_meanwhi
         _ended(file, number, days=0, state="done")
     monkeypatch.setattr(jobs, "prune", lambda table: None)  # another process forgets it, after it was found
     monkeypatch.setattr(launch, "claim", lambda table, slots: [pruning.prune(table)][1:])
-    found = store.submit("bake", "w", {}, entry="worldagent.x:f", key="same")
+    found = store.submit("bake", "w", {}, entry="worldagent.x:f", terms=Terms(key="same"))
     assert (found.id, found.state) == (old, "done")
     assert old not in _left(file)
 

@@ -9,6 +9,7 @@ import pytest
 from worldagent.execution import BULK, INTERACTIVE, NORMAL, JobStore, queue
 from worldagent.execution.queue import AGE_S, claim, insert
 from worldagent.execution.table import JobTable
+from worldagent.execution.terms import Terms
 from worldagent.tests.execution.conftest import LONG_S
 from worldagent.worlds.errors import LimitError
 
@@ -19,19 +20,7 @@ def table(tmp_path):
 
 
 def add(table, world, *, priority=NORMAL, exclusive=True, kind="task"):
-    return insert(
-        table,
-        key=None,
-        kind=kind,
-        world=world,
-        entry="worldagent.x:f",
-        payload="{}",
-        exclusive=exclusive,
-        priority=priority,
-        warm=False,
-        wall_s=None,
-        memory_bytes=None,
-    ).id
+    return insert(table, kind, world, "worldagent.x:f", "{}", terms=Terms(exclusive=exclusive, priority=priority)).id
 
 
 def served(table, slots=1):
@@ -110,13 +99,13 @@ def test_the_queue_of_a_world_and_of_a_workspace_is_capped(table, monkeypatch):
 def test_a_client_of_a_full_world_leaves_room_for_others_and_can_still_join(tmp_path, monkeypatch):
     monkeypatch.setattr(queue, "QUEUED_PER_WORLD", 1)
     store = JobStore(tmp_path, slots=1)
-    options = {"entry": "execution_entries:gated", "exclusive": True}
+    entry = "execution_entries:gated"
     gate = {"gate": str(tmp_path / "gate")}
-    running, queued = (store.submit("g", "w", gate, key=key, **options) for key in "ab")
-    assert store.submit("g", "w", gate, key="b", **options).id == queued.id
+    running, queued = (store.submit("g", "w", gate, entry=entry, terms=Terms(key=key, exclusive=True)) for key in "ab")
+    assert store.submit("g", "w", gate, entry=entry, terms=Terms(key="b", exclusive=True)).id == queued.id
     with pytest.raises(LimitError, match="Nothing was queued"):
-        store.submit("g", "w", gate, key="c", **options)
-    other = store.submit("g", "v", gate, **options)
+        store.submit("g", "w", gate, entry=entry, terms=Terms(key="c", exclusive=True))
+    other = store.submit("g", "v", gate, entry=entry, terms=Terms(exclusive=True))
     assert other.state == "queued"
     (tmp_path / "gate").touch()
     for job in (running, queued, other):
@@ -126,7 +115,7 @@ def test_a_client_of_a_full_world_leaves_room_for_others_and_can_still_join(tmp_
 def test_a_queued_job_tells_what_it_waits_for(tmp_path):
     store = JobStore(tmp_path, slots=1)
     gate = {"gate": str(tmp_path / "gate")}
-    options = {"entry": "execution_entries:gated", "exclusive": True}
+    options = {"entry": "execution_entries:gated", "terms": Terms(exclusive=True)}
     running = store.submit("bake", "w", gate, **options)
     same, other = store.submit("check", "w", gate, **options), store.submit("check", "v", gate, **options)
     assert store.standing(running) is None

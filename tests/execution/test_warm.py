@@ -12,7 +12,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from worldagent.execution import fingerprint, nursery, result_of, warm
+from worldagent.execution import Terms, fingerprint, nursery, result_of, warm
 from worldagent.execution.fingerprint import source_stamp, surroundings
 from worldagent.execution.processes import start_time
 from worldagent.execution.schema import FOLDER
@@ -49,7 +49,7 @@ def nursed(store, switched_on, until):
 
 
 def _see(store, **options):
-    job = store.submit("see", None, {}, entry=E + "surroundings", **{"warm": True, **options})
+    job = store.submit("see", None, {}, entry=E + "surroundings", terms=Terms(**{"warm": True, **options}))
     return result_of(store.wait(job.id, LONG_S))
 
 
@@ -64,7 +64,7 @@ def test_a_warm_job_is_forked_by_the_nursery_and_sees_what_a_cold_one_sees(nurse
 
 
 def test_a_warm_worker_is_detached_killed_and_cancelled_like_any(nursed, until):
-    job = nursed.submit("loop", None, {"deaf": True}, entry=E + "native_loop", warm=True)
+    job = nursed.submit("loop", None, {"deaf": True}, entry=E + "native_loop", terms=Terms(warm=True))
     running = until(lambda: (row := nursed.get(job.id)).progress_done == 2 and row)
     assert os.getsid(running.task_pid) == running.pid
     assert Path(f"/proc/{running.pid}/comm").read_text().strip() == "worldagent-jobs"
@@ -158,7 +158,7 @@ def test_one_nursery_serves_a_workspace(nursed, until):
 
 
 def test_a_worker_does_not_hold_the_lock_of_a_nursery_that_ended(nursed, until, tmp_path):
-    job = nursed.submit("g", None, {"gate": str(tmp_path / "gate")}, entry=E + "gated", warm=True)
+    job = nursed.submit("g", None, {"gate": str(tmp_path / "gate")}, entry=E + "gated", terms=Terms(warm=True))
     until(lambda: nursed.get(job.id).progress_done == 1)
     os.kill(_pid(nursed.workspace), signal.SIGKILL)
     until(lambda: not warm.is_there(nursed.workspace))
@@ -213,7 +213,7 @@ def test_senseless_requests_leave_the_nursery_alone(nursed):
 
 def test_a_row_that_names_foreign_code_is_not_run_warm_either(nursed):
     """The worker checks for itself; and one such row stands in nobody's way."""
-    done = nursed.wait(nursed.submit("echo", None, {}, entry=E + "echo", warm=True).id, LONG_S)
+    done = nursed.wait(nursed.submit("echo", None, {}, entry=E + "echo", terms=Terms(warm=True)).id, LONG_S)
     with closing(sqlite3.connect(nursed.workspace / FOLDER / "jobs.db")) as connection, connection:
         connection.execute("UPDATE jobs SET entry = 'os:abort', state = 'queued', pid = NULL, finished = NULL")
     ended = nursed.wait(done.id, LONG_S)
@@ -242,7 +242,7 @@ def test_engines_compute_the_same_bytes_in_warm_and_cold_workers(store, switched
     entries = "engine_entries"
 
     def run(entry, *, warm):
-        return result_of(store.wait(store.submit("c", None, {}, entry=f"{entries}:{entry}", warm=warm).id, LONG_S))
+        return result_of(store.wait(store.submit("c", None, {}, entry=f"{entries}:{entry}", terms=Terms(warm=warm)).id, LONG_S))
 
     cold = run("computed", warm=False)
     store.warm_up(entries)

@@ -9,6 +9,7 @@ import pytest
 import trimesh
 from worldagent.geometry import Motion, State, clearance_series, lowest_clearance, swept_clearance, wall_thickness
 from worldagent.geometry.motions import relative_travel
+from worldagent.geometry.sweep import Sweep
 from worldagent.worlds.arrays import rotation_matrix
 from worldagent.worlds.errors import EvidenceError
 
@@ -48,7 +49,7 @@ def test_a_way_without_end_is_refused_in_words():
     motion = Motion.between(state, state, np.zeros(3), 1.0)
     one, two = solid_of(box(1, 1, 1)), solid_of(box(1, 1, 1))
     with pytest.raises(EvidenceError, match=r"two surfaces move by up to .* lower their speed or spin"):
-        lowest_clearance(one, motion, two, still(at=(2.0, 0, 0)), below=0.0, precision=1e-5)
+        lowest_clearance(Sweep(one, motion, two, still(at=(2.0, 0, 0)), below=0.0, precision=1e-5))
 
 
 def test_a_cubic_through_both_velocities_is_the_parabola_of_a_throw():
@@ -132,7 +133,7 @@ def test_the_lowest_clearance_is_that_of_dense_sampling():
     for i, j, fine, count in ((0, 3, 5e-3, 100), (3, 3, 5e-3, 100), (2, 3, 5e-3, 100), (1, 3, 0.1, 12)):
         a, b = shapes[i], shapes[j]
         one, two = random_motion(rng, 0.8), random_motion(rng, 0.8)
-        low = lowest_clearance(a, one, b, two, precision=fine, skip_above=np.inf)
+        low = lowest_clearance(Sweep(a, one, b, two, precision=fine), skip_above=np.inf)
         s = np.linspace(0, 1, count)
         rows = np.zeros(count, dtype=int)
         dense = clearance_series(a, one.take(rows).at(s), b, two.take(rows).at(s), skip_above=np.inf)
@@ -143,9 +144,9 @@ def test_the_lowest_clearance_is_that_of_dense_sampling():
 def test_only_what_is_lower_than_wanted_is_searched():
     a, b = ball(0.1), ball(0.1)
     motion = straight((-1, 0.19, 0), (1, 0.19, 0))
-    low = lowest_clearance(a, motion, b, still(), below=-0.05, precision=1e-4)
+    low = lowest_clearance(Sweep(a, motion, b, still(), below=-0.05, precision=1e-4))
     assert low.value[0] > -0.05
-    assert lowest_clearance(a, motion, b, still(), below=0.0, precision=1e-4).value[0] < 0.0
+    assert lowest_clearance(Sweep(a, motion, b, still(), below=0.0, precision=1e-4)).value[0] < 0.0
 
 
 def test_an_open_sheet_is_swept_too():

@@ -8,7 +8,7 @@ from contextlib import closing
 from dataclasses import replace
 
 import pytest
-from worldagent.execution import BULK, INTERACTIVE, JobStore
+from worldagent.execution import BULK, INTERACTIVE, JobStore, Terms
 from worldagent.tests.execution.conftest import LONG_S
 from worldagent.tools.job import job
 from worldagent.workflow import jobs as entries
@@ -31,7 +31,7 @@ def gate(context, tmp_path):
 
 
 def _gated(context, gate, world="w", kind="bake", **payload):
-    return context.jobs.submit(kind, world, {"gate": str(gate), **payload}, entry=E + "gated", exclusive=True)
+    return context.jobs.submit(kind, world, {"gate": str(gate), **payload}, entry=E + "gated", terms=Terms(exclusive=True))
 
 
 def _until(condition):

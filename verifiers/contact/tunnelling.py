@@ -303,13 +303,7 @@ class _Case:
     def lowest(self, motion_a: Motion, motion_b: Motion, *, deepest: bool = False) -> Lowest:
         """Some clearance below minus the bound per motion where there is one; about the lowest if asked."""
         return lowest_clearance(
-            self.solid_a,
-            motion_a,
-            self.solid_b,
-            motion_b,
-            below=-self.bound,
-            precision=self.precision,
-            first_found=not deepest,
+            Sweep(self.solid_a, motion_a, self.solid_b, motion_b, -self.bound, self.precision, first_found=not deepest)
         )
 
     def witness(self, motion_a: Motion, motion_b: Motion, time: float) -> tuple[F64, F64]:

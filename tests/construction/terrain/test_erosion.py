@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.construction.terrain.erosion import AREA_EXPONENT, Ground, erode_rivers, relax_slopes
+from worldagent.construction.terrain.erosion import AREA_EXPONENT, Ground, Rivers, erode_rivers, relax_slopes
 from worldagent.construction.terrain.flood import drain
 from worldagent.construction.terrain.grid import Grid
 from worldagent.construction.terrain.noise import fractal
@@ -16,7 +16,7 @@ from worldagent.worlds.errors import InputError
 def test_what_wears_away_is_deposited_or_leaves(seed: int) -> None:
     grid, height = rough_land(seed=seed)
     before = Ground.bare(grid, height, soil=0.5)
-    after, balance = erode_rivers(before, years=5e4, steps=8, erodibility=2e-5, uplift=1e-4)
+    after, balance = erode_rivers(before, Rivers(years=5e4, steps=8, erodibility=2e-5, uplift=1e-4))
     assert balance.worn > 0
     assert balance.residual <= 1e-12
     change = (after.height - before.height).sum() * grid.cell_area
@@ -28,7 +28,7 @@ def test_what_wears_away_is_deposited_or_leaves(seed: int) -> None:
 def test_lakes_take_sediment_and_never_rise_above_their_level() -> None:
     grid, height = rough_land(seed=4)
     level = drain(grid, height).filled
-    after, balance = erode_rivers(Ground.bare(grid, height), years=2e4, steps=1, erodibility=2e-5)
+    after, balance = erode_rivers(Ground.bare(grid, height), Rivers(years=2e4, steps=1, erodibility=2e-5))
     assert balance.deposited > 0
     assert (after.height <= level + 1e-9).all()
 
@@ -42,7 +42,7 @@ def test_a_graded_river_has_the_slope_of_the_stream_power_law() -> None:
     edge = np.ones(grid.shape, dtype=bool)
     edge[1:-1, 1:-1] = False
     for _ in range(3):
-        ground, _ = erode_rivers(ground, years=2e6, steps=80, erodibility=erodibility, uplift=uplift, base=edge)
+        ground, _ = erode_rivers(ground, Rivers(years=2e6, steps=80, erodibility=erodibility, uplift=uplift), base=edge)
     drainage = drain(grid, ground.height)
     receiver = drainage.receiver.ravel()
     here = np.arange(receiver.size)
@@ -61,7 +61,7 @@ def test_slopes_creep_by_diffusion_and_their_mass_balance_closes() -> None:
     grid, creep, wavelength = Grid(40, 160, 5.0), 0.01, 200.0
     x, _ = grid.points()
     wave = 3.0 * np.cos(2 * np.pi * x / wavelength)
-    flat, _ = erode_rivers(Ground.bare(grid, wave), years=2e4, steps=10, erodibility=1e-30, creep=creep)
+    flat, _ = erode_rivers(Ground.bare(grid, wave), Rivers(years=2e4, steps=10, erodibility=1e-30, creep=creep))
     expected = (1 + creep * (2 * np.pi / wavelength) ** 2 * 2e3) ** -10
     middle = np.s_[:, 60:100]
     assert np.ptp(flat.height[middle]) / np.ptp(wave[middle]) == pytest.approx(expected, rel=0.01)
@@ -69,7 +69,7 @@ def test_slopes_creep_by_diffusion_and_their_mass_balance_closes() -> None:
     grid, height = rough_land()
     base = height < np.percentile(height, 20)
     before = Ground.bare(grid, height, soil=0.5)
-    after, balance = erode_rivers(before, years=2e4, steps=5, erodibility=2e-5, creep=creep, base=base)
+    after, balance = erode_rivers(before, Rivers(years=2e4, steps=5, erodibility=2e-5, creep=creep), base=base)
     assert balance.residual <= 1e-12
     assert balance.exported > 0
     assert np.array_equal(after.height[base], before.height[base])
@@ -86,7 +86,7 @@ def test_valleys_keep_their_size_on_a_finer_grid() -> None:
             grid = Grid(round(640 / cell), round(960 / cell), cell)
             x, y = grid.points()
             plane = 0.2 * x + 8 * fractal(x, y, wavelength=200, octaves=5, gain=0.5, seed=2, cell=cell)
-            worn, _ = erode_rivers(Ground.bare(grid, plane), years=5e4, steps=8, erodibility=3e-5, creep=creep)
+            worn, _ = erode_rivers(Ground.bare(grid, plane), Rivers(years=5e4, steps=8, erodibility=3e-5, creep=creep))
             hollow = np.gradient(np.gradient(worn.height, cell, axis=0), cell, axis=0)
             sizes[creep, cell] = float(np.sqrt(np.mean(hollow**2)))
     assert sizes[0.0, 5.0] > 1.6 * sizes[0.0, 10.0]
@@ -127,6 +127,6 @@ def test_rock_stands_steeper_than_scree() -> None:
 def test_impossible_parameters_are_refused() -> None:
     grid, height = rough_land()
     with pytest.raises(InputError, match="years"):
-        erode_rivers(Ground.bare(grid, height), years=0, steps=5, erodibility=1e-5)
+        erode_rivers(Ground.bare(grid, height), Rivers(years=0, steps=5, erodibility=1e-5))
     with pytest.raises(InputError, match="talus"):
         relax_slopes(Ground.bare(grid, height), talus=2.0, talus_rock=1.0)

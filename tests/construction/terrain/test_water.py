@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from worldagent.construction.terrain.channels import carve
 from worldagent.construction.terrain.flood import Drainage, drain
-from worldagent.construction.terrain.water import WaterBodies, find_lakes, find_sea, find_water
+from worldagent.construction.terrain.water import WaterBodies, WaterLimits, find_lakes, find_sea, find_water
 from worldagent.tests.construction.terrain.lands import pit_land, rough_land
 
 
@@ -15,12 +15,8 @@ def _water(
 ) -> WaterBodies:
     return find_water(
         drainage,
-        sea_level=sea,
+        WaterLimits(sea_level=sea, river_density=river, stream_density=stream, least_lake_area=500.0, least_lake_depth=0.5),
         runoff=np.full(drainage.grid.shape, 0.5),
-        river_density=river,
-        stream_density=stream,
-        least_lake_area=500.0,
-        least_lake_depth=0.5,
         rng=np.random.default_rng(seed),
     )
 
@@ -178,8 +174,7 @@ def test_no_stream_leads_to_water_that_is_not_there() -> None:
     grid, height = rough_land(seed=9, tilt=0.08)
     drainage = drain(grid, height)
     everywhere = find_water(
-        drainage, sea_level=None, runoff=np.full(grid.shape, 0.5), river_density=0.0, stream_density=2e-3,
-        least_lake_area=1e12, least_lake_depth=0.5, rng=np.random.default_rng(0),
+        drainage, WaterLimits(sea_level=None, river_density=0.0, stream_density=2e-3, least_lake_area=1e12, least_lake_depth=0.5), runoff=np.full(grid.shape, 0.5), rng=np.random.default_rng(0),
     )  # fmt: skip
     assert not everywhere.lakes
     assert everywhere.rivers == ()

@@ -53,6 +53,10 @@ slow-ages: setup
 golden: setup
 	$(BIN)/python -m worldagent.bench.golden compare
 
+# The statements of one floor that its own fast tests run: FLOOR, or the one whose turn it is by the date; the last figures of the others.
+coverage: setup
+	$(BIN)/python -m worldagent.tests.slow.coverage $(FLOOR) --jobs $(TEST_JOBS) $(COVERAGE_ARGS)
+
 test-all: setup
 	$(BIN)/python -m pytest -q
 

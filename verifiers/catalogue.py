@@ -7,6 +7,7 @@ from types import MappingProxyType, ModuleType
 
 from .categories import questions as categories
 from .categories.cloth import questions as cloth
+from .categories.liquid import questions as liquid
 from .categories.rigid import questions as rigid
 from .contact import questions as contact
 from .delivery import questions as delivery
@@ -20,7 +21,7 @@ from .support import questions as support
 
 __all__ = ["QUESTIONS", "TABLES"]
 
-TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story, shots, delivery, categories, rigid, cloth)
+TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story, shots, delivery, categories, rigid, cloth, liquid)
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 
 QUESTIONS: Mapping[str, Question] = MappingProxyType({q.id: q for table in TABLES for q in table.QUESTIONS})

@@ -41,7 +41,7 @@ def instance_row(
     candidate: Candidate,
     solver: str,
     name: str,
-    predicate: str,
+    claim: Question | str,
     found: Finding,
     *,
     check: Check = "category",
@@ -53,11 +53,13 @@ def instance_row(
         candidate: what is judged.
         solver: the instance.
         name: of the claim.
-        predicate: what it claims.
+        claim: the question, or what it claims where there is none yet.
         found: the verdict.
         check: that the row belongs to.
         family: before the name in the row's id; default the category and a colon.
     """
+    if not isinstance(claim, str):
+        return instance_answer(candidate, claim, solver, found, members=True)
     instance = candidate.spec.simulation.solvers[solver]
     category = instance.moves[0]
     family = f"{category}:" if family is None else family
@@ -66,7 +68,7 @@ def instance_row(
     return answered(
         candidate,
         RowId(f"{check}:{family}{name}", solver),
-        predicate,
+        claim,
         found,
         entities=instance.members,
         evidence={"solver": solver, "category": category},

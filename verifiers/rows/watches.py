@@ -16,17 +16,18 @@ from .instance_rows import instance_row
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row, Status
+    from .questions import Question
 
 __all__ = ["Watching"]
 
-Verdicts = dict[str, dict[str, tuple[str, Finding]]]
-"""Predicate and finding of each claim, by watch."""
+Verdicts = dict[str, dict[str, tuple["Question | str", Finding]]]
+"""Question (or predicate, where there is none yet) and finding of each claim, by watch."""
 
 
 class Watch(Protocol):
     """One family of claims; `see` takes what each frame is made of."""
 
-    claims: ClassVar[Mapping[str, str]]
+    claims: ClassVar[Mapping[str, Question | str]]
 
     def findings(self) -> dict[str, Finding]:
         """The verdict of every claim, after the last frame."""
@@ -52,7 +53,7 @@ class Watching:
     """Status of a watch's claim that an error kept from being judged."""
 
     def findings_of(self, candidate: Candidate, solver: str) -> Verdicts:
-        """Predicate and verdict of every claim by watch; worked out once per candidate."""
+        """Question and verdict of every claim by watch; worked out once per candidate."""
         return candidate.memo((self.numbers, solver), lambda: self._run(candidate, solver))
 
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
@@ -93,7 +94,9 @@ class Watching:
             failed = {kind: failed.get(kind, error) for kind in self.kinds}
         return {kind.__name__: self._verdicts(kind, watches.get(kind), failed.get(kind)) for kind in self.kinds}
 
-    def _verdicts(self, kind: type[Any], watch: Watch | None, error: EvidenceError | None) -> dict[str, tuple[str, Finding]]:
+    def _verdicts(
+        self, kind: type[Any], watch: Watch | None, error: EvidenceError | None
+    ) -> dict[str, tuple[Question | str, Finding]]:
         try:
             if watch is None or error is not None:
                 raise error or EvidenceError("it was not watched")

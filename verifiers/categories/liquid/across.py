@@ -18,20 +18,19 @@ from ....worlds.errors import EvidenceError
 from ....worlds.extents import least_extent
 from ....worlds.predicates import atoms_of
 from ...rows.findings import Finding
+from .bounds import LEAST_ACROSS, ROUNDED
+from .questions import ACROSS
 from .rows import coarse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from ....worlds.spec import SpecModel, WorldSpec
+    from ...rows.questions import Question
     from .frames import Liquid, Step
 
-__all__ = ["LEAST_ACROSS", "Across", "production_spacing", "thin_lines"]
+__all__ = ["Across", "production_spacing", "thin_lines"]
 
-LEAST_ACROSS = 5.0
-"""[spacings] Own choice: one layer at each face feels the surface alone, and three between them make an inside."""
-ROUNDED = 1e-3
-"""Sizes and spacings are given with three digits."""
 ASKS = frozenset({"submerged_fraction", "liquid_level_at"})
 """Predicates whose answer is off by the share of a spacing in the depth."""
 
@@ -39,9 +38,7 @@ ASKS = frozenset({"submerged_fraction", "liquid_level_at"})
 class Across:
     """Thickness of each member against the spacing."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "across": f"liquid bodies of whose level, buoyancy or pressure something depends are {LEAST_ACROSS:g} spacings across at frame 0"
-    }
+    claims: ClassVar[Mapping[str, Question]] = ACROSS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

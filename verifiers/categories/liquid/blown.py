@@ -15,28 +15,25 @@ from ....worlds.built import TriangleMesh
 from ....worlds.liquid_air import LEE, Matter, pushed, surface_points
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
+from .bounds import ATTRACTION, MEDIUM
 from .energy import blown
+from .questions import BLOWN
 from .rows import first_over
 from .solids import pieces_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
 __all__ = ["Blown"]
-
-ATTRACTION, MEDIUM = 0.05, 0.3
-"""Own choice: of the largest impulse of a frame that each should give, what recorded ones may differ by. A medium meets single
-particles at the surface, which move within a frame."""
 
 
 class Blown:
     """Impulses of fields on one instance."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "fields": f"what force fields gave is what they say, within {ATTRACTION:.0%} of the largest, {MEDIUM:.0%} of what a medium gave"
-    }
+    claims: ClassVar[Mapping[str, Question]] = BLOWN
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -22,7 +22,9 @@ from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from .about import COLUMN, Hull, Surroundings, hull_of, others_than
 from .bodies import Bodies, exchanged
+from .bounds import ADDED, BUOYANCY, DRAG, FELT, REACTION, ROUGH, STREAMS
 from .footing import unwetted
+from .questions import COUPLING
 from .rows import coarse, longer_step
 from .samples import shares_under
 
@@ -31,27 +33,14 @@ if TYPE_CHECKING:
 
     from ....worlds.cache import Cache
     from ....worlds.requirements import Correction
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
-__all__ = ["BUOYANCY", "REACTION", "Coupling", "coupled"]
+__all__ = ["Coupling", "coupled"]
 
-REACTION = 1e-5
-"""Relative to the largest impulse of the boundary in any frame: single-precision sums (measured 3e-8 at most)."""
-FELT = 0.01
-"""Own choice: a body feels a liquid that pushes it with this share of its weight over a frame."""
-BUOYANCY = 0.1
-"""Own choice: of the weight of water that the whole body displaces."""
-ADDED = (0.2, 1.2)
-"""Added mass over displaced mass: a slender body along its axis, a plate across; a sphere has 0.5."""
-DRAG = 1.5
-"""Largest drag coefficient of a blunt body, times half the density, its box's section and the square of its speed."""
-STREAMS = 0.1
-"""[m/s] Own choice: liquid that is faster about a body pushes it by its stream, too."""
 WINDOW_SECONDS = 0.25
 RING = 3.0
 """[spacings] Liquid up to this far from a body's box tells the level about it."""
-ROUGH = 2.0
-"""[spacings] Where the level about a body scatters more, its draft is not judged."""
 
 
 def coupled(liquid: Liquid, entity: str) -> str:
@@ -67,12 +56,7 @@ def coupled(liquid: Liquid, entity: str) -> str:
 class Coupling:
     """Exchange with every boundary."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "exchange": f"impulse given to each boundary + what the liquid lost through it = 0 within {REACTION:g} of its largest",
-        "received": "what coupled bodies received is what the liquid gave",
-        "declared": "freely moving bodies that the liquid pushes are coupled both ways, or declared one-way",
-        "buoyancy": f"the push on floating and sunk bodies is that of the displaced liquid within {BUOYANCY:.0%}, draft within half a spacing",
-    }
+    claims: ClassVar[Mapping[str, Question]] = COUPLING
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)

@@ -17,34 +17,25 @@ from ....worlds.arrays import F64
 from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
+from .bounds import BOILING, BULK, CROWDED, DISAGREE, RECORDED
+from .questions import DENSITY
 from .rows import coarse, first_over, longer_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ....worlds.requirements import Correction
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
-__all__ = ["CROWDED", "Density", "crowding_of"]
+__all__ = ["Density", "crowding_of"]
 
 SUPPORT = {"dfsph": 2.0, "flip": 3.0}
 """Of the sum over neighbours, in distances of particles; markers of a grid lie unevenly and need more."""
-CROWDED = {"dfsph": 0.01, "flip": 0.06}
-"""Mean crowding by the judge's count, which uses a kernel of its own. Measured 0.0024 and 0.022 at most (still water, floating crates,
-dam breaks, a burst tank; 450 to 16,000 particles), with room for finer flows."""
-RECORDED = {"dfsph": 0.006, "flip": 0.03}
-"""Mean compression that an engine may record; of a grid, mean overfilling of cells. Measured 0.0030 and 0.0056 at most in the same."""
-DISAGREE = 0.05
-"""Difference of the recorded and the counted mean density in the bulk: two kernels at a ragged surface. Measured 0.041 at most."""
 MOST_CELLS = 1_000_000
 """Own choice: in larger spaces far cells share their places."""
-BULK = 0.85
-"""A particle is in the bulk where it has this share of the neighbours of a full neighbourhood."""
 FULL = {"dfsph": 28.0, "flip": 100.0}
 """Neighbours in a cubic lattice within the support."""
-BOILING = 0.4
-"""Mean divergence of velocity in the bulk times spacing, over the root mean square speed (random velocities give 1). Measured 0.17 at
-most, where a front of water hits a wall."""
 
 
 def crowding_of(liquid: Liquid, frame: Frame) -> tuple[F64, F64, F64]:
@@ -79,11 +70,7 @@ def crowding_of(liquid: Liquid, frame: Frame) -> tuple[F64, F64, F64]:
 class Density:
     """Crowding of every frame."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "density": "mean crowding of particles by the judge's count, and mean compression as recorded, are small",
-        "recorded_density": f"recorded densities in the bulk are those that neighbours give, within {DISAGREE:.0%} on average",
-        "divergence": f"velocities in the bulk diverge by at most {BOILING:g} of their size per spacing",
-    }
+    claims: ClassVar[Mapping[str, Question]] = DENSITY
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

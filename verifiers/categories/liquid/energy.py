@@ -19,31 +19,21 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from .bodies import Bodies, exchanged
+from .bounds import CALM, DRIVEN, LAYERS, MOMENTUM, SETTLED, TENSION
+from .questions import ENERGY, MOMENTUM_BALANCE
 from .rows import coarse, first_over, longer_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
-__all__ = ["CALM", "MOMENTUM", "Energy", "Momentum", "blown"]
+__all__ = ["Energy", "Momentum", "blown"]
 
-MOMENTUM = 0.02
-"""Own choice: share of a frame's weight and boundary impulses that may be unexplained (grids conserve momentum only nearly)."""
-CALM = 1e-3
-"""Own choice: kinetic energy of settled liquid in units of its weight times half its height."""
-SETTLED = 1e-3
-"""Range of potential energy, in the same unit, below which the surface counts as at rest."""
 QUIET_SECONDS = 0.5
-DRIVEN = 0.005
-"""[m/s] Boundaries slower than this drive nothing."""
 WET = 2.0
 """Spacings from a side of the domain within which liquid can feel it."""
-LAYERS = 2.5
-"""[spacings] Own choice: what pushes particles apart that came too close lifts them as well. Of liquid thinner than this, thrown up and caught,
-that is some per cent of the energy in play whatever the step; of three layers it is none (`tests/physics/test_liquid_soft.py`)."""
-TENSION = 0.1
-"""Own choice: share of the surface energy of all liquid in one cube that drops may give back as they merge."""
 
 
 DRIVEN_RECORDS = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
@@ -78,10 +68,7 @@ def _since(step: Step, names: tuple[str, ...]) -> F64:
 class Energy:
     """Kinetic and potential energy of every frame, with what brought or took any."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "energy": "mechanical energy less what inflow, waves, fields and bodies brought never grows by more than limits.energy_growth of that in play",
-        "calm": f"undriven liquid with a resting surface has at most {CALM:g} of weight x height / 2 as kinetic energy",
-    }
+    claims: ClassVar[Mapping[str, Question]] = ENERGY
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)
@@ -207,9 +194,7 @@ def _layers(liquid: Liquid, frame: Frame) -> float:
 class Momentum:
     """Change of the liquid's momentum per frame against its causes."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "momentum": f"momentum changes by gravity, boundaries, waves, fields, inflow and outflow, within {MOMENTUM:.0%} of a frame's weight and impulses"
-    }
+    claims: ClassVar[Mapping[str, Question]] = MOMENTUM_BALANCE
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)

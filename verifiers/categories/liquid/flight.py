@@ -15,20 +15,19 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_boxes
+from .bounds import FLIGHT, LEAST_SLIP
+from .questions import FLIGHT_FREE
 from .rows import first_over, place
 from .solids import Piece, pieces_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
 __all__ = ["Flight"]
 
-FLIGHT = 0.25
-"""Own choice: share of g dt (at least 0.02 m/s) by which the mean velocity of a free cluster may change otherwise."""
-LEAST_SLIP = 0.02
-"""[m/s]"""
 APART = 3.0
 """[spacings] Size of the cubes by which clusters are told apart: one empty cube all around."""
 
@@ -36,9 +35,7 @@ APART = 3.0
 class Flight:
     """Clusters of liquid in the air."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "flight": f"liquid that touches nothing falls freely, within {FLIGHT:.0%} of g dt per frame"
-    }
+    claims: ClassVar[Mapping[str, Question]] = FLIGHT_FREE
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -24,6 +24,8 @@ from ..cloth.sides import PassedSheets
 from ..soft_solids import soft_walls
 from .across import production_spacing
 from .barriers import Barrier, barriers_of, still_barrier
+from .bounds import LEAKED
+from .questions import LEAKS
 from .rows import coarse, longer_step, place
 from .slots import slots, touching
 from .throats import Visited
@@ -31,13 +33,12 @@ from .throats import Visited
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
     from .solids import Piece
 
-__all__ = ["LEAKED", "Leaks"]
+__all__ = ["Leaks"]
 
-LEAKED = 1e-4
-"""Own choice: share of the liquid's particles that may have passed a surface; never less than one."""
 SLACK = 6
 """[cubes] How far around a particle's way another one is searched, at least."""
 RIM = 1.0
@@ -59,9 +60,7 @@ class _Waiting:
 class Leaks:
     """Ways of particles through surfaces."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "leak": f"no liquid gets to the other side of a surface where no resolved way leads; at most {LEAKED:g} of the particles"
-    }
+    claims: ClassVar[Mapping[str, Question]] = LEAKS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -21,6 +21,8 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_depths
+from .bounds import APPEARS, DRIFT, LEDGER, RECORD, SLOW
+from .questions import BOOKS, IDENTITY
 from .rows import first_over, longer_step, place
 from .samples import spread
 from .solids import deepest, pieces_of
@@ -28,34 +30,22 @@ from .solids import deepest, pieces_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Liquid, Rows, Step
 
-__all__ = ["DRIFT", "LEDGER", "RECORD", "Books", "Identity", "declared_filling"]
+__all__ = ["Books", "Identity", "declared_filling"]
 
-LEDGER = 1e-6
-"""Relative: sums of single-precision volumes."""
-DRIFT = 0.01
-"""Own choice: relative error of volume."""
-RECORD = 1e-4
-"""Relative to the scale of each record: single-precision positions and velocities summed."""
-OVERLAP_POINTS = 100_000
-"""Points in a part's box at which it is asked whether a solid is there too."""
-REACH = 1.5
-"""Own choice: particles may appear or vanish this many spacings and two frames of travel away from where they are let in or out."""
-SLOW = 0.5
-"""[m/s] Particles at rest at a frame may be this fast before the next."""
 RECORDED = {"mass": "kg", "volume": "m^3", "particles": "1", "momentum_x": "kg m/s", "momentum_y": "kg m/s", "momentum_z": "kg m/s",
             "kinetic_energy": "J", "potential_energy": "J"}  # fmt: skip
+
+OVERLAP_POINTS = 100_000
+"""Points in a part's box at which it is asked whether a solid is there too."""
 
 
 class Books:
     """Sums over the particles of every frame, beside what is recorded."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "mass": f"mass of particles + outflow - inflow is that of frame 0 within {LEDGER:g} of the largest",
-        "start": f"volume of particles at frame 0 is that of the declared parts outside of solids within {DRIFT:.0%}",
-        "records": f"records of mass, volume, momentum and energy are those of the particles within {RECORD:g} of their scale",
-    }
+    claims: ClassVar[Mapping[str, Question]] = BOOKS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -195,9 +185,7 @@ def _filling(liquid: Liquid, member: str) -> tuple[float, F64]:
 class Identity:
     """Where particles appear and vanish."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "identity": "particles appear at inflows only, vanish at outflows and open sides only, and keep ids of their own"
-    }
+    claims: ClassVar[Mapping[str, Question]] = IDENTITY
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -228,7 +216,7 @@ class Identity:
         for name, driver in liquid.inflows.items():
             if liquid.active(name, frame.index):
                 speed = np.linalg.norm(frame.velocity[born], axis=1).max(initial=driver.flow_speed)
-                travel = REACH * liquid.spacing + 2.0 * speed * step.duration + liquid.strength * step.duration**2
+                travel = APPEARS * liquid.spacing + 2.0 * speed * step.duration + liquid.strength * step.duration**2
                 reach |= liquid.near_inflow(name, frame.position[born], travel)
         self._stray(frame.index, born[~reach], frame.position, "appear where no inflow lets them in")
 
@@ -237,7 +225,7 @@ class Identity:
         frame, liquid = step.before, self.liquid
         self.deaths += len(step.gone)
         at, speed = frame.position[step.gone], np.linalg.norm(frame.velocity[step.gone], axis=1)
-        travel = REACH * liquid.spacing + 2.0 * np.maximum(speed, SLOW) * step.duration
+        travel = APPEARS * liquid.spacing + 2.0 * np.maximum(speed, SLOW) * step.duration
         travel = travel + liquid.strength * step.duration**2
         taken = liquid.near_open_side(at, travel)
         for name in liquid.outflows:

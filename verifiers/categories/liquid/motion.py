@@ -17,39 +17,23 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from .bodies import Bodies
+from .bounds import FEW_TRAPPED, JET, JITTER_SECONDS, JITTER_WAY, JUMP, LIMIT, SPIKES, TRAPPED
+from .questions import MOTION, TRAPPED_PARTICLES
 from .rows import first_over, longer_step, place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Rows, Step
 
 __all__ = ["Motion", "Trapped"]
-
-JUMP = {"dfsph": 0.5, "flip": 1.5}
-"""[spacings] Displacement in a frame beyond what velocities and gravity explain. Measured 0.15 at most for particles (a burst tank);
-markers move by the grid's velocity, not by their own (measured 0.7 and 1.2 in dam breaks)."""
-JET = 2.0
-"""Own choice: impinging water rises in jets faster than it fell; measured run-ups and plunging jets stay below twice."""
-SPIKES = 1e-3
-"""Own choice: share of the particles that may be faster than energy allows, at most `LIMIT` times."""
-LIMIT = 1.5
-"""Measured 0.8 at most (a coarse dam break)."""
-JITTER_SECONDS = 0.5
-JITTER_WAY = 5.0
-"""Way within that time over spacing, from which on a particle that stays within one spacing jitters."""
-TRAPPED = 2e-3
-"""Share of the particles that may; never less than FEW. Single particles in thin splashes do (measured 3 of 800, and a share of 0.001)."""
-FEW = 8
 
 
 class Motion:
     """Displacements and speeds."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "jumps": "displacement per frame is what velocities explain, within one spacing (two cells)",
-        "spikes": f"at most {SPIKES:g} of the particles are faster than {JET:g} times what energy allows, none {LIMIT:g} times faster still",
-    }
+    claims: ClassVar[Mapping[str, Question]] = MOTION
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)
@@ -181,9 +165,7 @@ class Motion:
 class Trapped:
     """Particles that stay where they are and yet move."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "trapped": f"at most {TRAPPED:g} of the particles jitter within a spacing for {JITTER_SECONDS:g} s (moving fluid caught between surfaces)"
-    }
+    claims: ClassVar[Mapping[str, Question]] = TRAPPED_PARTICLES
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -212,7 +194,7 @@ class Trapped:
         rate = way / np.maximum(frame.index - since, 1) * self.window
         bad = long & (rate > JITTER_WAY * self.liquid.spacing)
         self.share.append(float(bad.sum()) / max(frame.count, 1))
-        if self.first is None and bad.sum() > max(FEW, TRAPPED * frame.count):
+        if self.first is None and bad.sum() > max(FEW_TRAPPED, TRAPPED * frame.count):
             self.first = (frame.index, int(bad.sum()), place(np.median(frame.position[bad], axis=0)))
 
     def findings(self) -> dict[str, Finding]:

@@ -10,21 +10,18 @@ from ....worlds.errors import EvidenceError
 from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
+from .bounds import CAPPED, COVER, LOST
+from .questions import NUMBERS
 from .rows import coarse, first_over, longer_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Liquid, Step
 
-__all__ = ["CAPPED", "Numbers"]
+__all__ = ["Numbers"]
 
-CAPPED = 0.05
-"""Own choice, as for rigid bodies: share of steps whose solve may end at the cap of iterations."""
-LOST = 0.0
-"""Particles that nothing took away."""
-COVER = 1e-3
-"""Relative: steps of a frame must cover it."""
 RECORDS = ("steps", "step", "iterations_pressure", "iterations_divergence", "iterations_capped", "lost", "max_speed",
            "density_error_mean", "density_error_max")  # fmt: skip
 
@@ -32,14 +29,7 @@ RECORDS = ("steps", "step", "iterations_pressure", "iterations_divergence", "ite
 class Numbers:
     """Counters of every frame."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "finite": "every number in every channel is finite",
-        "counts": "channels have as many rows as there are particles, boundaries and drivers, which are those of the plan",
-        "speed": "no particle is faster than limits.max_speed",
-        "iterations": f"at most {CAPPED:.0%} of the steps end at the iteration cap",
-        "counters": "steps no longer than max_step cover every frame, and every counter is possible",
-        "lost": "no particle is lost",
-    }
+    claims: ClassVar[Mapping[str, Question]] = NUMBERS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -18,6 +18,8 @@ from ....worlds.categories.liquid.facts import LEAST_MOUTH
 from ...rows.corrections import correction
 from ...rows.findings import Finding
 from .barriers import still_barrier
+from .bounds import EDGES, FACETS, LEAST_OPENING, LEAST_WALL, WIDE_BODY
+from .questions import RESOLVED
 from .rows import coarse, place
 from .samples import scattered
 from .solids import Piece, deepest, pieces_of
@@ -26,24 +28,15 @@ from .throats import Visited, narrow_ways
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Liquid, Step
 
-__all__ = ["LEAST_OPENING", "LEAST_WALL", "Resolved"]
+__all__ = ["Resolved"]
 
-LEAST_OPENING = 3.0
-"""[spacings] Own choice, the rule of the specification: fewer show neither the flow's middle nor its edges."""
-LEAST_WALL = {"dfsph": 0.5, "flip": 1.0}
-"""[spacings] Own choice: boundaries of particles stand on either side of a wall, a grid sees one that covers a cell."""
-FACETS = 0.01
-"""Share by which round or turned solids may be less, being made of facets."""
-EDGES = 0.05
-"""Own choice: share of a part's wet surface that may be thinner: edges and tips."""
 SOME = 1000
 """Places of a part at which its thickness is measured."""
 LEVELS = 16
 """Depths at which it is asked whether a place is still inside, up to twice what is needed."""
-WIDE = 8.0
-"""[spacings] Bodies that move freely count as obstacles where their second largest extent is more than this: smaller ones drift."""
 POSES = 6
 """Frames between the poses at which a moving solid is looked at."""
 
@@ -51,11 +44,7 @@ POSES = 6
 class Resolved:
     """Openings, obstacles and passages against the spacing."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "openings": f"mouths of inflows are at least {LEAST_MOUTH['dfsph']:g} spacings ({LEAST_MOUTH['flip']:g} cells) wide, outflows {LEAST_OPENING:g}",
-        "obstacles": "fixed solids are at least half a spacing (a cell) thick where they are wet",
-        "passages": f"ways between fixed solids that liquid gets to are at least {LEAST_OPENING:g} spacings wide, or have one beside them that is",
-    }
+    claims: ClassVar[Mapping[str, Question]] = RESOLVED
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -121,7 +110,7 @@ class Resolved:
         if (
             visited is None
             or not piece.solid_through
-            or (loose and sorted(piece.solid.upper - piece.solid.lower)[1] < WIDE * liquid.spacing)
+            or (loose and sorted(piece.solid.upper - piece.solid.lower)[1] < WIDE_BODY * liquid.spacing)
         ):
             return None
         for frame in (0,) if piece.still else range(0, liquid.frames, POSES):

@@ -14,6 +14,7 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 
 if TYPE_CHECKING:
+    from ...rows.questions import Question
     from .frames import Liquid, Step
 
 __all__ = ["Watch", "coarse", "first_over", "longer_step", "place", "worst"]
@@ -22,8 +23,8 @@ __all__ = ["Watch", "coarse", "first_over", "longer_step", "place", "worst"]
 class Watch(Protocol):
     """One family of claims about a liquid: it sees all frames in order, then says what it found."""
 
-    claims: ClassVar[Mapping[str, str]]
-    """Predicate by name; a name is the second last part of a row's id."""
+    claims: ClassVar[Mapping[str, Question]]
+    """Questions by name; a name is the second last part of a row's id."""
 
     def __init__(self, liquid: Liquid) -> None: ...
 

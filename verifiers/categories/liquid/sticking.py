@@ -15,6 +15,8 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_gaps
+from .bounds import BEARING, BELOW, FEW_STUCK, FILM, STAYS_SECONDS, STAYS_SHARE, STAYS_WAY, STEEP, STUCK
+from .questions import STICKING
 from .rows import coarse, place
 from .solids import deepest, pieces_of
 
@@ -22,43 +24,24 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ....worlds.requirements import Correction
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Rows, Step
 
 __all__ = ["Sticking"]
-
-LEAST_SECONDS = 0.2
-"""Own choice: what stays for less has only turned round at the top of its way."""
-SHARE = 0.15
-"""Own choice: share of the way of a free fall in that time within which it stays. Thrown up and falling back it moves a quarter."""
-RESOLVED = 0.5
-"""[spacings] The way that counts is at least so long: what settles in its place moves less."""
-FILM = 2.0
-"""How often a film of one spacing covers that way in the time: a Nusselt film runs at density g h^2 / (3 viscosity) (1916)."""
-STUCK = 2e-4
-"""Own choice: share of the particles that may stick; never less than FEW."""
-FEW = 2
-STEEP = 0.26
-"""Least cosine to the vertical of the way to a surface that bears what lies on it: slopes up to 75 degrees."""
-BELOW = 0.3
-"""Least cosine to the vertical of the way to a particle that bears another."""
-REACH = 1.5
-"""[spacings] How far off what bears a particle may be."""
 
 
 class Sticking:
     """Particles that should fall and stay."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "sticks": f"what nothing bears does not stay at a wall, a ceiling or in the air; at most {STUCK:g} of the particles"
-    }
+    claims: ClassVar[Mapping[str, Question]] = STICKING
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
         self.pieces = pieces_of(liquid.candidate)
         g, s = liquid.strength, liquid.spacing
-        self.seconds = max(LEAST_SECONDS, float(np.sqrt(2.0 * RESOLVED * s / (SHARE * g)))) if g > 0.0 else np.inf
+        self.seconds = max(STAYS_SECONDS, float(np.sqrt(2.0 * STAYS_WAY * s / (STAYS_SHARE * g)))) if g > 0.0 else np.inf
         """A fall goes on for so long before it is asked how far it went."""
-        self.way = SHARE * 0.5 * g * self.seconds**2 if g > 0.0 else np.inf
+        self.way = STAYS_SHARE * 0.5 * g * self.seconds**2 if g > 0.0 else np.inf
         self.judged = np.array([self._falls(m) for m in range(len(liquid.members))])
         """Which liquids are judged, by index of the members."""
         self.identity = np.zeros(0, dtype=np.int64)
@@ -118,7 +101,7 @@ class Sticking:
             self.first = (frame.index, len(rows), place(where), self._beside(where, frame.index))
 
     def _allowed(self, count: int) -> float:
-        return max(float(FEW), STUCK * count)
+        return max(float(FEW_STUCK), STUCK * count)
 
     def _unborne(self, frame: Frame, rows: Rows) -> Rows:
         """Those of the particles that neither other particles nor surfaces bear."""
@@ -127,7 +110,7 @@ class Sticking:
         liquid = self.liquid
         rows = rows[~_over_others(frame.position, rows, liquid.up, liquid.pitch)]
         down = -liquid.up * liquid.spacing
-        for share in (0.5, 1.0, REACH):
+        for share in (0.5, 1.0, BEARING):
             if len(rows):
                 points = frame.position[rows] + share * down
                 borne = self._beyond_closed(points)
@@ -148,7 +131,7 @@ class Sticking:
         from ....geometry import distance_to_surface
 
         found = np.zeros(len(points), dtype=bool)
-        reach = REACH * self.liquid.spacing
+        reach = BEARING * self.liquid.spacing
         found |= np.isfinite(soft_gaps(self.liquid.candidate, self.liquid.solver, points, index, reach))
         for piece in self.pieces:
             low, high = piece.box(index)
@@ -169,7 +152,7 @@ class Sticking:
             for p in self.pieces
         }
         best = min(gaps, key=lambda n: gaps[n], default="")
-        return best if best and gaps[best] <= REACH * self.liquid.spacing else ""
+        return best if best and gaps[best] <= BEARING * self.liquid.spacing else ""
 
     def findings(self) -> dict[str, Finding]:
         """How many stick, and where the first do."""
@@ -235,9 +218,9 @@ def _on_others(position: F64, rows: Rows, up: F64, pitch: float) -> NDArray[np.b
     """Which of the particles have another one below and beside them, within reach."""
     from scipy.spatial import cKDTree
 
-    low, high = position[rows].min(axis=0) - REACH * pitch, position[rows].max(axis=0) + REACH * pitch
+    low, high = position[rows].min(axis=0) - BEARING * pitch, position[rows].max(axis=0) + BEARING * pitch
     near = position[((position >= low) & (position <= high)).all(axis=1)]
-    pairs = cKDTree(position[rows]).sparse_distance_matrix(cKDTree(near), REACH * pitch, output_type="coo_matrix")
+    pairs = cKDTree(position[rows]).sparse_distance_matrix(cKDTree(near), BEARING * pitch, output_type="coo_matrix")
     below = (position[rows[pairs.row]] - near[pairs.col]) @ up
     found = np.zeros(len(rows), dtype=bool)
     found[pairs.row[(below >= BELOW * pairs.data) & (below > 0.0)]] = True

@@ -20,43 +20,26 @@ from ....worlds.errors import EvidenceError
 from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
+from .bounds import CALM_SPEED, DRIFT, FAR, POP, STRANGE, SUDDEN, VOLUME
+from .questions import SHOWN
 from .rows import first_over, place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Liquid, Step
 
-__all__ = ["DRIFT", "POP", "VOLUME", "Shown"]
+__all__ = ["Shown"]
 
-VOLUME = 0.2
-"""Relative error of the volume at any frame; sheets and drops are thinner than a surface of particles can be (measured 0.16 in a dam
-break of 1,200 particles, 0.09 in a burst tank of 2,800, 0.04 as a crate floats)."""
-DRIFT = 0.01
-"""Relative drift of the volume between frames at which the liquid is calm; own choice."""
-POP = {True: 0.01, False: 0.06}
-"""Relative change of volume in one frame that no inflow or outflow explains, while calm and in motion (measured 0.004 in still water,
-0.045 as thin splashes of 2,800 particles fall together)."""
-CALM_SPEED = 0.05
-"""[m/s] Root mean square speed below which the liquid counts as calm."""
-FAR = 2.0
-"""[distances of particles] A vertex farther than this from every particle shows what is not there."""
-SUDDEN = 3.0
-"""[distances of particles] by which points of the surface may move beyond the liquid's own motion in a frame."""
 SOME = 2000
 """Vertices looked at per frame."""
-SHARE = 1e-3
-"""Own choice: share of vertices that may be far or sudden, one in SOME at least."""
 
 
 class Shown:
     """Surfaces of every frame."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "surface": f"volume of surface and spray is that of the particles within {VOLUME:.0%}, and within {DRIFT:.0%} of one another while calm",
-        "closed": "the surface is closed, lies about particles everywhere, and is recorded as it is",
-        "pop": f"volume of the surface changes by at most {POP[True]:.0%} per frame without a source while calm, {POP[False]:.0%} in motion, and no part of it comes from nowhere",
-    }
+    claims: ClassVar[Mapping[str, Question]] = SHOWN
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -167,7 +150,7 @@ class Shown:
             return first_over(gaps, 0.0, "1", "number of edges that do not belong to two faces", (hint,))
         found = first_over(
             far,
-            max(SHARE, 1.0 / SOME),
+            max(STRANGE, 1.0 / SOME),
             "1",
             f"share of the surface farther than {FAR:g} particle distances from all particles",
             (hint,),
@@ -179,7 +162,7 @@ class Shown:
 
     def _pop(self, hint: Any) -> Finding:
         sudden = first_over(
-            np.array(self.sudden), max(SHARE, 1.0 / SOME), "1", "share of the surface that appears where no liquid was", (hint,)
+            np.array(self.sudden), max(STRANGE, 1.0 / SOME), "1", "share of the surface that appears where no liquid was", (hint,)
         )
         if sudden.status == "fail":
             assert sudden.frame is not None

@@ -16,6 +16,8 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_depths
+from .bounds import BEYOND, DEPTH_SHARE
+from .questions import WALLS
 from .rows import coarse, longer_step, place
 from .solids import deepest, pieces_of
 
@@ -23,26 +25,19 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ....worlds.requirements import Correction
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
-__all__ = ["DEPTH_SHARE", "Walls", "opening_points"]
+__all__ = ["Walls", "opening_points"]
 
-DEPTH_SHARE = 0.5
-"""[spacings] A particle whose middle is deeper than this is inside for more than a blurred surface."""
 ROUNDING = 1e-6
 """[m] Own choice: openings that end in a side of the domain end there within rounding."""
-BEYOND = 0.5
-"""[spacings] by which particles may stand out of a closed side."""
 
 
 class Walls:
     """Particles against solids and the domain."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "inside": f"no particle is deeper than {DEPTH_SHARE:g} spacings inside a solid, one that deforms included",
-        "domain": f"no particle is more than {BEYOND:g} spacings beyond a side of the domain",
-        "source": "openings of inflows are free of solids, and inside the domain, while they are open",
-    }
+    claims: ClassVar[Mapping[str, Question]] = WALLS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

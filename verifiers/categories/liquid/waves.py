@@ -23,6 +23,8 @@ from ....worlds.waves import developed, heading, inward, sea_of, waves_of
 from ...rows.corrections import correction
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
+from .bounds import ENTERS, FLAT, HEIGHT, LEAST_WATER, PERIOD, PERIODS
+from .questions import WAVES
 from .rows import coarse, place
 
 if TYPE_CHECKING:
@@ -30,35 +32,22 @@ if TYPE_CHECKING:
 
     from ....worlds.requirements import Correction, Status
     from ....worlds.spec import WavesDriver
+    from ...rows.questions import Question
     from .frames import Liquid, Step
 
-__all__ = ["HEIGHT", "PERIOD", "Waves"]
+__all__ = ["Waves"]
 
-HEIGHT = 0.25
-"""Own choice: relative error of height. Engines of 20 to 40 spacings per wave lose 5 to 15 % (docs/accuracy.md), floating bodies throw
-back as much."""
-PERIOD = 0.05
-"""Own choice: relative error of period, as for dispersion."""
-PERIODS = 1.4
-"""Of full waves that a verdict needs."""
 WIDE = 1 / 12
 """Wavelengths across a window, at least two spacings."""
 MOST = 12
 """Windows along one zone."""
-ENTERS = 0.17
-"""Waves that enter the domain at less than 10 degrees from a side are not judged there."""
-LEAST_WATER = 0.3
-"""Share of a window that is water; what solids take of it is left out of account."""
 STRETCHES = np.exp(np.linspace(np.log(0.5), np.log(2.0), 141))
 
 
 class Waves:
     """Height of the surface over windows at the inner end of zones, frame by frame."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "waves_height": f"waves leave their zone with the declared height within {HEIGHT:.0%}",
-        "waves_period": f"and with the declared period within {PERIOD:.0%}",
-    }
+    claims: ClassVar[Mapping[str, Question]] = WAVES
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -139,10 +128,6 @@ class Waves:
 
     def _first(self, driver: WavesDriver) -> int:
         return min(int(np.ceil(developed(driver, self.liquid.strength) / self.liquid.duration)), self.liquid.frames - 1)
-
-
-FLAT = 0.3
-"""Gain below which nothing made the waves."""
 
 
 def _flat(gain: float) -> tuple[Correction, ...]:

@@ -17,6 +17,8 @@ from ....worlds.categories.liquid.wet import Texels, WetMap
 from ....worlds.errors import EvidenceError
 from ...rows.findings import Finding
 from ...rows.instance_rows import baked_again
+from .bounds import AREA, BEHIND, DEEP, OFF, OVER, SHALLOW, TOUCH, UNCOVERED
+from .questions import WETTED
 from .rows import coarse, place
 from .samples import scattered
 from .solids import Piece, pieces_of
@@ -25,31 +27,15 @@ from .tracks import Carried
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Frame, Liquid, Step
 
-__all__ = ["TOUCH", "Wetted", "touched"]
+__all__ = ["Wetted", "touched"]
 
-TOUCH = 1.0
-"""[spacings] Liquid this near to a surface wets it."""
-BEHIND = 0.25
-"""[spacings] by which what wets a surface may be behind it: walls are wet on the side where the liquid is."""
-AREA = 0.005
-"""Own choice: share of the wet area that may be called dry or wet otherwise; places at the very edge round either way."""
-DEEP = 1.5
-"""[spacings] Own choice: by which a depth may be less than that of the narrow column over a place."""
-SHALLOW = 0.25
-"""Own choice: share of the places looked at whose depth may be less than that: drops over a splash end columns one way or another
-(measured 0.12 in a flood of 5,000 particles)."""
-OVER = 0.1
-"""[spacings] of rounding by which a depth may be more than that of all liquid about a place."""
 WIDE, NARROW = 1.5, 0.6
 """[spacings] Radii of columns: what is wet lies no deeper than under the top of the wide one."""
 GAP = 2.5
 """[spacings] of air that end a column of liquid."""
-OFF = 1e-5
-"""[m] by which places may lie off the surface, besides single precision."""
-UNCOVERED = 0.02
-"""Own choice: share of the wet surface without a place nearby."""
 EVERY = 4
 """Frames between those that are looked at; every one's digest is."""
 SOME = 200
@@ -94,9 +80,7 @@ class _Worst:
 class Wetted:
     """Wet maps of every frame."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "wet": f"wet maps are right for all but {AREA:.1%} of the wet area, and as deep as the liquid over them"
-    }
+    claims: ClassVar[Mapping[str, Question]] = WETTED
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -25,7 +25,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from .arrays import F64, RigidPose
-from .channels import CHANNELS, Writer, mismatch, names_written
+from .channels import CHANNELS, mismatch, names_written
 from .errors import EngineError, EvidenceError
 from .folder import write_atomically
 
@@ -224,7 +224,7 @@ class Cache:
         with (self.folder / "digests.txt").open("a", encoding="ascii") as stream:
             stream.write(f"{digest}\n")
 
-    def write(self, frame: int, data: Mapping[str, Any], writers: frozenset[Writer]) -> None:
+    def write(self, frame: int, data: Mapping[str, Any], writers: frozenset[str]) -> None:
         """Write the next frame and its digest.
 
         Args:

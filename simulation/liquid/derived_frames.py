@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...worlds.channels import Writer
 from ...worlds.derived import Derived
 from ...worlds.folder import write_atomically
 
 __all__ = ["Make", "make_frames"]
 
-Make = Callable[[int], tuple[dict[str, Any], frozenset[Writer]]]
+Make = Callable[[int], tuple[dict[str, Any], frozenset[str]]]
 """Channels of a frame without its `source`, and their writers."""
 
 

@@ -16,7 +16,6 @@ from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays
 from ...worlds.canonical import digest_of, source_digest
 from ...worlds.categories.liquid.surface import LiquidSurface
-from ...worlds.channels import Writer
 from ...worlds.errors import EvidenceError, InputError
 from . import foam, surface_mesh
 from .derived_frames import make_frames
@@ -290,7 +289,7 @@ def mesh_surfaces(
     digests = cache.digests()
     start, state = _trusted(made, about["recipe"], cache.index.frames)
 
-    def make(frame: int) -> tuple[dict[str, Any], frozenset[Writer]]:
+    def make(frame: int) -> tuple[dict[str, Any], frozenset[str]]:
         nonlocal state
         data = cache.read(frame)
         if digest_arrays(data) != digests[frame]:

@@ -14,7 +14,6 @@ from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays, write_container
 from ...worlds.canonical import digest_of, source_digest
 from ...worlds.categories.liquid.wet import WetMap, wet_folder
-from ...worlds.channels import Writer
 from ...worlds.errors import EvidenceError
 from .derived_frames import make_frames
 from .tracks import Tracks, sweeps
@@ -87,7 +86,7 @@ def map_wet(
     for frame in range(start):
         tracks.take(reader.read(frame))
 
-    def make(frame: int) -> tuple[dict[str, Any], frozenset[Writer]]:
+    def make(frame: int) -> tuple[dict[str, Any], frozenset[str]]:
         data = cache.read(frame, ("origin", "particle/position", "particle/fluid", "particle/volume"))
         found = _wet(texels, groups, parts, frame, _Drops.of(data), spacing=spacing, up=up)
         return found | tracks.follow(frame, found), frozenset({"wet"})

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from ..channel import Channel
 from ..matter import Instance, Matter, MatterShape
 from ..parameters import PHYSICS, GroupInfo, Parameter
 from ..predicate_base import PredicateInfo
@@ -55,6 +56,12 @@ class CategorySpec:
     """Causal parameter groups of its own."""
     parameters: tuple[Parameter, ...] = ()
     """Its fields, each with group and direction."""
+    channels: Mapping[str, tuple[Channel, ...]] = field(default_factory=dict)
+    """What it writes into caches, by kind of writer: its name for all of its own instances, others as `writers` tells."""
+    dimensions: Mapping[str, str] = field(default_factory=dict)
+    """Named sizes of these channels that no other category has, and what their rows are."""
+    writers: Callable[[WorldSpec, str], Iterable[str]] = lambda spec, name: ()
+    """More kinds of writer that an instance is."""
     knobs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """By engine: lengths in an entity's `physics` that a probe may leave coarser."""
     caps: tuple[Cap, ...] = ()

@@ -9,6 +9,7 @@ from ..caps import CLOTH_CAPS
 from ..category import Audit, CategorySpec
 from ..shared import DAMPING, LINEAR_VELOCITY, PINS, STEPS
 from .audit import cloth_problems, has_sheets, mass_problems
+from .channels import CHANNELS, DIMENSIONS, writers
 from .contacts import unrecorded
 from .couplings import coupling_problems
 from .facts import cloth_counts
@@ -57,6 +58,9 @@ CLOTH = CategorySpec(
         *parameters(SETTINGS, "integrator", "step", "repair", "rows hold the motion against laws"),
         *parameters(SETTINGS, "margin", "contact", "repair", "rows hold the motion against laws"),
     ),
+    channels=CHANNELS,
+    dimensions=DIMENSIONS,
+    writers=writers,
     caps=CLOTH_CAPS,
     estimate=cloth_counts,
     audit=Audit(

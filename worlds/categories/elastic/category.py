@@ -8,6 +8,7 @@ from ...parameters import PHYSICS, GroupInfo, parameters
 from ..category import Audit, CategorySpec
 from ..shared import DAMPING, ELASTIC_MODULI, LINEAR_VELOCITY, PINS, RESOLUTION
 from .audit import elastic_problems
+from .channels import CHANNELS, DIMENSIONS, writers
 from .models import ElasticPhysics
 from .predicates import PREDICATES
 
@@ -29,6 +30,9 @@ ELASTIC = CategorySpec(
         *PINS,
         *RESOLUTION,
     ),
+    channels=CHANNELS,
+    dimensions=DIMENSIONS,
+    writers=writers,
     audit=Audit(
         "elastic",
         "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells",

@@ -6,6 +6,7 @@ from ...parameters import BREAKABLE, GroupInfo, Parameter, Way, parameters
 from ..caps import PIECES
 from ..category import Audit, CategorySpec
 from .audit import fracture_problems
+from .channels import CHANNELS, DIMENSIONS, writers
 from .predicates import PREDICATES
 
 __all__ = ["FRACTURE"]
@@ -40,6 +41,9 @@ FRACTURE = CategorySpec(
             "how a load is shared among bonds",
         ),
     ),
+    channels=CHANNELS,
+    dimensions=DIMENSIONS,
+    writers=writers,
     caps=(PIECES,),
     audit=Audit(
         "fracture",

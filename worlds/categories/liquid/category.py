@@ -8,6 +8,7 @@ from ..category import Audit, CategorySpec
 from ..loose import counts
 from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, STEPS, TEMPERATURE
 from .audit import liquid_problems
+from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import liquid_estimate
 from .models import DfsphInstance, FlipInstance, InflowDriver, LiquidPhysics, OutflowDriver, WavesDriver
 from .predicates import PREDICATES
@@ -53,6 +54,9 @@ LIQUID = CategorySpec(
             below=True,
         ),
     ),
+    channels=CHANNELS,
+    dimensions=DIMENSIONS,
+    writers=writers,
     knobs={"dfsph": ("resolution",), "flip": ("resolution",)},
     caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (liquid_estimate(spec, name) for name in spec.simulation.liquid)),

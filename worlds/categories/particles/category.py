@@ -8,6 +8,7 @@ from ..category import Audit, CategorySpec
 from ..loose import counts
 from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
 from .audit import particle_problems
+from .channels import CHANNELS
 from .facts import particle_estimate
 from .models import BallisticInstance, DemInstance, EmitterDriver, ParticlePhysics
 from .predicates import PREDICATES
@@ -37,6 +38,7 @@ PARTICLES = CategorySpec(
         *OPENING,
         *parameters(DRIVER, "speed_spread cone", "drivers", "repair", "drivers stand in the register", below=True),
     ),
+    channels=CHANNELS,
     knobs={"dem": ("radius",)},
     caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (particle_estimate(spec, name) for name in spec.simulation.particles)),

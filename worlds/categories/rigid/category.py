@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...parameters import DRIVER, PHYSICS, SETTINGS, parameters
 from ..category import CategorySpec
 from ..shared import LINEAR_VELOCITY, STEPS
+from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import rigid_counts
 from .masses import mass_problems
 from .models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance, RigidPhysics
@@ -36,6 +37,9 @@ RIGID = CategorySpec(
             below=True,
         ),
     ),
+    channels=CHANNELS,
+    dimensions=DIMENSIONS,
+    writers=writers,
     estimate=rigid_counts,
     masses=mass_problems,
     starts_alone=True,

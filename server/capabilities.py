@@ -4,40 +4,14 @@ from __future__ import annotations
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, get_args
 
 from .. import __version__
 from ..worlds.errors import EngineError
 from ..worlds.foreign import MOST_ENTRIES
 from ..worlds.limits import CAPS, Cap
 
-__all__ = ["CATEGORIES", "PACKAGES", "all_caps", "capabilities", "package_version"]
-
-CATEGORIES: dict[str, dict[str, Any]] = {
-    "rigid": {"available": True, "engine": "mujoco", "covers": "rigid bodies, joints, ropes of links, drivers"},
-    "elastic": {
-        "available": True,
-        "engine": "mujoco",
-        "covers": "elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
-    },
-    "cloth": {
-        "available": True,
-        "engine": "shell",
-        "covers": "sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
-    },
-    "liquid": {
-        "available": True,
-        "engine": "dfsph, flip",
-        "covers": "free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
-    },
-    "gas": {"available": False},
-    "particles": {
-        "available": True,
-        "engine": "dem, ballistic",
-        "covers": "grains with friction, rolling resistance and cohesion that push bodies and are pushed; sparks, rain, dust that fly alone",
-    },
-}
-"""Categories of physics a specification can name; one that is not available is refused before a probe."""
+__all__ = ["PACKAGES", "all_caps", "capabilities", "package_version"]
 
 PACKAGES = (
     "mcp", "pydantic", "numpy", "scipy", "mujoco", "warp-lang", "trimesh", "python-fcl", "coacd", "mitsuba", "drjit", "pyoidn",
@@ -85,12 +59,25 @@ def capabilities() -> dict[str, Any]:
         "worldagent": __version__,
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
-        "categories": CATEGORIES,
+        "categories": _categories(),
         "vegetation": _vegetation(),
         "renderer": _renderer(),
         "caps": {cap.name: {"value": cap.value, "unit": cap.unit, "knob": cap.knob} for cap in all_caps()},
         "versions": {name: package_version(name) for name in PACKAGES},
     }
+
+
+def _categories() -> dict[str, dict[str, Any]]:
+    """Categories of physics a specification can name; one that is not available is refused before a probe."""
+    from ..worlds.categories.registry import CATEGORIES
+
+    found: dict[str, dict[str, Any]] = {name: {"available": False} for name, c in CATEGORIES.items() if c.physics is not None}
+    movers = [i for c in CATEGORIES.values() for i in c.instances]
+    for name in found:
+        engines = [e for i in movers if name in i.moves for e in get_args(i.model_fields["engine"].annotation)]
+        if engines:
+            found[name] = {"available": True, "engine": ", ".join(engines), "covers": CATEGORIES[name].covers}
+    return found
 
 
 def _vegetation() -> dict[str, Any]:

@@ -21,6 +21,20 @@ class Matter(SpecModel):
     shape: ClassVar[MatterShape]
     feels_fields: ClassVar[bool] = False
     """Whether force fields act on it."""
+    body: ClassVar[bool] = False
+    """Whether its entities are bodies that rigid instances move and whose contacts they log."""
+    levels: ClassVar[bool] = False
+    """Whether it flows up to a level, above which it leaves its container empty."""
+
+    @property
+    def sheet_thickness(self) -> float:
+        """Thickness of a sheet, whose surface is its middle [m]; 0 for matter that its surface encloses."""
+        return 0.0
+
+    @property
+    def flow_cell(self) -> float:
+        """Cell or particle spacing that must fit an opening for it to flow through [m]; 0 for what is no fluid."""
+        return 0.0
 
     def geometry(self) -> dict[str, Any]:
         """Fields on which the geometry and mass of the entity depend, for recipes."""

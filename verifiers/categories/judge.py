@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.built import TriangleMesh
+from ...worlds.categories.registry import CATEGORIES
 from ...worlds.errors import EvidenceError
 from ..ledgers import motion
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ...worlds.spec import SolverInstance, WorldSpec
+    from ..predicates.outcome import Outcome
 
 __all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Touch", "joined", "record_of", "stored"]
 
@@ -69,8 +71,6 @@ class Judge:
     """`physics.category` of its entities; `fracture` for breakable rigid ones."""
     moved_as: ClassVar[str] = ""
     """Category whose instances move it; empty for its own."""
-    body: ClassVar[bool] = False
-    """Whether its entities are bodies that rigid instances move and whose contacts they log."""
     meets: ClassVar[bool] = False
     """Whether `touches` tells whom its entities meet, so that it can be the first contact of a run."""
     bears: ClassVar[bool] = False
@@ -83,6 +83,12 @@ class Judge:
     """How it goes on where a run ends before it rests."""
     in_fields: ClassVar[tuple[str, str] | None] = None
     """What is simplified where the medium of a force field, {0}, acts on it, and with which effect; None where no field does."""
+
+    @property
+    def body(self) -> bool:
+        """Whether its entities are bodies that rigid instances move and whose contacts they log."""
+        physics = CATEGORIES[self.moved_as or self.name].physics
+        return physics is not None and physics.body
 
     # ---------------------------------------------------------------- which instances
 
@@ -201,6 +207,16 @@ class Judge:
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""
         return []
+
+    def beat_corrections(
+        self, candidate: Candidate, entity: str, outcome: Outcome, details: Mapping[str, object]
+    ) -> list[Correction]:
+        """Corrections for a beat or requirement about an entity that fails, from what was measured, that such matter alone has."""
+        return []
+
+    def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
+        """Names by placeholder of the diagnosis tables that its entities fill in where a row about one does not pass; None: not filled."""
+        return {"slides": entity} if self.body else {}
 
     def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:
         """Least and greatest corner of the domain of an instance [m]; None where `lines` tell themselves whom it does not meet."""

@@ -5,22 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ...worlds.predicates import entities_of
-from ..story.bounds import BEHIND
+from ..categories.registry import JUDGES
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
-    from ...worlds.spec import FieldDriver, WorldSpec
+    from ...worlds.spec import WorldSpec
 
 __all__ = ["names_of"]
 
 AROUND = 3
 """Frames before and after a failure that the suggested probes look at."""
-AIRS = ("wind", "turbulence", "vortex")
-"""Kinds of fields that make air move."""
-COMING = 0.1
-"""Own choice: what comes in a quarter of a second, over what is lacking; where it is more, grains still run."""
-STEADY = 0.3
-"""Own choice: gusts below this share of the wind's speed are weak."""
 
 
 def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
@@ -66,40 +60,8 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     if found["shot"] not in spec.shots:
         found["shot"] = next((n for n, s in spec.shots.items() if found["shot"] in s.covers), None)
     if entity in spec.entities:
-        _names_of_entity(found, entity, row, spec)
-
-
-def _names_of_entity(found: dict[str, Any], entity: str, row: Row, spec: WorldSpec) -> None:
-    """Names that its category of matter asks for: who slides, which wind blows a sheet, which emitter lets particles out."""
-    contract, drivers = spec.entities[entity], spec.simulation.drivers
-    found["material"] = contract.material
-    if contract.physics.category in ("rigid", "elastic"):
-        found["slides"] = entity
-    elif contract.physics.category == "cloth":
-        airs = {n: d for n, d in drivers.items() if d.kind == "field" and d.field.kind in AIRS and _acts(d, entity)}
-        winds = {n: d.field for n, d in airs.items() if d.field.kind == "wind"}
-        found["wind"] = max(winds, key=lambda n: sum(v * v for v in winds[n].velocity), default=None)
-        found["steady"] = found["wind"] if winds and max(w.gust for w in winds.values()) < STEADY else None
-        found["becalmed"] = entity if not airs else None
-    elif contract.physics.category == "particles":
-        emitters = [n for n, d in drivers.items() if d.kind == "emitter" and d.entity == entity]
-        found["emitter"] = emitters[0] if len(emitters) == 1 else None
-        found["grains"] = entity if contract.physics.law == "granular" else None
-        found["flying"] = entity if contract.physics.law == "ballistic" else None
-        found["jammed"] = found["grains"] if _stay_behind(row) else None
-
-
-def _stay_behind(row: Row) -> bool:
-    """Whether grains that are lacking in a region lie above what is in it, and hardly any come; so it may be where the row does not tell."""
-    above, gained = row.evidence.get("above"), row.evidence.get("gained")
-    if above is None or gained is None or row.bound is None or row.measured is None:
-        return True
-    lacking = row.bound - row.measured
-    return bool(above >= BEHIND * lacking and gained <= COMING * lacking)
-
-
-def _acts(driver: FieldDriver, entity: str) -> bool:
-    return driver.entities is None or entity in driver.entities
+        judge = JUDGES.get(spec.entities[entity].physics.category)
+        found |= {"material": spec.entities[entity].material, **({} if judge is None else judge.placeholders(spec, entity, row))}
 
 
 def _upstream(spec: WorldSpec, beats: list[str]) -> list[str]:

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ...geometry.inside import contains
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ...worlds.spec import GasPhysics, LiquidPhysics
 from ..predicates.kinematic import region_offset
 from .bounds import CELLS_ACROSS, OPENING_NOISE
 from .columns import Ints
@@ -55,8 +54,7 @@ def find_conduit(surfaces: Surfaces, relation: Connects, frame: int) -> RouteRes
     found = space.finding()
     if not found.ok:
         return found
-    fluids = {n: e.physics for n, e in surfaces.candidate.spec.entities.items()}
-    cells = {n: p.resolution for n, p in fluids.items() if isinstance(p, LiquidPhysics | GasPhysics)}
+    cells = {n: e.physics.flow_cell for n, e in surfaces.candidate.spec.entities.items() if e.physics.flow_cell}
     if not cells:
         raise EvidenceError(f"{found.text}, but no liquid or gas states the resolution at which it would flow there; declare one")
     name, cell = max(cells.items(), key=lambda c: c[1])
@@ -78,14 +76,9 @@ class _Space:
         high = np.maximum(boxes[0][1], boxes[1][1]) + margin
         for x, y in relation.waypoints:
             low[:2], high[:2] = np.minimum(low[:2], (x - margin, y - margin)), np.maximum(high[:2], (x + margin, y + margin))
-        fluids = [e.physics for e in surfaces.candidate.spec.entities.values()]
-        kinds = [p for p in fluids if isinstance(p, LiquidPhysics | GasPhysics)]
-        self.walls = [
-            p
-            for p in surfaces.parts
-            if not isinstance(surfaces.candidate.spec.entities[p.entity].physics, LiquidPhysics | GasPhysics)
-        ]
-        self.liquid = bool(kinds) and all(isinstance(p, LiquidPhysics) for p in kinds)
+        fluids = {n: e.physics for n, e in surfaces.candidate.spec.entities.items() if e.physics.flow_cell}
+        self.walls = [p for p in surfaces.parts if p.entity not in fluids]
+        self.liquid = bool(fluids) and all(p.levels for p in fluids.values())
         if self.liquid:
             high[2] = float(boxes[0][1][2])
         self.cell = relation.width / CUBES_ACROSS

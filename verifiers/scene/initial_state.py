@@ -75,7 +75,7 @@ def _rests(candidate: Candidate, entity: str) -> bool:
     spec = candidate.spec
     return any(
         isinstance(r, Supports) and r.b == entity and (r.frames is None or r.frames[0] == 0)
-        and r.a in spec.entities and spec.entities[r.a].physics.category in ("rigid", "elastic")
+        and r.a in spec.entities and spec.entities[r.a].physics.body
         for r in spec.graph.relations.values()
     )  # fmt: skip
 

@@ -222,14 +222,9 @@ def _struck(surfaces: Surfaces, mover: str, other: str, offset: F64) -> str | No
     return None
 
 
-def _category(surfaces: Surfaces, entity: str) -> str:
-    return surfaces.candidate.spec.entities[entity].physics.category
-
-
 def _fixed(surfaces: Surfaces, entity: str) -> bool:
-    """Whether an entity stays where it is placed: it is static, or a cloth that pins hold."""
-    physics = surfaces.candidate.spec.entities[entity].physics
-    return surfaces.is_static(entity) or (physics.category == "cloth" and bool(physics.pins))
+    """Whether an entity stays where it is placed: it is static, or pins hold it."""
+    return surfaces.is_static(entity) or bool(getattr(surfaces.candidate.spec.entities[entity].physics, "pins", None))
 
 
 def _along_axes(surfaces: Surfaces, names: tuple[str, ...], depth: float) -> dict[str, F64]:
@@ -278,7 +273,7 @@ def _moves(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: boo
         distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance)
         if distance is not None:
             moves[name] = distance * direction
-    if "cloth" in (_category(surfaces, n) for n in names):
+    if any(surfaces.candidate.spec.entities[n].physics.sheet_thickness for n in names):
         moves = _different(moves | _along_axes(surfaces, names, -gap.distance))
     return moves
 

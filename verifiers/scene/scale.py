@@ -112,9 +112,7 @@ def _dimensions(candidate: Candidate, name: str) -> Finding:
     entity = candidate.spec.entities[name]
     contract = entity.dimensions
     built = candidate.entity(name)
-    size, wanted = built_extent(built).size, np.array(contract.size)
-    if entity.physics.category == "cloth":
-        size = np.maximum(size, entity.physics.thickness)  # its surface is its middle
+    size, wanted = np.maximum(built_extent(built).size, entity.physics.sheet_thickness), np.array(contract.size)
     off = np.abs(size - wanted) / wanted
     axis = int(np.argmax(np.where(np.isfinite(off), off, np.inf)))
     text = (

@@ -11,9 +11,10 @@ from ...worlds.candidate import Candidate
 from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ..categories.fracture.corrections import breaking
+from ..categories.registry import judged
 from ..predicates import Outcome, evaluate
 from ..rows.corrections import correction, set_value
-from .bounds import BEHIND, MORE, SETTLING_FRAMES, STARTED
+from .bounds import MORE, SETTLING_FRAMES, STARTED
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["corrections_of", "happens_at"]
 
-AIMED = ("rigid", "elastic")
-"""Categories of matter that are aimed: where they start and how fast decides where they go."""
 LASTING = frozenset({"flutters"})
 """Kinds that an interval as a whole makes true, not one of its frames."""
 
@@ -57,10 +56,11 @@ def corrections_of(
     found = _timing(candidate, predicate, outcome, pointer, frames)
     if outcome.unit == "cycles":
         found += _longer(candidate, outcome, pointer)
-    aimed = None if entity is None else candidate.spec.entities.get(entity)
-    if entity is not None and aimed is not None and aimed.physics.category == "particles":
-        found += _stock(candidate, entity, outcome, details)
-    if entity is not None and aimed is not None and aimed.physics.category in AIMED:
+    judge = None if entity is None else judged(candidate.spec).get(entity)
+    if entity is None or judge is None:
+        return found
+    found += judge.beat_corrections(candidate, entity, outcome, details)
+    if judge.body:  # where it starts and how fast decides where it goes
         broken = breaking(candidate, predicate, entity, outcome, details, pointer)
         found += _aim(candidate, entity, outcome, details) if broken is None else broken
     return found
@@ -228,37 +228,6 @@ def _farther_over(entity: str, angle: float, asked: float) -> list[Correction]:
             "dimensions",
             f"make {entity} more slender",
             pointers=(f"{place}/dimensions",),
-        ),
-    ]
-
-
-def _stock(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str, object]) -> list[Correction]:
-    """Corrections for grains that are too few in a region, by whether there are enough at all and whether the others lie above it."""
-    drivers, physics = candidate.spec.simulation.drivers.values(), candidate.spec.entities[entity].physics
-    in_all, above = details.get("in_all"), details.get("above")
-    if not isinstance(in_all, float) or not isinstance(above, float) or outcome.comparison != ">=":
-        return []
-    fed = any(d.kind == "emitter" and d.entity == entity for d in drivers)
-    if outcome.value is None or outcome.bound is None or fed or getattr(physics, "law", "") != "granular":
-        return []
-    unit = "" if outcome.unit == "1" else f" {outcome.unit}"
-    parts, own = (f"/entities/{entity}/parts",), f"/entities/{entity}/physics"
-    more = f"fill a volume at frame 0 that is larger by a factor of {MORE * outcome.bound / max(in_all, 1e-12):.3g}"
-    if in_all < outcome.bound:
-        cause = f"there are not enough of them: {in_all:.4g}{unit} in all, {outcome.bound:.4g}{unit} asked for there"
-        return [
-            correction(cause, "shape", more, pointers=parts),
-            correction(cause, "grains", "raise packing, if they lie loosely", pointers=(f"{own}/packing",)),
-        ]
-    if above >= BEHIND * (outcome.bound - outcome.value):
-        return []
-    cause = (
-        f"they lie wider: of {in_all:.4g}{unit} in all {in_all - outcome.value:.4g} are elsewhere, {above:.4g} of them higher up"
-    )
-    return [
-        correction(cause, "grains", "raise rolling, so that they heap more steeply", pointers=(f"{own}/rolling",)),
-        correction(
-            cause, "shape", f"{MORE:g} times as large a volume at frame 0, so that enough of them stay there", pointers=parts
         ),
     ]
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ...geometry import Solid, signed_clearance
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ...worlds.spec import LiquidPhysics
 from ..ledgers import motion
 from ..ledgers.exchanged import CHANNEL
 from .bounds import HELPS
@@ -60,13 +59,12 @@ def lift(candidate: Candidate, entity: str, solver: str) -> F64:
 
 def _lies_in(candidate: Candidate, entity: str, liquid: str) -> bool:
     """Whether the entity touches the liquid's initial volume, or comes within its resolution of it."""
-    physics = candidate.spec.entities[liquid].physics
-    assert isinstance(physics, LiquidPhysics)
+    spacing = candidate.spec.entities[liquid].physics.flow_cell
     for part in candidate.entity(liquid).parts:
         volume, at = Solid.from_mesh(part.render, closed=part.closed), candidate.pose(liquid, 0, part.body)
         for own in candidate.entity(entity).parts:
             solid = Solid.from_mesh(own.render, closed=own.closed)
-            if signed_clearance(solid, candidate.pose(entity, 0, own.body), volume, at).distance <= physics.resolution:
+            if signed_clearance(solid, candidate.pose(entity, 0, own.body), volume, at).distance <= spacing:
                 return True
     return False
 

@@ -204,6 +204,19 @@ def test_loose_matter_says_what_can_be_asked_of_it(category: CategorySpec) -> No
     assert category.noun
 
 
+@every_category
+def test_clients_are_told_of_what_an_engine_moves_and_of_nothing_else(category: CategorySpec) -> None:
+    assert bool(category.covers) == (category.name in MOVED)
+
+
+@every_category
+def test_bodies_are_what_rigid_instances_move_and_fluids_are_loose(category: CategorySpec) -> None:
+    physics = Entity.model_validate(entity_of(category)).physics
+    assert physics.body == (physics.category in RigidInstance.moves)
+    assert physics.shape == "loose" or not (physics.flow_cell or physics.levels)
+    assert physics.shape == "deforming" or not physics.sheet_thickness
+
+
 def test_the_caps_of_all_categories_are_those_that_they_declare() -> None:
     """`limits.py` reads them from the plain list, so that listing caps loads no category."""
     declared = {cap.name: cap for category in CATEGORIES.values() for cap in category.caps}

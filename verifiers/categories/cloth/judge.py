@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ...ledgers.exchanged import partners
 from ..judge import Judge, Push, Touch
 from ..pushes import MIN_IMPULSE, pushes_of, touches_of
 from .check import category_rows, numerical_rows
+from .diagnosis import wind_names
 from .links import shares, sheet_impulse
 from .register import cloth_lines
 
@@ -74,6 +75,10 @@ class ClothJudge(Judge):
             if matter and cache.index.bodies:
                 others = [candidate.caches[n] for n in coupled if n not in sheets and n in candidate.caches]
                 yield from touches_of(candidate, cache, matter, cache.index.bodies, others)
+
+    def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
+        """The wind that blows a sheet."""
+        return wind_names(spec, entity)
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""

@@ -19,7 +19,6 @@ class ElasticJudge(Judge):
     """Elastic bodies."""
 
     name: ClassVar[str] = "elastic"
-    body: ClassVar[bool] = True
     goes_on: ClassVar[str] = "wobbles on"
     in_fields: ClassVar[tuple[str, str] | None] = (
         "field {0!r} presses on the faces of elastic bodies that face it",

@@ -20,7 +20,6 @@ class FractureJudge(Judge):
 
     name: ClassVar[str] = "fracture"
     moved_as: ClassVar[str] = "rigid"
-    body: ClassVar[bool] = True
 
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """Rows of the breakable members of one instance."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,13 +13,17 @@ from ..judge import Push, Touch
 from ..loose import Loose, Sample
 from ..pushes import pushes_of, touches_of
 from .check import category_rows, numerical_rows
+from .corrections import stock
+from .diagnosis import particle_names
 from .frames import swarm_of
 from .register import particle_lines
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
-    from ....worlds.requirements import Row
+    from ....worlds.requirements import Correction, Row
+    from ....worlds.spec import WorldSpec
+    from ...predicates.outcome import Outcome
 
 __all__ = ["ParticleJudge"]
 
@@ -91,6 +95,16 @@ class ParticleJudge(Loose):
         vertices = points[:, None] + CORNERS * found["particle/radius"][mine].astype(np.float64)[:, None, None]
         faces = SIDES + 6 * np.arange(len(points), dtype=np.int32)[:, None, None]
         return TriangleMesh(vertices.reshape(-1, 3), faces.reshape(-1, 3).astype(np.int32))
+
+    def beat_corrections(
+        self, candidate: Candidate, entity: str, outcome: Outcome, details: Mapping[str, object]
+    ) -> list[Correction]:
+        """More grains, or a narrower heap, where too few are in a region."""
+        return stock(candidate, entity, outcome, details)
+
+    def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
+        """Their one emitter, and whether they run or are jammed."""
+        return particle_names(spec, entity, row)
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""

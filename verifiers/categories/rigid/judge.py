@@ -28,7 +28,6 @@ class RigidJudge(Judge):
     """Rigid bodies. Its logs of contacts tell of elastic bodies too, which move in the same instances."""
 
     name: ClassVar[str] = "rigid"
-    body: ClassVar[bool] = True
     in_fields: ClassVar[tuple[str, str] | None] = (
         "drag of field {0!r} on bodies acts at their centres of mass",
         "by the area of their convex hulls, without lift and without torque",

@@ -73,4 +73,5 @@ CLOTH = CategorySpec(
     coupling=coupling_problems,
     unrecorded=unrecorded,
     weakenings=weakenings,
+    covers="sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
 )

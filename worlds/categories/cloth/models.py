@@ -119,3 +119,8 @@ class ClothPhysics(Matter):
         """Weight and thickness, and whether the sheet can tear."""
         sheet = {"sheet": [self.area_density, self.thickness]}
         return sheet if self.tear is None else {**sheet, "tears": True}
+
+    @property
+    def sheet_thickness(self) -> float:
+        """Thickness [m]."""
+        return self.thickness

@@ -39,4 +39,5 @@ ELASTIC = CategorySpec(
         elastic_problems,
     ),
     starts_alone=True,
+    covers="elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
 )

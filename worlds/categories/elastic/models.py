@@ -25,6 +25,7 @@ class ElasticPhysics(Matter):
 
     shape: ClassVar[MatterShape] = "deforming"
     feels_fields: ClassVar[bool] = True
+    body: ClassVar[bool] = True
     category: Literal["elastic"] = "elastic"
     young_modulus: Positive = Field(description="[Pa]; jelly 1e3..1e4, rubber 1e6..1e7")
     poisson_ratio: float = Field(default=0.3, ge=0, le=0.49)

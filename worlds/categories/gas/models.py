@@ -21,3 +21,8 @@ class GasPhysics(Matter):
     soot_density: NonNegative = Field(default=1.0, description="[kg/m^3]")
     fuel: bool = False
     resolution: Positive = Field(description="cell size [m]")
+
+    @property
+    def flow_cell(self) -> float:
+        """Cell or particle spacing [m]."""
+        return self.resolution

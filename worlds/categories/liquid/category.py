@@ -65,4 +65,5 @@ LIQUID = CategorySpec(
     ),
     recipes=liquid_recipes,
     missing=missing_liquid,
+    covers="free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
 )

@@ -200,6 +200,7 @@ class LiquidPhysics(Matter):
 
     shape: ClassVar[MatterShape] = "loose"
     feels_fields: ClassVar[bool] = True
+    levels: ClassVar[bool] = True
     category: Literal["liquid"] = "liquid"
     viscosity: NonNegative = Field(default=1e-3, description="dynamic [Pa s], at `temperature`")
     surface_tension: NonNegative = Field(
@@ -219,3 +220,8 @@ class LiquidPhysics(Matter):
         le=1e5,
         description="of viscosity [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)); lava 2e4 or so",
     )
+
+    @property
+    def flow_cell(self) -> float:
+        """Cell or particle spacing [m]."""
+        return self.resolution

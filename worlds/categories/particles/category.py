@@ -45,4 +45,5 @@ PARTICLES = CategorySpec(
     audit=Audit(
         "particles", "particles are members of an engine of their law, which holds them in its domain", particle_problems
     ),
+    covers="grains with friction, rolling resistance and cohesion that push bodies and are pushed; sparks, rain, dust that fly alone",
 )

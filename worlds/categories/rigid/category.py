@@ -43,4 +43,5 @@ RIGID = CategorySpec(
     estimate=rigid_counts,
     masses=mass_problems,
     starts_alone=True,
+    covers="rigid bodies, joints, ropes of links, drivers",
 )

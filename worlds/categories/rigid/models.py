@@ -28,6 +28,7 @@ class RigidPhysics(Matter):
 
     shape: ClassVar[MatterShape] = "solid"
     feels_fields: ClassVar[bool] = True
+    body: ClassVar[bool] = True
     category: Literal["rigid"] = "rigid"
     mass: Positive | None = Field(
         default=None, description="[kg]; default: density x volume; within the substance's range of densities x volume"

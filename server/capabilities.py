@@ -32,9 +32,8 @@ def all_caps() -> list[Cap]:
     """Every declared cap: of worlds, of the queue of jobs, of messages and connections."""
     from ..execution.queue import QUEUED_PER_WORKSPACE, QUEUED_PER_WORLD
     from .connections import MOST_CONNECTIONS
-    from .http import MAX_SESSIONS
+    from .limits import MAX_FILE_BYTES, MAX_SESSIONS
     from .messages import MESSAGE_BYTES
-    from .resources import MAX_FILE_BYTES
     from .tokens import MOST_TOKENS
 
     ended = "wait for jobs to end, or cancel some with the job tool"

@@ -17,6 +17,7 @@ from ..workflow.context import ToolBinding
 from ..worlds.errors import InputError
 from .app import create_server
 from .guard import BODY_BYTES, Guard, GuardRules
+from .limits import MAX_SESSIONS
 from .scopes import ScopeCheck
 from .tokens import TokenBook
 from .wire import StrictBodies
@@ -24,7 +25,6 @@ from .wire import StrictBodies
 __all__ = ["LOOPBACK", "check_binding", "http_app", "serve_http", "transport_security"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-MAX_SESSIONS = 512
 SESSION_IDLE_SECONDS = 1800.0
 
 

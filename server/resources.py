@@ -20,6 +20,7 @@ from ..worlds.folder import WorldFolder, safe_join, world_ids
 from ..worlds.quoting import json_visible, visible
 from ..worlds.storage import storage_failure
 from .completions import complete
+from .limits import MAX_FILE_BYTES
 from .report import world_report
 from .skill_files import SKILLS, skill_files, skill_frontmatter, skill_names
 from .workspace_jobs import WorkspaceJobs
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["add_resources"]
 
 JSON = "application/json"
-MAX_FILE_BYTES = 8_000_000
 _SHOWN_NAMES = 40
 _WORLD = "worldagent://worlds/{world}"
 

@@ -28,7 +28,7 @@ OWN = ("construction/soft/",)
 
 def strings(tree: ast.Module) -> Iterator[str]:
     """Categories that stand in a module as a string."""
-    return (n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and n.value in CATEGORIES)
+    return (str(n.value) for n in ast.walk(tree) if isinstance(n, ast.Constant) and n.value in CATEGORIES)
 
 
 def imports(tree: ast.Module) -> Iterator[str]:

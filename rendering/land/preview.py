@@ -31,7 +31,7 @@ SEA, LAKE, RIVER = (0.03, 0.16, 0.24), (0.03, 0.14, 0.17), (0.04, 0.17, 0.22)
 
 
 class _Land:
-    """What of one landscape stays the same over pictures."""
+    """Land, water and plants of one landscape, which stay the same over pictures."""
 
     def __init__(self, candidate: Candidate, name: str, land: SavedLandscape) -> None:
         self.cell, self.shape = land.cell, land.shape

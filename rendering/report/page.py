@@ -92,7 +92,7 @@ def _first(row: Mapping[str, Any]) -> str:
 
 
 def _actions(row: Mapping[str, Any]) -> str:
-    """What to do about a row that does not pass."""
+    """List of corrections of a row that does not pass, as HTML."""
     lines = [
         _tag(
             "li",

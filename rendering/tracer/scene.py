@@ -31,7 +31,7 @@ RAYS_PER_PASS = 4_000_000
 
 
 class Features(NamedTuple):
-    """What guides the denoiser, and where the picture shows matter. Each (height, width, 3)."""
+    """Guides of the denoiser, and where the picture shows matter. Each (height, width, 3)."""
 
     albedo: F32
     normals: F32

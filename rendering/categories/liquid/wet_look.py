@@ -66,7 +66,7 @@ def finely(surface: Surface, chosen: Any, size: float) -> Surface:
 
 @dataclass(frozen=True, eq=False)
 class Wetness:
-    """What all liquids of a candidate wetted, for those who draw its solids."""
+    """Film of all liquids of a candidate on its solids, for those who draw them."""
 
     candidate: Candidate
 

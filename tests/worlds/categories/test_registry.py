@@ -15,7 +15,7 @@ from worldagent.worlds.groups import GROUPS, group_of
 from worldagent.worlds.limits import CAPS, estimate_counts
 from worldagent.worlds.predicates.models import ATOMS
 from worldagent.worlds.predicates.registry import PREDICATES
-from worldagent.worlds.spec import Entity, ReleaseDriver, WorldSpec
+from worldagent.worlds.spec import MOVED, Entity, ReleaseDriver, RigidInstance, WorldSpec
 from worldagent.worlds.spec.entities import Physics
 from worldagent.worlds.spec.fields import FieldDriver
 from worldagent.worlds.spec.simulation import Driver, SolverInstance

@@ -11,7 +11,7 @@ from ..worlds.errors import EngineError
 from ..worlds.foreign import MOST_ENTRIES
 from ..worlds.limits import CAPS, Cap
 
-__all__ = ["PACKAGES", "all_caps", "capabilities", "package_version"]
+__all__ = ["PACKAGES", "all_caps", "capabilities", "categories", "package_version"]
 
 PACKAGES = (
     "mcp", "pydantic", "numpy", "scipy", "mujoco", "warp-lang", "trimesh", "python-fcl", "coacd", "mitsuba", "drjit", "pyoidn",
@@ -26,6 +26,20 @@ def package_version(name: str) -> str | None:
         return version(name)
     except PackageNotFoundError:
         return None
+
+
+def categories() -> dict[str, dict[str, Any]]:
+    """Categories of physics a specification can name; one that is not available is refused before a probe."""
+    from ..worlds.categories.registry import CATEGORIES
+
+    found: dict[str, dict[str, Any]] = {}
+    instances = [instance for category in CATEGORIES.values() for instance in category.instances]
+    for name, category in CATEGORIES.items():
+        engines = [i.engine_name() for i in instances if name in i.moves]
+        if category.physics is not None:
+            told = {"engine": ", ".join(engines), "covers": category.covers} if engines else {}
+            found[name] = {"available": bool(engines), **told}
+    return found
 
 
 def all_caps() -> list[Cap]:
@@ -58,25 +72,12 @@ def capabilities() -> dict[str, Any]:
         "worldagent": __version__,
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
-        "categories": _categories(),
+        "categories": categories(),
         "vegetation": _vegetation(),
         "renderer": _renderer(),
         "caps": {cap.name: {"value": cap.value, "unit": cap.unit, "knob": cap.knob} for cap in all_caps()},
         "versions": {name: package_version(name) for name in PACKAGES},
     }
-
-
-def _categories() -> dict[str, dict[str, Any]]:
-    """Categories of physics a specification can name; one that is not available is refused before a probe."""
-    from ..worlds.categories.registry import CATEGORIES
-
-    found: dict[str, dict[str, Any]] = {name: {"available": False} for name, c in CATEGORIES.items() if c.physics is not None}
-    movers = [i for c in CATEGORIES.values() for i in c.instances]
-    for name in found:
-        engines = [e for i in movers if name in i.moves for e in get_args(i.model_fields["engine"].annotation)]
-        if engines:
-            found[name] = {"available": True, "engine": ", ".join(engines), "covers": CATEGORIES[name].covers}
-    return found
 
 
 def _vegetation() -> dict[str, Any]:

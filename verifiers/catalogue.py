@@ -21,7 +21,20 @@ from .support import questions as support
 
 __all__ = ["QUESTIONS", "TABLES"]
 
-TABLES: tuple[ModuleType, ...] = (scene, support, routes, land, contact, story, shots, delivery, categories, rigid, cloth, liquid)
+TABLES: tuple[ModuleType, ...] = (
+    scene,
+    support,
+    routes,
+    land,
+    contact,
+    story,
+    shots,
+    delivery,
+    categories,
+    rigid,
+    cloth,
+    liquid,
+)
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 
 QUESTIONS: Mapping[str, Question] = MappingProxyType({q.id: q for table in TABLES for q in table.QUESTIONS})

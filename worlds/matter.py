@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self, get_args
 
 from pydantic import model_validator
 
@@ -48,6 +48,11 @@ class Instance(SpecModel):
     """Categories of the members that it moves."""
     meets: ClassVar[tuple[str, ...]] = ()
     """Deforming categories whose surfaces its matter meets: elastic bodies always, cloth where a coupling joins them."""
+
+    @classmethod
+    def engine_name(cls) -> str:
+        """Name of its engine, by which specifications choose among the instances."""
+        return str(get_args(cls.model_fields["engine"].annotation)[0])
 
 
 class DriverBase(SpecModel):

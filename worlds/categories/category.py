@@ -40,6 +40,8 @@ class CategorySpec:
     shape: MatterShape
     noun: str
     """How the audit calls it, as in "a liquid"."""
+    covers: str = ""
+    """What its engines simulate, for the list of capabilities; empty where none does."""
     physics: type[Matter] | None = None
     """Its member of the union `Physics`; None for what entities of other categories declare beside their physics."""
     contract: str = ""
@@ -70,8 +72,6 @@ class CategorySpec:
     audit: Audit | None = None
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
     """Problems of the declared mass of an entity of it."""
-    covers: str = ""
-    """What this build simulates of it, for clients; empty where nothing simulates it."""
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None

@@ -104,9 +104,14 @@ class Rope(SpecModel):
 
 
 Physics = Annotated[
-    RigidPhysics | ElasticPhysics | ClothPhysics | LiquidPhysics | GasPhysics | ParticlePhysics,
+    RigidPhysics
+    | ElasticPhysics
+    | ClothPhysics
+    | LiquidPhysics
+    | GasPhysics
+    | ParticlePhysics,
     Field(discriminator="category"),
-]
+]  # fmt: skip
 
 
 class Dimensions(SpecModel):

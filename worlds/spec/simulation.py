@@ -41,8 +41,14 @@ Ratio = Annotated[float, Field(ge=1e-4, le=1e4)]
 
 
 SolverInstance = Annotated[
-    RigidInstance | DfsphInstance | FlipInstance | ClothInstance | DemInstance | BallisticInstance, Field(discriminator="engine")
-]
+    RigidInstance
+    | DfsphInstance
+    | FlipInstance
+    | ClothInstance
+    | DemInstance
+    | BallisticInstance,
+    Field(discriminator="engine"),
+]  # fmt: skip
 LiquidInstance = DfsphInstance | FlipInstance
 ParticleInstance = DemInstance | BallisticInstance
 MOVED: tuple[str, ...] = tuple(dict.fromkeys(c for i in get_args(get_args(SolverInstance)[0]) for c in i.moves))

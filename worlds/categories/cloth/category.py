@@ -23,6 +23,7 @@ CLOTH = CategorySpec(
     name="cloth",
     shape=ClothPhysics.shape,
     noun="cloth",
+    covers="sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
     physics=ClothPhysics,
     instances=(ClothInstance,),
     predicates=PREDICATES,
@@ -73,5 +74,4 @@ CLOTH = CategorySpec(
     coupling=coupling_problems,
     unrecorded=unrecorded,
     weakenings=weakenings,
-    covers="sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
 )

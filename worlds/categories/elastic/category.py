@@ -18,6 +18,7 @@ ELASTIC = CategorySpec(
     name="elastic",
     shape=ElasticPhysics.shape,
     noun="an elastic body",
+    covers="elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
     physics=ElasticPhysics,
     predicates=PREDICATES,
     groups=(GroupInfo("stiffness", "solver", "elastic constants and yield strain of deforming bodies"),),
@@ -39,5 +40,4 @@ ELASTIC = CategorySpec(
         elastic_problems,
     ),
     starts_alone=True,
-    covers="elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
 )

@@ -21,6 +21,7 @@ LIQUID = CategorySpec(
     name="liquid",
     shape=LiquidPhysics.shape,
     noun="a liquid",
+    covers="free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
     physics=LiquidPhysics,
     instances=(DfsphInstance, FlipInstance),
     drivers=(InflowDriver, OutflowDriver, WavesDriver),
@@ -65,5 +66,4 @@ LIQUID = CategorySpec(
     ),
     recipes=liquid_recipes,
     missing=missing_liquid,
-    covers="free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
 )

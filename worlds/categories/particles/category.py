@@ -19,6 +19,7 @@ PARTICLES = CategorySpec(
     name="particles",
     shape=ParticlePhysics.shape,
     noun="particles",
+    covers="grains with friction, rolling resistance and cohesion that push bodies and are pushed; sparks, rain, dust that fly alone",
     physics=ParticlePhysics,
     instances=(DemInstance, BallisticInstance),
     drivers=(EmitterDriver,),
@@ -45,5 +46,4 @@ PARTICLES = CategorySpec(
     audit=Audit(
         "particles", "particles are members of an engine of their law, which holds them in its domain", particle_problems
     ),
-    covers="grains with friction, rolling resistance and cohesion that push bodies and are pushed; sparks, rain, dust that fly alone",
 )

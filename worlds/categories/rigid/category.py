@@ -17,6 +17,7 @@ RIGID = CategorySpec(
     name="rigid",
     shape=RigidPhysics.shape,
     noun="a rigid body",
+    covers="rigid bodies, joints, ropes of links, drivers",
     physics=RigidPhysics,
     instances=(RigidInstance,),
     drivers=(ForceDriver, PathDriver, MotorDriver, DetachDriver),
@@ -43,5 +44,4 @@ RIGID = CategorySpec(
     estimate=rigid_counts,
     masses=mass_problems,
     starts_alone=True,
-    covers="rigid bodies, joints, ropes of links, drivers",
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,11 +13,8 @@ from worldagent.rendering.categories.deforming import DeformingLayer
 from worldagent.rendering.categories.layer import LooseLayer, PartsLayer
 from worldagent.rendering.categories.registry import LAYERS, category_of, layers_of
 from worldagent.rendering.tracer.scene import SceneRenderer
-from worldagent.testing.worlds.small_cloth import flag_spec
+from worldagent.testing.worlds.by_category import SMALL_WORLDS, spec_of
 from worldagent.testing.worlds.small_grains import sand_spec
-from worldagent.testing.worlds.small_liquids import tank_spec
-from worldagent.testing.worlds.small_soft import hammock_spec
-from worldagent.tests.physics.fracture_world import struck_wall
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.categories.registry import CATEGORIES
@@ -27,21 +23,6 @@ from worldagent.worlds.spec import WorldSpec
 
 SIZE = (96, 54)
 BASES = {"solid": PartsLayer, "deforming": DeformingLayer, "loose": LooseLayer}
-
-
-def _spec(data: Any) -> WorldSpec:
-    return data if isinstance(data, WorldSpec) else WorldSpec.model_validate({**data, "prompt": "p"})
-
-
-WORLDS = {
-    "rigid": ("ball", sand_spec),
-    "fracture": ("wall", lambda: struck_wall(0.0)),
-    "elastic": ("jelly", hammock_spec),
-    "cloth": ("flag", flag_spec),
-    "liquid": ("water", tank_spec),
-    "particles": ("sand", sand_spec),
-}
-"""Entity of the category, and the world that it is in."""
 
 
 def _candidate(folder: Path, spec: WorldSpec) -> Candidate:
@@ -66,8 +47,8 @@ def _candidate(folder: Path, spec: WorldSpec) -> Candidate:
 
 @pytest.mark.parametrize("name", LAYERS)
 def test_a_preview_shows_every_category(name: str, tmp_path: Path) -> None:
-    entity, make = WORLDS[name]
-    candidate = _candidate(tmp_path, _spec(make()))
+    entity, make = SMALL_WORLDS[name]
+    candidate = _candidate(tmp_path, make())
     assert category_of(candidate.spec.entities[entity]) == name
     drawn = PreviewRenderer(candidate)
     assert type(layers_of(candidate).of[entity]) is LAYERS[name]
@@ -101,7 +82,7 @@ def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_th
         "pose": {"position": [0, 0, 0.2]},
         "parts": {"source": {"shape": {"kind": "box", "size": size}}},
     }
-    candidate = _candidate(tmp_path, _spec(data))
+    candidate = _candidate(tmp_path, spec_of(data, "p"))
     layers = layers_of(candidate)
     assert layers.undrawn == {"smoke": "gas"}
     assert "smoke (gas)" in layers.note
@@ -109,7 +90,7 @@ def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_th
     assert "smoke" not in drawn.entities
     assert not drawn.mask(0, camera_for(candidate, 0, width=SIZE[0], height=SIZE[1]), "smoke").any()
     bare = data | {"entities": {k: v for k, v in data["entities"].items() if k != "smoke"}}
-    without = _candidate(tmp_path / "bare", _spec(bare))
+    without = _candidate(tmp_path / "bare", spec_of(bare, "p"))
     camera = camera_for(without, 0, width=640, height=360)
     assert (drawn.cast(0, camera).ids == PreviewRenderer(without).cast(0, camera).ids).all()
     shown, plain = (id_view(one, 0, camera=camera) for one in (candidate, without))
@@ -120,7 +101,7 @@ def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_th
 
 
 def test_no_layer_is_drawn_for_an_entity_of_another_category(tmp_path: Path) -> None:
-    candidate = _candidate(tmp_path, _spec(sand_spec()))
+    candidate = _candidate(tmp_path, spec_of(sand_spec(), "p"))
     layers = layers_of(candidate)
     assert set(layers.of) == set(candidate.spec.entities)
     for entity, layer in layers.of.items():

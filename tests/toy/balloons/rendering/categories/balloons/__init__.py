@@ -1,0 +1,1 @@
+"""Balloons in pictures."""

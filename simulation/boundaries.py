@@ -163,7 +163,7 @@ def surround_of(
     bodies: list[BuiltBody] = []
     start: list[RigidPose] = []
     surfaces: list[tuple[int, TriangleMesh]] = []
-    for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
+    for entity in sorted(n for n, e in spec.entities.items() if e.physics.shape == "solid"):
         contract = spec.entities[entity]
         if not meets_domain(contract, built[entity], box, margin):
             continue

@@ -44,7 +44,7 @@ def _liquid_recipe(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str,
 
     instance = spec.simulation.liquid[name]
     box, margin = domain_box(instance), MARGIN * spacing_of(spec, name)
-    solids = [n for n, e in spec.entities.items() if e.physics.category == "rigid"]
+    solids = [n for n, e in spec.entities.items() if e.physics.shape == "solid"]
     meeting = sorted(n for n in solids if meets_domain(spec.entities[n], built[n], box, margin))
     content = {n: built[n].digest() for n in (*instance.members, *meeting)}
     return digest_of(

@@ -38,7 +38,7 @@ def walls_of(
     rigid = [c for n, c in caches.items() if n in spec.simulation.rigid]
     still: list[TriangleMesh] = []
     moving: list[tuple[TriangleMesh, Cache, int, str]] = []
-    for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
+    for entity in sorted(n for n, e in spec.entities.items() if e.physics.shape == "solid"):
         if not meets_domain(spec.entities[entity], built[entity], box, margin):
             continue
         starts = {b.name: compose(pose_of(spec.entities[entity].pose), b.pose) for b in built[entity].bodies}
@@ -133,7 +133,7 @@ def _wet_parts(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, cac
     box, margin = domain_box(spec.simulation.liquid[name]), MARGIN * spacing_of(spec, name)
     tracks = {n: (c.series("position"), c.series("quaternion")) for n, c in caches.items() if n in spec.simulation.rigid}
     found = []
-    for entity in sorted(n for n, e in spec.entities.items() if e.physics.category == "rigid"):
+    for entity in sorted(n for n, e in spec.entities.items() if e.physics.shape == "solid"):
         contract = spec.entities[entity]
         if not meets_domain(contract, built[entity], box, margin):
             continue

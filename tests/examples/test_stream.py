@@ -144,6 +144,5 @@ def test_painted_water_carries_no_log() -> None:
 
 @pytest.mark.slow
 def test_the_stream_is_accepted(tmp_path: Path) -> None:
-    """Known gap: its water is three spacings deep, and what it carries asks for five (`category:liquid:across`); 0.13 m would do, at eight
-    times the cost. All other rows that the probe can judge pass. The slice has no recorded pass until this one does."""
+    """Its water is five spacings deep, as what floats in it asks; half an hour on two cores, so longer than a slice should be."""
     assert run(options_of(["--out", str(tmp_path), "--no-render"]))["accepted"]

@@ -7,6 +7,8 @@ from types import MappingProxyType, ModuleType
 
 from .categories import questions as categories
 from .categories.cloth import questions as cloth
+from .categories.elastic import questions as elastic
+from .categories.fracture import questions as fracture
 from .categories.liquid import questions as liquid
 from .categories.rigid import questions as rigid
 from .contact import questions as contact
@@ -34,6 +36,8 @@ TABLES: tuple[ModuleType, ...] = (
     rigid,
     cloth,
     liquid,
+    elastic,
+    fracture,
 )
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 

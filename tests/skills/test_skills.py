@@ -13,7 +13,7 @@ from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.simulation.liquid.resolved import LEAST_WALL
 from worldagent.verifiers.catalogue import QUESTIONS
 from worldagent.verifiers.categories.cloth.questions import CATEGORY, NUMERICAL
-from worldagent.verifiers.categories.elastic.rows import PREDICATES as ELASTIC
+from worldagent.verifiers.categories.elastic.questions import QUESTIONS as ASKED_OF_ELASTIC
 from worldagent.verifiers.categories.liquid.check import WATCHES
 from worldagent.verifiers.categories.liquid.numerical import Numbers
 from worldagent.verifiers.diagnosis.table import TABLES
@@ -34,6 +34,7 @@ WORLDS = sorted(p for p in SKILLS.glob("*/*.json") if isinstance(d := json.loads
 """Whole worlds beside a SKILL.md."""
 DIAGNOSIS: list[dict[str, Any]] = [e for name in TABLES for e in json.loads((SKILLS / name / "diagnosis.json").read_text())]
 MAX_LINES = 500
+ELASTIC = [q.id.rpartition(":")[2] for q in ASKED_OF_ELASTIC]
 
 
 def _kinds(union: Any) -> set[str]:

@@ -1,1 +1,1 @@
-"""What is special to one category of matter in the checks."""
+"""Judges of the categories of matter, with their questions, laws and ledgers."""

@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...worlds.categories.registry import shape_of
-from ...worlds.requirements import Row, RowId
 from ...worlds.spec import MOVED
+from ..rows.answers import row_of
 from ..rows.corrections import correction
-from ..rows.verdicts import make_row
+from ..rows.findings import Finding
+from .questions import SIMULATED
 from .registry import judged_instances
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row
     from ...worlds.spec import Entity, SolverInstance
 
 __all__ = ["check", "check_numerical"]
@@ -32,22 +34,13 @@ def check(candidate: Candidate) -> list[Row]:
         if shape_of(entity) == "solid" or name in simulated:
             continue
         missing = "no instance simulates it" if category in MOVED else "this build has no engine for it"
-        rows.append(
-            make_row(
-                candidate,
-                RowId("category", name),
-                predicate=f"{name} behaves as {category}",
-                status="unverified",
-                explanation=f"{name} is {category}, and {missing}, so there is nothing to inspect",
-                entities=(name,),
-                corrections=[
-                    correction(
-                        "no engine", "story", f"make {name} rigid, or leave it out", pointers=(f"/entities/{name}/physics",)
-                    )
-                ],
-                evidence={"category": category, "pointers": [f"/entities/{name}/physics"]},
-            )
-        )
+        place = f"/entities/{name}/physics"
+        text = f"{name} is {category}, and {missing}, so there is nothing to inspect"
+        hint = correction("no engine", "story", f"make {name} rigid, or leave it out", pointers=(place,))
+        evidence = {"category": category, "pointers": [place]}
+        words = f"{name} behaves as {category}"
+        found = Finding("unverified", text, hints=(hint,), evidence=evidence, predicate=words)
+        rows.append(row_of(candidate, SIMULATED, (name,), found, entities=(name,)))
     return rows
 
 

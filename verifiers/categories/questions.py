@@ -1,4 +1,4 @@
-"""Questions about an instance of whatever category: its cache, its first frame, its numbers."""
+"""Questions about an instance of whatever category: whether there is one, its cache, its first frame, its numbers."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ __all__ = [
     "ITERATIONS",
     "PLACED",
     "QUESTIONS",
+    "SIMULATED",
     "SPEED",
     "STARTED",
     "TRAVEL",
 ]
 
+SIMULATED = Question("category", "{0} behaves as its category", subject=("entity",))
+"""Asked where nothing simulates an entity whose category asks for it."""
 FRAMES = Question(
     "numerical:frames",
     "every frame is there and the index agrees with the plan",
@@ -119,4 +122,4 @@ COUNTERS = Question(
     ("solver",),
 )
 
-QUESTIONS = (FRAMES, DIGEST, PLACED, AMOUNT, STARTED, FINITE, COUNTS, SPEED, TRAVEL, ITERATIONS, COUNTERS)
+QUESTIONS = (SIMULATED, FRAMES, DIGEST, PLACED, AMOUNT, STARTED, FINITE, COUNTS, SPEED, TRAVEL, ITERATIONS, COUNTERS)

@@ -1,11 +1,4 @@
-"""What elastic bodies and the matter of other instances give each other (R66-R68, R102).
-
-Per instance with elastic members:
-
-- `exchange`: what they received in every frame is what cloth, grains and liquids gave them, each side counted by itself.
-- `together`: with those partners whose whole energy is known (cloth), energy less all work from outside never grows: what
-  passes between them is counted nowhere, so that none of it comes from nowhere.
-"""
+"""Impulses and work that elastic bodies and the matter of other instances give each other (R66-R68, R102)."""
 
 from __future__ import annotations
 
@@ -18,21 +11,18 @@ from ....worlds.errors import EvidenceError
 from ...ledgers.balance import books_of
 from ...ledgers.exchanged import partners
 from ...ledgers.fields import blown
-from ...rows.corrections import correction
-from ...rows.findings import Finding
+from ...rows.corrections import bake_again, correction
+from ...rows.findings import Finding, cache_of
+from .bounds import BOOKS, LEAST
 from .fields import field_work
-from .ledger import elastic_energies
+from .ledger import elastic_energies, judge_growth
+from .rows import judge_frames
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
 
 __all__ = ["Outside", "exchange", "outside_work", "soft_impulses", "soft_work", "together"]
-
-BOOKS = 1e-9
-"""Relative to the largest impulse: sums of the same numbers in another order."""
-LEAST = 1e-12
-"""[N s] Below it nothing was exchanged."""
 
 
 class Outside(NamedTuple):
@@ -77,18 +67,16 @@ def outside_work(candidate: Candidate, cache: Cache) -> Outside:
     return Outside(soft_work(candidate, cache) + field_work(candidate, cache) + rigid.work, rigid.doubt)
 
 
-def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Finding:
-    """Row `exchange`."""
+def exchange(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether members received what partners gave them in every frame, each side counted by itself."""
     others = partners(candidate.spec, solver)
     if not others:
-        return Finding("not_applicable", "nobody is coupled both ways with it", entities=names)
+        return Finding("not_applicable", "nobody is coupled both ways with it")
     received = soft_impulses(candidate, cache)[:, :, :3]
     owners = [name.split("/", 1)[0] for name in cache.index.deformables]
     given, count = np.zeros_like(received), min(len(received), candidate.frame_count)
     for other in others:
-        theirs = candidate.caches.get(other)
-        if theirs is None:
-            raise EvidenceError(f"instance {other!r} has no cache yet; probe or bake it")
+        theirs = cache_of(candidate, other)
         series = np.asarray(theirs.series("exchange/impulse"), dtype=np.float64)
         for row, name in enumerate(theirs.index.colliders):
             if (entity := name.split("/", 1)[0]) in owners:
@@ -97,33 +85,23 @@ def exchange(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
     size = max(float(np.linalg.norm(given, axis=2).max(initial=0.0)), LEAST)
     share = off / size
     worst = np.unravel_index(int(share.argmax()), share.shape)
-    wrong = (share > BOOKS).any(axis=1)
-    frame = int(np.argmax(wrong)) if wrong.any() else None
     culprit = owners[int(worst[1])]
     text = f"what {culprit} received and what it was given differ by {share.max():.2g} of the largest impulse, {size:.3g} N s"
-    again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return Finding(
-        "pass" if frame is None else "fail",
-        text,
-        measured=float(share.max()),
-        bound=BOOKS,
-        unit="1",
-        frame=frame,
-        entity=culprit,
-        entities=names,
-        hints=(again,),
-        evidence={"largest_Ns": size, "partners": list(others)},
-    )
+    wrong, evidence = (share > BOOKS).any(axis=1), {"largest_Ns": size, "partners": list(others)}
+    return judge_frames(wrong, text, float(share.max()), BOOKS, bake_again(), entity=culprit, evidence=evidence)
 
 
-def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Finding:
-    """Row `together`."""
+def together(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether energy of the instance and the cloth coupled with it grows only by what is given from outside.
+
+    What passes between them is counted nowhere, so that none of it comes from nowhere.
+    """
     plan = candidate.spec.simulation
     others = partners(candidate.spec, solver)
     cloth = [n for n in others if n in plan.cloth]
     if not cloth or len(cloth) < len(others):
         text = "no cloth is coupled with it" if not cloth else "energy also passes to liquids or grains, whose own rows judge it"
-        return Finding("not_applicable", text, entities=names)
+        return Finding("not_applicable", text)
     moving, stored = elastic_energies(cache)
     records = [np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")]
     # What cloth gives to rigid members stays among those that are judged together; what fields give to them does not.
@@ -142,23 +120,7 @@ def together(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, 
     energy = kinetic + potential - outside
     if not np.isfinite(energy).all():
         raise EvidenceError("a recorded energy is not finite; see numerical:finite")
-    bound = plan.limits.energy_growth
     scale = max(float(kinetic.max()) + float(np.ptp(potential)), 1e-9)
-    growth = energy - np.minimum.accumulate(energy)
-    over = growth > bound * scale
-    frame = int(np.argmax(over)) if over.any() else None
-    text = f"energy of {', '.join((solver, *cloth))} together rises by at most {growth.max():.3g} J, "
-    text += f"{growth.max() / scale:.2%} of the {scale:.3g} J in play"
     places = tuple(f"/simulation/solvers/{n}/settings/exchange" for n in cloth)
     sooner = correction("bodies are taken as they were for too long", "step", "halve exchange of the cloth", pointers=places)
-    return Finding(
-        "pass" if frame is None else "fail",
-        text,
-        measured=float(growth.max() / scale),
-        bound=bound,
-        unit="1",
-        frame=frame,
-        entities=names,
-        hints=(sooner,),
-        evidence={"scale_J": scale, "start_J": float(energy[0]), "end_J": float(energy[-1])},
-    )
+    return judge_growth(candidate, energy, scale, f"energy of {', '.join((solver, *cloth))} together", sooner)

@@ -1,6 +1,6 @@
-"""What force fields gave to elastic bodies, and whether it is what the declared fields say (R18, R63, R102).
+"""Impulses and work of force fields on elastic bodies, against those of the declared fields (R18, R63, R102).
 
-Row `category:elastic:fields:<solver>`: the fields are asked again at the vertices of every two frames, masses lumped to them and
+The fields are asked again at the vertices of every two frames, masses lumped to them and
 a medium meeting the faces that face it. Between the frames the mean of both ends holds; how far they differ is left open.
 """
 
@@ -16,9 +16,10 @@ from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.fields import Fields, fields_of
 from ...ledgers.strains import require_deforming
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
-from .rows import physics_of
+from .bounds import FIELD
+from .rows import judge_frames, physics_of
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
@@ -26,11 +27,7 @@ if TYPE_CHECKING:
     from ....worlds.categories.deforming import Deforming
     from ....worlds.spec import ElasticPhysics
 
-__all__ = ["FIELD", "field_impulses", "field_work", "fields"]
-
-FIELD = 0.1
-"""Own choice: of the largest impulse in a frame that a field should give, what recorded ones may differ by: masses
-at nodes and at vertices part what is pinned differently."""
+__all__ = ["field_impulses", "field_work", "fields"]
 
 
 def feels_fields(candidate: Candidate, cache: Cache) -> bool:
@@ -60,34 +57,22 @@ def field_work(candidate: Candidate, cache: Cache) -> F64:
     return np.cumsum(np.asarray(cache.series("record/soft_field_work"), dtype=np.float64))
 
 
-def fields(candidate: Candidate, solver: str, cache: Cache, names: tuple[str, ...]) -> Finding:
-    """Row `fields`."""
+def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+    """Whether recorded impulses of fields are those of the declared ones, of the body that is farthest off."""
     if not feels_fields(candidate, cache):
-        return Finding("not_applicable", "no force field acts on an elastic body of it", entities=names)
+        return Finding("not_applicable", "no force field acts on an elastic body of it")
     given, owners = field_impulses(candidate, cache), [n.split("/", 1)[0] for n in cache.index.deformables]
-    worst, culprit, frame, size = -1.0, owners[0], None, 0.0
+    worst, culprit, wrong, size = -1.0, owners[0], np.zeros(0, dtype=bool), 0.0
     for row, name in enumerate(owners):
         off, largest = _off(candidate, require_deforming(candidate, name), fields_of(candidate.spec, name), given[:, row])
         share = float(off.max(initial=0.0)) / max(largest, 1e-12)
         if share > worst:
             worst, culprit, size = share, name, largest
-            frame = int(np.argmax(off)) if share > FIELD else None
+            wrong = np.arange(len(off)) == (int(np.argmax(off)) if share > FIELD else -1)
     text = (
         f"what fields gave to {culprit} differs from the declared fields' by {worst:.2g} of the largest impulse, {size:.3g} N s"
     )
-    again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return Finding(
-        "pass" if frame is None else "fail",
-        text,
-        measured=worst,
-        bound=FIELD,
-        unit="1",
-        frame=frame,
-        entity=culprit,
-        entities=names,
-        hints=(again,),
-        evidence={"largest_Ns": size},
-    )
+    return judge_frames(wrong, text, worst, FIELD, bake_again(), entity=culprit, evidence={"largest_Ns": size})
 
 
 def _off(candidate: Candidate, soft: Deforming, found: Fields, given: F64) -> tuple[F64, float]:

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64, pose_of
 from ....worlds.errors import EvidenceError
 from ...ledgers.strains import deflections, require_deforming, strains_of
-from ...rows.corrections import correction, pointer
+from ...rows.corrections import bake_again, correction, halve_step, pointer
 from ...rows.findings import Finding
+from .bounds import FLIGHT, FLIGHT_SPEED, LOAD_SHARE, REST_FRAMES, REST_SPEED, SLIP_SHARE
 from .exchange import soft_impulses
 from .fields import field_impulses
-from .rows import physics_of
+from .rows import change_physics, judge_frames, physics_of
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -22,22 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["flight", "pins", "recovery"]
 
-REST_SPEED = 0.01
-"""[m/s] Own choice: slower than one can see on a body of centimetres."""
-REST_FRAMES = 3
-"""Own choice: last frames over which a body must be that slow to count as at rest."""
-LOAD_SHARE = 3.0
-"""Own choice: a static estimate from beam and column formulas stays within this factor of the truth for a compact body."""
-SLIP_SHARE = 0.1
-"""Own choice: of the spread of what a pin holds; cells beside a pinned node deform, and their vertices with them."""
-FLIGHT = 0.02
-"""Of what gravity gives in a frame; centres of vertices and of nodes differ by the second order of the strain."""
-FLIGHT_SPEED = 2e-4
-"""[m/s] Single precision of cached velocities, with room."""
-
 
 def recovery(candidate: Candidate, entity: str) -> Finding:
-    """Row `recovery`."""
+    """Whether a body that rests at the end is back in its shape, but for what its load explains."""
     soft, physics = require_deforming(candidate, entity), physics_of(candidate, entity)
     away = deflections(candidate, entity)
     if physics.yield_strain > 0:
@@ -53,31 +41,13 @@ def recovery(candidate: Candidate, entity: str) -> Finding:
     size = float(np.linalg.norm(np.ptp(soft.rest, axis=0)))
     load = _load(candidate, soft, entity)
     bound = physics.recovery * size + load
-    ok = bool(away[last] <= bound)
     text = f"at rest {away[last] * 1e3:.3g} mm off its shape (largest {away.max() * 1e3:.3g} mm); {bound * 1e3:.3g} mm allowed, "
     text += f"of which its load explains {load * 1e3:.3g} mm"
-    stuck = correction(
-        "it hangs in a tangled or caught shape",
-        "step",
-        "halve the step",
-        pointers=(f"/simulation/solvers/{soft.cache.index.solver}/settings/step",),
-    )
-    stiffer = correction(
-        "it is too soft to carry itself",
-        "stiffness",
-        "raise young_modulus",
-        pointers=(pointer("entities", entity, "physics", "young_modulus"),),
-    )
-    return Finding(
-        "pass" if ok else "fail",
-        text,
-        measured=float(away[last]),
-        bound=bound,
-        unit="m",
-        frame=None if ok else last,
-        hints=(stuck, stiffer),
-        evidence={"peak_m": float(away.max()), "peak_frame": int(away.argmax()), "load_m": load, "size_m": size},
-    )
+    stuck = halve_step(candidate, soft.cache.index.solver, "it hangs in a tangled or caught shape")
+    stiffer = change_physics([entity], "young_modulus", "it is too soft to carry itself", "stiffness", "raise young_modulus")
+    wrong = (np.arange(len(away)) == last) & ~(away <= bound)
+    evidence = {"peak_m": float(away.max()), "peak_frame": int(away.argmax()), "load_m": load, "size_m": size}
+    return judge_frames(wrong, text, float(away[last]), bound, stuck, stiffer, evidence=evidence)
 
 
 def _load(candidate: Candidate, soft: Deforming, entity: str) -> float:
@@ -105,12 +75,12 @@ def _given(candidate: Candidate, soft: Deforming) -> F64:
 
 
 def pins(candidate: Candidate, entity: str) -> Finding:
-    """Row `pins`: what a pin holds, against where its carrier has it."""
+    """Whether what pins hold stays where their carriers have it, of the pin that is nearest to its bound."""
     soft, physics = require_deforming(candidate, entity), physics_of(candidate, entity)
     if not physics.pins:
         return Finding("not_applicable", f"{entity} has no pins")
     start = pose_of(candidate.spec.entities[entity].pose)
-    worst, bound, culprit, frame = -1.0, 0.0, "", None
+    worst, bound, culprit, wrong = -1.0, 0.0, "", np.zeros(0, dtype=bool)
     for key, pin in sorted(physics.pins.items()):
         held = (np.abs(soft.rest - np.array(pin.center)) <= 0.5 * np.array(pin.size) * (1 + 1e-9)).all(axis=1)
         if not held.any():
@@ -120,11 +90,10 @@ def pins(candidate: Candidate, entity: str) -> Finding:
         slip = np.array(
             [_slip(candidate, soft, start.apply(soft.rest[held]), held, pin.to, k) for k in range(candidate.frame_count)]
         )
-        wrong = ~(slip <= allowed)
+        off = ~(slip <= allowed)
         most = float(np.nanmax(slip)) if np.isfinite(slip).any() else np.inf
-        first = int(np.argmax(wrong)) if wrong.any() else None
-        if (first is not None, most / allowed) > (frame is not None, worst / max(bound, 1e-300)):
-            worst, bound, culprit, frame = most, allowed, key, first
+        if (bool(off.any()), most / allowed) > (bool(wrong.any()), worst / max(bound, 1e-300)):
+            worst, bound, culprit, wrong = most, allowed, key, off
     text = f"pin {culprit!r} lets the middle of what it holds go by {worst * 1e3:.3g} mm, {bound * 1e3:.3g} mm allowed"
     larger = correction(
         "the pin holds too few nodes",
@@ -132,16 +101,8 @@ def pins(candidate: Candidate, entity: str) -> Finding:
         f"make the box of pin {culprit!r} larger",
         pointers=(pointer("entities", entity, "physics", "pins", culprit),),
     )
-    return Finding(
-        "pass" if frame is None else "fail",
-        text,
-        measured=worst if np.isfinite(worst) else None,
-        bound=bound,
-        unit="m",
-        frame=frame,
-        hints=(larger,),
-        evidence={"pin": culprit},
-    )
+    known = worst if np.isfinite(worst) else None
+    return judge_frames(wrong, text, known, bound, larger, evidence={"pin": culprit})
 
 
 def _edge(soft: Deforming) -> float:
@@ -161,7 +122,7 @@ def _slip(candidate: Candidate, soft: Deforming, placed: F64, held: NDArray[np.b
 
 
 def flight(candidate: Candidate, entity: str) -> Finding:
-    """Row `flight`: Newton's second law of the whole body over intervals in which gravity alone acts."""
+    """Whether the centre of mass falls freely over intervals in which gravity alone acts."""
     soft, physics, plan = require_deforming(candidate, entity), physics_of(candidate, entity), candidate.spec.simulation
     count = candidate.frame_count
     speeds = np.array([soft.velocity(k) for k in range(count)])
@@ -178,20 +139,10 @@ def flight(candidate: Candidate, entity: str) -> Finding:
     fall = np.array(plan.gravity) / plan.fps
     off = np.linalg.norm(np.diff(speeds, axis=0) - fall, axis=1)
     bound = FLIGHT * float(np.linalg.norm(fall)) + FLIGHT_SPEED
-    wrong = alone & ~(off <= bound)
-    frame = int(np.argmax(wrong)) + 1 if wrong.any() else None
+    wrong = np.concatenate([[False], alone & ~(off <= bound)])  # an interval fails at the frame that ends it
     worst = float(np.max(np.where(alone, np.nan_to_num(off, nan=np.inf), 0.0)))
     text = (
         f"velocity of the centre of mass is off free fall by {worst:.3g} m/s per frame at most, over {int(alone.sum())} intervals"
     )
-    again = correction("the cache is of another run, or was edited", "interval", "bake again", pointers=("/simulation/frames",))
-    return Finding(
-        "pass" if frame is None else "fail",
-        text,
-        measured=worst if np.isfinite(worst) else None,
-        bound=bound,
-        unit="m/s",
-        frame=frame,
-        hints=(again,),
-        evidence={"intervals": int(alone.sum())},
-    )
+    known, evidence = worst if np.isfinite(worst) else None, {"intervals": int(alone.sum())}
+    return judge_frames(wrong, text, known, bound, bake_again(), evidence=evidence)

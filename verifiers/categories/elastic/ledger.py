@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ....worlds.arrays import F64
 from ...ledgers.strains import require_deforming
+from ...rows.findings import Finding
+from .rows import judge_frames
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Correction
 
-__all__ = ["Energies", "VertexBooks", "elastic_energies", "vertex_books"]
+__all__ = ["Energies", "VertexBooks", "elastic_energies", "judge_growth", "vertex_books"]
 
 
 class Energies(NamedTuple):
@@ -39,7 +42,7 @@ def elastic_energies(cache: Cache) -> Energies:
 
 
 class VertexBooks(NamedTuple):
-    """What the vertices of some elastic bodies have, masses lumped to them."""
+    """Energies, momentum and mass of the vertices of some elastic bodies, masses lumped to them."""
 
     kinetic: F64
     """[J], shape (F,)."""
@@ -69,3 +72,31 @@ def vertex_books(candidate: Candidate, entities: tuple[str, ...]) -> VertexBooks
             height[frame] -= float(weight @ (soft.positions(frame) @ gravity))
             momentum[frame] += weight @ speeds
     return VertexBooks(kinetic, height, momentum, mass)
+
+
+def judge_growth(
+    candidate: Candidate,
+    energy: F64,
+    scale: float,
+    what: str,
+    *hints: Correction,
+    more: str = "",
+    evidence: dict[str, Any] | None = None,
+) -> Finding:
+    """The finding about an energy that must not grow by more than `limits.energy_growth`, counted from the lowest so far.
+
+    Args:
+        candidate: what is judged.
+        energy: less all that was given from outside [J], shape (F,).
+        scale: the energy in play [J].
+        what: begins the sentence.
+        hints: corrections.
+        more: ends the sentence.
+        evidence: further evidence.
+    """
+    bound = candidate.spec.simulation.limits.energy_growth
+    growth = energy - np.minimum.accumulate(energy)
+    share = float(growth.max() / scale)
+    text = f"{what} rises by at most {growth.max():.3g} J, {share:.2%} of the {scale:.3g} J in play{more}"
+    known = {"scale_J": scale, "start_J": float(energy[0]), "end_J": float(energy[-1]), **(evidence or {})}
+    return judge_frames(growth > bound * scale, text, share, bound, *hints, evidence=known)

@@ -1,4 +1,4 @@
-"""What elastic bodies simplify, for the approximation register (R62, R68)."""
+"""Lines of the approximation register about elastic bodies (R62, R68)."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def elastic_lines(candidate: Candidate) -> list[dict[str, str]]:
 
 
 def _steps(candidate: Candidate, name: str) -> list[dict[str, str]]:
-    """What implicit steps take of its swings."""
+    """Lines about the damping of its swings by implicit steps."""
     steps = [i.settings.step for i in candidate.spec.simulation.rigid.values() if name in i.members]
     return [
         {
@@ -72,7 +72,7 @@ def _steps(candidate: Candidate, name: str) -> list[dict[str, str]]:
 
 
 def _touches(candidate: Candidate, name: str) -> list[dict[str, str]]:
-    """What becomes of its contacts with others and with itself."""
+    """Lines about its contacts with others and with itself."""
     found = [
         {
             "what": f"what touches {name!r} meets its nodes, each alone; restitution is theirs, not the body's",

@@ -1,38 +1,22 @@
-"""How a check of elastic bodies states its verdict."""
+"""Elastic members of an instance, and what their findings and corrections have in common."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
-from ....worlds.requirements import RowId
+import numpy as np
+from numpy.typing import NDArray
+
 from ....worlds.spec import ElasticPhysics
+from ...rows.corrections import correction, pointer
 from ...rows.findings import Finding
-from ...rows.verdicts import answered
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
-    from ....worlds.requirements import Row
+    from ....worlds.requirements import Correction, Status
 
-__all__ = ["PREDICATES", "elastic_row", "physics_of"]
-
-PREDICATES = {
-    "shape": "every vertex is finite and no tetrahedron is inverted",
-    "strain": "largest principal strain <= max_strain of the contract",
-    "self": "the visible surface passes nowhere through itself",
-    "volume": "the volume changes by no more than max_strain allows at the Poisson's ratio",
-    "step": "no node travels farther in a step than half an edge of the surface that collides",
-    "recovery": "at rest, the body is back in its shape: within `recovery` of its size, and what its load explains",
-    "pins": "what pins hold stays where they hold it",
-    "flight": "where nothing touches or pins the body, its centre of mass falls freely",
-    "energy": "energy of the instance less the work of drivers, coupled partners and fields never grows by more than limits.energy_growth of the energy in play",
-    "solve": "the elastic solve of every step converges, or ends within a relative residual of 1e-3",
-    "exchange": "what elastic members received is what cloth, grains and liquids gave them",
-    "together": "energy of elastic bodies and the cloth coupled with them, less work from outside, never grows by more than "
-    "limits.energy_growth of the energy in play",
-    "fields": "impulses of force fields are those of the declared fields within a tenth of the largest",
-    "records": "recorded energies and momentum of elastic members are those of their vertices",
-    "mass": "simulation meshes hold the volume that was built",
-}
+__all__ = ["change_physics", "elastic_members", "judge_frames", "physics_of"]
 
 
 def physics_of(candidate: Candidate, entity: str) -> ElasticPhysics:
@@ -42,10 +26,28 @@ def physics_of(candidate: Candidate, entity: str) -> ElasticPhysics:
     return physics
 
 
-def elastic_row(candidate: Candidate, name: str, owner: str, found: Finding) -> Row:
-    """Row `category:elastic:<name>:<owner>` about an entity, or an instance and the entities that the answer names."""
-    entities = () if found.entities else (owner,)
-    growth = candidate.spec.simulation.limits.energy_growth
-    return answered(
-        candidate, RowId(f"category:elastic:{name}", owner), PREDICATES[name], found, entities=entities, extra=[growth]
-    )
+def elastic_members(candidate: Candidate, solver: str) -> tuple[str, ...]:
+    """Names of the elastic entities that an instance moves."""
+    entities = candidate.spec.entities
+    members = candidate.spec.simulation.solvers[solver].members
+    return tuple(m for m in members if m in entities and isinstance(entities[m].physics, ElasticPhysics))
+
+
+def judge_frames(
+    wrong: NDArray[np.bool_],
+    text: str,
+    measured: float | None,
+    bound: float,
+    *hints: Correction,
+    entity: str | None = None,
+    evidence: dict[str, Any] | None = None,
+) -> Finding:
+    """The finding about something that must hold at every frame: it fails at the first where `wrong`, shape (F,), is true."""
+    frame = int(np.argmax(wrong)) if wrong.any() else None
+    status: Status = "pass" if frame is None else "fail"
+    return Finding(status, text, measured, bound, entity=entity, frame=frame, hints=hints, evidence=evidence)
+
+
+def change_physics(entities: Iterable[str], name: str, cause: str, group: str, action: str) -> Correction:
+    """A correction of one field of the physics of some entities."""
+    return correction(cause, group, action, pointers=tuple(pointer("entities", n, "physics", name) for n in entities))

@@ -13,6 +13,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...ledgers.exchanged import partners
+from .bounds import BOUNCE, FAINT, WITH_FRICTION
 
 if TYPE_CHECKING:
     from .frames import Broken, Frames
@@ -21,12 +22,6 @@ __all__ = ["PARTNER", "Budget"]
 
 PARTNER = -2
 """As a cause: what liquids, cloth or grains of a two-way coupling give."""
-WITH_FRICTION = 2.0
-"""sqrt(1 + mu^2) at friction 1.7."""
-BOUNCE = 2.0
-"""Momentum that turns round."""
-FAINT = 1e-2
-"""Of a piece's weight; the engine calls loads below a tenth of that none."""
 
 
 class Budget:

@@ -1,18 +1,7 @@
-"""Breakable bodies (R61, R65, R133): their pieces, what holds them together, and what broke it. Rows per entity:
+"""Breakable bodies (R61, R65, R133): `questions.py` lists what is asked of each, `FUNCTIONS` which function answers.
 
-- `category:fracture:pieces:<entity>`: pieces are closed, convex part by part, and hold the volume of the specified parts to
-  `VOLUME`, and their mass is that volume's. A solid of revolution has that of its profile, turned in as many chords as it says.
-- `category:fracture:bonded:<entity>`: two pieces whose bond holds do not move apart, and a piece that is bonded to the world
-  stays where it was built (`APART` of a piece).
-- `category:fracture:events:<entity>`: bonds break once and never heal; each has an event within its frame, at the face that it
-  held, and the energy record is the sum of theirs.
-- `category:fracture:cause:<entity>`: a bond breaks only under what breaks it. The judge finds the stress anew, from the loads of
-  the event by its own matrix; a collider that is named as the cause touched the entity in that frame or just before, and it can
-  have given that much (`fracture_budget`).
-- `category:fracture:flight:<entity>`: what broke off and is near nothing moves by gravity alone: pieces neither hang in the air nor
-  are thrown by their break (`categories/fracture/flight.py`).
-- `category:fracture:standing:<entity>`: bonds that hold bear their weight and what lies on them: the stress under gravity and
-  the mean contact forces of `STEADY` seconds stays below `OVERLOAD` of the strength.
+The judge finds the stress of a broken bond anew, from the loads of its event by its own matrix (`network.py`); what is named as the
+cause touched the entity in that frame or just before, and can have given that much (`budget.py`).
 """
 
 from __future__ import annotations
@@ -26,81 +15,49 @@ from ....geometry.solids import Solid
 from ....worlds.categories.fracture.bonds import WORLD, components
 from ....worlds.categories.fracture.pieces import middle_size
 from ....worlds.errors import EvidenceError
-from ....worlds.requirements import RowId
-from ...rows.corrections import correction
+from ...rows.answers import row_of
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding, judged
-from ...rows.verdicts import answered
 from ..rigid.bounds import IMPULSE, PLACE
+from .bounds import APART, CAPPED_VOLUME, CASES, ENERGY, OVERLOAD, RATIO, ROUND_VOLUME, ROUNDING, STEADY, VOLUME, WORK
 from .budget import Budget
 from .flight import free_flight
 from .frames import Broken, Frames
 from .network import Loaded
+from .questions import QUESTIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Correction, Row
     from ....worlds.spec import Part
+    from ...rows.questions import Question
 
 __all__ = ["category_rows"]
-
-VOLUME = 1e-6
-"""Relative, own choice: planes cut exactly; `ROUND_VOLUME` for parts with round sides, whose pieces have flat ones."""
-ROUND_VOLUME = 5e-3
-CAPPED_VOLUME = 7e-3
-"""The same for capsules: their caps are cut into chords along the meridian too; 5.9e-3 without a barrel."""
-APART = 1e-6
-"""Own choice, of a piece's size: rounding of poses is 1e-12 of it."""
-RATIO = 0.02
-"""Own choice: loads are solved for once more after they changed by this much, and stored in double precision."""
-ROUNDING = 1e-6
-"""Of stresses in single precision."""
-OVERLOAD = 1.25
-"""Own choice: mean forces over frames are not the forces of steps."""
-STEADY = 0.5
-"""[s] Own choice: five times what the engine counts as lasting at the default contact time."""
-CASES = 24
-"""Load cases that are solved anew at least."""
-WORK = 12000
-"""Bonds in all load cases that are solved anew: about a second."""
-PREDICATES = {
-    "pieces": f"pieces are closed and hold volume and mass of the specified parts to {VOLUME:g}",
-    "bonded": f"pieces whose bonds hold move as one, to {APART:g} of a piece",
-    "events": "every bond breaks once, in its frame, at its face, and its energy is recorded",
-    "cause": "every bond broke under a stress over its strength, from loads that something gave",
-    "flight": f"loose pieces that nothing is near change their velocity by gravity to {IMPULSE:g} m/s per frame",
-    "standing": f"no bond holds under more than {OVERLOAD:g} of its strength for {STEADY:g} s",
-}
 
 
 def category_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of all breakable members of one rigid instance; `unverified` where evidence is missing."""
-    members = candidate.spec.simulation.solvers[solver].members
-    names = [
-        m for m in dict.fromkeys(members) if m in candidate.spec.entities and candidate.spec.entities[m].breakable is not None
+    entities = candidate.spec.entities
+    members = dict.fromkeys(candidate.spec.simulation.solvers[solver].members)
+    growth = [candidate.spec.simulation.limits.energy_growth]
+
+    def ask(entity: str, question: Question) -> Finding:
+        found = judged(lambda: FUNCTIONS[question.id](Frames(candidate, solver, entity)))
+        if found.status != "fail":
+            return found
+        return replace(found, frame=found.frame or 0, hints=(_hint(entity, question),))
+
+    return [
+        row_of(candidate, question, (entity,), ask(entity, question), entities=(entity,), extra=growth)
+        for entity in members
+        if entity in entities and entities[entity].breakable is not None
+        for question in QUESTIONS
     ]
-    checks: dict[str, Callable[[Frames], Finding]] = {
-        "pieces": _pieces,
-        "bonded": _bonded,
-        "events": _events,
-        "cause": _cause,
-        "flight": _flight,
-        "standing": _standing,
-    }
-    growth = candidate.spec.simulation.limits.energy_growth
-    rows = []
-    for entity in names:
-        for name, function in checks.items():
-            found = judged(lambda f=function, e=entity: f(Frames(candidate, solver, e)))
-            if found.status == "fail":
-                found = replace(found, frame=found.frame or 0, hints=(_hint(entity, name),))
-            row_id = RowId(f"category:fracture:{name}", entity)
-            rows.append(answered(candidate, row_id, PREDICATES[name], found, entities=(entity,), extra=[growth]))
-    return rows
 
 
-def _verdict(ok: bool, text: str, measured: float, bound: float, unit: str = "1", frame: int | None = None) -> Finding:
+def _verdict(ok: bool, text: str, measured: float, bound: float, unit: str = "", frame: int | None = None) -> Finding:
     return Finding("pass" if ok else "fail", text, measured, bound, unit, frame=None if ok else frame)
 
 
@@ -108,24 +65,11 @@ def _unbroken(frames: Frames) -> Finding:
     return Finding("not_applicable", f"no bond of {frames.entity!r} broke in these frames")
 
 
-def _hint(entity: str, name: str) -> Correction:
-    texts = {
-        "pieces": ("the pieces are not the body", f"place {entity!r} again", "shape"),
-        "bonded": ("the cache does not move bonded pieces as one", "bake again", "step"),
-        "events": ("the log of broken bonds is not whole", "bake again", "step"),
-        "cause": (
-            "bonds broke without a load that breaks them",
-            "the same specification breaks the same bonds: bake again only where strengths or files changed since; what is wedged"
-            " between the body and what carries it may press both by more than it brought: lower the friction there, or let it"
-            " come from another side",
-            "bonds",
-        ),
-        "flight": ("pieces in the air are pushed or held by nothing", "bake again", "step"),
-        "standing": ("bonds hold more than they bear", "lower the step, or raise tension and shear", "bonds"),
-    }
-    cause, action, own = texts[name]
-    place = "/simulation/solvers" if own == "step" else f"/entities/{entity}/breakable"
-    return correction(cause, own, action, pointers=(place,))
+def _hint(entity: str, question: Question) -> Correction:
+    if question.id not in HINTS:
+        return bake_again(STRANGE[question.id])
+    cause, action, group = HINTS[question.id]
+    return correction(cause, group, action.format(entity), pointers=(f"/entities/{entity}/breakable",))
 
 
 def _specified_volume(part: Part) -> tuple[float, float] | None:
@@ -210,7 +154,7 @@ def _bonded(frames: Frames) -> Finding:
     a, b = bonds.pieces[pair].tolist() if len(bonds) else (0, 0)
     text = f"pieces {a} and {'the world' if b == WORLD else b} are {worst:.3g} m apart at frame {at} where their bond holds"
     ok = worst <= APART * size
-    return _verdict(ok, "bonded pieces move as one" if ok else text, worst, APART * size, "m", at)
+    return _verdict(ok, "bonded pieces move as one" if ok else text, worst, APART * size, frame=at)
 
 
 def _events(frames: Frames) -> Finding:
@@ -222,9 +166,8 @@ def _events(frames: Frames) -> Finding:
         events = frames.breaks(frame)
         flipped = np.flatnonzero(now & ~last)
         told = np.sort([e.bond for e in events])
-        position, turn = frames.poses(frame)
+        frames.poses(frame)  # raises where the frame has none
         late = [e for e in events if not frames.time(frame - 1) - 1e-9 <= e.time <= frames.time(frame) + 1e-9]
-        del position, turn
         problem = ""
         if (last & ~now).any():
             problem = f"bond {int(np.flatnonzero(last & ~now)[0])} heals"
@@ -247,12 +190,12 @@ def _events(frames: Frames) -> Finding:
     recorded = frames.record("fracture_energy")
     others = frames.energy_of_others(recorded.shape[0])
     off = abs(float(recorded[-1] - recorded[0]) - total - others)
-    if off > 1e-6 * max(1.0, float(recorded[-1])):
+    if off > ENERGY * max(1.0, float(recorded[-1])):
         wrong.append(f"the record of energy is {recorded[-1]:.6g} J, events have {total + others:.6g} J")
     if not wrong and not last.any():
         return _unbroken(frames)
     text = wrong[0] + f" at frame {first}" if wrong else f"{int(last.sum())} bonds broke, each with its event"
-    return _verdict(not wrong, text, float(len(wrong)), 0.0, "1", first)
+    return _verdict(not wrong, text, float(len(wrong)), 0.0, frame=first)
 
 
 def _cause(frames: Frames) -> Finding:
@@ -273,22 +216,22 @@ def _cause(frames: Frames) -> Finding:
         if off > astray:
             astray, most = off, frame
     if lowest <= 1.0 - RATIO:
-        return _verdict(False, f"bonds broke at frame {least} under {lowest:.3g} of their strength", lowest, 1.0, "1", least)
+        return _verdict(False, f"bonds broke at frame {least} under {lowest:.3g} of their strength", lowest, 1.0, frame=least)
     if astray > RATIO:
         text = f"a bond broke at frame {most} under another stress than its event tells, by {astray:.3g} of it"
-        return _verdict(False, text, astray, RATIO, "1", most)
+        return _verdict(False, text, astray, RATIO, frame=most)
     unfounded = [(f, e) for f, e in events if not frames.pushed(e, f)]
     if unfounded:
         frame, event = unfounded[0]
         name = frames.collider(event.cause)
         text = f"bond {event.bond} broke at frame {frame} because of {name!r}, which did not touch {frames.entity!r} then"
-        return _verdict(False, text, float(len(unfounded)), 0.0, "1", frame)
+        return _verdict(False, text, float(len(unfounded)), 0.0, frame=frame)
     budget = Budget(frames, frames.solver, breakable.bond.contact_time)
     for frame, event in events:
         beyond = budget.excess(event, frame, frames.case(frame, event.case)[0])
         if beyond > 1.0:
             text = f"bond {event.bond} broke at frame {frame} under {beyond:.3g} times what {frames.collider(event.cause)!r} can have given"
-            return _verdict(False, text, beyond, 1.0, "1", frame)
+            return _verdict(False, text, beyond, 1.0, frame=frame)
     return _verdict(True, f"{len(events)} bonds broke in {len(cases)} cases, each under its load", float(len(unfounded)), 0.0)
 
 
@@ -356,4 +299,33 @@ def _standing(frames: Frames) -> Finding:
             if ratio.max(initial=0.0) > worst:
                 worst, at = float(ratio.max()), frame
     text = f"bonds of {frames.entity!r} carry at most {worst:.3g} of their strength, at frame {at}"
-    return _verdict(worst <= OVERLOAD, text, worst, OVERLOAD, "1", at)
+    return _verdict(worst <= OVERLOAD, text, worst, OVERLOAD, frame=at)
+
+
+FUNCTIONS: Mapping[str, Callable[[Frames], Finding]] = {
+    "category:fracture:pieces": _pieces,
+    "category:fracture:bonded": _bonded,
+    "category:fracture:events": _events,
+    "category:fracture:cause": _cause,
+    "category:fracture:flight": _flight,
+    "category:fracture:standing": _standing,
+}
+"""By id of the question."""
+HINTS: Mapping[str, tuple[str, str, str]] = {
+    "category:fracture:pieces": ("the pieces are not the body", "place {0!r} again", "shape"),
+    "category:fracture:cause": (
+        "bonds broke without a load that breaks them",
+        "the same specification breaks the same bonds: bake again only where strengths or files changed since; what is wedged"
+        " between the body and what carries it may press both by more than it brought: lower the friction there, or let it"
+        " come from another side",
+        "bonds",
+    ),
+    "category:fracture:standing": ("bonds hold more than they bear", "lower the step, or raise tension and shear", "bonds"),
+}
+"""Cause, action and group of the correction of a failure, by id of the question."""
+STRANGE: Mapping[str, str] = {
+    "category:fracture:bonded": "the cache does not move bonded pieces as one",
+    "category:fracture:events": "the log of broken bonds is not whole",
+    "category:fracture:flight": "pieces in the air are pushed or held by nothing",
+}
+"""Cause of a failure that only another bake mends, by id of the question."""

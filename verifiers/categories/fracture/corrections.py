@@ -1,4 +1,4 @@
-"""What would make a body break as asked: harder blows, weaker bonds, or a distance that its pieces reach."""
+"""Corrections that make a body break as asked: harder blows, weaker bonds, or a distance that its pieces reach."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import Breach, Broken, Debris, atoms_of
 from ...rows.corrections import correction
+from .bounds import NEARLY
 from .frames import Frames
 
 if TYPE_CHECKING:
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from ...predicates import Outcome
 
 __all__ = ["breaking"]
-
-NEARLY = 0.9
-"""Own choice: the distance that is proposed, over what was reached."""
 
 
 def breaking(

@@ -15,6 +15,7 @@ from ....worlds.arrays import pose_of
 from ....worlds.categories.fracture.bonds import WORLD, components
 from ....worlds.categories.fracture.pieces import crumble_of
 from ...ledgers.balance import books_of
+from .bounds import TUMBLE
 
 if TYPE_CHECKING:
     from typing import Any
@@ -26,12 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["Flight", "free_flight"]
 
 
-TUMBLE = 1.2
-"""Own choice: how much faster a tumbling body may turn between two frames than at them."""
-
-
 class Flight(NamedTuple):
-    """What was judged, and the worst of it."""
+    """Number of free flights, and the largest deviations among them."""
 
     cases: int
     """Clusters and intervals."""
@@ -121,7 +118,7 @@ class _Boxes:
         self.still = np.array([(p.min(axis=0) - half, p.max(axis=0) + half) for p in points]).reshape(-1, 2, 3)
 
     def swept(self, k: int) -> _Swept:
-        """What the bodies sweep in the interval from frame `k` on."""
+        """Boxes around what the bodies sweep in the interval from frame `k` on."""
         books = self.books
         fastest = np.maximum(*(np.linalg.norm(books.velocity[f], axis=1) for f in (k, k + 1)))
         way = np.linalg.norm(books.body_centers[k + 1] - books.body_centers[k], axis=1)

@@ -1,4 +1,4 @@
-"""What a cache tells of one breakable entity, frame by frame."""
+"""States, loads and events of one breakable entity, frame by frame, as its cache holds them."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ TOGETHER = 0.6
 
 
 def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
-    """What is simplified about the breakable entities."""
+    """Lines of every breakable entity."""
     found = []
     for name, entity in candidate.spec.entities.items():
         if entity.breakable is None:
@@ -81,7 +81,7 @@ def _together(candidate: Candidate, name: str) -> list[dict[str, str]]:
 
 
 def _blown(candidate: Candidate, name: str) -> list[dict[str, str]]:
-    """What fields do to pieces: they load no bonds, and air meets those that stand before one another."""
+    """Lines about fields: they load no bonds, and air meets pieces that stand behind one another."""
     fields = fields_of(candidate.spec, name)
     if not fields:
         return []

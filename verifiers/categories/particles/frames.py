@@ -141,7 +141,7 @@ class Swarm:
             before = now
 
     def exchange(self, index: int) -> dict[str, Any]:
-        """What was exchanged over the frame."""
+        """Impulses to bodies and from fields, and momentum of the outflow, over the frame [N s], by channel."""
         data = self.cache.read(index, EXCHANGE)
         b, m = len(self.cache.index.colliders), len(self.members)
         wanted = {"exchange/impulse": (b, 6), "exchange/reaction": (b, 6), "field/impulse": (m, 3), "outflow/momentum": (3,)}

@@ -109,7 +109,7 @@ def _within(candidate: Candidate, region_id: str | None, frame: SwarmFrame, rows
 def _elsewhere(
     scope: Scope, p: ParticleCountIn | ParticleVolumeIn, size: Callable[[SwarmFrame, Rows], float]
 ) -> Callable[[int], dict[str, float]]:
-    """What of the particles is not in the region at a frame: `in_all`, `above` what is in it, and `gained` by it of late."""
+    """Function of a frame that tells where the particles are beside the region: `in_all`, `above` those in it, `gained` by it of late."""
 
     def detail(i: int) -> dict[str, float]:
         found = _swarm(scope.candidate, p.entity)

@@ -10,6 +10,7 @@ from .categories.cloth import questions as cloth
 from .categories.elastic import questions as elastic
 from .categories.fracture import questions as fracture
 from .categories.liquid import questions as liquid
+from .categories.particles import questions as particles
 from .categories.rigid import questions as rigid
 from .contact import questions as contact
 from .delivery import questions as delivery
@@ -38,6 +39,7 @@ TABLES: tuple[ModuleType, ...] = (
     liquid,
     elastic,
     fracture,
+    particles,
 )
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 

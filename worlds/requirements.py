@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self, cast
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -14,7 +14,6 @@ __all__ = [
     "Outcome",
     "Row",
     "RowClass",
-    "RowId",
     "Status",
     "fail_closed",
     "outcome_of",
@@ -40,29 +39,6 @@ Check = Literal[
     "delivery",
 ]
 RowClass = Literal["scene", "solver", "shot", "story", "text"]
-
-
-class RowId(str):
-    """A row's id that still knows the question it names and of what it is asked.
-
-    `RowId("support:rope", "lamp", "0")` is the string `support:rope:lamp:0`, with the question `support:rope` about `("lamp", "0")`.
-    """
-
-    __slots__ = ("question", "subject")
-    question: str
-    subject: tuple[str, ...]
-
-    def __new__(cls, question: str, *subject: str, text: str | None = None) -> Self:
-        """An id; `text` is given where its words stand in another order than question, then subject."""
-        made = super().__new__(cls, ":".join((question, *subject)) if text is None else text)
-        made.question, made.subject = question, subject
-        return made
-
-    @property
-    def check(self) -> Check:
-        """The check that judges the question: its first word, but for what the story asks for."""
-        first = self.question.partition(":")[0]
-        return cast("Check", "beat" if first in ("requirement", "probe") else first)
 
 
 class Correction(BaseModel):

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Correction, Status
-from .corrections import bake_again, halve_step, separate
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
     from .questions import Comparison
 
-__all__ = ["Finding", "again", "cache_of", "halve", "judged", "lacking", "separate"]
-
-again, halve = bake_again, halve_step  # names of before; use those of `rows/corrections.py`
+__all__ = ["Finding", "cache_of", "judged", "lacking"]
 
 
 @dataclass(frozen=True)

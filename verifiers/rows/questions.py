@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, cast
 if TYPE_CHECKING:
     from ...worlds.requirements import Check, Group
 
-__all__ = ["GROUP_OF", "Comparison", "Question"]
+__all__ = ["GROUP_OF", "Comparison", "Question", "by_name"]
 
 Comparison = Literal["<=", ">=", "==", "in", ""]
 """How the measured value must compare with the bound; empty where nothing is measured."""
@@ -68,3 +68,8 @@ class Question:
     def pattern(self) -> str:
         """Pattern of the row ids: `support:rope:<entity>:<start or end>`."""
         return self.row_id(tuple(f"<{name}>" for name in self.subject))
+
+
+def by_name(*questions: Question) -> Mapping[str, Question]:
+    """Questions by the last word of their ids."""
+    return {q.id.rpartition(":")[2]: q for q in questions}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from ...worlds.errors import EvidenceError
 from .findings import Finding
-from .instance_rows import instance_row
+from .instance_rows import instance_answer
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Watching"]
 
-Verdicts = dict[str, dict[str, tuple["Question | str", Finding]]]
-"""Question (or predicate, where there is none yet) and finding of each claim, by watch."""
+Verdicts = dict[str, dict[str, tuple["Question", Finding]]]
+"""Question and finding of each claim, by watch."""
 
 
 class Watch(Protocol):
     """One family of claims; `see` takes what each frame is made of."""
 
-    claims: ClassVar[Mapping[str, Question | str]]
+    claims: ClassVar[Mapping[str, Question]]
 
     def findings(self) -> dict[str, Finding]:
         """The verdict of every claim, after the last frame."""
@@ -59,19 +59,16 @@ class Watching:
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """The rows of the category check of one instance."""
         return [
-            instance_row(candidate, solver, name, claim, finding)
+            instance_answer(candidate, question, solver, finding, members=True)
             for kind, verdicts in self.findings_of(candidate, solver).items()
             if kind != self.numbers.__name__
-            for name, (claim, finding) in verdicts.items()
+            for question, finding in verdicts.values()
         ]
 
     def numerical_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """The rows of its counters."""
         verdicts = self.findings_of(candidate, solver)[self.numbers.__name__]
-        return [
-            instance_row(candidate, solver, name, claim, finding, check="numerical", family="")
-            for name, (claim, finding) in verdicts.items()
-        ]
+        return [instance_answer(candidate, question, solver, finding, members=True) for question, finding in verdicts.values()]
 
     def _run(self, candidate: Candidate, solver: str) -> Verdicts:
         watches: dict[type[Any], Any] = {}
@@ -94,9 +91,7 @@ class Watching:
             failed = {kind: failed.get(kind, error) for kind in self.kinds}
         return {kind.__name__: self._verdicts(kind, watches.get(kind), failed.get(kind)) for kind in self.kinds}
 
-    def _verdicts(
-        self, kind: type[Any], watch: Watch | None, error: EvidenceError | None
-    ) -> dict[str, tuple[Question | str, Finding]]:
+    def _verdicts(self, kind: type[Any], watch: Watch | None, error: EvidenceError | None) -> dict[str, tuple[Question, Finding]]:
         try:
             if watch is None or error is not None:
                 raise error or EvidenceError("it was not watched")

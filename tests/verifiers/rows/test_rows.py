@@ -7,15 +7,16 @@ from pathlib import Path
 import pytest
 from worldagent.tests.verifiers.categories.test_category import falling
 from worldagent.verifiers.checks import run_checks
+from worldagent.verifiers.rows.answers import row_of
 from worldagent.verifiers.rows.corrections import correction
 from worldagent.verifiers.rows.findings import Finding, cache_of, judged
-from worldagent.verifiers.rows.questions import GROUP_OF
-from worldagent.verifiers.rows.verdicts import answered, make_row
+from worldagent.verifiers.rows.questions import GROUP_OF, Question
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
-from worldagent.worlds.requirements import Row, RowId
+from worldagent.worlds.requirements import Row, Status
 
-ROPE = RowId("support:rope", "lamp", "0")
+ROPE = Question("support:rope", "p", subject=("entity", "end"))
+LAMP = ("lamp", "0")
 
 
 @pytest.fixture
@@ -23,12 +24,10 @@ def world(tmp_path: Path) -> Candidate:
     return falling(tmp_path)
 
 
-def test_an_id_knows_question_subject_and_check() -> None:
-    assert ROPE == "support:rope:lamp:0"
-    assert (ROPE.question, ROPE.subject, ROPE.check) == ("support:rope", ("lamp", "0"), "support")
-    tight = RowId("terrain:tight", "valley", text="terrain:valley:tight")
-    assert (str(tight), tight.question, tight.subject) == ("terrain:valley:tight", "terrain:tight", ("valley",))
-    assert [RowId(q, "x").check for q in ("requirement", "probe:phases", "beat:driven")] == ["beat", "beat", "beat"]
+def test_a_question_knows_check_and_ids() -> None:
+    assert (ROPE.row_id(LAMP), ROPE.check, ROPE.group) == ("support:rope:lamp:0", "support", "spatial")
+    assert ROPE.pattern == "support:rope:<entity>:<end>"
+    assert [Question(q, "p").check for q in ("requirement", "probe:phases", "beat:driven")] == ["beat", "beat", "beat"]
 
 
 def test_every_row_of_a_world_names_its_question_and_subject(world: Candidate) -> None:
@@ -41,17 +40,15 @@ def test_every_row_of_a_world_names_its_question_and_subject(world: Candidate) -
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_a_pass_that_measured_no_number_fails_and_names_it(world: Candidate, value: float) -> None:
-    row = make_row(world, ROPE, predicate="p", status="pass", explanation="e", measured=value, bound=1.0)
+    row = row_of(world, ROPE, LAMP, Finding("pass", "e", value, 1.0))
     assert (row.status, row.measured, row.evidence["non_finite"]) == ("fail", None, str(value))
-    missing = make_row(world, ROPE, predicate="p", status="unverified", explanation="e", measured=value)
-    assert missing.status == "unverified"
+    assert row_of(world, ROPE, LAMP, Finding("unverified", "e", value)).status == "unverified"
 
 
 def test_a_failing_row_names_its_first_entity_and_a_spatial_one_its_first_frame(world: Candidate) -> None:
-    def made(question: str, status: str) -> Row:
-        return make_row(
-            world, RowId(question, "a"), predicate="p", status=status, explanation="e", entities=("a", "b"), frames=(2, 5)
-        )  # type: ignore[arg-type]
+    def made(question: str, status: Status) -> Row:
+        found = Finding(status, "e", entities=("a", "b"), frames=(2, 5))
+        return row_of(world, Question(question, "p"), ("a",), found)
 
     assert (made("support", "fail").first_failing_entity, made("support", "fail").first_failing_frame) == ("a", 2)
     assert (made("category:x", "fail").first_failing_entity, made("category:x", "fail").first_failing_frame) == ("a", None)
@@ -62,10 +59,8 @@ def test_a_failing_row_names_its_first_entity_and_a_spatial_one_its_first_frame(
 
 def test_corrections_stand_beside_what_is_open_alone(world: Candidate) -> None:
     hint = correction("why", "step", "halve the step")
-    kept = {
-        s: answered(world, ROPE, "p", Finding(s, "t", hints=(hint,))).corrections
-        for s in ("pass", "fail", "unverified", "not_applicable")
-    }  # type: ignore[arg-type]
+    statuses: tuple[Status, ...] = ("pass", "fail", "unverified", "not_applicable")
+    kept = {s: row_of(world, ROPE, LAMP, Finding(s, "t", hints=(hint,))).corrections for s in statuses}
     assert {s for s, found in kept.items() if found} == {"fail", "unverified"}
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ....worlds.liquid_air import LEE, Matter, pushed, surface_points
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bounds import ATTRACTION, MEDIUM
 from .energy import blown
 from .questions import BLOWN
@@ -98,7 +98,7 @@ class Blown:
         excess = np.linalg.norm([np.maximum(o - d, 0.0) for o, d in zip(self.off, self.doubt, strict=True)], axis=1) / allowed
         found = first_over(
             excess, 1.0, "1", "difference of recorded impulses from the declared fields', over what is allowed,",
-            (baked_again("the cache is of a run with other fields"),),
+            (bake_again("the cache is of a run with other fields"),),
         )  # fmt: skip
         evidence: dict[str, object] = {"attraction_N_s": pulled, "medium_N_s": blew}
         return {"fields": Finding(found.status, found.text, found.measured, 1.0, "1", None, found.frame, found.hints, evidence)}

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64, rotation_matrix
 from ....worlds.errors import EvidenceError
 from ...ledgers.exchanged import partners
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .about import COLUMN, Hull, Surroundings, hull_of, others_than
 from .bodies import Bodies, exchanged
 from .bounds import ADDED, BUOYANCY, DRAG, FELT, REACTION, ROUGH, STREAMS
@@ -181,7 +180,7 @@ class Coupling:
         row = int(np.argmax(error[frame]))
         entity = self.bodies.entities[row]
         text = f"{what} {entity} at frame {frame} differs from what was given by {error[frame, row]:.3g} of its largest impulse"
-        hints: tuple[Correction, ...] = (baked_again(), longer_step(self.liquid, "the two sides do not step together"))
+        hints: tuple[Correction, ...] = (bake_again(), longer_step(self.liquid, "the two sides do not step together"))
         evidence = {"given": other[frame, row].tolist(), name: one[frame, row].tolist()}
         return Finding("fail", text, value if np.isfinite(value) else None, REACTION, "1", entity, frame, hints, evidence)
 

@@ -14,9 +14,8 @@ import numpy as np
 
 from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bounds import BOILING, BULK, CROWDED, DISAGREE, RECORDED
 from .questions import DENSITY
 from .rows import coarse, first_over, longer_step
@@ -131,7 +130,7 @@ class Density:
                     self._allowed(),
                     "1",
                     "difference of recorded and counted density",
-                    (baked_again("recorded densities are not those of the particles"),),
+                    (bake_again("recorded densities are not those of the particles"),),
                 ),
                 "divergence": first_over(np.array(self.boiling), BOILING, "1", "divergence in the bulk", hints),
             }

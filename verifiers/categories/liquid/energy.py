@@ -15,9 +15,8 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bodies import Bodies, exchanged
 from .bounds import CALM, DRIVEN, LAYERS, MOMENTUM, SETTLED, TENSION
 from .questions import ENERGY, MOMENTUM_BALANCE
@@ -254,7 +253,7 @@ class Momentum:
         values = np.array(self.excess)
         if np.isnan(values).all():
             return {"momentum": Finding("not_applicable", "there is no liquid at two frames in a row")}
-        hints = (longer_step(self.liquid, "forces on boundaries and on the liquid are not of the same step"), baked_again())
+        hints = (longer_step(self.liquid, "forces on boundaries and on the liquid are not of the same step"), bake_again())
         found = first_over(values, MOMENTUM, "1", "momentum without a cause, over weight and impulses of a frame,", hints)
         axis = "xyz"[self.axis[int(np.nanargmax(values))]]
         return {

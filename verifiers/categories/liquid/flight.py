@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_boxes
 from .bounds import FLIGHT, LEAST_SLIP
 from .questions import FLIGHT_FREE
@@ -140,7 +139,7 @@ class Flight:
         if not self.judged:
             return {"flight": Finding("not_applicable", "no cluster of liquid flies free of all else")}
         hints = (
-            baked_again("the cache was edited"),
+            bake_again("the cache was edited"),
             correction("forces act on liquid that is in touch with nothing", "liquid", "lower surface_tension, or let the step follow the flow",
                        pointers=tuple(f"/entities/{m}/physics/surface_tension" for m in self.liquid.members)),
         )  # fmt: skip

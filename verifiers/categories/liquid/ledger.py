@@ -17,9 +17,8 @@ import numpy as np
 from ....geometry import Solid, contains
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_depths
 from .bounds import APPEARS, DRIFT, LEDGER, RECORD, SLOW
 from .questions import BOOKS, IDENTITY
@@ -90,11 +89,11 @@ class Books:
         if np.isnan(came).any():
             frame = int(np.argmax(np.isnan(came)))
             text = f"inflow/mass and outflow/mass do not add up to the records inflow_mass and outflow_mass at frame {frame}"
-            return Finding("fail", text, frame=frame, hints=(baked_again(),))
+            return Finding("fail", text, frame=frame, hints=(bake_again(),))
         balance = mass + went + left - came
         error = np.abs(balance - balance[0]) / max(float((mass + went + left).max()), 1e-12)
         hints = (
-            baked_again(),
+            bake_again(),
             correction(
                 "liquid leaves where nothing counts it", "domain", "let the domain hold all of it, or give an outflow",
                 pointers=(f"/simulation/solvers/{self.liquid.solver}/settings/domain",),
@@ -145,7 +144,7 @@ class Books:
             RECORD,
             "1",
             f"error of records, most of {names[column]},",
-            (baked_again("records are not those of the particles"),),
+            (bake_again("records are not those of the particles"),),
         )
         evidence = {n: float(e) if np.isfinite(e) else "not finite" for n, e in zip(names, error.max(axis=0), strict=True)}
         return Finding(found.status, found.text, found.measured, RECORD, "1", None, found.frame, found.hints, evidence)
@@ -248,7 +247,7 @@ class Identity:
         index, count, what, where = self.wrong[0]
         text = f"{count} particles {what} at frame {index}, about {where} m ({total:.0f} such cases in all)"
         hints = (
-            baked_again(),
+            bake_again(),
             longer_step(self.liquid, "the engine lost particles"),
         )
         evidence = {

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bodies import Bodies
 from .bounds import FEW_TRAPPED, JET, JITTER_SECONDS, JITTER_WAY, JUMP, LIMIT, SPIKES, TRAPPED
 from .questions import MOTION, TRAPPED_PARTICLES
@@ -125,7 +124,7 @@ class Motion:
         """Jumps and spikes."""
         if not self.over:
             raise EvidenceError("the cache holds no frame")
-        hints = (longer_step(self.liquid, "the step is too long"), baked_again())
+        hints = (longer_step(self.liquid, "the step is too long"), bake_again())
         found = first_over(np.array(self.jump), self.allowed, "spacings", "displacement beyond what velocities explain", hints)
         evidence: dict[str, object] = {}
         if self.worst_jump is not None:

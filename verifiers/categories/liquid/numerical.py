@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bounds import CAPPED, COVER, LOST
 from .questions import NUMBERS
 from .rows import coarse, first_over, longer_step
@@ -114,7 +113,7 @@ class Numbers:
         if self.miscounted is not None:
             frame, text = self.miscounted
             found["counts"] = Finding(
-                "fail", f"{text} (frame {frame})", None, None, "", None, frame, (baked_again("the cache does not fit its plan"),)
+                "fail", f"{text} (frame {frame})", None, None, "", None, frame, (bake_again("the cache does not fit its plan"),)
             )
         return found
 
@@ -149,7 +148,7 @@ class Numbers:
         if bad.any():
             frame = int(np.argmax(bad)) + 1
             text = f"frame {frame} records {steps[frame - 1]:g} steps of {step[frame - 1]:.4g} s for {h:.4g} s (longest allowed {longest:g} s), {column['iterations_capped'][frame]:g} capped"
-            return Finding("fail", text, None, None, "", None, frame, (baked_again("counters are impossible"),))
+            return Finding("fail", text, None, None, "", None, frame, (bake_again("counters are impossible"),))
         return Finding(
             "pass", f"steps of at most {step.max(initial=0.0):.3g} s cover all frames", float(step.max(initial=0.0)), longest, "s"
         )

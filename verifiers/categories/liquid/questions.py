@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from ....worlds.categories.liquid.facts import LEAST_MOUTH
-from ...rows.questions import Comparison, Question
+from ...rows.questions import Comparison, Question, by_name
 from ..questions import COUNTERS, COUNTS, FINITE, ITERATIONS, SPEED
 from .bounds import (
     AREA,
@@ -69,12 +67,7 @@ def _asked(
     return Question(f"category:liquid:{name}", predicate, measures, unit, comparison, bound, ("solver",))
 
 
-def _by_name(*questions: Question) -> Mapping[str, Question]:
-    """Questions by the last word of their ids."""
-    return {q.id.rpartition(":")[2]: q for q in questions}
-
-
-ACROSS = _by_name(
+ACROSS = by_name(
     _asked(
         "across",
         f"liquid bodies of whose level, buoyancy or pressure something depends are {LEAST_ACROSS:g} spacings across at frame 0",
@@ -84,7 +77,7 @@ ACROSS = _by_name(
         "LEAST_ACROSS",
     )
 )
-BLOWN = _by_name(
+BLOWN = by_name(
     _asked(
         "fields",
         f"what force fields gave is what they say, within {ATTRACTION:.0%} of the largest, {MEDIUM:.0%} of what a medium gave",
@@ -94,7 +87,7 @@ BLOWN = _by_name(
         "1, of ATTRACTION and MEDIUM",
     )
 )
-COUPLING = _by_name(
+COUPLING = by_name(
     _asked(
         "exchange",
         f"impulse given to each boundary + what the liquid lost through it = 0 within {REACTION:g} of its largest",
@@ -128,7 +121,7 @@ COUPLING = _by_name(
         "BUOYANCY",
     ),
 )
-DENSITY = _by_name(
+DENSITY = by_name(
     _asked(
         "density",
         "mean crowding of particles by the judge's count, and mean compression as recorded, are small",
@@ -154,7 +147,7 @@ DENSITY = _by_name(
         "BOILING",
     ),
 )
-ENERGY = _by_name(
+ENERGY = by_name(
     _asked(
         "energy",
         "mechanical energy less what inflow, waves, fields and bodies brought never grows by more than limits.energy_growth of that in play",
@@ -172,7 +165,7 @@ ENERGY = _by_name(
         "CALM",
     ),
 )
-MOMENTUM_BALANCE = _by_name(
+MOMENTUM_BALANCE = by_name(
     _asked(
         "momentum",
         f"momentum changes by gravity, boundaries, waves, fields, inflow and outflow, within {MOMENTUM:.0%} of a frame's weight and impulses",
@@ -182,7 +175,7 @@ MOMENTUM_BALANCE = _by_name(
         "MOMENTUM",
     )
 )
-FLIGHT_FREE = _by_name(
+FLIGHT_FREE = by_name(
     _asked(
         "flight",
         f"liquid that touches nothing falls freely, within {FLIGHT:.0%} of g dt per frame",
@@ -192,7 +185,7 @@ FLIGHT_FREE = _by_name(
         "FLIGHT",
     )
 )
-LEAKS = _by_name(
+LEAKS = by_name(
     _asked(
         "leak",
         f"no liquid gets to the other side of a surface where no resolved way leads; at most {LEAKED:g} of the particles",
@@ -202,7 +195,7 @@ LEAKS = _by_name(
         "LEAKED",
     )
 )
-BOOKS = _by_name(
+BOOKS = by_name(
     _asked(
         "mass",
         f"mass of particles + outflow - inflow is that of frame 0 within {LEDGER:g} of the largest",
@@ -228,7 +221,7 @@ BOOKS = _by_name(
         "RECORD",
     ),
 )
-IDENTITY = _by_name(
+IDENTITY = by_name(
     _asked(
         "identity",
         "particles appear at inflows only, vanish at outflows and open sides only, and keep ids of their own",
@@ -238,7 +231,7 @@ IDENTITY = _by_name(
         "0",
     )
 )
-MOTION = _by_name(
+MOTION = by_name(
     _asked(
         "jumps",
         "displacement per frame is what velocities explain, within one spacing (two cells)",
@@ -256,7 +249,7 @@ MOTION = _by_name(
         "SPIKES",
     ),
 )
-TRAPPED_PARTICLES = _by_name(
+TRAPPED_PARTICLES = by_name(
     _asked(
         "trapped",
         f"at most {TRAPPED:g} of the particles jitter within a spacing for {JITTER_SECONDS:g} s (moving fluid caught between surfaces)",
@@ -266,7 +259,7 @@ TRAPPED_PARTICLES = _by_name(
         "TRAPPED",
     )
 )
-RESOLVED = _by_name(
+RESOLVED = by_name(
     _asked(
         "openings",
         f"mouths of inflows are at least {LEAST_MOUTH['dfsph']:g} spacings ({LEAST_MOUTH['flip']:g} cells) wide, outflows {LEAST_OPENING:g}",
@@ -292,7 +285,7 @@ RESOLVED = _by_name(
         "LEAST_OPENING",
     ),
 )
-STICKING = _by_name(
+STICKING = by_name(
     _asked(
         "sticks",
         f"what nothing bears does not stay at a wall, a ceiling or in the air; at most {STUCK:g} of the particles",
@@ -302,7 +295,7 @@ STICKING = _by_name(
         "STUCK",
     )
 )
-SHOWN = _by_name(
+SHOWN = by_name(
     _asked(
         "surface",
         f"volume of surface and spray is that of the particles within {VOLUME:.0%}, and within {DRIFT:.0%} of one another while calm",
@@ -328,7 +321,7 @@ SHOWN = _by_name(
         "POP; STRANGE",
     ),
 )
-WALLS = _by_name(
+WALLS = by_name(
     _asked(
         "inside",
         f"no particle is deeper than {DEPTH_SHARE:g} spacings inside a solid, one that deforms included",
@@ -354,7 +347,7 @@ WALLS = _by_name(
         "ROUNDING, single precision",
     ),
 )
-WAVES = _by_name(
+WAVES = by_name(
     _asked(
         "waves_height",
         f"waves leave their zone with the declared height within {HEIGHT:.0%}",
@@ -365,7 +358,7 @@ WAVES = _by_name(
     ),
     _asked("waves_period", f"and with the declared period within {PERIOD:.0%}", "relative error of period", "1", "<=", "PERIOD"),
 )
-WETTED = _by_name(
+WETTED = by_name(
     _asked(
         "wet",
         f"wet maps are right for all but {AREA:.1%} of the wet area, and as deep as the liquid over them",
@@ -376,7 +369,7 @@ WETTED = _by_name(
     )
 )
 LOST_PARTICLES = Question("numerical:lost", "no particle is lost", "lost particles", "1", "<=", "LOST", ("solver",))
-NUMBERS = _by_name(FINITE, COUNTS, SPEED, ITERATIONS, COUNTERS, LOST_PARTICLES)
+NUMBERS = by_name(FINITE, COUNTS, SPEED, ITERATIONS, COUNTERS, LOST_PARTICLES)
 """Questions of the numerical check: all but the last are asked of other categories, too."""
 
 _FIRST = (BOOKS, IDENTITY, ENERGY, MOMENTUM_BALANCE, WALLS, LEAKS, MOTION, FLIGHT_FREE, TRAPPED_PARTICLES)

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_gaps
 from .bounds import BEARING, BELOW, FEW_STUCK, FILM, STAYS_SECONDS, STAYS_SHARE, STAYS_WAY, STEEP, STUCK
 from .questions import STICKING
@@ -182,7 +181,7 @@ class Sticking:
             correction("the wall holds the liquid", "liquid", "lower wall_friction (dfsph) or roughness (flip), and viscosity if it is too high",
                        pointers=(f"/simulation/solvers/{liquid.solver}/settings/wall_friction", *(f"/entities/{m}/physics/viscosity" for m in liquid.members))),
             coarse(liquid, "liquid is caught in a corner or gap that its spacing does not resolve"),
-            baked_again(),
+            bake_again(),
         )  # fmt: skip
         evidence = {"place": where, "part": part, "particles": count, "cases": len(self.stuck)}
         return {"sticks": Finding("fail", text, float(self.most), allowed, "1", entity, index, hints, evidence)}

@@ -17,9 +17,8 @@ from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bounds import CALM_SPEED, DRIFT, FAR, POP, STRANGE, SUDDEN, VOLUME
 from .questions import SHOWN
 from .rows import first_over, place
@@ -145,7 +144,7 @@ class Shown:
     def _closed(self, hint: Any) -> Finding:
         wrong, gaps, far = np.array(self.wrong), np.array(self.open), np.array(self.far)
         if (wrong > DRIFT).any():
-            return first_over(wrong, DRIFT, "1", "error of recorded volume or area", (baked_again(),))
+            return first_over(wrong, DRIFT, "1", "error of recorded volume or area", (bake_again(),))
         if gaps.any():
             return first_over(gaps, 0.0, "1", "number of edges that do not belong to two faces", (hint,))
         found = first_over(

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..soft_solids import soft_depths
 from .bounds import BEYOND, DEPTH_SHARE
 from .questions import WALLS
@@ -139,7 +138,7 @@ class Walls:
             "m",
             None,
             index,
-            (baked_again(), longer_step(self.liquid, "particles run through a closed side")),
+            (bake_again(), longer_step(self.liquid, "particles run through a closed side")),
             {"place": where},
         )
 

@@ -20,9 +20,8 @@ from ....physics.waves import Sea, wavelength
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.waves import developed, heading, inward, sea_of, waves_of
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bounds import ENTERS, FLAT, HEIGHT, LEAST_WATER, PERIOD, PERIODS
 from .questions import WAVES
 from .rows import coarse, place
@@ -123,7 +122,7 @@ class Waves:
         )
         status: Status = "pass" if error <= PERIOD else "fail"
         frame = None if status == "pass" else self._first(driver)
-        hints = (*_flat(gain), baked_again())
+        hints = (*_flat(gain), bake_again())
         return Finding(status, text, error, PERIOD, "1", None, frame, hints if status == "fail" else (), evidence)
 
     def _first(self, driver: WavesDriver) -> int:
@@ -131,7 +130,7 @@ class Waves:
 
 
 def _flat(gain: float) -> tuple[Correction, ...]:
-    return (baked_again("the surface stays flat: the cache is of a run without these waves"),) if gain < FLAT else ()
+    return (bake_again("the surface stays flat: the cache is of a run without these waves"),) if gain < FLAT else ()
 
 
 def _steep(name: str, driver: WavesDriver) -> tuple[Correction, ...]:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.wet import Texels, WetMap
 from ....worlds.errors import EvidenceError
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from .bounds import AREA, BEHIND, DEEP, OFF, OVER, SHALLOW, TOUCH, UNCOVERED
 from .questions import WETTED
 from .rows import coarse, place
@@ -199,7 +199,7 @@ class Wetted:
         )
         hints = (
             coarse(self.liquid, "the edge of what is wet lies within what a spacing tells"),
-            baked_again("the wet map is not that of the particles"),
+            bake_again("the wet map is not that of the particles"),
         )
         for worst, bound, what in checks:
             if worst.value > bound:

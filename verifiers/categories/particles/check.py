@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.errors import EvidenceError, NotFiniteError
+from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from ...rows.watches import Watching
 from ...scene import initial_state
@@ -19,7 +20,8 @@ from .contacts import Contacts
 from .flight import Flight
 from .frames import matched, swarm_of
 from .ledger import Books, Identity
-from .rows import SwarmWatch, emitted_slower, finer_step, stiffer
+from .questions import NUMBERS
+from .rows import SwarmWatch, emitted_slower, stiffer
 from .walls import Walls
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Correction, Row, Status
+    from ...rows.questions import Question
     from .frames import Swarm, SwarmFrame
 
 __all__ = ["WATCHES", "category_rows", "numerical_rows"]
@@ -35,11 +38,7 @@ __all__ = ["WATCHES", "category_rows", "numerical_rows"]
 class Numbers:
     """Speeds and ways."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "finite": "every number of every particle is finite",
-        "speed": "speeds are <= limits.max_speed",
-        "travel": "ways per frame are <= (limits.max_speed + 1 m/s) / fps",
-    }
+    claims: ClassVar[Mapping[str, Question]] = NUMBERS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -68,7 +67,9 @@ class Numbers:
         """The three claims; a frame that is not finite cannot be read at all."""
         limit = self.swarm.candidate.spec.simulation.limits.max_speed
         reach = (limit + 1.0) * self.swarm.duration
-        hints: tuple[Correction, ...] = (finer_step(self.swarm, "forces are too strong for the step"),)
+        hints: tuple[Correction, ...] = (
+            halve_step(self.swarm.candidate, self.swarm.solver, "forces are too strong for the step"),
+        )
         if self.swarm.granular:
             hints = (*hints, stiffer(self.swarm, "grains start overlapping, or are too soft", 2.0))
         else:

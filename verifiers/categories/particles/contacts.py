@@ -1,9 +1,4 @@
-"""Grains against grains: overlaps, the energy in them, and how densely they lie (R65, R103).
-
-- `overlap`: no two grains overlap by more than a share of the smaller radius. Hertz's law holds while the contact is small against
-  the grain: at a tenth of the radius the contact is a third of it.
-- `packing`: nowhere do grains fill their space beyond random close packing (`categories/particles/packing.py`).
-"""
+"""Grains against grains: overlaps, the energy in them, and how densely they lie (R65, R103)."""
 
 from __future__ import annotations
 
@@ -12,24 +7,21 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ....physics.grains import CLOSE_PACKING
 from ....worlds.arrays import F64
+from ...rows.corrections import bake_again, halve_step
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
-from .packing import LEAST, chosen, local_packing
-from .rows import finer_step, stiffer
+from .bounds import OVERLAP
+from .packing import LEAST, PACKED, chosen, local_packing
+from .questions import CONTACTS
+from .rows import stiffer
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Swarm, SwarmFrame
 
-__all__ = ["OVERLAP", "PACKED", "Contacts", "stored_energy"]
-
-OVERLAP = 0.1
-"""Of the smaller radius (see above)."""
-PACKED = CLOSE_PACKING + 0.04
-"""Random close packing; radii spread by half of the mean pack up to 0.66, and parts of a bed scatter by 0.01 (measured)."""
+__all__ = ["Contacts", "stored_energy"]
 
 
 def _pairs(frame: SwarmFrame) -> tuple[NDArray[np.intp], F64, F64]:
@@ -71,10 +63,7 @@ def stored_energy(swarm: Swarm, frame: SwarmFrame) -> float:
 class Contacts:
     """Overlaps and packing of grains."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "overlap": f"grains overlap by at most {OVERLAP:.0%} of the smaller radius, within which Hertz's law holds",
-        "packing": f"nowhere do grains fill more than {PACKED:.2f} of their space: random close packing and its scatter",
-    }
+    claims: ClassVar[Mapping[str, Question]] = CONTACTS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -123,7 +112,7 @@ class Contacts:
             factor = max(1.5, (self.depth / OVERLAP) ** 2.5 * 1.2)
             hints = (
                 stiffer(self.swarm, "the grains are too soft for what hits or loads them", factor),
-                finer_step(self.swarm, "the step is too long for the collisions"),
+                halve_step(self.swarm.candidate, self.swarm.solver, "the step is too long for the collisions"),
             )
             overlap = Finding("fail", text, self.depth, OVERLAP, "1", frame=frame, hints=hints)
         packing = Finding("not_applicable", f"nowhere do {LEAST:g} grains lie close together in two layers or more")
@@ -140,6 +129,6 @@ class Contacts:
                 PACKED,
                 "1",
                 frame=frame,
-                hints=(stiffer(self.swarm, "the grains are pressed into each other", 4.0), baked_again()),
+                hints=(stiffer(self.swarm, "the grains are pressed into each other", 4.0), bake_again()),
             )
         return {"overlap": overlap, "packing": packing}

@@ -14,32 +14,29 @@ from numpy.typing import NDArray
 from ....physics.drag import sphere_drag_rate
 from ....worlds.arrays import F64
 from ....worlds.fields import fields_of
+from ...rows.corrections import bake_again, halve_step
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..liquid.solids import pieces_of
+from .bounds import FLIGHT, MOST
 from .frames import matched
-from .rows import finer_step
+from .questions import FLIGHT_FREE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Swarm, SwarmFrame
 
-__all__ = ["FLIGHT", "Flight"]
+__all__ = ["Flight"]
 
-FLIGHT = 0.02
-"""Own choice: of the way in the frame, plus a radius: first order of the engine's steps."""
-MOST = 400
-"""Particles judged per frame."""
 STEPS = 8
+"""Of the integration in a frame."""
 
 
 class Flight:
     """The law of flight, and speed."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "flight": f"between hits, ways are those of gravity, drag and fields within {FLIGHT:.0%} of the way and a radius",
-    }
+    claims: ClassVar[Mapping[str, Question]] = FLIGHT_FREE
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -128,5 +125,5 @@ class Flight:
             return {"flight": Finding("pass", text, self.worst, FLIGHT, "1")}
         frame, count, off = self.first
         text = f"{count} particles are {off:.1%} of their way off the law of flight at frame {frame}"
-        hints = (finer_step(self.swarm, "drag or fields change much within a step"), baked_again())
+        hints = (halve_step(self.swarm.candidate, self.swarm.solver, "drag or fields change much within a step"), bake_again())
         return {"flight": Finding("fail", text, self.worst, FLIGHT, "1", frame=frame, hints=hints)}

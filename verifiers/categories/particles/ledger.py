@@ -14,38 +14,29 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
+from ...rows.corrections import bake_again, halve_step
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..rigid.books import energy_scale, largest_growth
 from ..soft_solids import soft_walls
+from .bounds import HELD, MASS, MOMENTUM, RECORDS, STRAY
 from .contacts import stored_energy
 from .frames import matched
-from .rows import finer_step
+from .questions import BOOKS, IDENTITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ....worlds.cache import Cache
+    from ...rows.questions import Question
     from .frames import Swarm, SwarmFrame
 
 __all__ = ["Books", "Identity"]
-
-RECORDS = 1e-4
-"""Relative: records are summed before positions and velocities are rounded to single precision."""
-HELD = 0.05
-"""Of what contacts among grains hold (and of 0.01 of the most): their depths are told by places rounded to single precision."""
-MOMENTUM = 1e-4
-"""Of the momentum that came and went until then, or of what is there: single precision of the velocities in the cache."""
 
 
 class Identity:
     """Who is there, from frame to frame."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "identity": "every particle keeps its id, size and member; ids are not used twice",
-        "counts": "particles come only from emitters, as many as those are declared to let out, and go only by age, at surfaces or out of the domain",
-        "domain": "no particle is outside the domain",
-    }
+    claims: ClassVar[Mapping[str, Question]] = IDENTITY
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -63,7 +54,7 @@ class Identity:
             if now.count
             else np.zeros(0)
         )
-        out = reach > 4.0 * self.swarm.radius  # they go when lists are made anew, which is before they get farther
+        out = reach > STRAY * self.swarm.radius
         if now.count:
             self.beyond = max(self.beyond, float(reach.max()))
         if out.any() and self.outside is None:
@@ -91,11 +82,11 @@ class Identity:
 
     def findings(self) -> dict[str, Finding]:
         """The three claims."""
-        again = (baked_again(),)
+        again = (bake_again(),)
         ok = Finding("pass", f"{self.number[0]} to {self.number[-1]} particles keep their ids, sizes and members", 0.0, 0.0, "1")
         if self.wrong is not None:
             ok = Finding("fail", f"{self.wrong[1]} at frame {self.wrong[0]}", 1.0, 0.0, "1", frame=self.wrong[0], hints=again)
-        far = 4.0 * self.swarm.radius
+        far = STRAY * self.swarm.radius
         inside = Finding(
             "pass", f"particles reach {max(self.beyond, 0.0):.3g} m beyond the domain at most", max(self.beyond, 0.0), far, "m"
         )
@@ -119,7 +110,7 @@ class Identity:
             text = f"{off[frame]:.0f} particles are missing or too many at frame {frame}: {text}"
         return Finding(
             "pass" if frame is None else "fail", text, float(off.max()), 0.0, "1", frame=frame,
-            hints=(finer_step(s, "grains were thrown out by forces too strong for the step"), baked_again()) if frame is not None else (),
+            hints=(halve_step(s.candidate, s.solver, "grains were thrown out by forces too strong for the step"), bake_again()) if frame is not None else (),
         )  # fmt: skip
 
     def _declared(self) -> tuple[F64, int]:
@@ -138,12 +129,7 @@ class Identity:
 class Books:
     """Mass, momentum and energy."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "mass": "mass changes only by what comes, dies and leaves",
-        "records": f"recorded energies, momentum, mass and volume are those of the particles within {RECORDS:g}, contacts hold at least what their depths say",
-        "momentum": f"momentum changes by what gravity, fields and walls give, within {MOMENTUM:g} of what was given",
-        "energy": "mechanical energy less the work of fields and moving walls never grows by more than limits.energy_growth of what is in play",
-    }
+    claims: ClassVar[Mapping[str, Question]] = BOOKS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -215,17 +201,16 @@ class Books:
         expected = mass[0] + s.record("inflow_mass") - s.record("died_mass") - s.record("domain_outflow")
         scale = max(float(np.abs(expected).max(initial=0.0)), float(mass.max(initial=0.0)), 1e-12)
         off = np.abs(mass - expected) / scale
-        bound = 1e-6
-        frame = int(np.argmax(off > bound)) if (off > bound).any() else None
+        frame = int(np.argmax(off > MASS)) if (off > MASS).any() else None
         text = f"mass is {mass[-1]:.6g} kg at the end, off by {off.max():.2g} of it at most"
         return Finding(
             "pass" if frame is None else "fail",
             text,
             float(off.max()),
-            bound,
+            MASS,
             "1",
             frame=frame,
-            hints=(baked_again(),) if frame is not None else (),
+            hints=(bake_again(),) if frame is not None else (),
         )
 
     def _records(self) -> Finding:
@@ -257,7 +242,7 @@ class Books:
             RECORDS,
             "1",
             frame=frame,
-            hints=(baked_again(),) if frame is not None else (),
+            hints=(bake_again(),) if frame is not None else (),
         )
 
     def _momentum(self) -> Finding:
@@ -285,7 +270,7 @@ class Books:
             MOMENTUM,
             "1",
             frame=frame,
-            hints=(baked_again(),) if frame is not None else (),
+            hints=(bake_again(),) if frame is not None else (),
         )
 
     def _energy(self) -> Finding:
@@ -309,7 +294,11 @@ class Books:
         over = energy - np.minimum.accumulate(energy) > bound * scale
         frame = int(np.argmax(over)) if over.any() else None
         text = f"energy rises by at most {growth:.3g} J (frames {low}..{high}), {growth / scale:.2%} of the {scale:.3g} J in play"
-        hints = (finer_step(s, "contacts put energy in: the step is too long"), baked_again()) if frame is not None else ()
+        hints = (
+            (halve_step(s.candidate, s.solver, "contacts put energy in: the step is too long"), bake_again())
+            if frame is not None
+            else ()
+        )
         return Finding(
             "pass" if frame is None else "fail", text, growth / scale, bound, "1", frame=frame, hints=hints,
             evidence={

@@ -13,13 +13,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....physics.grains import CLOSE_PACKING
 from ....worlds.arrays import F64
+from .bounds import SCATTER
 
 if TYPE_CHECKING:
     from .frames import SwarmFrame
 
-__all__ = ["LEAST", "chosen", "local_packing"]
+__all__ = ["LEAST", "PACKED", "chosen", "local_packing"]
 
+PACKED = CLOSE_PACKING + SCATTER
+"""Largest share of their space that grains may fill."""
 NEIGHBOURS = 240
 """Grains about one that are looked at. Measured, nearly without friction, in beds of two to eight layers: equal grains 0.63 to 0.65, radii
 spread by half of the mean 0.64 to 0.66."""

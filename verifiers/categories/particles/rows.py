@@ -1,4 +1,4 @@
-"""How a check of particles states its verdict."""
+"""Protocol of the watches of particles, and corrections that several of them name."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from ...rows.findings import Finding
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ...rows.questions import Question
     from .frames import Swarm, SwarmFrame
 
-__all__ = ["SwarmWatch", "emitted_slower", "finer_step", "stiffer"]
+__all__ = ["SwarmWatch", "emitted_slower", "stiffer"]
 
 
 class SwarmWatch(Protocol):
     """One family of claims about particles: it sees all frames in order, then says what it found."""
 
-    claims: ClassVar[Mapping[str, str]]
-    """Predicate by name; a name is the second last part of a row's id."""
+    claims: ClassVar[Mapping[str, Question]]
+    """Questions by name; a name is the second last part of a row's id."""
 
     def __init__(self, swarm: Swarm) -> None: ...
 
@@ -37,15 +38,6 @@ class SwarmWatch(Protocol):
         Raises:
             EvidenceError: there is nothing to judge them by.
         """
-
-
-def finer_step(swarm: Swarm, cause: str) -> Correction:
-    """Shorten the step."""
-    name = "step_share" if swarm.granular else "max_step"
-    pointer = f"/simulation/solvers/{swarm.solver}/settings/{name}"
-    value = float(getattr(swarm.plan.settings, name))
-    patch = ({"op": "add", "path": pointer, "value": float(f"{max(0.02 if swarm.granular else 1e-5, value / 2):.6g}")},)
-    return correction(cause, "step", f"halve {name} from {value:g}", pointers=(pointer,), patch=patch)
 
 
 def emitted_slower(swarm: Swarm) -> tuple[Correction, ...]:

@@ -8,40 +8,30 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...ledgers.exchanged import partners
-from ...rows.corrections import correction
+from ...rows.corrections import bake_again, correction, halve_step
 from ...rows.findings import Finding
-from ...rows.instance_rows import baked_again
 from ..cloth.sides import PassedSheets
 from ..liquid.solids import deepest, pieces_of
 from ..soft_solids import soft_depths
+from .bounds import FELT, REACTION, SUNK
 from .frames import matched
-from .rows import finer_step, stiffer
+from .questions import WALLS
+from .rows import stiffer
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ....worlds.requirements import Correction
+    from ...rows.questions import Question
     from .frames import Swarm, SwarmFrame
 
 __all__ = ["Walls"]
-
-REACTION = 1e-6
-"""Relative to the largest impulse of the wall in any frame: sums of the same numbers in another order, in double precision."""
-FELT = 0.01
-"""Own choice: a body feels grains that push it with this share of its weight over a frame."""
-SUNK = 0.1
-"""[radii] A flying particle is a point at a surface: its middle may be so deep by the rounding of the cache and of facets."""
 
 
 class Walls:
     """Particles against solids."""
 
-    claims: ClassVar[Mapping[str, str]] = {
-        "inside": "no particle's middle is inside a solid, one that deforms included, or goes through a sheet",
-        "exchange": f"impulse given to each body + what the particles lost through it = 0 within {REACTION:g} of its largest",
-        "received": "what coupled bodies received is what the particles gave",
-        "declared": "freely moving bodies that grains push are coupled both ways, or declared one-way",
-    }
+    claims: ClassVar[Mapping[str, Question]] = WALLS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -103,7 +93,7 @@ class Walls:
         frame, entity, part, count, depth, where = self.first
         text = f"{count} particles are inside {entity}/{part} at frame {frame}, {depth:.3g} m deep at {where}; {self.total} such cases in all frames"
         hints: tuple[Correction, ...] = (
-            finer_step(self.swarm, "particles run through the wall in a step"),
+            halve_step(self.swarm.candidate, self.swarm.solver, "particles run through the wall in a step"),
             stiffer(self.swarm, "grains are pressed through the wall", 4.0),
             correction(
                 "the wall is thinner than a grain", "shape", f"make {entity} thicker", pointers=(f"/entities/{entity}/parts",)
@@ -132,7 +122,7 @@ class Walls:
         names = self.swarm.cache.index.colliders
         if worst > REACTION:
             text = f"{what} {names[at[1]]} differs by {worst:.3g} of its largest at frame {at[0]}"
-            return Finding("fail", text, worst, REACTION, "1", names[at[1]].split("/", 1)[0], at[0], (baked_again(),))
+            return Finding("fail", text, worst, REACTION, "1", names[at[1]].split("/", 1)[0], at[0], (bake_again(),))
         return Finding("pass", f"{what} bodies is the same to {worst:.2g}", worst, REACTION, "1")
 
     def _exchange(self) -> Finding:

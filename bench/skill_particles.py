@@ -17,7 +17,7 @@ from ..simulation.boundaries import BodyState, Boundary
 from ..simulation.particles.engine import Grains
 from ..simulation.particles.packing import fill_box
 from ..simulation.particles.setup import GrainSetup, Kind
-from ..verifiers.categories.particles.contacts import OVERLAP
+from ..verifiers.categories.particles.bounds import OVERLAP
 from ..worlds.arrays import F64
 from ..worlds.built import TriangleMesh
 from ..worlds.spec import ParticlePhysics

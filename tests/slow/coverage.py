@@ -2,7 +2,7 @@
 
 python -m worldagent.tests.slow.coverage [FLOOR] [--record] [--jobs N]; without a floor: the one whose turn it is by the date.
 
-One floor at a time: the tracer made the tests a third slower (35 to 39 % on two cores, Python 3.11). Bodies of kernels are compiled,
+One floor at a time: the tracer made the tests about a third slower (one comparison on two busy cores, Python 3.11). Bodies of kernels are compiled,
 so the tracer never sees them run; modules of kernels are left out.
 """
 

@@ -15,11 +15,11 @@ from worldagent.worlds.requirements import Row
 
 WORLDS = {
     "rigid": ("rigid", "ball"),
-    "fracture": ("breaking", "wall"),
+    "fracture": ("fracture", "wall"),
     "elastic": ("jelly on cloth", "jelly"),
     "cloth": ("jelly on cloth", "cloth"),
-    "liquid": ("particle liquid", "water"),
-    "particles": ("grains", "sand"),
+    "liquid": ("liquid", "water"),
+    "particles": ("particles", "sand"),
 }
 """Small world with the category, and an entity of it."""
 LEDGERS = {

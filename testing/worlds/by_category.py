@@ -23,7 +23,7 @@ class SmallWorld(NamedTuple):
     """A specification with matter of one category."""
 
     entity: str
-    """Of the category."""
+    """Name of an entity of the category in it."""
     make: Callable[[], WorldSpec]
 
 

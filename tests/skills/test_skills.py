@@ -179,7 +179,7 @@ ROWS = {
     "category": [
         *(f"category:elastic:{n}:jelly" for n in ELASTIC),
         *_of_instances("category:cloth:", "category:rigid:"),
-        *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.claims),
+        *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.questions),
     ],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
     "beat": ["beat:b", "beat:vacuous:b", "beat:driven:b", "requirement:r", "probe:phases"],
@@ -189,7 +189,7 @@ ROWS = {
 
 
 def _numerical() -> list[str]:
-    return _of_instances("numerical:") + [f"numerical:{n}:water" for n in Numbers.claims] + ["numerical:promise"]
+    return _of_instances("numerical:") + [f"numerical:{n}:water" for n in Numbers.questions] + ["numerical:promise"]
 
 
 @pytest.mark.parametrize("check", get_args(Check))

@@ -23,11 +23,11 @@ REGISTRY_TESTS = (
     "tests/worlds/categories/test_registry.py",
     "tests/simulation/test_engines.py",
     "tests/rendering/categories/test_layers.py",
-    "tests/verifiers/categories/test_small_worlds.py",
+    "tests/verifiers/categories/test_judges.py",
 )
 """Tests that run over every category: in the copy, over the balloons."""
 ASKED = "balloons or unions or every_engine or every_category_that"
-"""Of these tests: those of balloons, and those that compare whole registries."""
+"""Words in the names of the tests that run: those of balloons, and those that compare whole registries."""
 
 
 def git(tree: Path, *arguments: str) -> str:

@@ -38,7 +38,7 @@ def answers(candidate: Candidate, solver: str, asked: Mapping[Question, Function
 
 
 def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every frame is there and the index agrees with the plan."""
+    """Finding on the frames that are missing and on the index against the plan."""
     index, plan = cache.index, candidate.spec.simulation
     absent = [k for k in range(index.frames) if not cache.path(k).exists()]
     wrong = []
@@ -71,7 +71,7 @@ def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every frame is readable and as its recorded digest says."""
+    """Finding on the first frame that cannot be read or whose content has another digest than was recorded."""
     state = hashlib.sha256()
     count, recorded = cache.index.frames, cache.digests()  # what the bake wrote down, frame by frame
     if len(recorded) < count:

@@ -1,6 +1,6 @@
-"""One pass over the frames of an instance, seen by one watch per family of claims, and the rows that these become.
+"""One pass over the frames of an instance, seen by one watch per family of questions, and the rows that these become.
 
-A claim whose evidence is missing is `unverified`, and the others are judged all the same.
+A question whose evidence is missing is `unverified`, and the others are judged all the same.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 __all__ = ["Watching"]
 
 Verdicts = dict[str, dict[str, tuple["Question", Finding]]]
-"""Question and finding of each claim, by watch."""
+"""Each question with its finding, by watch and name of the question."""
 
 
 class Watch(Protocol):
-    """One family of claims; `see` takes what each frame is made of."""
+    """One family of questions; `see` takes what each frame is made of."""
 
-    claims: ClassVar[Mapping[str, Question]]
+    questions: ClassVar[Mapping[str, Question]]
 
     def findings(self) -> dict[str, Finding]:
-        """The verdict of every claim, after the last frame."""
+        """Finding on every question by name, after the last frame."""
 
 
 def _unread(kind: type[Any], name: str, error: EvidenceError) -> Status:
@@ -44,16 +44,16 @@ class Watching:
     kinds: tuple[type[Any], ...]
     """All watches, in the order of their rows; each is made from what `opened` gives."""
     numbers: type[Any]
-    """The one whose claims are rows of the numerical check."""
+    """The one whose questions are rows of the numerical check."""
     opened: Callable[[Candidate, str], Any]
     """What is watched."""
     frames: Callable[[Any], Iterable[tuple[Any, ...]]]
     """Of it, what a watch's `see` takes of each frame."""
     unread: Callable[[type[Any], str, EvidenceError], Status] = _unread
-    """Status of a watch's claim that an error kept from being judged."""
+    """Status of a watch's question that an error kept from being judged."""
 
     def findings_of(self, candidate: Candidate, solver: str) -> Verdicts:
-        """Question and verdict of every claim by watch; worked out once per candidate."""
+        """Each question with its finding, by watch and name of the question; worked out once per candidate."""
         return candidate.memo((self.numbers, solver), lambda: self._run(candidate, solver))
 
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
@@ -97,5 +97,5 @@ class Watching:
                 raise error or EvidenceError("it was not watched")
             found = watch.findings()
         except EvidenceError as missing:
-            found = {name: Finding(self.unread(kind, name, missing), str(missing)) for name in kind.claims}
-        return {name: (claim, found[name]) for name, claim in kind.claims.items()}
+            found = {name: Finding(self.unread(kind, name, missing), str(missing)) for name in kind.questions}
+        return {name: (question, found[name]) for name, question in kind.questions.items()}

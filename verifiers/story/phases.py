@@ -62,7 +62,7 @@ SMALL = 1e-3
 
 
 class Course(Enum):
-    """How the response to the first contact ends."""
+    """Course of the response to the first contact at the end of the run."""
 
     SETTLES = "settles"
     CARRIED_ON = "is carried on evenly, as by a stream"
@@ -300,7 +300,7 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def _finding(candidate: Candidate, phases: Phases) -> Finding:
-    """Whether all phases are shown; `not_applicable` where everything is meant to rest, and does."""
+    """Finding on the phases that are shown; `not_applicable` where everything is meant to rest, and does."""
     measures = {"start_speed": phases.start_speed, "notes": phases.notes}
     if phases.activation is None and _meant_to_rest(candidate):
         text = f"nothing is driven or thrown, every beat asks for rest, and no body exceeds {phases.start_speed:.3g} m/s: no phase to cover"

@@ -23,7 +23,7 @@ __all__ = ["energy", "mass", "records", "solve"]
 
 
 def energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether the energy of the instance grows only by what is given from outside."""
+    """Finding on the largest growth of the energy of the instance beyond what is given from outside."""
     names = elastic_members(candidate, solver)
     moving, stored = elastic_energies(cache)
     rigid_moving, rigid_stored, work = (
@@ -47,7 +47,7 @@ def energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def solve(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether the elastic solve of every step came near enough to its solution."""
+    """Finding on the largest relative residual of a solve that ended before it converged."""
     names = elastic_members(candidate, solver)
     residual: F64 = np.asarray(cache.series("record/solve_residual"))
     worst = float(residual.max()) if np.isfinite(residual).all() else None
@@ -61,7 +61,7 @@ def solve(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether recorded energies and momentum are those of the vertices."""
+    """Finding on the largest deviation of recorded energies and momentum from those of the vertices."""
     names = elastic_members(candidate, solver)
     books = vertex_books(candidate, names)
     kinetic, _ = elastic_energies(cache)
@@ -87,7 +87,7 @@ def records(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def mass(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether simulation meshes hold the volume that was built; it fails at frame 0."""
+    """Finding on the share of the built volume that simulation meshes miss; it fails at frame 0."""
     missing = {}
     for name in elastic_members(candidate, solver):
         rest = strains_of(require_deforming(candidate, name), candidate.frame_count).rest

@@ -68,7 +68,7 @@ def outside_work(candidate: Candidate, cache: Cache) -> Outside:
 
 
 def exchange(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether members received what partners gave them in every frame, each side counted by itself."""
+    """Finding on the largest difference between what partners gave and members received in a frame, each side counted by itself."""
     others = partners(candidate.spec, solver)
     if not others:
         return Finding("not_applicable", "nobody is coupled both ways with it")
@@ -92,7 +92,7 @@ def exchange(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def together(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether energy of the instance and the cloth coupled with it grows only by what is given from outside.
+    """Finding on the largest growth of the energy of the instance and its cloth beyond what is given from outside.
 
     What passes between them is counted nowhere, so that none of it comes from nowhere.
     """

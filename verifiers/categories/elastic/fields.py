@@ -58,7 +58,7 @@ def field_work(candidate: Candidate, cache: Cache) -> F64:
 
 
 def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether recorded impulses of fields are those of the declared ones, of the body that is farthest off."""
+    """Finding on the recorded impulses of fields against the declared ones, of the body that is farthest off."""
     if not feels_fields(candidate, cache):
         return Finding("not_applicable", "no force field acts on an elastic body of it")
     given, owners = field_impulses(candidate, cache), [n.split("/", 1)[0] for n in cache.index.deformables]

@@ -25,7 +25,7 @@ __all__ = ["flight", "pins", "recovery"]
 
 
 def recovery(candidate: Candidate, entity: str) -> Finding:
-    """Whether a body that rests at the end is back in its shape, but for what its load explains."""
+    """Finding on the shape of a body that rests at the end against its rest shape, but for what its load explains."""
     soft, physics = require_deforming(candidate, entity), physics_of(candidate, entity)
     away = deflections(candidate, entity)
     if physics.yield_strain > 0:
@@ -75,7 +75,7 @@ def _given(candidate: Candidate, soft: Deforming) -> F64:
 
 
 def pins(candidate: Candidate, entity: str) -> Finding:
-    """Whether what pins hold stays where their carriers have it, of the pin that is nearest to its bound."""
+    """Finding on the slip of what pins hold from where their carriers have it, of the pin that is nearest to its bound."""
     soft, physics = require_deforming(candidate, entity), physics_of(candidate, entity)
     if not physics.pins:
         return Finding("not_applicable", f"{entity} has no pins")
@@ -122,7 +122,7 @@ def _slip(candidate: Candidate, soft: Deforming, placed: F64, held: NDArray[np.b
 
 
 def flight(candidate: Candidate, entity: str) -> Finding:
-    """Whether the centre of mass falls freely over intervals in which gravity alone acts."""
+    """Finding on the centre of mass against a free fall over intervals in which gravity alone acts."""
     soft, physics, plan = require_deforming(candidate, entity), physics_of(candidate, entity), candidate.spec.simulation
     count = candidate.frame_count
     speeds = np.array([soft.velocity(k) for k in range(count)])

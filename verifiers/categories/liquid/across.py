@@ -38,7 +38,7 @@ ASKS = frozenset({"submerged_fraction", "liquid_level_at"})
 class Across:
     """Thickness of each member against the spacing."""
 
-    claims: ClassVar[Mapping[str, Question]] = ACROSS
+    questions: ClassVar[Mapping[str, Question]] = ACROSS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -33,7 +33,7 @@ __all__ = ["Blown"]
 class Blown:
     """Impulses of fields on one instance."""
 
-    claims: ClassVar[Mapping[str, Question]] = BLOWN
+    questions: ClassVar[Mapping[str, Question]] = BLOWN
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

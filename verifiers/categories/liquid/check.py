@@ -1,6 +1,6 @@
-"""Liquids (R57, R58, R66-R68, R70, R99, R102, R105): one pass over the frames of an instance, seen by one watch per family of claims.
+"""Liquids (R57, R58, R66-R68, R70, R99, R102, R105): one pass over the frames of an instance, seen by one watch per family of questions.
 
-Rows: `category:liquid:<claim>:<solver>` and, of counters, `numerical:<claim>:<solver>`. A claim whose channels are missing is
+Rows: `category:liquid:<question>:<solver>` and, of counters, `numerical:<question>:<solver>`. A question whose channels are missing is
 `unverified`, and the others are judged all the same. Nothing here knows a solver: particles, their surfaces, what was exchanged
 and recorded, and the solids of the candidate are all there is.
 """

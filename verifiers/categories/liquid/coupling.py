@@ -55,7 +55,7 @@ def coupled(liquid: Liquid, entity: str) -> str:
 class Coupling:
     """Exchange with every boundary."""
 
-    claims: ClassVar[Mapping[str, Question]] = COUPLING
+    questions: ClassVar[Mapping[str, Question]] = COUPLING
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)
@@ -146,7 +146,7 @@ class Coupling:
         """All four."""
         if not self.bodies.count:
             none = Finding("not_applicable", "no solid bounds the liquid")
-            return dict.fromkeys(self.claims, none)
+            return dict.fromkeys(self.questions, none)
         impulse, reaction = np.array(self.impulse), np.array(self.reaction)
         return {
             "exchange": self._compare("exchange", -reaction, impulse, "the liquid's own loss through"),

@@ -69,7 +69,7 @@ def crowding_of(liquid: Liquid, frame: Frame) -> tuple[F64, F64, F64]:
 class Density:
     """Crowding of every frame."""
 
-    claims: ClassVar[Mapping[str, Question]] = DENSITY
+    questions: ClassVar[Mapping[str, Question]] = DENSITY
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -67,7 +67,7 @@ def _since(step: Step, names: tuple[str, ...]) -> F64:
 class Energy:
     """Kinetic and potential energy of every frame, with what brought or took any."""
 
-    claims: ClassVar[Mapping[str, Question]] = ENERGY
+    questions: ClassVar[Mapping[str, Question]] = ENERGY
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)
@@ -193,7 +193,7 @@ def _layers(liquid: Liquid, frame: Frame) -> float:
 class Momentum:
     """Change of the liquid's momentum per frame against its causes."""
 
-    claims: ClassVar[Mapping[str, Question]] = MOMENTUM_BALANCE
+    questions: ClassVar[Mapping[str, Question]] = MOMENTUM_BALANCE
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)

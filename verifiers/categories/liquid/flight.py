@@ -34,7 +34,7 @@ APART = 3.0
 class Flight:
     """Clusters of liquid in the air."""
 
-    claims: ClassVar[Mapping[str, Question]] = FLIGHT_FREE
+    questions: ClassVar[Mapping[str, Question]] = FLIGHT_FREE
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

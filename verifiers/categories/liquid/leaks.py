@@ -60,7 +60,7 @@ class _Waiting:
 class Leaks:
     """Ways of particles through surfaces."""
 
-    claims: ClassVar[Mapping[str, Question]] = LEAKS
+    questions: ClassVar[Mapping[str, Question]] = LEAKS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

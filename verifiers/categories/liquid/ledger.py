@@ -44,7 +44,7 @@ OVERLAP_POINTS = 100_000
 class Books:
     """Sums over the particles of every frame, beside what is recorded."""
 
-    claims: ClassVar[Mapping[str, Question]] = BOOKS
+    questions: ClassVar[Mapping[str, Question]] = BOOKS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -184,7 +184,7 @@ def _filling(liquid: Liquid, member: str) -> tuple[float, F64]:
 class Identity:
     """Where particles appear and vanish."""
 
-    claims: ClassVar[Mapping[str, Question]] = IDENTITY
+    questions: ClassVar[Mapping[str, Question]] = IDENTITY
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -32,7 +32,7 @@ __all__ = ["Motion", "Trapped"]
 class Motion:
     """Displacements and speeds."""
 
-    claims: ClassVar[Mapping[str, Question]] = MOTION
+    questions: ClassVar[Mapping[str, Question]] = MOTION
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid, self.bodies = liquid, Bodies(liquid)
@@ -164,7 +164,7 @@ class Motion:
 class Trapped:
     """Particles that stay where they are and yet move."""
 
-    claims: ClassVar[Mapping[str, Question]] = TRAPPED_PARTICLES
+    questions: ClassVar[Mapping[str, Question]] = TRAPPED_PARTICLES
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

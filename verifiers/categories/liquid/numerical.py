@@ -28,7 +28,7 @@ RECORDS = ("steps", "step", "iterations_pressure", "iterations_divergence", "ite
 class Numbers:
     """Counters of every frame."""
 
-    claims: ClassVar[Mapping[str, Question]] = NUMBERS
+    questions: ClassVar[Mapping[str, Question]] = NUMBERS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

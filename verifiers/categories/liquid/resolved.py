@@ -44,7 +44,7 @@ POSES = 6
 class Resolved:
     """Openings, obstacles and passages against the spacing."""
 
-    claims: ClassVar[Mapping[str, Question]] = RESOLVED
+    questions: ClassVar[Mapping[str, Question]] = RESOLVED
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -56,7 +56,7 @@ class Resolved:
             self.visited.add(step.now.position)
 
     def findings(self) -> dict[str, Finding]:
-        """The three claims."""
+        """Findings on the three questions by name."""
         return {"openings": self._openings(), "obstacles": self._obstacles(), "passages": self._passages()}
 
     def _openings(self) -> Finding:

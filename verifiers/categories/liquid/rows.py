@@ -1,4 +1,4 @@
-"""How a check of liquids states its verdict: watches that see every frame once, and the row that each claim becomes."""
+"""Watches of liquids: each sees every frame once and answers its questions."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ __all__ = ["Watch", "coarse", "first_over", "longer_step", "place", "worst"]
 
 
 class Watch(Protocol):
-    """One family of claims about a liquid: it sees all frames in order, then says what it found."""
+    """One family of questions about a liquid: it sees all frames in order, then says what it found."""
 
-    claims: ClassVar[Mapping[str, Question]]
+    questions: ClassVar[Mapping[str, Question]]
     """Questions by name; a name is the second last part of a row's id."""
 
     def __init__(self, liquid: Liquid) -> None: ...
@@ -32,11 +32,11 @@ class Watch(Protocol):
         """Take in the next frame.
 
         Raises:
-            EvidenceError: a channel that the claims need is missing.
+            EvidenceError: a channel that the questions need is missing.
         """
 
     def findings(self) -> dict[str, Finding]:
-        """The verdict of every claim, after the last frame.
+        """Finding on every question by name, after the last frame.
 
         Raises:
             EvidenceError: there is nothing to judge them by.

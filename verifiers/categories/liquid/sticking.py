@@ -32,7 +32,7 @@ __all__ = ["Sticking"]
 class Sticking:
     """Particles that should fall and stay."""
 
-    claims: ClassVar[Mapping[str, Question]] = STICKING
+    questions: ClassVar[Mapping[str, Question]] = STICKING
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -38,7 +38,7 @@ SOME = 2000
 class Shown:
     """Surfaces of every frame."""
 
-    claims: ClassVar[Mapping[str, Question]] = SHOWN
+    questions: ClassVar[Mapping[str, Question]] = SHOWN
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -115,7 +115,7 @@ class Shown:
         """Volume, closedness, popping."""
         if self.count == 0:
             none = Finding("not_applicable", "no surface was made of this liquid")
-            return dict.fromkeys(self.claims, none)
+            return dict.fromkeys(self.questions, none)
         if self.count < self.liquid.frames:
             raise EvidenceError(f"the liquid has {self.count} of {self.liquid.frames} surfaces; bake again to resume")
         remade = correction(

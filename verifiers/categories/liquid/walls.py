@@ -36,7 +36,7 @@ ROUNDING = 1e-6
 class Walls:
     """Particles against solids and the domain."""
 
-    claims: ClassVar[Mapping[str, Question]] = WALLS
+    questions: ClassVar[Mapping[str, Question]] = WALLS
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -100,7 +100,7 @@ class Walls:
                 self.blocked = (index, name, "", float(outside.max()), place(points[int(np.argmax(outside))]))
 
     def findings(self) -> dict[str, Finding]:
-        """The three claims."""
+        """Findings on the three questions by name."""
         return {"inside": self._inside(), "domain": self._domain(), "source": self._source()}
 
     def _inside(self) -> Finding:

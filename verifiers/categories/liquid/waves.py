@@ -46,7 +46,7 @@ STRETCHES = np.exp(np.linspace(np.log(0.5), np.log(2.0), 141))
 class Waves:
     """Height of the surface over windows at the inner end of zones, frame by frame."""
 
-    claims: ClassVar[Mapping[str, Question]] = WAVES
+    questions: ClassVar[Mapping[str, Question]] = WAVES
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid
@@ -67,7 +67,7 @@ class Waves:
     def findings(self) -> dict[str, Finding]:
         """Height and period of the sea."""
         if not self.drivers:
-            return {name: Finding("not_applicable", "the plan has no waves") for name in self.claims}
+            return {name: Finding("not_applicable", "the plan has no waves") for name in self.questions}
         name, driver = next(iter(self.drivers.items()))
         liquid = self.liquid
         gravity = liquid.strength
@@ -78,7 +78,7 @@ class Waves:
             text = f"the last frame is at {time[-1] if len(time) else 0.0:.3g} s, {PERIODS:g} periods of full waves {name!r} have not passed then"
             if liquid.candidate.stage == "full":
                 raise EvidenceError(text)
-            return {claim: Finding("not_applicable", f"{text}: judged on the bake") for claim in self.claims}
+            return {question: Finding("not_applicable", f"{text}: judged on the bake") for question in self.questions}
         centers, _ = self.windows[name]
         measured = np.array(self.heights[name])[used]
         full = measured.mean(axis=0) / driver.depth

@@ -80,7 +80,7 @@ class _Worst:
 class Wetted:
     """Wet maps of every frame."""
 
-    claims: ClassVar[Mapping[str, Question]] = WETTED
+    questions: ClassVar[Mapping[str, Question]] = WETTED
 
     def __init__(self, liquid: Liquid) -> None:
         self.liquid = liquid

@@ -1,6 +1,6 @@
-"""Grains and flying particles (R65-R68, R101-R105): one pass over the frames of an instance, seen by one watch per family of claims.
+"""Grains and flying particles (R65-R68, R101-R105): one pass over the frames of an instance, seen by one watch per family of questions.
 
-Rows: `category:particles:<claim>:<solver>` and `numerical:<claim>:<solver>`. Nothing here knows a solver: particles, what was exchanged
+Rows: `category:particles:<question>:<solver>` and `numerical:<question>:<solver>`. Nothing here knows a solver: particles, what was exchanged
 and recorded, and the solids of the candidate are all there is.
 """
 
@@ -38,7 +38,7 @@ __all__ = ["WATCHES", "category_rows", "numerical_rows"]
 class Numbers:
     """Speeds and ways."""
 
-    claims: ClassVar[Mapping[str, Question]] = NUMBERS
+    questions: ClassVar[Mapping[str, Question]] = NUMBERS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -64,7 +64,7 @@ class Numbers:
             self.far = (now.index, way)
 
     def findings(self) -> dict[str, Finding]:
-        """The three claims; a frame that is not finite cannot be read at all."""
+        """Findings on the three questions by name; a frame that is not finite cannot be read at all."""
         limit = self.swarm.candidate.spec.simulation.limits.max_speed
         reach = (limit + 1.0) * self.swarm.duration
         hints: tuple[Correction, ...] = (

@@ -63,7 +63,7 @@ def stored_energy(swarm: Swarm, frame: SwarmFrame) -> float:
 class Contacts:
     """Overlaps and packing of grains."""
 
-    claims: ClassVar[Mapping[str, Question]] = CONTACTS
+    questions: ClassVar[Mapping[str, Question]] = CONTACTS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -94,7 +94,7 @@ class Contacts:
             self.crowded = (now.index, float(found[best]), [round(float(c), 4) for c in now.position[rows[best]]])
 
     def findings(self) -> dict[str, Finding]:
-        """The two claims."""
+        """Findings on the two questions by name."""
         if not self.swarm.granular:
             none = Finding("not_applicable", "flying particles do not meet each other")
             return {"overlap": none, "packing": none}

@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 __all__ = ["Flight"]
 
 STEPS = 8
-"""Of the integration in a frame."""
+"""Steps of the integration in a frame."""
 
 
 class Flight:
     """The law of flight, and speed."""
 
-    claims: ClassVar[Mapping[str, Question]] = FLIGHT_FREE
+    questions: ClassVar[Mapping[str, Question]] = FLIGHT_FREE
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -110,7 +110,7 @@ class Flight:
         return a
 
     def findings(self) -> dict[str, Finding]:
-        """The claim."""
+        """Finding on the question by name."""
         if self.swarm.granular:
             return {"flight": Finding("not_applicable", "grains touch each other; their momentum and energy are judged")}
         if not self.judged:

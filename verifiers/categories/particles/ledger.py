@@ -36,7 +36,7 @@ __all__ = ["Books", "Identity"]
 class Identity:
     """Who is there, from frame to frame."""
 
-    claims: ClassVar[Mapping[str, Question]] = IDENTITY
+    questions: ClassVar[Mapping[str, Question]] = IDENTITY
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -81,7 +81,7 @@ class Identity:
         return None
 
     def findings(self) -> dict[str, Finding]:
-        """The three claims."""
+        """Findings on the three questions by name."""
         again = (bake_again(),)
         ok = Finding("pass", f"{self.number[0]} to {self.number[-1]} particles keep their ids, sizes and members", 0.0, 0.0, "1")
         if self.wrong is not None:
@@ -129,7 +129,7 @@ class Identity:
 class Books:
     """Mass, momentum and energy."""
 
-    claims: ClassVar[Mapping[str, Question]] = BOOKS
+    questions: ClassVar[Mapping[str, Question]] = BOOKS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -192,7 +192,7 @@ class Books:
         return work, doubt
 
     def findings(self) -> dict[str, Finding]:
-        """The four claims."""
+        """Findings on the four questions by name."""
         return {"mass": self._mass(), "records": self._records(), "momentum": self._momentum(), "energy": self._energy()}
 
     def _mass(self) -> Finding:

@@ -18,9 +18,9 @@ __all__ = ["SwarmWatch", "emitted_slower", "stiffer"]
 
 
 class SwarmWatch(Protocol):
-    """One family of claims about particles: it sees all frames in order, then says what it found."""
+    """One family of questions about particles: it sees all frames in order, then says what it found."""
 
-    claims: ClassVar[Mapping[str, Question]]
+    questions: ClassVar[Mapping[str, Question]]
     """Questions by name; a name is the second last part of a row's id."""
 
     def __init__(self, swarm: Swarm) -> None: ...
@@ -29,11 +29,11 @@ class SwarmWatch(Protocol):
         """Take in the next frame.
 
         Raises:
-            EvidenceError: a channel that the claims need is missing.
+            EvidenceError: a channel that the questions need is missing.
         """
 
     def findings(self) -> dict[str, Finding]:
-        """The verdict of every claim, after the last frame.
+        """Finding on every question by name, after the last frame.
 
         Raises:
             EvidenceError: there is nothing to judge them by.

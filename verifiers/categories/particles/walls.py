@@ -31,7 +31,7 @@ __all__ = ["Walls"]
 class Walls:
     """Particles against solids."""
 
-    claims: ClassVar[Mapping[str, Question]] = WALLS
+    questions: ClassVar[Mapping[str, Question]] = WALLS
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
@@ -73,7 +73,7 @@ class Walls:
         self.reaction.append(data["exchange/reaction"])
 
     def findings(self) -> dict[str, Finding]:
-        """The four claims."""
+        """Findings on the four questions by name."""
         none = Finding("not_applicable", "flying particles push nothing: declared in the approximation register")
         if not self.swarm.cache.index.colliders:
             none = Finding("not_applicable", "no body is met")

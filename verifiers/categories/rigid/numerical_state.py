@@ -1,4 +1,4 @@
-"""Numerical claims that compare a cache with itself: counters, logs, repeated frames, bodies that sleep."""
+"""Numerical questions that compare a cache with itself: counters, logs, repeated frames, bodies that sleep."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def rows_of(candidate: Candidate) -> dict[str, Row]:
 
 def test_still_water_passes_every_row_that_has_a_case(tmp_path: Path) -> None:
     rows = rows_of(scenes.pool(rng()).candidate(tmp_path))
-    assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest", "placed", "started"}
+    assert set(rows) == {n for watch in WATCHES for n in watch.questions} | {"frames", "digest", "placed", "started"}
     assert {n for n, r in rows.items() if r.status == "not_applicable"} == {
         *("source", "openings", "flight", "received", "declared", "buoyancy", "surface", "closed", "pop", "wet"),
         *("waves_height", "waves_period", "fields"),

@@ -68,7 +68,7 @@ def broken(candidate: Candidate, folder: Path, change: Callable[[int, dict[str, 
 
 def test_every_row_of_a_sound_world_passes_or_has_no_case(sand: Candidate) -> None:
     rows = rows_of(sand, "grains")
-    assert set(rows) == {n for watch in WATCHES for n in watch.claims} | {"frames", "digest", "amount", "started"}
+    assert set(rows) == {n for watch in WATCHES for n in watch.questions} | {"frames", "digest", "amount", "started"}
     # 93 grains in little more than a layer are no packing.
     assert {n for n, r in rows.items() if r.status == "not_applicable"} == {"flight", "packing", "started"}
     assert {n for n, r in rows.items() if r.status not in ("pass", "not_applicable")} == set()

@@ -1,0 +1,64 @@
+"""Worlds that a tester made with the tools alone, and that are judged wrongly; `docs/threat-model.md` lists them, work to be done.
+
+A test ends with `Hole` while its hole is open. Close one: the test passes, and the mark that expects `Hole` has to go.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+
+FOLDER = Path(__file__).parent / "holes"
+DISHONEST = (
+    *("pair_without_friction", "pair_that_bounces", "undrawn_rail", "spring_that_drives", "spring_behind_a_latch"),
+    *(
+        "hovers_on_a_force",
+        "hovers_on_a_field",
+        "slab_beside_air",
+        "needle_under_a_corner",
+        "beads_in_the_air",
+        "squeezed_by_skins",
+    ),
+    *("heavy_core", "pusher_of_no_beat", "weld_to_a_point", "spring_to_a_point", "slide_to_a_point", "contact_in_an_or"),
+)
+"""Worlds that no verdict should accept."""
+HONEST = ("still_world",)
+"""Worlds that should be accepted."""
+STEPS = (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed"))
+"""Tools between audit and acceptance, each with the field of its answer that says that it let the world through."""
+
+
+class Hole(Exception):
+    """A world is judged wrongly."""
+
+
+def verdict(name: str, agent_of: Any, folder: Path) -> str:
+    """Verdict of the acceptance of a world, or the tool that let it go no further."""
+    world = json.loads((FOLDER / f"{name}.json").read_text())
+    with pytest.MonkeyPatch.context() as patch, agent_of(folder) as agent:
+        run_jobs_inline(patch)
+        if not agent.call("edit_spec", world="w", **world)["audit"]["passed"]:
+            return "refused by edit_spec"
+        for tool, passed in STEPS:
+            answer = agent.result(tool, world="w")
+            if answer.is_error or not json.loads(answer.content[0].text)[passed]:
+                return f"refused by {tool}"
+        return str(agent.call("run_checks", world="w", scope="acceptance")["verdict"])
+
+
+def test_every_world_of_the_folder_is_judged() -> None:
+    assert {path.stem for path in FOLDER.glob("*.json")} == {*DISHONEST, *HONEST}
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, raises=Hole, reason="a hole that is not closed yet: docs/threat-model.md")
+@pytest.mark.parametrize("name", [*DISHONEST, *HONEST])
+def test_a_world_is_judged_as_it_should_be(name: str, agent_of: Any, tmp_path: Path) -> None:
+    found = verdict(name, agent_of, tmp_path)
+    if (found == "accepted") == (name in DISHONEST):
+        raise Hole(f"{name}: {found}")
+    assert found == "accepted" or name in DISHONEST

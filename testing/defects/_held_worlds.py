@@ -20,6 +20,7 @@ from ...worlds.spec import (
     RigidPhysics,
     RigidSettings,
     Rope,
+    SlideJoint,
     Sphere,
     SpringJoint,
     WeldJoint,
@@ -131,6 +132,39 @@ def _joint_over_a_gap(folder: Path, m: float, rng: RNG) -> World:
 
 def _joint_that_reaches(folder: Path, m: float, rng: RNG) -> World:
     return _joined(folder, m, rng)
+
+
+def _at_a_point(folder: Path, m: float, rng: RNG, *culprits: str, afloat: str | None = None) -> World:
+    """Something held at a point of space, m under a beam, by each kind of joint and by a rope."""
+    scene, kind, top = Scene(rng), int(rng.integers(6)), 3 - m
+    scene.gallows()
+    if kind == 5:
+        line = Rope(points=[(0, 0, 0), (0, 0, -0.5)], radius=0.005, segments=4, attach_start="world")
+        scene.add("thing", at=(0, 0, top - 0.005), motion="dynamic", rope=line, afloat=afloat)
+        return scene.world(folder, *culprits, still=True)
+    scene.add("thing", Sphere(radius=0.1), at=(0, 0, top - 0.1), motion="dynamic", afloat=afloat)
+    anchor = scene.point((0, 0, top))
+    made = {
+        0: WeldJoint(child="thing", anchor=anchor),
+        1: BallJoint(child="thing", anchor=anchor),
+        2: HingeJoint(child="thing", anchor=anchor, axis=scene.way((0, 1, 0))),
+        3: SlideJoint(child="thing", anchor=anchor, axis=scene.way((1, 0, 0))),
+        4: SpringJoint(child="thing", parent_point=anchor, child_point=scene.point((0, 0, top - 0.2)), stiffness=1e4),
+    }[kind]
+    scene.more["joints"] = {"link": made}
+    return scene.world(folder, *culprits, still=True)
+
+
+def _held_by_a_point(folder: Path, m: float, rng: RNG) -> World:
+    return _at_a_point(folder, m, rng, "thing")
+
+
+def _point_on_a_beam(folder: Path, m: float, rng: RNG) -> World:
+    return _at_a_point(folder, m, rng)
+
+
+def _point_that_is_told(folder: Path, m: float, rng: RNG) -> World:
+    return _at_a_point(folder, m, rng, afloat="a lamp that a spell keeps where it is")
 
 
 def _roped(folder: Path, m: float, rng: RNG, *culprits: str) -> World:
@@ -295,6 +329,7 @@ HELD_MECHANISMS = (
     Mechanism("loose-part", "a part that touches no other", True, _loose_part, OVER * GAP, 0.5, "m", GAP),
     Mechanism("static-on-free", "static, on bodies that may move", True, _static_on_free, 0.05, 1.0, "m"),
     Mechanism("joint-over-a-gap", "no surface at its joint", True, _joint_over_a_gap, OVER * REACH, 0.5, "m", REACH),
+    Mechanism("held-by-a-point", "joined to the air", True, _held_by_a_point, OVER * REACH, 1.0, "m", REACH),
     Mechanism("short-rope", "it ends before its hook", True, _short_rope, OVER * REACH, 0.5, "m", REACH),
     Mechanism("fastened-apart", "glued over a gap", True, _fastened_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("leaves-untold", "slides off, and nothing says so", True, _leaves_untold, OVER * DRIFT, 0.09, "m", DRIFT),
@@ -303,6 +338,8 @@ HELD_MECHANISMS = (
     Mechanism("plates-apart", "parts of a free body with nothing between", True, _plates_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * GAP, "m"),
     Mechanism("said-to-float", "it says why it hovers", False, _said_to_float, 0.01, 5.0, "m"),
+    Mechanism("point-on-a-beam", "joined to the world where a beam is", False, _point_on_a_beam, 1e-6, UNDER * GAP, "m"),
+    Mechanism("point-that-is-told", "joined to the air, and says so", False, _point_that_is_told, 0.01, 1.0, "m"),
     Mechanism("joint-that-reaches", "at its joint within the skins", False, _joint_that_reaches, 1e-6, UNDER * GAP, "m"),
     Mechanism("rope-that-reaches", "ends at its hook", False, _rope_that_reaches, 1e-6, UNDER * GAP, "m"),
     Mechanism("fastened-close", "glued within the tolerance", False, _fastened_close, 1e-6, UNDER * GAP, "m"),

@@ -1,6 +1,6 @@
 """Worlds that a tester made with the tools alone, and that are judged wrongly; `docs/threat-model.md` lists them, work to be done.
 
-A test ends with `Hole` while its hole is open. Close one: the test passes, and the mark that expects `Hole` has to go.
+A test ends with `Hole` while its hole is open. Close one: the test passes, and its world goes into the list `CLOSED`.
 """
 
 from __future__ import annotations
@@ -23,9 +23,11 @@ DISHONEST = (
         "beads_in_the_air",
         "squeezed_by_skins",
     ),
-    *("heavy_core", "pusher_of_no_beat", "weld_to_a_point", "spring_to_a_point", "slide_to_a_point", "contact_in_an_or"),
+    *("heavy_core", "pusher_of_no_beat", "contact_in_an_or"),
 )
-"""Worlds that no verdict should accept."""
+"""Worlds that no verdict should accept, and that one accepts."""
+CLOSED = ("weld_to_a_point", "spring_to_a_point", "slide_to_a_point")
+"""Worlds that were accepted once, and are refused."""
 HONEST = ("still_world",)
 """Worlds that should be accepted."""
 STEPS = (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed"))
@@ -51,7 +53,7 @@ def verdict(name: str, agent_of: Any, folder: Path) -> str:
 
 
 def test_every_world_of_the_folder_is_judged() -> None:
-    assert {path.stem for path in FOLDER.glob("*.json")} == {*DISHONEST, *HONEST}
+    assert {path.stem for path in FOLDER.glob("*.json")} == {*DISHONEST, *CLOSED, *HONEST}
 
 
 @pytest.mark.slow
@@ -62,3 +64,9 @@ def test_a_world_is_judged_as_it_should_be(name: str, agent_of: Any, tmp_path: P
     if (found == "accepted") == (name in DISHONEST):
         raise Hole(f"{name}: {found}")
     assert found == "accepted" or name in DISHONEST
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CLOSED)
+def test_a_hole_stays_closed(name: str, agent_of: Any, tmp_path: Path) -> None:
+    assert verdict(name, agent_of, tmp_path) != "accepted"

@@ -10,8 +10,8 @@ from ..categories.registry import JUDGES
 from ..land.ground_stems import plant_lines
 from ..scene.initial_state import start_lines
 from ..shots.plan import unseen_text
+from ..support.anchored import anchor_lines
 from ..support.held import afloat_lines
-from ..support.joined import anchor_lines
 from .apart import apart_lines
 from .fields import field_lines
 from .scene import scene_lines

@@ -16,6 +16,7 @@ from ...worlds.spec import Supports
 from ..rows.answers import guarded, row_of, rows_of
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
+from .anchored import anchored_rows
 from .carried import carried
 from .fallen_off import kept_rows
 from .free_bodies import derived
@@ -50,6 +51,7 @@ def check(candidate: Candidate) -> list[Row]:
         *_derived(start),
         *held_rows(surfaces, ground),
         *joined_rows(surfaces),
+        *anchored_rows(surfaces),
         *pinned_rows(surfaces),
         *one_piece_rows(surfaces, frozenset(n for n in surfaces.entities if is_still(surfaces.candidate.spec, n))),
         *landed_rows(surfaces, ground),

@@ -1,8 +1,8 @@
 """Whether joints, springs, rope ends and `fastened` relations reach what they join, on the visible surfaces (R92, R154).
 
 Whatever turns about a point needs that point at both bodies; a hinge has it anywhere on its axis. A weld or a slide has no
-such point: it joins what touches. What is joined with the world needs the body alone, and is a line of the approximation
-register where nothing drawn that never moves is there.
+such point: it joins what touches. What is joined with the world needs the body alone here; `support/anchored.py` asks what is
+drawn at the other side.
 """
 
 from __future__ import annotations
@@ -15,24 +15,20 @@ import numpy as np
 
 from ...geometry import contains, distance_to_surface
 from ...worlds.arrays import F64, RigidPose, compose, pose_of
-from ...worlds.errors import EvidenceError
 from ...worlds.spec import Fastened, HingeJoint, Rope, SlideJoint, SpringJoint, WeldJoint
-from ..land.grounds import lands
 from ..rows.answers import row_of, rows_of
 from ..rows.corrections import correction, move_by, pointer, set_value
 from ..rows.findings import Finding
 from ..scene.interpenetration import correction_order
-from ..scene.surfaces import surfaces_of
 from .bounds import LEFT
 from .questions import FASTENED, JOINT, ROPE
 
 if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
     from ...worlds.requirements import Correction, Row
     from ...worlds.spec import Joint
     from ..scene.surfaces import Surfaces
 
-__all__ = ["anchor_lines", "joined_rows", "way_to"]
+__all__ = ["End", "Missed", "joined_rows", "missed", "on_axis", "reach_of", "touch", "way_to"]
 
 STEPS = 400
 """Steps along the axis of a hinge; each is as long as what is nearest to it allows, and no shorter than the tolerance."""
@@ -115,8 +111,8 @@ def joined_rows(surfaces: Surfaces) -> list[Row]:
 # ---------------------------------------------------------------- joints
 
 
-def _tolerance(surfaces: Surfaces, *entities: str) -> float:
-    """Largest distance of a place from a surface that it reaches [m]: the contact tolerance (S3) and a collision skin."""
+def reach_of(surfaces: Surfaces, *entities: str) -> float:
+    """The largest distance of a place from a surface that it reaches [m]: the contact tolerance (S3) and a collision skin."""
     pair = (entities[0], entities[-1])
     skins = [s.settings.skin for s in surfaces.candidate.spec.simulation.rigid.values() if entities[0] in s.members]
     return surfaces.contact_gap(*pair) + max(skins, default=0.0)
@@ -125,7 +121,7 @@ def _tolerance(surfaces: Surfaces, *entities: str) -> float:
 def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Finding:
     bodies = tuple(e for e in (joint.child, joint.parent) if e is not None)
     surfaces.require(*bodies)
-    bound = _tolerance(surfaces, *bodies)
+    bound = reach_of(surfaces, *bodies)
     path = ("simulation", "joints", name)
     if isinstance(joint, SpringJoint):
         ends = [
@@ -136,22 +132,23 @@ def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Finding:
     else:
         place = np.array(joint.anchor, dtype=np.float64)
         if isinstance(joint, HingeJoint):
-            place = _on_axis(surfaces, bodies, place, np.array(joint.axis, dtype=np.float64), bound)
+            place = on_axis(surfaces, bodies, place, np.array(joint.axis, dtype=np.float64), bound)
         ends = [End(e, place, (*path, "anchor")) for e in bodies]
     found = [missed(surfaces, end) for end in ends]
     worst = max(found, key=lambda m: m.distance)
-    if isinstance(joint, WeldJoint | SlideJoint) and len(bodies) == 2 and worst.distance > bound and _touch(surfaces, *bodies):
+    if isinstance(joint, WeldJoint | SlideJoint) and len(bodies) == 2 and worst.distance > bound and touch(surfaces, *bodies):
         worst = Missed(worst.end, 0.0, worst.nearest)
     what = f"{joint.kind} {name!r}"
     corrections = [] if worst.distance <= bound else list(_joint_corrections(surfaces, what, joint, worst))
     return _reach(what, worst, bound, bodies, tuple(corrections))
 
 
-def _touch(surfaces: Surfaces, a: str, b: str) -> bool:
+def touch(surfaces: Surfaces, a: str, b: str) -> bool:
+    """Whether two entities touch at frame 0, static ones included."""
     return surfaces.first.get((a, b), surfaces.first.get((b, a), np.inf)) <= surfaces.contact_gap(a, b)
 
 
-def _on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, bound: float) -> F64:
+def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, bound: float) -> F64:
     """The place on the axis of a hinge at which all its bodies are nearest [m]; the first that reaches all of them.
 
     Marching: along the axis no distance changes faster than one goes.
@@ -250,7 +247,7 @@ def _rope(surfaces: Surfaces, name: str, rope: Rope) -> Iterator[Row]:
         point = start.apply(np.array([rope.points[index]], dtype=np.float64))[0]
         worst = missed(surfaces, End(to, point, ("entities", name, "generator", "points", index)))
         # The end is round: its surface is a radius from its point.
-        bound = _tolerance(surfaces, name, to) + rope.radius
+        bound = reach_of(surfaces, name, to) + rope.radius
         what = f"the {side} of rope {name!r}"
         corrections: list[Correction] = []
         if worst.distance > bound:
@@ -297,50 +294,3 @@ def _fastened(surfaces: Surfaces, relation: Fastened) -> Finding:
         frames=(0, 0),
         predicate=f"clearance({a}, {b}) <= {bound:g} m at frame 0, as they are fastened",
     )
-
-
-# ---------------------------------------------------------------- the register
-
-
-def _anchors(candidate: Candidate) -> Iterator[tuple[str, str, F64]]:
-    """Joints and rope ends at a place of the world: their words, the entity they hold, and the place [m]."""
-    for name, joint in candidate.spec.simulation.joints.items():
-        if joint.parent is None:
-            place = joint.parent_point if isinstance(joint, SpringJoint) else joint.anchor
-            yield f"{joint.kind} {name!r}", joint.child, np.array(place, dtype=np.float64)
-    for name, entity in candidate.spec.entities.items():
-        if isinstance(entity.generator, Rope):
-            rope, start = entity.generator, pose_of(entity.pose)
-            for side, place, to in (("start", rope.points[0], rope.attach_start), ("end", rope.points[-1], rope.attach_end)):
-                if to == "world":
-                    yield f"the {side} of rope {name!r}", name, start.apply(np.array([place], dtype=np.float64))[0]
-
-
-def anchor_lines(candidate: Candidate) -> list[dict[str, str]]:
-    """Lines of the approximation register: joints to a place of the world at which nothing is drawn that never moves."""
-    anchors = list(_anchors(candidate))
-    if not anchors:
-        return []
-    surfaces = surfaces_of(candidate)
-    found: list[dict[str, str]] = []
-    fixed = [n for n in surfaces.entities if surfaces.is_static(n)]
-    bound = candidate.spec.simulation.limits.contact_gap
-    for what, entity, place in anchors:
-        near = any(missed(surfaces, End(n, place, ())).distance <= surfaces.contact_gap(n, n) for n in fixed)
-        if not near and not _in_land(candidate, place, bound):
-            found.append(
-                {
-                    "what": f"{what} holds {entity!r} at a fixed point of space that nothing drawn holds",
-                    "effect": "it bears any load there",
-                }
-            )
-    return found
-
-
-def _in_land(candidate: Candidate, place: F64, bound: float) -> bool:
-    """Whether a place lies in or on the ground of a landscape."""
-    try:
-        heights = [land.heights_at(place[None])[0] for land in lands(candidate)]
-    except EvidenceError:
-        return False
-    return any(place[2] <= height + bound for height in heights)

@@ -6,6 +6,7 @@ from ..rows.questions import Question
 from .bounds import HANGING
 
 __all__ = [
+    "ANCHOR",
     "BALANCE",
     "CARRIED",
     "DERIVED",
@@ -89,6 +90,15 @@ ROPE = Question(
     "limits.contact_gap, a skin and the rope's radius",
     ("entity", "start or end"),
 )
+ANCHOR = Question(
+    "support:anchor",
+    "the point of space that holds {0} lies at something drawn that never moves, or the entity says why nothing holds it: `afloat`",
+    "distance of that point from the nearest thing that never moves",
+    "m",
+    "<=",
+    "limits.contact_gap and a skin",
+    ("joint or rope", "anchor, parent_point, start or end"),
+)
 FASTENED = Question(
     "support:fastened",
     "the two of relation {0} touch, as what is fastened does",
@@ -152,6 +162,7 @@ QUESTIONS = (
     HELD,
     JOINT,
     ROPE,
+    ANCHOR,
     FASTENED,
     PIN,
     PIECE,

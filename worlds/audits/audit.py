@@ -197,7 +197,9 @@ class _Audit:
         text = "support relations are acyclic, relations lie in the sequence"
         self.add("graph", text, graph_problems(self.spec), group="spatial")
         if self.spec.simulation.joints or any(e.generator is not None for e in self.spec.entities.values()):
-            text = "joints, springs and rope ends reach the shapes that they join"
+            text = (
+                "joints, springs and rope ends reach the shapes that they join; none hangs on a point of space without `afloat`"
+            )
             self.add("reach", text, reach_problems(self.spec), group="spatial")
 
     # ---------------------------------------------------------------- numbers

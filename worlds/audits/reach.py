@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import F64, pose_of
 from ..problems import Problem, replaced
 from ..shapes import Shape
-from ..spec import BallJoint, Box, Capsule, Cylinder, HingeJoint, Rope, Sphere, SpringJoint, WorldSpec
+from ..spec import BallJoint, Box, Capsule, Cylinder, HingeJoint, Rope, SlideJoint, Sphere, SpringJoint, WeldJoint, WorldSpec
 
 __all__ = ["reach_problems"]
 
@@ -103,8 +103,84 @@ def _beside_axis(spec: WorldSpec, entity: str, anchor: F64, axis: F64) -> float:
     return best
 
 
+def _world_box(spec: WorldSpec, entity: str) -> tuple[F64, F64] | None:
+    """Corners of a box that holds an entity [m], shapes (3,); None where a shape does not tell."""
+    outer, found = pose_of(spec.entities[entity].pose), []
+    for part in spec.entities[entity].parts.values():
+        shape = part.shape
+        if isinstance(shape, Box):
+            half = 0.5 * np.array(shape.size)
+        elif isinstance(shape, Sphere | Capsule):
+            half = shape.radius + np.array([0.0, 0.0, 0.5 * shape.length if isinstance(shape, Capsule) else 0.0])
+        elif isinstance(shape, Cylinder):
+            half = np.array([shape.radius, shape.radius, 0.5 * shape.height])
+        else:
+            return None
+        signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        found.append(outer.apply(pose_of(part.pose).apply(signs * half)))
+    corners = np.concatenate(found) if found else None
+    return None if corners is None else (corners.min(axis=0), corners.max(axis=0))
+
+
+def _apart(spec: WorldSpec, a: str, b: str) -> bool:
+    """Whether two entities can neither touch nor meet at one place of a joint, by the boxes that hold them."""
+    boxes = _world_box(spec, a), _world_box(spec, b)
+    if boxes[0] is None or boxes[1] is None:
+        return False
+    gap = np.maximum(boxes[0][0] - boxes[1][1], boxes[1][0] - boxes[0][1])
+    return bool(gap.max() > 2.0 * _allowed(spec))
+
+
+def _anchors(spec: WorldSpec) -> Iterator[tuple[str, str, F64, str, float]]:
+    """Joints and rope ends at a fixed point of space: name, entity they hold, point [m], its pointer, further tolerance [m]."""
+    for name, joint in spec.simulation.joints.items():
+        if joint.parent is None:
+            field = "parent_point" if isinstance(joint, SpringJoint) else "anchor"
+            point = np.array(joint.parent_point if isinstance(joint, SpringJoint) else joint.anchor, dtype=np.float64)
+            yield f"{joint.kind} {name!r}", joint.child, point, f"/simulation/joints/{name}/{field}", 0.0
+    for name, entity in spec.entities.items():
+        rope = entity.generator
+        if isinstance(rope, Rope):
+            for side, index, to in (("start", 0, rope.attach_start), ("end", len(rope.points) - 1, rope.attach_end)):
+                if to == "world":
+                    point = pose_of(entity.pose).apply(np.array([rope.points[index]], dtype=np.float64))[0]
+                    yield f"the {side} of rope {name!r}", name, point, f"/entities/{name}/generator/points/{index}", rope.radius
+
+
+def _from_nothing(spec: WorldSpec) -> Iterator[Problem]:
+    """Joints and rope ends at a point of space at which surely nothing stands that never moves, and that `afloat` does not explain."""
+    if spec.terrains:
+        return
+    for what, entity, point, place, more in _anchors(spec):
+        if entity not in spec.entities or spec.entities[entity].afloat is not None:
+            continue
+        joint = spec.simulation.joints.get(place.split("/")[3]) if place.startswith("/simulation") else None
+        near: list[tuple[float, str]] = []
+        for name, other in spec.entities.items():
+            if other.motion == "dynamic":
+                continue
+            missed = _miss(spec, name, point)
+            distance = 0.0 if missed is None else missed[0] - more
+            if isinstance(joint, HingeJoint) and not _apart(spec, entity, name):
+                axis = np.array(joint.axis, dtype=np.float64)
+                distance = min(distance, _beside_axis(spec, name, point, axis / max(float(np.linalg.norm(axis)), 1e-12)))
+            if isinstance(joint, WeldJoint | SlideJoint) and not _apart(spec, entity, name):
+                distance = 0.0
+            near.append((distance, name))
+        best = min(near, default=None)
+        if best is not None and best[0] <= _allowed(spec):
+            continue
+        nearest = "nothing in this world never moves" if best is None else f"{best[1]!r} is nearest, {best[0]:.4g} m away"
+        at = ", ".join(f"{c:.4g}" for c in point)
+        yield Problem(
+            place,
+            f"{what} holds {entity!r} at ({at}), and nothing that never moves is within {_allowed(spec) + more:.4g} m of it ({nearest}): add "
+            f"a static hook, post or beam that reaches it and let it end there, or say `afloat` of {entity!r} with the reason",
+        )
+
+
 def reach_problems(spec: WorldSpec) -> list[Problem]:
-    """Joints, springs and rope ends that do not reach what they name. What only built surfaces tell is judged by rows."""
+    """Joints, springs and rope ends that do not reach what they name, or hang on nothing; rows judge what only built surfaces tell."""
     allowed, found = _allowed(spec), []
     for what, entity, point, place, more in _ends(spec):
         if entity not in spec.entities:
@@ -126,4 +202,4 @@ def reach_problems(spec: WorldSpec) -> list[Problem]:
         value = [round(float(c), 5) for c in missed[1]]
         alone = place.startswith("/simulation") and (isinstance(joint, SpringJoint) or getattr(joint, "parent", None) is None)
         found.append(Problem(place, text, replaced(place, value) if alone else None))
-    return found
+    return [*found, *_from_nothing(spec)]

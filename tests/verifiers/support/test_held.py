@@ -11,7 +11,7 @@ import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.verifiers.support import check as support
-from worldagent.verifiers.support.joined import anchor_lines
+from worldagent.verifiers.support.anchored import anchor_lines
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.predicates import Displacement, StaysIn
 from worldagent.worlds.requirements import Row
@@ -26,6 +26,7 @@ from worldagent.worlds.spec import (
     PathDriver,
     PathKey,
     Rope,
+    SlideJoint,
     Sphere,
     SpringJoint,
     Supports,
@@ -264,15 +265,73 @@ def test_fastened_things_touch(tmp_path: Path, gap: float, status: str) -> None:
         assert again["support:fastened:glue"].status == "pass"
 
 
-def test_a_joint_to_a_point_of_space_is_printed_unless_something_static_is_there(tmp_path: Path) -> None:
+# ---------------------------------------------------------------- joints to a fixed point of space
+
+
+POINTS: dict[str, Any] = {
+    "weld": WeldJoint(child="lamp", anchor=(0, 0, 2.9)),
+    "ball": BallJoint(child="lamp", anchor=(0, 0, 3)),
+    "hinge": HingeJoint(child="lamp", anchor=(0, 0.05, 3), axis=(0, 1, 0)),
+    "slide": SlideJoint(child="lamp", anchor=(0, 0, 2.9), axis=(0, 0, 1), friction=100.0),
+    "spring": SpringJoint(child="lamp", parent_point=(0, 0, 3), child_point=(0, 0, 2.8), stiffness=100.0),
+}
+FIELDS = {"spring": "parent_point"}
+REASON = "a lamp that a spell keeps where it is"
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_a_point_of_space_holds_nothing_but_what_says_that_it_floats(tmp_path: Path, kind: str) -> None:
+    row_id, things, joints = f"support:anchor:j:{FIELDS.get(kind, 'anchor')}", _hung(0.0), {"j": POINTS[kind]}
+    spec = world(things, joints=joints)
+    rows = {r.id: r for r in support.check(make_candidate(tmp_path / "beam", spec))}
+    assert (rows[row_id].status, _told(spec)) == ("pass", [])
+    del things["beam"]
+    spec = world(things, joints=joints)
+    row = {r.id: r for r in support.check(make_candidate(tmp_path / "none", spec))}[row_id]
+    assert (row.status, row.first_failing_entity, row.evidence["nearest"]) == ("fail", "lamp", "floor")
+    assert row.measured == pytest.approx(3.0 if kind in ("ball", "hinge", "spring") else 2.9)
+    assert (row.bound, row.unit) == (pytest.approx(0.0035), "m")
+    assert [c.group for c in row.corrections] == ["shape", "joints", "placement"]
+    assert [p.pointer for p in _told(spec)] == [f"/simulation/joints/j/{FIELDS.get(kind, 'anchor')}"]
+    spec = world(_hung(0.0, afloat=REASON) | {"beam": box(0.1, 0.1, 3, at=(2, 0, 1.5))}, joints=joints)
+    row = {r.id: r for r in support.check(make_candidate(tmp_path / "said", spec))}[row_id]
+    assert (row.status, _told(spec)) == ("pass", [])
+    assert REASON in row.evidence["explanation"]
+
+
+def test_a_hinge_to_the_world_is_held_anywhere_on_its_axis(tmp_path: Path) -> None:
+    things = {
+        "floor": ground(),
+        "jamb": box(0.1, 0.1, 2, at=(0, 0, 1)),
+        "leaf": box(0.8, 0.04, 1.8, motion="dynamic", at=(0.455, 0, 1)),
+    }
+    for at, status in (((0.052, 0, -0.5), "pass"), ((0.3, 0, 1.0), "fail")):
+        joints = {"h": HingeJoint(child="leaf", anchor=at, axis=(0, 0, 1))}
+        assert rows_of(tmp_path / status, things, joints=joints)["support:anchor:h:anchor"].status == status
+
+
+@pytest.mark.parametrize("side", ["start", "end"])
+def test_a_rope_ends_at_something(tmp_path: Path, side: str) -> None:
+    points = [(0, 0, 3), (0, 0, 2)] if side == "start" else [(0, 0, 2), (0, 0, 3)]
+    line = entity(rope=Rope(points=points, radius=0.01, segments=5, **{f"attach_{side}": "world"}), motion="dynamic")
+    things = {"floor": ground(), "rope": line}
+    spec = world(things)
+    row = {r.id: r for r in support.check(make_candidate(tmp_path / "a", spec))}[f"support:anchor:rope:{side}"]
+    assert (row.status, row.measured) == ("fail", pytest.approx(3.0))
+    assert [p.pointer for p in _told(spec)] == [f"/entities/rope/generator/points/{0 if side == 'start' else 1}"]
+    spec = world({**_hung(0.0), "rope": line})
+    assert rows_of(tmp_path / "b", {**_hung(0.0), "rope": line})[f"support:anchor:rope:{side}"].status == "pass"
+    assert _told(spec) == []
+
+
+def test_an_anchor_in_the_air_is_printed(tmp_path: Path) -> None:
     joints = {"pin": BallJoint(child="lamp", anchor=(0, 0, 3))}
-    things = _hung(0.0)
+    things = _hung(0.0, afloat=REASON)
     assert anchor_lines(make_candidate(tmp_path / "a", world(things, joints=joints))) == []
     del things["beam"]
-    candidate = make_candidate(tmp_path / "b", world(things, joints=joints))
-    line = "ball 'pin' holds 'lamp' at a fixed point of space that nothing drawn holds"
-    assert line in [found["what"] for found in approximations(candidate)]
-    assert {r.id: r.status for r in support.check(candidate)}["support:joint:pin"] == "pass"
+    told = [found["what"] for found in approximations(make_candidate(tmp_path / "b", world(things, joints=joints)))]
+    assert "ball 'pin' holds 'lamp' at a fixed point of space that nothing drawn holds" in told
+    assert f"'lamp' floats in the air: {REASON}" in told
 
 
 # ---------------------------------------------------------------- free bodies until something moves them

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .shapes import Shape
     from .spec import Entity
 
-__all__ = ["initial_box", "initial_volume", "least_extent", "shape_volume"]
+__all__ = ["box_extent", "initial_box", "initial_volume", "least_extent", "shape_volume"]
 
 
 def _corners(shape: Shape) -> F64 | None:
@@ -56,7 +56,12 @@ def initial_box(entity: Entity) -> tuple[F64, F64] | None:
 
 def least_extent(shape: Shape) -> float | None:
     """Least extent of a simple shape along its own axes [m]; None for what may be thinner than its box: files, meshes, wedges, plans."""
-    corners = _corners(shape) if shape.kind in ("box", "sphere", "cylinder", "capsule") else None
+    return box_extent(shape) if shape.kind in ("box", "sphere", "cylinder", "capsule") else None
+
+
+def box_extent(shape: Shape) -> float | None:
+    """Least extent of the box around a shape [m]: nothing is thicker than that everywhere; None for files and fields."""
+    corners = _corners(shape)
     return None if corners is None else float(np.ptp(corners, axis=0).min())
 
 

@@ -22,9 +22,11 @@ from ..references import closest, references, resolves
 from ..requirements import Correction, Row
 from ..spec import MOVED, WorldSpec
 from .clauses import clauses_of
+from .collisions import pair_problems, skin_problems
 from .couplings import coupling_problems
 from .fields import field_problems
 from .gate import bound_problems, clause_problems, hold_problems, overlap_problems
+from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
 from .reach import reach_problems
@@ -32,8 +34,6 @@ from .story import coverage_of, evidence_problems, graph_problems, shot_problems
 
 __all__ = ["AuditReport", "audit"]
 
-SKIN_SHARE = 0.9
-"""Two skins may take at most this share of the contact tolerance: a body placed at two skins must count as touching."""
 SKILL = "skill://world-building/SKILL.md"
 
 
@@ -198,9 +198,10 @@ class _Audit:
         self.add("graph", text, graph_problems(self.spec), group="spatial")
         if self.spec.simulation.joints or any(e.generator is not None for e in self.spec.entities.values()):
             text = (
-                "joints, springs and rope ends reach the shapes that they join; none hangs on a point of space without `afloat`"
+                "joints have a direction and start within their range; joints, springs and rope ends reach the shapes that they join; none hangs on a "
+                "point of space without `afloat`"
             )
-            self.add("reach", text, reach_problems(self.spec), group="spatial")
+            self.add("reach", text, joint_problems(self.spec) + reach_problems(self.spec), group="spatial")
 
     # ---------------------------------------------------------------- numbers
 
@@ -230,18 +231,9 @@ class _Audit:
 
     def bounds(self) -> None:
         """Limits fit the solver's settings."""
-        limits, problems = self.spec.simulation.limits, []
-        for name, instance in self.spec.simulation.rigid.items():
-            if 2 * instance.settings.skin > SKIN_SHARE * limits.contact_gap:
-                problems.append(
-                    Problem(
-                        f"/simulation/solvers/{name}/settings/skin",
-                        f"two skins of {instance.settings.skin:g} m exceed {SKIN_SHARE:g} of the contact tolerance {limits.contact_gap:g} m; "
-                        f"use a skin of at most {SKIN_SHARE * limits.contact_gap / 2:g} m or a smaller step",
-                    )
-                )
+        problems = [*skin_problems(self.spec), *pair_problems(self.spec)]
         problems += bound_problems(self.spec) + overlap_problems(self.spec) + hold_problems(self.spec)
-        text = "collision skins stay within the contact tolerance, bounds of events above noise, intended overlaps below the bodies' size, holds that end"
+        text = "collision skins stay within the contact tolerance and the bodies, one entry per pair of contacts, bounds of events above noise, intended overlaps below the bodies' size, holds that end"
         self.add("bounds", text, problems, group="physical")
 
     def clauses(self) -> Mapping[str, str]:

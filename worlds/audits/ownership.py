@@ -34,6 +34,13 @@ def ownership_problems(spec: WorldSpec) -> list[Problem]:
         if entity.active is not None:
             text = f"{name!r} has an active interval, but no engine of this build makes bodies appear or vanish; leave it out"
             problems.append(Problem(f"{place}/active", text, removed(f"{place}/active")))
+        if entity.afloat is not None and entity.motion == "dynamic":
+            text = (
+                f"{name!r} is dynamic, and afloat ({entity.afloat!r}) is allowed for static and kinematic things only: it says why one hangs in "
+                "the air with nothing that holds it; what is dynamic falls, or a contact, joint, rope or liquid carries it: leave afloat out, "
+                "or make it static"
+            )
+            problems.append(Problem(f"{place}/afloat", text, removed(f"{place}/afloat")))
         if entity.motion == "kinematic" and name not in driven:
             problems.append(
                 Problem(

@@ -82,6 +82,21 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "a relation beyond the end": ([("/graph/relations/on_shelf_b1/frames", [0, 50])], "graph", "end after the last frame"),
     "a density that is no wood": ([("/materials/wood/density", 5000)], "density:wood", "allowed 120 to 1200"),
     "skins beyond the contact tolerance": ([("/simulation/solvers/rigid/settings/skin", 0.01)], "bounds", "use a skin of at most"),
+    "a skin that is more than half of a part": (
+        [("/entities/b3/parts/body/shape/size", [0.05, 0.0008, 0.15])], "bounds",
+        "skin 0.0005 m of 'rigid' is more than half of the 0.0008 m that 'b3/body' is thick: allowed is 0 to 0.0004 m"),
+    "two contacts of one pair": (
+        [("/simulation/contacts/one", {"a": "ball", "b": "b1", "friction": 0.3}), ("/simulation/contacts/two", {"a": "b1", "b": "ball", "friction": 0})],
+        "bounds", "'two' (friction 0) is about 'b1' and 'ball', and so is 'one' (friction 0.3): one entry per pair"),
+    "a hinge without a direction": (
+        [("/simulation/joints/h", HINGE | {"axis": [0, 0, 0]})], "reach", "axis [0.0, 0.0, 0.0] of hinge 'h' has length 0, at least 1e-06"),
+    "a range upside down": ([("/simulation/joints/h", HINGE | {"range": [1, -0.5]})], "reach", "is upside down, first < second is allowed: give [-0.5, 1.0]"),
+    "a range that leaves out the start": (
+        [("/simulation/joints/h", HINGE | {"kind": "slide", "range": [0.1, 0.4]})], "reach",
+        "range [0.1, 0.4] m of slide 'h' leaves out 0 m, which is where 'b1' starts"),
+    "a range of nothing": ([("/simulation/joints/h", HINGE | {"range": [0, 0]})], "reach", "leaves no way to go"),
+    "a dynamic body that is said to hang in the air": (
+        [("/entities/b3/afloat", "a magic block that hovers")], "ownership", "'b3' is dynamic, and afloat ('a magic block that hovers') is allowed for static"),
     "an unmapped clause": ([("/clauses/c2", None)], "clauses", "clause c2 'The last block falls off the shelf' is not mapped"),
     "an empty clause": ([("/clauses/c2", {})], "clauses", "is not mapped"),
     "a clause mapped to nothing": ([("/clauses/c2/met_by", ["/story/beats/ghost"])], "clauses", "leads nowhere"),
@@ -128,6 +143,34 @@ def test_suggested_patches_mend_what_they_are_for() -> None:
                 assert len(left) < before, name
                 mended += 1
     assert mended >= 5
+
+
+def _problems(row: str, *operations: tuple[str, Any]) -> list[str]:
+    return list(next(r for r in audit(broken(*operations)).rows if r.id == f"audit:{row}").evidence.get("problems", []))
+
+
+@pytest.mark.parametrize("span", [[-0.5, 1], [0, 1.57], [-1.57, 0], None])
+def test_a_range_that_a_joint_can_start_in_is_no_fault(span: list[float] | None) -> None:
+    """Own choice: the ends of a range belong to it, so that a door may start shut."""
+    assert [p for p in _problems("reach", ("/simulation/joints/h", HINGE | {"range": span})) if "/range" in p] == []
+
+
+def test_a_short_axis_tells_a_direction_as_well_as_a_long_one() -> None:
+    assert [p for p in _problems("reach", ("/simulation/joints/h", HINGE | {"axis": [0, 0, 1e-3]})) if "/axis" in p] == []
+
+
+def test_a_skin_may_take_half_of_a_part_and_is_not_asked_of_parts_that_are_only_drawn() -> None:
+    size, thin = "/entities/b3/parts/body/shape/size", [0.05, 0.0008, 0.15]
+    assert [p for p in _problems("bounds", (size, [0.05, 0.001, 0.15])) if "skin" in p] == []
+    assert [p for p in _problems("bounds", (size, thin), ("/entities/b3/parts/body/collides", False)) if "skin" in p] == []
+    thinner = ("/simulation/solvers/rigid/settings/skin", 0.0004)
+    assert [p for p in _problems("bounds", (size, thin), thinner) if "skin" in p] == []
+
+
+def test_contacts_of_different_pairs_and_afloat_of_what_is_static_are_no_fault() -> None:
+    pairs = [("/simulation/contacts/one", {"a": "ball", "b": "b1"}), ("/simulation/contacts/two", {"a": "ball", "b": "b2"})]
+    assert [p for p in _problems("bounds", *pairs) if "/contacts/" in p] == []
+    assert [p for p in _problems("ownership", ("/entities/shelf/afloat", "a shelf of a dream")) if "afloat" in p] == []
 
 
 def test_drivers_that_a_beat_tells_or_that_come_too_late_to_be_certain_are_no_fault() -> None:

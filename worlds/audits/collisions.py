@@ -53,8 +53,6 @@ def _beside_parts(spec: WorldSpec, name: str, instance: RigidInstance) -> Iterat
 def _thickness(spec: WorldSpec, member: str) -> Iterator[tuple[str, float]]:
     """Parts of a member that collide, and their least extents [m]; upper bounds of it for what is no simple shape."""
     entity = spec.entities[member]
-    if entity.physics.category != "rigid":
-        return  # the skin of elastic bodies is bounded by their cells
     if entity.generator is not None:
         yield member, 2.0 * entity.generator.radius
     for key, part in entity.parts.items():

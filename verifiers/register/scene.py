@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...worlds.audits.pairs import departures
 from ...worlds.audits.story import STARTED
 from ...worlds.categories.fracture.pieces import crumble_of
 from ...worlds.categories.registry import CATEGORIES, shape_of
@@ -56,7 +57,9 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
             _carriers(spec),
             _pushers(candidate),
             _idle(candidate),
-            _springs(spec),
+            _springs(candidate),
+            _pairs(spec),
+            _guides(spec),
             _starts(spec),
             _margins(spec),
             _dragged(candidate),
@@ -75,14 +78,39 @@ def _gravity(spec: WorldSpec) -> Iterator[tuple[str, str]]:
     yield f"gravity of {strength:.4g} m/s^2{aslant}", f"not the {-EARTH[2]:g} m/s^2 straight down of the Earth"
 
 
-def _springs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
-    for name, joint in spec.simulation.joints.items():
+def _springs(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    for name, joint in candidate.spec.simulation.joints.items():
         if isinstance(joint, SpringJoint):
             other = repr(joint.parent) if joint.parent is not None else "a fixed point of space"
             length = float(np.linalg.norm(np.array(joint.child_point) - np.array(joint.parent_point)))
+            stretch = 0.0 if joint.rest_length is None else length - joint.rest_length
+            energy = 0.5 * joint.stiffness * (max(stretch, 0.0) if joint.rope else stretch) ** 2
+            loaded = f", loaded with {energy:.3g} J," if energy > 0.0 else ""
             yield (
-                f"spring {name!r} between {joint.child!r} and {other} acts over {length:.3g} m at frame 0 and is not drawn",
+                f"spring {name!r} between {joint.child!r} and {other} acts over {length:.3g} m at frame 0{loaded} and is not drawn",
                 "pictures show nothing there",
+            )
+
+
+def _pairs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Pairs whose own friction or restitution is not what their materials give."""
+    for pair in spec.simulation.contacts.values():
+        for field, value, (low, high) in departures(spec, pair):
+            given = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+            yield (
+                f"{pair.a!r} meets {pair.b!r} with a {field} of {value:g}, where their materials give {given}: {pair.reason}",
+                "what lies between the two is not simulated",
+            )
+
+
+def _guides(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Slides that guide without friction: what they carry does not rub on anything."""
+    for name, joint in spec.simulation.joints.items():
+        if joint.kind == "slide" and joint.friction == 0.0:
+            other = repr(joint.parent) if joint.parent is not None else "a fixed point of space"
+            yield (
+                f"slide {name!r} guides {joint.child!r} along {other} and bears it without friction",
+                "it glides as on bearings, whatever the surfaces are made of; the guide is not drawn",
             )
 
 

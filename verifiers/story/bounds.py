@@ -17,5 +17,12 @@ LEAST_CHANGE = 0.05
 """[1] Own choice: a value that changes by less than this share of what it was with the cause has not changed, whatever margin was
 declared: chaos alone moves numbers by a little."""
 
+HELPED = 0.05
+"""[1] Own choice: work of a helper on a body counts from this share of the greatest kinetic energy on that the body has had by then; what is
+pushed slowly against friction soon exceeds it."""
+
+LEAST_WORK = 1e-6
+"""[J] Own choice: work below this moves nothing that is seen; it lifts 1 g by 0.1 mm."""
+
 CONFIDENCE = 0.95
 """[1] Own choice: confidence of the interval told beside the share of samples in which a beat comes true."""

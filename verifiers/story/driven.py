@@ -4,6 +4,8 @@ Row `beat:driven:<id>` fails
 
 - an outcome that follows an authored path, which is staged;
 - an outcome on whose subject a driver acts that no beat leading to it owns;
+- an outcome whose bodies a loaded spring, a body on a path or a driver helps along, also through others, of which no beat leading to it
+  tells (`agency.py`);
 - a beat without causes that nothing of the story starts. What starts it is a driver that some beat owns, a velocity that the
   specification gives at frame 0 to an entity of the beat, or weight: an entity of the beat that moves from frame 0 on, without a rest
   up to the frame at which the beat comes true. A lasting state without causes needs no start.
@@ -29,10 +31,13 @@ from ..predicates import beat_times
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from .agency import Help, helped
 from .chains import PAUSE
 from .questions import DRIVEN
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...worlds.requirements import Correction, Row, Status
     from ...worlds.spec import Beat, WorldSpec
 
@@ -45,9 +50,10 @@ class _Start(NamedTuple):
     status: Status
     text: str
     kind: str
-    """Kind of the trigger or fault: `path`, `unsaid`, `late`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
+    """Kind of the trigger or fault: `path`, `unsaid`, `helped`, `late`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
     first: str | None = None
     driver: str | None = None
+    help: Help | None = None
 
 
 def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
@@ -68,6 +74,7 @@ def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
             "owner": beat.owner,
             "trigger": start.kind,
             **({"driver": start.driver} if start.driver else {}),
+            **({"helper": start.help._asdict()} if start.help else {}),
             "pointers": [f"/story/beats/{beat_id}/owner"],
         },
         extra=[beat.model_dump(mode="json"), sorted(_authored(candidate.spec)), start.kind],
@@ -101,11 +108,26 @@ def _start(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
         owns = "no beat that leads to it is owned by" if beat.causes else "no beat is owned by"
         text = f"{deed(spec, helper, beat.subject)}, before {beat_id} comes true, and {owns} {helper}"
         return _Start("fail", text, "unsaid", beat.subject, helper)
+    try:
+        help_ = helped(candidate, beat_id, _comes(candidate, beat_id))
+    except EvidenceError as error:
+        return _Start("unverified", f"whether something else helps {beat_id} along is not known: {error}", "unknown")
+    if help_ is not None:
+        return _Start("fail", _help_text(help_, beat_id), "helped", help_.body, help=help_)
     if beat.causes:
         return _Start("pass", f"{beat.subject} is moved by a solver, from {', '.join(beat.causes)}", "causes")
     if is_invariant(beat.predicate):
         return _Start("pass", f"a lasting state of {beat.subject}, which needs no start", "state")
     return _started(candidate, beat_id, beat)
+
+
+def _help_text(found: Help, beat_id: str) -> str:
+    first, *later = found.through
+    way = f", which passes it on to {' and on to '.join(map(repr, later))}" if later else ""
+    return (
+        f"{found.helper} does {found.work:.3g} J of work on {first!r} by the time {beat_id} comes true, {found.share:.2g} times the kinetic "
+        f"energy that {first!r} ever had, from frame {found.frame} on{way}; no beat that leads to {beat_id} tells of it"
+    )
 
 
 def _staged(spec: WorldSpec, beat_id: str, beat: Beat) -> _Start | None:
@@ -220,6 +242,8 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
         return [
             correction("a driver moves the outcome itself, and the story does not say so", "drivers", action, pointers=pointers)
         ]
+    if found.help is not None:
+        return list(_without_help(found.help, beat_id))
     if found.kind == "late":
         pointers = (f"/simulation/drivers/{found.driver}", f"{place}/owner")
         action = f"let {found.driver} act before {beat_id} comes true, or let what does start it own the beat"
@@ -245,3 +269,17 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
         ),
     ]
     return hints[1:] + hints[:1] if found.driver else hints
+
+
+def _without_help(found: Help, beat_id: str) -> Iterator[Correction]:
+    cause = "something that the story is silent about helps the outcome along"
+    kind, name = found.pointer.split("/")[-2:]
+    away = f"take {name} away (remove {found.pointer}); what the beat asks for must then come by what the story tells"
+    yield correction(cause, "drivers", away, pointers=(found.pointer,))
+    told = (
+        f"let {name} own a beat that leads to {beat_id}: a first beat about {found.through[0]}, named in the causes of what follows"
+        if kind == "drivers"
+        else f"tell of it: a first beat about {found.through[0]}, owned by the driver that lets {name} act (a release, or the detach of what "
+        f"holds it), named in the causes of {beat_id}"
+    )
+    yield correction(cause, "story", told, pointers=("/story/beats", f"/story/beats/{beat_id}/causes"))

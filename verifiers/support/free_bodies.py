@@ -70,8 +70,8 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
     held = correction(
         "it is meant to be dropped, thrown or hung",
         "drivers",
-        f"Declare what holds {entity!r}: a joint, a `release` driver or an initial velocity >= {LAUNCH_SPEED:g} m/s, and for the "
-        "last two a beat that tells of its fall or flight.",
+        f"Declare what holds {entity!r}: a joint; or a `release` driver, a force, a field or an initial velocity >= {LAUNCH_SPEED:g} m/s, "
+        "and a beat that tells of its fall, flight or hovering. What is to hang in the air says `afloat` with the reason.",
         pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
@@ -116,12 +116,12 @@ def _excuse(graph: SupportGraph, entity: str) -> tuple[str, dict[str, Any]]:
         return f"is held up through {' -> '.join(chain)}", {"chain": chain}
     weight = motion.entity_mass(surfaces.candidate, entity) * np.array(spec.simulation.gravity)
     for name, driver in spec.simulation.drivers.items():
-        if isinstance(driver, ForceDriver) and driver.entity == entity and driver.start <= 0.0:
+        if told and isinstance(driver, ForceDriver) and driver.entity == entity and driver.start <= 0.0:
             share = -float(np.dot(driver.force, weight) / np.dot(weight, weight))
             if share >= CARRIES:
                 return f"is carried by driver {name!r} with {share:.3g} of its weight", {"driver": name}
     fields = fields_of(spec, entity)
-    if fields:
+    if told and fields:
         center = np.array([pose_of(spec.entities[entity].pose).position])
         share = -float(np.dot(fields.acceleration(center, 0.0)[0], spec.simulation.gravity)) / float(
             np.dot(spec.simulation.gravity, spec.simulation.gravity)
@@ -148,7 +148,7 @@ def _dragged(surfaces: Surfaces, entity: str) -> bool:
 
 
 def _no_excuse(surfaces: Surfaces, entity: str) -> str:
-    """Words about a release, a start velocity or a drag that does not explain a body in the air; empty where it has none of them."""
+    """Words about a release, a force, a field, a start velocity or a drag that does not explain a body in the air; empty where it has none of them."""
     spec: WorldSpec = surfaces.candidate.spec
     physics = spec.entities[entity].physics
     if spoken_of(spec, entity):
@@ -158,6 +158,11 @@ def _no_excuse(surfaces: Surfaces, entity: str) -> str:
     for name, driver in spec.simulation.drivers.items():
         if isinstance(driver, ReleaseDriver) and driver.entity == entity:
             return f"; driver {name!r} lets it go at {driver.time:g} s, and no beat tells of it"
+        if isinstance(driver, ForceDriver) and driver.entity == entity:
+            return f"; driver {name!r} pushes it, and no beat tells of it"
+    fields = fields_of(spec, entity)
+    if fields:
+        return f"; fields {', '.join(fields.names)} act on it, and no beat tells of it"
     if isinstance(physics, RigidPhysics | ElasticPhysics) and any(physics.linear_velocity):
         return "; it starts with a velocity, and no beat tells of it"
     return ""

@@ -29,6 +29,7 @@ from .gate import bound_problems, clause_problems, hold_problems, overlap_proble
 from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
+from .pairs import surface_problems
 from .reach import reach_problems
 from .story import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused
 
@@ -231,9 +232,12 @@ class _Audit:
 
     def bounds(self) -> None:
         """Limits fit the solver's settings."""
-        problems = [*skin_problems(self.spec), *pair_problems(self.spec)]
+        problems = [*skin_problems(self.spec), *pair_problems(self.spec), *surface_problems(self.spec)]
         problems += bound_problems(self.spec) + overlap_problems(self.spec) + hold_problems(self.spec)
-        text = "collision skins stay within the contact tolerance and the bodies, one entry per pair of contacts, bounds of events above noise, intended overlaps below the bodies' size, holds that end"
+        text = (
+            "collision skins stay within the contact tolerance and the bodies, one entry per pair of contacts and near what the materials give, bounds of "
+            "events above noise, intended overlaps below the bodies' size, holds that end"
+        )
         self.add("bounds", text, problems, group="physical")
 
     def clauses(self) -> Mapping[str, str]:

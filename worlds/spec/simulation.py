@@ -82,12 +82,15 @@ Driver = Annotated[
 
 
 class ContactPair(SpecModel):
-    """Own friction and restitution for contacts between two entities."""
+    """Own friction and restitution for contacts between two entities; values far from those of their materials say why."""
 
     a: EntityRef
     b: EntityRef
     friction: NonNegative | None = Field(default=None, le=4)
     restitution: float | None = Field(default=None, ge=0, le=1)
+    reason: Annotated[str, Field(min_length=10, max_length=300)] | None = Field(
+        default=None, description="what lies between the two, where their materials alone would rub or bounce otherwise; printed"
+    )
 
 
 class Coupling(SpecModel):

@@ -1,0 +1,125 @@
+"""Momentum and kinetic energy of the bodies of a rigid instance by origin: gravity, each driver, spring and body that touches it, partners.
+
+Work of an impulse J on a body is J times the mean of the velocities of its centre of mass at both ends of the interval. Summed over all
+origins this is the change of the kinetic energy of translation exactly, since dP . (v0 + v1) / 2 = d(m v^2 / 2); how an impulse that is
+one of several within an interval shares in it is uncertain by |J| |v1 - v0| / 2, which is told beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from ...worlds.fields import fields_of
+from ...worlds.spec import ForceDriver
+from .balance import Books, books_of
+from .exchanged import partners
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+
+__all__ = ["Given", "Origin", "OriginKind", "Origins", "origins_of"]
+
+OriginKind = Literal["gravity", "driver", "spring", "drag", "fields", "matter", "contact", "joints"]
+
+
+class Origin(NamedTuple):
+    """From what an impulse comes."""
+
+    kind: OriginKind
+    name: str
+    """Driver, spring, or entity that touches; several fields or instances that one record tells of together, joined by commas."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """What one origin gave to one entity over the intervals between frames."""
+
+    impulse: F64
+    """[N s], shape (F - 1, 3)."""
+    work: F64
+    """On the motion of the centre of mass [J], shape (F - 1,)."""
+    doubt: F64
+    """Uncertainty of that work [J], shape (F - 1,)."""
+
+
+class Origins:
+    """Impulses and works on the moving entities of one instance, by origin."""
+
+    def __init__(self, books: Books) -> None:
+        self.books = books
+        self._of: dict[str, dict[Origin, Given]] = {}
+
+    def of(self, entity: str) -> dict[Origin, Given]:
+        """Every origin that gave something to an entity, and what; the works add up to the change of its kinetic energy of translation.
+
+        `joints` is what is left when all others are taken off the change of momentum. Zero for a body while a path or a release holds it.
+
+        Raises:
+            EvidenceError: a channel is missing or damaged.
+            KeyError: no body of the instance is of the entity.
+        """
+        if entity not in self._of:
+            row = self.books.row[entity]
+            found = {origin: impulse for origin, impulse in self._impulses(entity, row).items() if impulse.any()}
+            rest = np.diff(self.books.momentum[:, row], axis=0) - sum(found.values(), np.zeros((self.books.frames - 1, 3)))
+            found[Origin("joints", "")] = np.where((self.books.free_time[:, row] > 0)[:, None], rest, 0.0)
+            self._of[entity] = {origin: self._given(row, impulse) for origin, impulse in found.items()}
+        return self._of[entity]
+
+    def _given(self, row: int, impulse: F64) -> Given:
+        velocity = self.books.velocities[:, row]
+        change = np.linalg.norm(np.diff(velocity, axis=0), axis=1)
+        work = np.sum(impulse * 0.5 * (velocity[:-1] + velocity[1:]), axis=1)
+        return Given(impulse, work, 0.5 * np.linalg.norm(impulse, axis=1) * change)
+
+    def _impulses(self, entity: str, row: int) -> dict[Origin, F64]:
+        books, spec = self.books, self.books.candidate.spec
+        found = {
+            Origin("gravity", ""): books.gravity_impulse[:, row],
+            Origin("drag", ""): books.drag_impulse[:, row],
+            Origin("fields", ", ".join(fields_of(spec, entity).names)): books.fields.linear[:, row],
+            Origin("matter", ", ".join(partners(spec, books.cache.index.solver))): books.liquid.linear[:, row],
+        }
+        for name, driver in spec.simulation.drivers.items():
+            if isinstance(driver, ForceDriver) and driver.entity == entity:
+                acting = books.overlap(max(driver.start, books.released[row]), driver.end)[:, None]
+                found[Origin("driver", name)] = acting * np.array(driver.force)
+        for spring in books.springs:
+            ends = [sign for end, sign in ((spring.child, 1.0), (spring.parent, -1.0)) if end == row]
+            if ends and not books.kinematic[row]:
+                free = (books.free_time[:, row] > 0)[:, None]
+                found[Origin("spring", spring.name)] = sum(ends) * np.where(free, spring.impulse[0], 0.0)
+        for other, impulse in self._contacts(row).items():
+            found[Origin("contact", other)] = impulse
+        return found
+
+    def _contacts(self, row: int) -> dict[str, F64]:
+        """Impulse of the logged contacts with each other entity [N s], shape (F - 1, 3)."""
+        log, books = self.books.contacts, self.books
+        names, own = books.cache.index.colliders, books.collider_row
+        found: dict[str, F64] = {}
+        for side, other, sign in ((log.a, log.b, -1.0), (log.b, log.a, 1.0)):
+            of = np.flatnonzero((own[side] == row) & (own[other] != row)) if len(side) else np.zeros(0, dtype=np.intp)
+            for k in np.unique(other[of]):
+                rows = of[other[of] == k]
+                given = found.setdefault(names[k], np.zeros((books.frames - 1, 3)))
+                np.add.at(given, log.frame[rows] - 1, sign * log.given[rows])
+        return found
+
+
+def origins_of(candidate: Candidate, entity: str) -> dict[Origin, Given]:
+    """Every origin that gave momentum to an entity of a rigid instance, and what it gave; empty where no such instance moves it.
+
+    Raises:
+        EvidenceError: a channel is missing or damaged.
+    """
+    for cache in candidate.rigid_caches.values():
+        books = books_of(candidate, cache)
+        if entity in books.row:
+            return candidate.memo(("origins", cache), partial(Origins, books)).of(entity)
+    return {}
